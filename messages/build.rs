@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::{env, fs, path::Path};
 
-use template::{Kind, Piece, TemplateError, pieces};
+use template::{PlaceholderKind, TemplateError, TemplatePiece, split_template};
 
 const TABLE: &str = "../assets/tables/messages.tsv";
 const HEADER: &str = "id\ten\tzh";
@@ -19,28 +19,28 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let table = fs::read_to_string(TABLE)?;
     let mut lines = table.lines().zip(1..);
     if lines.next().map(|(line, _)| line) != Some(HEADER) {
-        return Err(Wrong::Header.into());
+        return Err(TableError::Header.into());
     }
-    let mut rows: Vec<Row> = Vec::new();
+    let mut rows: Vec<TableRow> = Vec::new();
     for (line, number) in lines {
-        let row = parse(line).map_err(|wrong| Wrong::Line(number, wrong))?;
+        let row = parse_row(line).map_err(|error| TableError::Line(number, error))?;
         // Alphabetical order keeps rows of the same subject together.
         if let Some(last) = rows.last()
             && last.id >= row.id
         {
-            let wrong = RowError::Order(last.id.clone(), row.id);
-            return Err(Wrong::Line(number, wrong).into());
+            let error = RowError::Order(last.id.clone(), row.id);
+            return Err(TableError::Line(number, error).into());
         }
         rows.push(row);
     }
     let out = Path::new(&env::var("OUT_DIR")?).join("messages.rs");
-    fs::write(out, sources(&rows)?)?;
+    fs::write(out, generate_sources(&rows)?)?;
     Ok(())
 }
 
 /// Why the table cannot be compiled.
 #[derive(Debug, thiserror::Error)]
-enum Wrong {
+enum TableError {
     #[error("{TABLE} does not begin with the line `{HEADER}`")]
     Header,
     #[error("{TABLE}, line {0}: {1}")]
@@ -64,16 +64,16 @@ enum RowError {
     Template(#[from] TemplateError),
 }
 
-struct Row {
+struct TableRow {
     id: String,
     en: String,
     zh: String,
     /// Name and kind of each placeholder, in the order of the English text.
-    values: Vec<(String, Kind)>,
+    values: Vec<(String, PlaceholderKind)>,
 }
 
 /// Parses a line of the table. Both languages must use the same placeholders.
-fn parse(line: &str) -> Result<Row, RowError> {
+fn parse_row(line: &str) -> Result<TableRow, RowError> {
     let fields: Vec<&str> = line.split('\t').collect();
     let [id, en, zh] = fields[..] else {
         return Err(RowError::Columns(fields.len()));
@@ -86,25 +86,27 @@ fn parse(line: &str) -> Result<Row, RowError> {
         return Err(RowError::Text);
     }
     let [en, zh] = [en, zh].map(|text| text.replace("\\n", "\n"));
-    let mut values: Vec<(String, Kind)> = Vec::new();
-    for piece in pieces(&en)? {
-        if let Piece::Value { name, kind } = piece
+    let mut values: Vec<(String, PlaceholderKind)> = Vec::new();
+    for piece in split_template(&en)? {
+        if let TemplatePiece::Value { name, kind } = piece
             && !values.iter().any(|(known, _)| known == name)
         {
             values.push((name.to_owned(), kind));
         }
     }
     let names = |text: &str| -> Result<BTreeMap<String, ()>, TemplateError> {
-        let named = pieces(text)?.into_iter().filter_map(|piece| match piece {
-            Piece::Value { name, .. } => Some((name.to_owned(), ())),
-            Piece::Text(_) => None,
-        });
+        let named = split_template(text)?
+            .into_iter()
+            .filter_map(|piece| match piece {
+                TemplatePiece::Value { name, .. } => Some((name.to_owned(), ())),
+                TemplatePiece::Text(_) => None,
+            });
         Ok(named.collect())
     };
     if names(&en)? != names(&zh)? {
         return Err(RowError::Placeholders);
     }
-    Ok(Row {
+    Ok(TableRow {
         id: id.to_owned(),
         en,
         zh,
@@ -112,27 +114,31 @@ fn parse(line: &str) -> Result<Row, RowError> {
     })
 }
 
-fn sources(rows: &[Row]) -> Result<String, std::fmt::Error> {
+fn generate_sources(rows: &[TableRow]) -> Result<String, std::fmt::Error> {
     let mut enumeration = String::new();
     let mut table = String::new();
     let mut functions = String::new();
     for row in rows {
-        let variant = camel_case(&row.id);
+        let variant = to_camel_case(&row.id);
         let names: Vec<&str> = row.values.iter().map(|(name, _)| name.as_str()).collect();
-        writeln!(enumeration, "    /// {}\n    {variant},", in_docs(&row.en))?;
+        writeln!(
+            enumeration,
+            "    /// {}\n    {variant},",
+            quote_for_docs(&row.en)
+        )?;
         writeln!(
             table,
             "    Row {{ name: {:?}, en: {:?}, zh: {:?}, values: &{names:?} }},",
             row.id, row.en, row.zh
         )?;
-        let parameters: Vec<String> = row.values.iter().map(parameter).collect();
-        let values: Vec<String> = row.values.iter().map(value).collect();
+        let parameters: Vec<String> = row.values.iter().map(function_parameter).collect();
+        let values: Vec<String> = row.values.iter().map(value_expression).collect();
         writeln!(
             functions,
             "/// {}\n///\n/// {}\n#[must_use]\npub fn {}({}) -> Message {{\n    \
              Message::of(Id::{variant}, vec![{}])\n}}\n",
-            in_docs(&row.en),
-            in_docs(&row.zh),
+            quote_for_docs(&row.en),
+            quote_for_docs(&row.zh),
             row.id,
             parameters.join(", "),
             values.join(", ")
@@ -152,7 +158,7 @@ fn sources(rows: &[Row]) -> Result<String, std::fmt::Error> {
          {functions}}}\n",
         rows.len(),
         rows.iter()
-            .map(|row| format!("Id::{}", camel_case(&row.id)))
+            .map(|row| format!("Id::{}", to_camel_case(&row.id)))
             .collect::<Vec<_>>()
             .join(", "),
         rows.len(),
@@ -160,7 +166,7 @@ fn sources(rows: &[Row]) -> Result<String, std::fmt::Error> {
 }
 
 /// Quotes a text for a doc comment and escapes everything that makes a link or a tag.
-fn in_docs(text: &str) -> String {
+fn quote_for_docs(text: &str) -> String {
     let mut quoted = String::from('"');
     for letter in text.chars() {
         if letter == '\n' {
@@ -176,24 +182,26 @@ fn in_docs(text: &str) -> String {
     quoted
 }
 
-fn parameter((name, kind): &(String, Kind)) -> String {
+fn function_parameter((name, kind): &(String, PlaceholderKind)) -> String {
     match kind {
-        Kind::Plain(_) => format!("{name}: impl Display"),
-        Kind::Message => format!("{name}: impl Into<Message>"),
-        Kind::Messages => format!("{name}: impl IntoIterator<Item = Message>"),
+        PlaceholderKind::Plain(_) => format!("{name}: impl Display"),
+        PlaceholderKind::Message => format!("{name}: impl Into<Message>"),
+        PlaceholderKind::Messages => format!("{name}: impl IntoIterator<Item = Message>"),
     }
 }
 
-fn value((name, kind): &(String, Kind)) -> String {
+fn value_expression((name, kind): &(String, PlaceholderKind)) -> String {
     match kind {
-        Kind::Plain(spec) if spec.is_empty() => format!("Value::Text({name}.to_string())"),
-        Kind::Plain(spec) => format!("Value::Text(format!(\"{{{name}:{spec}}}\"))"),
-        Kind::Message => format!("Value::Message({name}.into())"),
-        Kind::Messages => format!("Value::List({name}.into_iter().collect())"),
+        PlaceholderKind::Plain(spec) if spec.is_empty() => {
+            format!("Value::Text({name}.to_string())")
+        }
+        PlaceholderKind::Plain(spec) => format!("Value::Text(format!(\"{{{name}:{spec}}}\"))"),
+        PlaceholderKind::Message => format!("Value::Message({name}.into())"),
+        PlaceholderKind::Messages => format!("Value::List({name}.into_iter().collect())"),
     }
 }
 
-fn camel_case(id: &str) -> String {
+fn to_camel_case(id: &str) -> String {
     let words = id.split('_').map(|word| {
         let mut letters = word.chars();
         let first = letters.next().map(|first| first.to_ascii_uppercase());

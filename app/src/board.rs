@@ -4,19 +4,19 @@
 use std::path::Path;
 use std::time::Duration;
 
-use gsk_core::linked::drives;
-use gsk_core::memory::Parameters;
+use gsk_core::linked::drives_from_parameters;
+use gsk_core::memory::ControlParameters;
 use gsk_link::{Link, LinkConfig, LinkEvent, LinkState, Protocol};
 
 use gsk_messages::Message;
 
-use crate::carrier::{Carrier, Line};
-use crate::ending::{Ending, SignalError};
 use crate::guard::GuardError;
+use crate::port_io::{PortIo, TrafficLine};
 use crate::ports;
+use crate::termination::{SignalError, TerminationFlag};
 
 /// Longest time for a board to become ready.
-pub const GET_KNOWN: Duration = Duration::from_secs(30);
+pub const READY_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// Why a board cannot be opened.
 #[derive(Debug, thiserror::Error)]
@@ -40,24 +40,24 @@ impl BoardError {
 
 /// A board and its link. The board stops when this value is dropped, and when the end of
 /// the program is requested.
-pub struct Board {
+pub struct BoardSession {
     /// The link.
     pub link: Link,
-    carrier: Carrier,
-    ending: Ending,
+    port_io: PortIo,
+    termination: TerminationFlag,
     lookahead: Duration,
     /// The board makes all motion it holds even if this program ends: protocol of text
     /// lines.
-    by_lines: bool,
+    is_line_protocol: bool,
 }
 
-impl Drop for Board {
+impl Drop for BoardSession {
     fn drop(&mut self) {
         self.close();
     }
 }
 
-impl Board {
+impl BoardSession {
     /// Opens the port and begins the dialogue; `program` is the executable of the process
     /// that holds the port.
     ///
@@ -65,17 +65,17 @@ impl Board {
     /// The port or the signal handlers fail; the message names the port.
     pub fn open(
         config: LinkConfig,
-        parameters: &Parameters,
+        parameters: &ControlParameters,
         program: &Path,
     ) -> Result<Self, BoardError> {
-        let ending = Ending::heard()?;
-        let carrier = Carrier::open(&config, program)?;
+        let termination = TerminationFlag::install_signal_handlers()?;
+        let port_io = PortIo::open(&config, program)?;
         Ok(Self {
             lookahead: config.lookahead(),
-            by_lines: config.protocol == Protocol::Line,
-            link: Link::open(config, &drives(parameters), Duration::ZERO),
-            carrier,
-            ending,
+            is_line_protocol: config.protocol == Protocol::Line,
+            link: Link::open(config, &drives_from_parameters(parameters), Duration::ZERO),
+            port_io,
+            termination,
         })
     }
 
@@ -83,53 +83,53 @@ impl Board {
     pub fn close(&mut self) {
         if self.link.state() != LinkState::Off {
             self.link.close();
-            self.carrier.end(self.link.tx());
+            self.port_io.close(self.link.tx());
         }
     }
 
     /// Returns the id of the process that holds the port.
-    pub fn holder(&self) -> Option<u32> {
-        self.carrier.holder()
+    pub fn holder_process_id(&self) -> Option<u32> {
+        self.port_io.holder_process_id()
     }
 
-    /// Keeps the traffic from now on, for [`Board::traffic`].
-    pub fn watch(&mut self) {
-        self.carrier.watch(true);
+    /// Keeps the traffic from now on, for [`BoardSession::take_traffic`].
+    pub fn record_traffic(&mut self) {
+        self.port_io.set_recording(true);
     }
 
     /// Returns the time since the port was opened.
     pub fn now(&self) -> Duration {
-        self.carrier.now()
+        self.port_io.now()
     }
 
     /// Reads, ticks and writes once; waits at most 2 ms for bytes. Closes the link once
     /// the end of the program is requested.
     pub fn pump(&mut self) -> Vec<LinkEvent> {
-        if self.ending.is_asked() {
+        if self.termination.is_requested() {
             self.close();
         }
         if self.link.state() == LinkState::Off {
             return self.link.events();
         }
-        match self.carrier.read() {
-            Ok(bytes) => self.link.rx(&bytes, self.carrier.now()),
-            Err(error) => self.link.lost(ports::gone(&error)),
+        match self.port_io.read() {
+            Ok(bytes) => self.link.rx(&bytes, self.port_io.now()),
+            Err(error) => self.link.lost(ports::failure_message(&error)),
         }
-        self.link.tick(self.carrier.now());
-        let jump = self.carrier.take_jump();
+        self.link.tick(self.port_io.now());
+        let jump = self.port_io.take_jump();
         if jump >= self.lookahead {
             self.link.stop_after_absence();
         }
         let moves = matches!(self.link.state(), LinkState::Moving | LinkState::Homing);
-        self.carrier.renew(moves && self.by_lines);
-        self.carrier.stop_with(&self.link.stop_bytes());
-        let count = self.carrier.write(self.link.tx());
+        self.port_io.renew_lease(moves && self.is_line_protocol);
+        self.port_io.set_stop_bytes(&self.link.stop_bytes());
+        let count = self.port_io.write(self.link.tx());
         self.link.consumed(count);
         self.link.events()
     }
 
     /// Pumps until a condition holds or the time is up; returns the events meanwhile.
-    pub fn wait(
+    pub fn pump_until(
         &mut self,
         limit: Duration,
         until: impl Fn(&Link, &[LinkEvent]) -> bool,
@@ -143,10 +143,10 @@ impl Board {
         events
     }
 
-    /// Pumps until the board is ready, refused or lost, at most [`GET_KNOWN`]; returns the
+    /// Pumps until the board is ready, refused or lost, at most [`READY_TIMEOUT`]; returns the
     /// events meanwhile.
-    pub fn get_known(&mut self) -> Vec<LinkEvent> {
-        self.wait(GET_KNOWN, |link, events| {
+    pub fn wait_until_ready(&mut self) -> Vec<LinkEvent> {
+        self.pump_until(READY_TIMEOUT, |link, events| {
             matches!(
                 link.state(),
                 LinkState::Locked | LinkState::Tripped | LinkState::Fault | LinkState::Lost
@@ -157,9 +157,9 @@ impl Board {
     }
 
     /// Returns the lines of traffic since the last call.
-    pub fn traffic(&mut self) -> Vec<Line> {
+    pub fn take_traffic(&mut self) -> Vec<TrafficLine> {
         let link = &self.link;
-        self.carrier
-            .traffic(|outward, collected| link.next_text(outward, collected))
+        self.port_io
+            .take_traffic(|outward, collected| link.next_text(outward, collected))
     }
 }

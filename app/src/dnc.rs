@@ -9,26 +9,26 @@ use std::thread;
 use crossbeam::channel::{Receiver, Sender, TryRecvError, bounded};
 use gsk_core::cnc::Cnc;
 use gsk_messages::{Message, say};
-use gsk_runner::partner::Patience;
+use gsk_runner::partner::PartnerWait;
 
+use crate::message_format::describe_io_error;
 use crate::platform::is_serial_port;
 use crate::ports::{self, Port, PortError};
-use crate::saying::of_system;
 
 /// File in the folder of the data directory that is sent when no other source is named.
-pub const IN_FOLDER: &str = "DNC.CNC";
+pub const FILE_IN_FOLDER: &str = "DNC.CNC";
 
 /// Size of a read, bytes.
-const CHUNK: usize = 4096;
+const CHUNK_BYTES: usize = 4096;
 /// Number of chunks that wait for the control.
-const CHUNKS: usize = 2;
+const MAX_CHUNKS: usize = 2;
 /// Reader start and reader stop.
 const DC1: u8 = 0x11;
 const DC3: u8 = 0x13;
 
 /// Source of the programs.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Source {
+pub enum DncSource {
     /// A file, sent from its beginning at each call for a program.
     File(PathBuf),
     /// Standard input, which continues where it was.
@@ -37,10 +37,10 @@ pub enum Source {
     Port(String),
 }
 
-impl Source {
+impl DncSource {
     /// Parses a name of the command line: `-` is standard input, a port is read as one,
     /// every other name is a file.
-    pub fn of(name: &Path) -> Self {
+    pub fn from_name(name: &Path) -> Self {
         match name.to_str() {
             Some("-") => Self::Standard,
             Some(port) if is_serial_port(name) => Self::Port(port.to_owned()),
@@ -62,7 +62,7 @@ impl SourceError {
     fn message(&self) -> Message {
         match self {
             Self::File { path, error } => {
-                say::dnc_source_unreadable(path.display(), of_system(error))
+                say::dnc_source_unreadable(path.display(), describe_io_error(error))
             }
             Self::Port(error) => error.message(),
             Self::Thread(error) => say::as_written(error),
@@ -74,116 +74,116 @@ impl SourceError {
 type Chunk = io::Result<Vec<u8>>;
 
 #[derive(Debug)]
-pub struct Partner {
-    source: Source,
+pub struct DncPartner {
+    source: DncSource,
     /// Number of the call that is being answered.
-    call: u32,
+    call_number: u32,
     chunks: Option<Receiver<Chunk>>,
     /// Channel to the reader of a port: a character for the other end.
-    say: Option<Sender<u8>>,
+    to_port: Option<Sender<u8>>,
     /// The current chunk.
-    rest: Vec<u8>,
-    taken: usize,
+    chunk: Vec<u8>,
+    sent: usize,
 }
 
-impl Partner {
+impl DncPartner {
     /// Creates a partner that sends from a source.
-    pub const fn new(source: Source) -> Self {
+    pub const fn new(source: DncSource) -> Self {
         Self {
             source,
-            call: 0,
+            call_number: 0,
             chunks: None,
-            say: None,
-            rest: Vec::new(),
-            taken: 0,
+            to_port: None,
+            chunk: Vec::new(),
+            sent: 0,
         }
     }
 
     /// Opens the source after a call of the control.
-    fn begin(&mut self, cnc: &Cnc) -> Result<(), SourceError> {
+    fn open_source(&mut self, cnc: &Cnc) -> Result<(), SourceError> {
         match &self.source {
-            Source::File(path) => {
+            DncSource::File(path) => {
                 let refused = |error| SourceError::File {
                     path: path.clone(),
                     error,
                 };
                 let file = File::open(path).map_err(refused)?;
-                self.forget();
-                self.chunks = Some(read_aside(file)?);
+                self.drop_chunk();
+                self.chunks = Some(start_reader(file)?);
             }
-            Source::Standard if self.chunks.is_some() => {}
-            Source::Standard => self.chunks = Some(read_aside(io::stdin())?),
-            Source::Port(path) => {
+            DncSource::Standard if self.chunks.is_some() => {}
+            DncSource::Standard => self.chunks = Some(start_reader(io::stdin())?),
+            DncSource::Port(path) => {
                 let baud = cnc.parameters().baud();
                 let port = Port::open_with_handshake(path, baud)?;
-                self.forget();
-                let (say, said) = bounded(4);
-                let _ = say.try_send(DC1);
-                self.say = Some(say);
-                self.chunks = Some(listen_aside(port, said)?);
+                self.drop_chunk();
+                let (to_port, receiver) = bounded(4);
+                let _ = to_port.try_send(DC1);
+                self.to_port = Some(to_port);
+                self.chunks = Some(start_port_reader(port, receiver)?);
             }
         }
         Ok(())
     }
 
-    fn forget(&mut self) {
-        self.rest.clear();
-        self.taken = 0;
+    fn drop_chunk(&mut self) {
+        self.chunk.clear();
+        self.sent = 0;
     }
 
     /// Fetches the next chunk; returns `false` if there is none now.
-    fn fetch(&mut self, cnc: &mut Cnc, patience: Patience) -> bool {
+    fn fetch_chunk(&mut self, cnc: &mut Cnc, wait: PartnerWait) -> bool {
         let Some(chunks) = &self.chunks else {
-            cnc.dnc_end();
+            cnc.end_dnc();
             return false;
         };
-        let chunk = match patience {
-            Patience::Waits => chunks.recv().map_err(|_| TryRecvError::Disconnected),
-            Patience::None => chunks.try_recv(),
+        let chunk = match wait {
+            PartnerWait::Allowed => chunks.recv().map_err(|_| TryRecvError::Disconnected),
+            PartnerWait::Forbidden => chunks.try_recv(),
         };
         match chunk {
             Ok(Ok(characters)) => {
-                (self.rest, self.taken) = (characters, 0);
+                (self.chunk, self.sent) = (characters, 0);
                 return true;
             }
-            Ok(Err(error)) => cnc.dnc_broken(ports::gone(&error)),
-            Err(TryRecvError::Disconnected) => cnc.dnc_end(),
+            Ok(Err(error)) => cnc.fail_dnc(ports::failure_message(&error)),
+            Err(TryRecvError::Disconnected) => cnc.end_dnc(),
             Err(TryRecvError::Empty) => {}
         }
         false
     }
 }
 
-impl gsk_runner::partner::Partner for Partner {
-    fn feed(&mut self, cnc: &mut Cnc, patience: Patience) {
-        cnc.connect_dnc(true);
-        if self.call != cnc.dnc_calls() {
-            self.call = cnc.dnc_calls();
-            if let Err(said) = self.begin(cnc) {
-                return cnc.dnc_broken(said.message());
+impl gsk_runner::partner::ProgramPartner for DncPartner {
+    fn send_text(&mut self, cnc: &mut Cnc, wait: PartnerWait) {
+        cnc.set_dnc_partner(true);
+        if self.call_number != cnc.dnc_request_count() {
+            self.call_number = cnc.dnc_request_count();
+            if let Err(error) = self.open_source(cnc) {
+                return cnc.fail_dnc(error.message());
             }
         }
-        while cnc.dnc_room() > 0 {
-            let rest = self.rest.get(self.taken..).unwrap_or_default();
-            if rest.is_empty() && !self.fetch(cnc, patience) {
+        while cnc.dnc_free_characters() > 0 {
+            let rest = self.chunk.get(self.sent..).unwrap_or_default();
+            if rest.is_empty() && !self.fetch_chunk(cnc, wait) {
                 return;
             }
-            let rest = self.rest.get(self.taken..).unwrap_or_default();
-            self.taken += cnc.dnc_send(rest);
+            let rest = self.chunk.get(self.sent..).unwrap_or_default();
+            self.sent += cnc.receive_dnc(rest);
         }
-        if cnc.programs().inflow().is_none()
-            && let Some(say) = self.say.take()
+        if cnc.programs().dnc_buffer().is_none()
+            && let Some(to_port) = self.to_port.take()
         {
-            let _ = say.try_send(DC3);
+            let _ = to_port.try_send(DC3);
             self.chunks = None;
         }
     }
 }
 
 /// Reads in a separate thread, only as far ahead as the channel has space.
-fn read_aside(mut source: impl Read + Send + 'static) -> Result<Receiver<Chunk>, SourceError> {
-    aside(move |chunks| {
-        let mut buffer = vec![0; CHUNK];
+fn start_reader(mut source: impl Read + Send + 'static) -> Result<Receiver<Chunk>, SourceError> {
+    start_thread(move |chunks| {
+        let mut buffer = vec![0; CHUNK_BYTES];
         loop {
             let chunk = match source.read(&mut buffer) {
                 Ok(0) => return,
@@ -191,8 +191,8 @@ fn read_aside(mut source: impl Read + Send + 'static) -> Result<Receiver<Chunk>,
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
                 Err(error) => Err(error),
             };
-            let over = chunk.is_err();
-            if chunks.send(chunk).is_err() || over {
+            let failed = chunk.is_err();
+            if chunks.send(chunk).is_err() || failed {
                 return;
             }
         }
@@ -200,32 +200,35 @@ fn read_aside(mut source: impl Read + Send + 'static) -> Result<Receiver<Chunk>,
 }
 
 /// Reads a port in a separate thread and sends characters to it.
-fn listen_aside(mut port: Port, said: Receiver<u8>) -> Result<Receiver<Chunk>, SourceError> {
-    aside(move |chunks| {
+fn start_port_reader(
+    mut port: Port,
+    to_send: Receiver<u8>,
+) -> Result<Receiver<Chunk>, SourceError> {
+    start_thread(move |chunks| {
         loop {
-            let mut over = false;
+            let mut disconnected = false;
             loop {
-                match said.try_recv() {
+                match to_send.try_recv() {
                     Ok(character) => {
                         // If the port is gone, the next read reports it.
                         let _ = port.write(&[character]);
                     }
                     Err(TryRecvError::Empty) => break,
                     Err(TryRecvError::Disconnected) => {
-                        over = true;
+                        disconnected = true;
                         break;
                     }
                 }
             }
-            if over {
+            if disconnected {
                 return;
             }
             let chunk = match port.read() {
                 Ok(characters) if characters.is_empty() => continue,
                 chunk => chunk,
             };
-            let over = chunk.is_err();
-            if chunks.send(chunk).is_err() || over {
+            let failed = chunk.is_err();
+            if chunks.send(chunk).is_err() || failed {
                 let _ = port.write(&[DC3]);
                 return;
             }
@@ -233,10 +236,10 @@ fn listen_aside(mut port: Port, said: Receiver<u8>) -> Result<Receiver<Chunk>, S
     })
 }
 
-fn aside(
+fn start_thread(
     work: impl FnOnce(&Sender<Chunk>) + Send + 'static,
 ) -> Result<Receiver<Chunk>, SourceError> {
-    let (send, receive) = bounded(CHUNKS);
+    let (send, receive) = bounded(MAX_CHUNKS);
     thread::Builder::new()
         .name("dnc".to_owned())
         .spawn(move || work(&send))

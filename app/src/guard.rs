@@ -22,31 +22,31 @@ use crossbeam::channel::{Receiver, bounded};
 use gsk_messages::{Message, say};
 use web_time::{Duration, Instant};
 
-use frame::{Kind, Lease, Reader};
+use frame::{FrameKind, GuardFrameReader, Lease};
 
-use crate::platform::{self, ToHolder};
+use crate::platform::{self, HolderConnection};
 use crate::ports;
 
 /// The hidden command that starts a holder.
-pub const COMMAND: &str = "hold-port";
+pub const HOLDER_COMMAND: &str = "hold-port";
 
 /// How long a read waits for the first byte.
 const READ_WAIT: Duration = Duration::from_millis(2);
 /// Longest time for a holder to answer after its start.
-const STARTS_WITHIN: Duration = Duration::from_secs(10);
+const START_TIMEOUT: Duration = Duration::from_secs(10);
 /// Longest time for a holder to stop the board and end.
-const ENDS_WITHIN: Duration = Duration::from_secs(5);
+const END_TIMEOUT: Duration = Duration::from_secs(5);
 /// Time between two checks whether the holder has ended.
-const LOOK: Duration = Duration::from_millis(2);
+const POLL_INTERVAL: Duration = Duration::from_millis(2);
 /// The holder stops the board when the program was silent for this time with slides or
 /// spindle in motion. The board has made its lookahead by then.
-const SILENT: Duration = Duration::from_secs(1);
+const MAX_SILENCE: Duration = Duration::from_secs(1);
 /// Longest time between two renewals of the lease.
-const RENEW: Duration = Duration::from_millis(100);
+const RENEW_INTERVAL: Duration = Duration::from_millis(100);
 /// How long bytes for the board may take to the holder beyond the lookahead.
-const ON_THE_WAY: Duration = Duration::from_millis(100);
+const TRANSIT_TIME: Duration = Duration::from_millis(100);
 /// Limit of the bytes that wait for the holder.
-const MOST_WAITING: usize = frame::MOST;
+const MAX_WAITING_BYTES: usize = frame::MAX_CONTENT;
 
 /// Returns the time of the clock that this process and the holder share, ms.
 fn now_ms() -> u64 {
@@ -99,30 +99,30 @@ impl GuardError {
         match self {
             Self::NotStarted { port, error } => say::port_holder_not_started(port, error),
             Self::Ended { port } => say::port_holder_ended(port),
-            Self::Refused(said) => said.clone(),
+            Self::Refused(message) => message.clone(),
             Self::Strange { port } => say::port_holder_strange(port),
             Self::Silent { port } => say::port_holder_silent(port),
         }
     }
 }
 
-/// A port that another process holds. Dropping it without [`Guard::end`] stops the board.
-pub struct Guard {
+/// A port that another process holds. Dropping it without [`PortGuard::close`] stops the board.
+pub struct PortGuard {
     child: Child,
-    holder: ToHolder,
-    reader: Reader,
+    holder: HolderConnection,
+    reader: GuardFrameReader,
     /// Frames that the holder has not taken yet.
-    waiting: Vec<u8>,
-    stop: Vec<u8>,
+    unsent: Vec<u8>,
+    stop_bytes: Vec<u8>,
     lease: Lease,
-    renewed: Instant,
+    last_renewal: Instant,
     orphan: Option<Orphan>,
     program: PathBuf,
     port: String,
     baud: u32,
 }
 
-impl Guard {
+impl PortGuard {
     /// Starts a holder of this port; `program` is its executable.
     ///
     /// # Errors
@@ -133,42 +133,42 @@ impl Guard {
             error,
         };
         let mut command = Command::new(program);
-        command.args([COMMAND, "--baud", &baud.to_string(), "--", port]);
-        let (child, holder) = ToHolder::start(command).map_err(cannot)?;
+        command.args([HOLDER_COMMAND, "--baud", &baud.to_string(), "--", port]);
+        let (child, holder) = HolderConnection::start(command).map_err(cannot)?;
         let mut guard = Self {
             child,
             holder,
-            reader: Reader::default(),
-            waiting: Vec::new(),
-            stop: Vec::new(),
+            reader: GuardFrameReader::default(),
+            unsent: Vec::new(),
+            stop_bytes: Vec::new(),
             lease: Lease::default(),
-            renewed: Instant::now(),
+            last_renewal: Instant::now(),
             orphan: None,
             program: program.to_owned(),
             port: port.to_owned(),
             baud,
         };
-        guard.is_open()?;
+        guard.wait_until_open()?;
         Ok(guard)
     }
 
     /// Waits until the holder has opened the port.
-    fn is_open(&mut self) -> Result<(), GuardError> {
+    fn wait_until_open(&mut self) -> Result<(), GuardError> {
         let port = self.port.clone();
         let begun = Instant::now();
-        while begun.elapsed() < STARTS_WITHIN {
-            let heard = self.hear(LOOK);
-            match self.reader.take() {
-                Ok(Some((Kind::Open, _))) => return Ok(()),
-                Ok(Some((Kind::Refused, said))) => {
-                    return Err(match serde_json::from_slice(&said) {
-                        Ok(said) => GuardError::Refused(said),
+        while begun.elapsed() < START_TIMEOUT {
+            let received = self.receive(POLL_INTERVAL);
+            match self.reader.take_frame() {
+                Ok(Some((FrameKind::Open, _))) => return Ok(()),
+                Ok(Some((FrameKind::Refused, content))) => {
+                    return Err(match serde_json::from_slice(&content) {
+                        Ok(message) => GuardError::Refused(message),
                         Err(_) => GuardError::Strange { port },
                     });
                 }
-                Ok(None) if heard.is_err() => return Err(GuardError::Ended { port }),
+                Ok(None) if received.is_err() => return Err(GuardError::Ended { port }),
                 Ok(None) => {}
-                Ok(Some(_)) | Err(frame::Strange) => {
+                Ok(Some(_)) | Err(frame::InvalidFrame) => {
                     return Err(GuardError::Strange { port });
                 }
             }
@@ -177,7 +177,7 @@ impl Guard {
     }
 
     /// Returns the process id of the holder.
-    pub fn process(&self) -> u32 {
+    pub fn process_id(&self) -> u32 {
         self.child.id()
     }
 
@@ -187,21 +187,21 @@ impl Guard {
     /// # Errors
     /// The port is gone, or its holder is.
     pub fn read(&mut self) -> io::Result<Vec<u8>> {
-        let heard = self.hear(READ_WAIT);
+        let received = self.receive(READ_WAIT);
         let mut bytes = Vec::new();
         loop {
-            match self.reader.take() {
-                Ok(Some((Kind::Data, more))) => bytes.extend(more),
-                Ok(Some((Kind::Gone, number))) => return Err(port_error(&number)),
-                Ok(Some((Kind::Stopped, answered))) => {
+            match self.reader.take_frame() {
+                Ok(Some((FrameKind::Data, more))) => bytes.extend(more),
+                Ok(Some((FrameKind::Gone, number))) => return Err(decode_port_error(&number)),
+                Ok(Some((FrameKind::Stopped, answered))) => {
                     self.orphan = Some(Orphan::Stopped(answered));
                     return Err(ErrorKind::TimedOut.into());
                 }
                 Ok(None) if bytes.is_empty() => {
-                    return heard.map(|()| bytes).map_err(|_| self.is_alone());
+                    return received.map(|()| bytes).map_err(|_| self.replace_holder());
                 }
                 Ok(None) => return Ok(bytes),
-                Ok(Some(_)) | Err(frame::Strange) => return Err(self.is_alone()),
+                Ok(Some(_)) | Err(frame::InvalidFrame) => return Err(self.replace_holder()),
             }
         }
     }
@@ -209,90 +209,90 @@ impl Guard {
     /// Writes as many bytes as the holder takes now; returns their number. If the holder
     /// is gone, the next read reports it.
     pub fn write(&mut self, bytes: &[u8]) -> usize {
-        self.speak();
-        if bytes.is_empty() || self.waiting.len() > MOST_WAITING {
+        self.send_waiting();
+        if bytes.is_empty() || self.unsent.len() > MAX_WAITING_BYTES {
             return 0;
         }
-        let count = bytes.len().min(frame::MOST_DATED);
-        frame::put_dated(&mut self.waiting, now_ms(), &bytes[..count]);
-        self.renewed = Instant::now();
-        self.speak();
+        let count = bytes.len().min(frame::MAX_DATED);
+        frame::append_dated(&mut self.unsent, now_ms(), &bytes[..count]);
+        self.last_renewal = Instant::now();
+        self.send_waiting();
         count
     }
 
-    /// Renews the lease; called at every turn. With `moves` slides or spindle are in
+    /// Renews the lease; called at every turn. With `is_moving` slides or spindle are in
     /// motion: the holder then stops the board if the program falls silent, and drops
     /// bytes that arrive later than the lookahead.
-    pub fn renew(&mut self, moves: bool, lookahead: Duration) {
-        let lease = match moves {
+    pub fn renew_lease(&mut self, is_moving: bool, lookahead: Duration) {
+        let lease = match is_moving {
             true => Lease {
-                silent_ms: SILENT.as_millis() as u32,
-                stale_ms: (lookahead + ON_THE_WAY).as_millis() as u32,
+                silent_ms: MAX_SILENCE.as_millis() as u32,
+                stale_ms: (lookahead + TRANSIT_TIME).as_millis() as u32,
             },
             false => Lease::default(),
         };
-        let due = moves && self.renewed.elapsed() >= RENEW;
-        if (due || lease != self.lease) && self.waiting.len() <= MOST_WAITING {
+        let due = is_moving && self.last_renewal.elapsed() >= RENEW_INTERVAL;
+        if (due || lease != self.lease) && self.unsent.len() <= MAX_WAITING_BYTES {
             self.lease = lease;
-            self.renewed = Instant::now();
-            frame::put(&mut self.waiting, Kind::Lease, &lease.to_bytes());
-            self.speak();
+            self.last_renewal = Instant::now();
+            frame::append_frame(&mut self.unsent, FrameKind::Lease, &lease.to_bytes());
+            self.send_waiting();
         }
     }
 
-    /// Takes what has happened to the board after [`Guard::read`] has failed; `None` if
+    /// Takes what has happened to the board after [`PortGuard::read`] has failed; `None` if
     /// the port has failed.
     pub const fn take_orphan(&mut self) -> Option<Orphan> {
         self.orphan.take()
     }
 
     /// Sets the bytes that stop the board when the program is gone; none: do not stop it.
-    pub fn stop_with(&mut self, bytes: &[u8]) {
-        if self.stop != bytes {
-            self.stop = bytes.to_vec();
-            frame::put(&mut self.waiting, Kind::Stop, bytes);
-            self.speak();
+    pub fn set_stop_bytes(&mut self, bytes: &[u8]) {
+        if self.stop_bytes != bytes {
+            self.stop_bytes = bytes.to_vec();
+            frame::append_frame(&mut self.unsent, FrameKind::Stop, bytes);
+            self.send_waiting();
         }
     }
 
     /// Sends the remaining bytes and closes the port.
-    pub fn end(mut self) {
-        frame::put(&mut self.waiting, Kind::End, &[]);
+    pub fn close(mut self) {
+        frame::append_frame(&mut self.unsent, FrameKind::End, &[]);
         let begun = Instant::now();
-        self.speak();
-        while !self.waiting.is_empty() && begun.elapsed() < ENDS_WITHIN {
-            thread::sleep(LOOK);
-            self.speak();
+        self.send_waiting();
+        while !self.unsent.is_empty() && begun.elapsed() < END_TIMEOUT {
+            thread::sleep(POLL_INTERVAL);
+            self.send_waiting();
         }
         // Dropping the value waits for the rest.
     }
 
     /// Reads the bytes of the holder that arrive within this time.
-    fn hear(&mut self, within: Duration) -> io::Result<()> {
-        self.reader.give(&self.holder.hear(within)?);
+    fn receive(&mut self, within: Duration) -> io::Result<()> {
+        self.reader.push_bytes(&self.holder.receive(within)?);
         Ok(())
     }
 
     /// Sends the waiting frames, as far as the holder takes them.
-    fn speak(&mut self) {
-        while !self.waiting.is_empty() {
-            match self.holder.say(&self.waiting) {
+    fn send_waiting(&mut self) {
+        while !self.unsent.is_empty() {
+            match self.holder.send(&self.unsent) {
                 Ok(0) => return,
-                Ok(count) => drop(self.waiting.drain(..count)),
+                Ok(count) => drop(self.unsent.drain(..count)),
                 // The holder may have reported why: the next read shows it.
-                Err(_) => self.waiting.clear(),
+                Err(_) => self.unsent.clear(),
             }
         }
     }
 
     /// Leaves the board to the holder, which stops it; returns the board's answer.
-    fn leave(mut self) -> Vec<u8> {
-        self.holder.hang_up();
+    fn let_holder_stop(mut self) -> Vec<u8> {
+        self.holder.end_sending();
         let begun = Instant::now();
         let mut answered = Vec::new();
-        while begun.elapsed() < ENDS_WITHIN && self.hear(READ_WAIT).is_ok() {
-            while let Ok(Some((kind, bytes))) = self.reader.take() {
-                if kind == Kind::Data {
+        while begun.elapsed() < END_TIMEOUT && self.receive(READ_WAIT).is_ok() {
+            while let Ok(Some((kind, bytes))) = self.reader.take_frame() {
+                if kind == FrameKind::Data {
                     answered.extend(bytes);
                 }
             }
@@ -302,17 +302,17 @@ impl Guard {
 
     /// Starts another holder that stops the board, after the first one has ended
     /// unexpectedly.
-    fn is_alone(&mut self) -> io::Error {
-        let stop = core::mem::take(&mut self.stop);
+    fn replace_holder(&mut self) -> io::Error {
+        let stop = core::mem::take(&mut self.stop_bytes);
         if !stop.is_empty() {
             let (program, port, baud) = (self.program.clone(), self.port.clone(), self.baud);
             let (answer, answered) = bounded(1);
             // The control does not wait for it.
             let stop_board = move || {
                 if let Ok(mut guard) = Self::open(&program, &port, baud) {
-                    guard.stop_with(&stop);
+                    guard.set_stop_bytes(&stop);
                     // The receiver may be gone.
-                    let _ = answer.try_send(guard.leave());
+                    let _ = answer.try_send(guard.let_holder_stop());
                 }
             };
             let _ = thread::Builder::new().spawn(stop_board);
@@ -325,20 +325,20 @@ impl Guard {
     }
 }
 
-impl Drop for Guard {
+impl Drop for PortGuard {
     fn drop(&mut self) {
-        // No effect after [`Guard::end`].
-        self.holder.hang_up();
+        // No effect after [`PortGuard::close`].
+        self.holder.end_sending();
         let begun = Instant::now();
-        while begun.elapsed() < ENDS_WITHIN {
+        while begun.elapsed() < END_TIMEOUT {
             if !matches!(self.child.try_wait(), Ok(None)) {
                 return;
             }
             // A holder whose bytes are read does not block in its writes.
-            if self.hear(LOOK).is_err() {
-                thread::sleep(LOOK);
+            if self.receive(POLL_INTERVAL).is_err() {
+                thread::sleep(POLL_INTERVAL);
             }
-            self.reader = Reader::default();
+            self.reader = GuardFrameReader::default();
         }
         let _ = self.child.kill();
         let _ = self.child.wait();
@@ -346,10 +346,10 @@ impl Drop for Guard {
 }
 
 /// Decodes the error of the port that the holder has reported.
-fn port_error(number: &[u8]) -> io::Error {
+fn decode_port_error(number: &[u8]) -> io::Error {
     let number: [u8; 4] = number.try_into().unwrap_or_default();
     match i32::from_le_bytes(number) {
-        0 => ports::closed(),
+        0 => ports::closed_error(),
         number => io::Error::from_raw_os_error(number),
     }
 }

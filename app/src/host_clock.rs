@@ -8,14 +8,14 @@ use crate::platform;
 
 /// Smallest jump of the wall clock that counts as an absence; smaller ones are
 /// corrections.
-const SET_RIGHT: Duration = Duration::from_millis(50);
+const MIN_JUMP: Duration = Duration::from_millis(50);
 
 /// Time since a port was opened.
 #[derive(Debug)]
 pub struct HostClock {
-    opened: Duration,
+    started_at: Duration,
     /// Times of the last check for a jump: time with sleep, and wall clock.
-    looked: (Duration, SystemTime),
+    last_check: (Duration, SystemTime),
 }
 
 impl HostClock {
@@ -23,29 +23,29 @@ impl HostClock {
     pub fn start() -> Self {
         let now = platform::time_with_sleep();
         Self {
-            opened: now,
-            looked: (now, SystemTime::now()),
+            started_at: now,
+            last_check: (now, SystemTime::now()),
         }
     }
 
     /// Returns the time since the start, including sleep of the computer.
     pub fn now(&self) -> Duration {
-        platform::time_with_sleep().saturating_sub(self.opened)
+        platform::time_with_sleep().saturating_sub(self.started_at)
     }
 
     /// Returns the time by which only the wall clock has advanced since the last call;
     /// zero if both clocks agree, or the wall clock was set back.
-    pub fn take_jump(&mut self) -> Duration {
+    pub fn take_wall_clock_jump(&mut self) -> Duration {
         let (now, wall) = (platform::time_with_sleep(), SystemTime::now());
-        let (before, wall_before) = core::mem::replace(&mut self.looked, (now, wall));
+        let (before, wall_before) = core::mem::replace(&mut self.last_check, (now, wall));
         let by_wall = wall.duration_since(wall_before).unwrap_or_default();
-        jump(now.saturating_sub(before), by_wall)
+        wall_clock_jump(now.saturating_sub(before), by_wall)
     }
 }
 
-fn jump(passed: Duration, by_wall: Duration) -> Duration {
+fn wall_clock_jump(passed: Duration, by_wall: Duration) -> Duration {
     let more = by_wall.saturating_sub(passed);
-    if more >= SET_RIGHT {
+    if more >= MIN_JUMP {
         more
     } else {
         Duration::ZERO
@@ -60,21 +60,21 @@ mod tests {
     fn a_jump_is_what_the_wall_clock_has_gained() {
         let ms = Duration::from_millis;
         // Asleep: both clocks show it, and the first alone is enough.
-        assert_eq!(jump(ms(3000), ms(3000)), ms(0));
-        assert_eq!(jump(ms(2), ms(3002)), ms(3000));
+        assert_eq!(wall_clock_jump(ms(3000), ms(3000)), ms(0));
+        assert_eq!(wall_clock_jump(ms(2), ms(3002)), ms(3000));
         // Slewed or set back.
-        assert_eq!(jump(ms(2), ms(12)), ms(0));
-        assert_eq!(jump(ms(3000), ms(0)), ms(0));
+        assert_eq!(wall_clock_jump(ms(2), ms(12)), ms(0));
+        assert_eq!(wall_clock_jump(ms(3000), ms(0)), ms(0));
     }
 
     #[test]
-    fn it_goes_on() {
+    fn the_clock_continues_and_reports_a_jump() {
         let mut clock = HostClock::start();
         let before = clock.now();
         std::thread::sleep(Duration::from_millis(5));
         assert!(clock.now() >= before + Duration::from_millis(5));
-        clock.looked.1 -= Duration::from_secs(3);
-        let jump = clock.take_jump();
+        clock.last_check.1 -= Duration::from_secs(3);
+        let jump = clock.take_wall_clock_jump();
         assert!(jump >= Duration::from_millis(2500), "{jump:?}");
     }
 }

@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use gsk_core::preview::Progress;
+use gsk_core::preview::PreviewProgress;
 use gsk_core::setup::Setup;
 use gsk_core::units::{NonFinite, find_non_finite};
 use gsk_messages::{Message, say};
@@ -13,7 +13,7 @@ use gsk_workpiece::grid::from_grid;
 use gsk_workpiece::job::Job;
 
 use crate::files::atomic;
-use crate::files::program_file::{self, FileError};
+use crate::files::program_file::{self, ProgramFileError};
 use crate::output::{self, WriteError};
 use crate::platform;
 
@@ -44,14 +44,14 @@ pub struct PartArgs {
 
 impl PartArgs {
     /// Whether an option of the part is given.
-    pub const fn wanted(&self) -> bool {
-        self.job.wanted() || self.measure || self.section.is_some()
+    pub const fn is_requested(&self) -> bool {
+        self.job.is_requested() || self.measure || self.section.is_some()
     }
 }
 
 impl JobArgs {
     /// Whether an option of the job is given.
-    pub const fn wanted(&self) -> bool {
+    pub const fn is_requested(&self) -> bool {
         self.part || self.job.is_some()
     }
 }
@@ -61,7 +61,7 @@ impl JobArgs {
 #[error("{}", self.message())]
 pub enum JobError {
     /// The job file cannot be read.
-    File(#[from] FileError),
+    File(#[from] ProgramFileError),
     /// The file is not a job in RON.
     Syntax {
         path: PathBuf,
@@ -69,20 +69,20 @@ pub enum JobError {
         error: Box<ron::Error>,
     },
     /// A number in the file is not finite.
-    Number {
+    NonFiniteNumber {
         path: PathBuf,
         line: usize,
         /// The number as written.
         token: String,
     },
     /// The job breaks a rule of [`Job::check`].
-    Rule {
+    BrokenRule {
         path: PathBuf,
         /// The rule that is broken.
         rule: Message,
     },
     /// There is no job file, and the program makes no cut from which a job can be guessed.
-    NothingCut,
+    NothingToGuess,
 }
 
 impl JobError {
@@ -92,26 +92,26 @@ impl JobError {
             Self::Syntax { path, line, error } => {
                 say::job_file_line(path.display(), line, say::as_written(error))
             }
-            Self::Number { path, line, token } => {
+            Self::NonFiniteNumber { path, line, token } => {
                 say::job_file_line(path.display(), line, say::number_not_finite(token))
             }
-            Self::Rule { path, rule } => say::subject_reason(path.display(), rule.clone()),
-            Self::NothingCut => say::job_cannot_be_guessed(),
+            Self::BrokenRule { path, rule } => say::subject_reason(path.display(), rule.clone()),
+            Self::NothingToGuess => say::job_cannot_be_guessed(),
         }
     }
 }
 
 /// The job of a program and its origin.
 #[derive(Clone, Debug)]
-pub struct Chosen {
+pub struct SelectedJob {
     pub job: Job,
     /// `None` if the job is a guess.
     pub file: Option<PathBuf>,
 }
 
-impl Chosen {
+impl SelectedJob {
     /// A new part with the stock and the tools of the job.
-    pub fn machining(&self) -> Machining {
+    pub fn create_machining(&self) -> Machining {
         Machining::new(self.job.clone())
     }
 
@@ -124,14 +124,14 @@ impl Chosen {
     }
 
     /// The name of the job file; `None` if the job is a guess.
-    pub fn name(&self) -> Option<String> {
+    pub fn file_name(&self) -> Option<String> {
         let file = self.file.as_ref()?;
         Some(file.display().to_string())
     }
 }
 
 /// The path of the job file of a program: `shaft.CNC` has `shaft.job.ron`.
-pub fn beside(program: &Path) -> PathBuf {
+pub fn job_path(program: &Path) -> PathBuf {
     program.with_extension("job.ron")
 }
 
@@ -149,43 +149,46 @@ pub fn read(path: &Path) -> Result<Job, JobError> {
 /// # Errors
 /// The file cannot be written; the old one remains.
 pub fn write(path: &Path, job: &Job) -> Result<(), WriteError> {
-    let text = text_of(job).map_err(|error| WriteError::new(path, std::io::Error::other(error)))?;
+    let text =
+        to_ron_text(job).map_err(|error| WriteError::new(path, std::io::Error::other(error)))?;
     if let Ok(before) = platform::read(path, u64::MAX) {
-        let own = std::str::from_utf8(&before).ok();
-        let own = own.and_then(|text| Some((text, parse(path, text).ok()?)));
-        let is_own = own.is_some_and(|(text, job)| text_of(&job).is_ok_and(|own| own == text));
-        if !is_own {
-            let kept = free_beside(path);
-            atomic::write(&kept, &before).map_err(|error| WriteError::new(&kept, error))?;
+        let old_text = std::str::from_utf8(&before).ok();
+        let old_text = old_text.and_then(|text| Some((text, parse(path, text).ok()?)));
+        let is_generated =
+            old_text.is_some_and(|(text, job)| to_ron_text(&job).is_ok_and(|own| own == text));
+        if !is_generated {
+            let backup_path = free_backup_path(path);
+            atomic::write(&backup_path, &before)
+                .map_err(|error| WriteError::new(&backup_path, error))?;
         }
     }
     atomic::write(path, text.as_bytes()).map_err(|error| WriteError::new(path, error))
 }
 
 /// A job as RON text.
-fn text_of(job: &Job) -> Result<String, ron::Error> {
+fn to_ron_text(job: &Job) -> Result<String, ron::Error> {
     let pretty = ron::ser::PrettyConfig::new()
         .depth_limit(3)
         .indentor("    ")
         .new_line("\n");
-    Ok(options().to_string_pretty(job, pretty)? + "\n")
+    Ok(ron_options().to_string_pretty(job, pretty)? + "\n")
 }
 
 /// The first free name of `part.job.ron~`, `part.job.ron~2`, …
-fn free_beside(path: &Path) -> PathBuf {
-    let named = |ending: String| {
+fn free_backup_path(path: &Path) -> PathBuf {
+    let with_suffix = |ending: String| {
         let mut name = path.as_os_str().to_owned();
         name.push(ending);
         PathBuf::from(name)
     };
-    let numbered = (2..).map(|number: u32| named(format!("~{number}")));
-    let mut names = core::iter::once(named("~".to_owned())).chain(numbered);
+    let numbered = (2..).map(|number: u32| with_suffix(format!("~{number}")));
+    let mut names = core::iter::once(with_suffix("~".to_owned())).chain(numbered);
     names
         .find(|name| !platform::is_taken(name))
-        .unwrap_or_else(|| named("~".to_owned()))
+        .unwrap_or_else(|| with_suffix("~".to_owned()))
 }
 
-fn options() -> ron::Options {
+fn ron_options() -> ron::Options {
     ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
 }
 
@@ -195,18 +198,20 @@ fn options() -> ron::Options {
 /// The line that is malformed, or the rule that is broken.
 pub fn parse(path: &Path, text: &str) -> Result<Job, JobError> {
     if let Some(NonFinite { line, token }) = find_non_finite(text) {
-        return Err(JobError::Number {
+        return Err(JobError::NonFiniteNumber {
             path: path.to_owned(),
             line,
             token,
         });
     }
-    let job: Job = options().from_str(text).map_err(|error| JobError::Syntax {
-        path: path.to_owned(),
-        line: error.span.start.line,
-        error: Box::new(error.code),
-    })?;
-    job.check().map_err(|rule| JobError::Rule {
+    let job: Job = ron_options()
+        .from_str(text)
+        .map_err(|error| JobError::Syntax {
+            path: path.to_owned(),
+            line: error.span.start.line,
+            error: Box::new(error.code),
+        })?;
+    job.check().map_err(|rule| JobError::BrokenRule {
         path: path.to_owned(),
         rule,
     })?;
@@ -218,20 +223,25 @@ pub fn parse(path: &Path, text: &str) -> Result<Job, JobError> {
 ///
 /// # Errors
 /// The file is faulty, or there is nothing to guess from.
-pub fn choose(args: &JobArgs, program: Option<&Path>, setup: &Setup) -> Result<Chosen, JobError> {
+pub fn choose(
+    args: &JobArgs,
+    program: Option<&Path>,
+    setup: &Setup,
+) -> Result<SelectedJob, JobError> {
     let beside = program
-        .map(beside)
-        .filter(|path| platform::facts(path).is_ok());
+        .map(job_path)
+        .filter(|path| platform::path_facts(path).is_ok());
     if let Some(path) = args.job.clone().or(beside) {
         let job = read(&path)?;
-        return Ok(Chosen {
+        return Ok(SelectedJob {
             job,
             file: Some(path),
         });
     }
-    let goes_on = &mut |progress: &Progress| progress.moves < guess::MOST_MOVES as u64;
-    let job = guess::of_program(setup, goes_on).ok_or(JobError::NothingCut)?;
-    Ok(Chosen { job, file: None })
+    let within_budget =
+        &mut |progress: &PreviewProgress| progress.moves < guess::MAX_GUESS_MOVES as u64;
+    let job = guess::guess_program_job(setup, within_budget).ok_or(JobError::NothingToGuess)?;
+    Ok(SelectedJob { job, file: None })
 }
 
 /// Writes the half section of a part as CSV: one line per corner with polygon number, X
@@ -266,13 +276,13 @@ mod tests {
     #[test]
     fn the_job_of_a_program_lies_beside_it() {
         assert_eq!(
-            beside(Path::new("a/shaft.v2.CNC")),
+            job_path(Path::new("a/shaft.v2.CNC")),
             Path::new("a/shaft.v2.job.ron")
         );
     }
 
     #[test]
-    fn what_is_written_is_read_again_and_the_file_before_is_kept() {
+    fn a_written_job_is_read_again_and_a_file_by_hand_is_kept() {
         let folder = crate::files::test_folder("jobs");
         let path = folder.join("part.job.ron");
         let old = "// by hand\n(stock: (form: Bar(diameter: 40), length: 90, overhang: 50))";
@@ -290,20 +300,20 @@ mod tests {
         write(&path, &job).unwrap();
         assert_eq!(read(&path).unwrap(), job);
         write(&path, &Job::new(Stock::bar(30.0, 0.0, 40.0))).unwrap();
-        let kept = |name: &str| std::fs::read_to_string(folder.join(name)).ok();
-        assert_eq!(kept("part.job.ron~").unwrap(), old);
+        let read_backup = |name: &str| std::fs::read_to_string(folder.join(name)).ok();
+        assert_eq!(read_backup("part.job.ron~").unwrap(), old);
         assert_eq!(
-            kept("part.job.ron~2"),
+            read_backup("part.job.ron~2"),
             None,
             "what was written here is not kept"
         );
         std::fs::write(&path, "(misspelt").unwrap();
         write(&path, &job).unwrap();
-        assert_eq!(kept("part.job.ron~2").unwrap(), "(misspelt");
+        assert_eq!(read_backup("part.job.ron~2").unwrap(), "(misspelt");
     }
 
     #[test]
-    fn a_file_that_is_no_job_is_named_with_its_line() {
+    fn a_malformed_job_is_reported_with_its_line() {
         let folder = crate::files::test_folder("job");
         let path = folder.join("part.job.ron");
         for (text, wanted) in [
@@ -315,8 +325,8 @@ mod tests {
             ("(stok: 1)", "stok"),
         ] {
             std::fs::write(&path, text).unwrap();
-            let said = read(&path).unwrap_err().to_string();
-            assert!(said.contains(wanted), "{said}");
+            let error_text = read(&path).unwrap_err().to_string();
+            assert!(error_text.contains(wanted), "{error_text}");
         }
     }
 }

@@ -20,26 +20,26 @@ use gsk_milling::{MillSetup, MillWordError};
 use gsk_runner::report;
 
 use crate::files::data_dir::DataDir;
-use crate::files::data_dir::DataError;
-use crate::files::program_file::{self, FileError, ProgramFile};
-use crate::files::subprograms::{self, Calls, Found};
+use crate::files::data_dir::DataDirError;
+use crate::files::program_file::{self, ProgramFile, ProgramFileError};
+use crate::files::subprograms::{self, FoundSubprogram, SubprogramCalls};
+use crate::message_format::{describe_ladder_errors, join_lines};
 use crate::platform;
 use crate::retained;
-use crate::saying::{lines, of_ladder};
-use crate::setup_args::{OfMill, OffsetWord, ParameterWord, SetupArgs};
+use crate::setup_args::{ModelMismatch, OffsetOption, ParameterOption, SetupArgs};
 
 /// Why a setup cannot be loaded.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum LoadError {
     /// The data directory.
-    Data(#[from] DataError),
+    Data(#[from] DataDirError),
     /// A file.
-    File(#[from] FileError),
+    File(#[from] ProgramFileError),
     /// `--input` with an address outside X.
-    NoInput(String),
+    NotAnInput(String),
     /// `--start` outside the travel of a slide.
-    Beyond {
+    StartBeyondTravel {
         /// Name of the axis.
         name: String,
         /// Its section in a machine file.
@@ -54,7 +54,7 @@ pub enum LoadError {
     /// `--model-param`.
     ModelParameter(Message),
     /// An option that does not apply to a mill.
-    OfMill(#[from] OfMill),
+    OfMill(#[from] ModelMismatch),
     /// `--mill-start`, `--mill-zero`, `--mill-offset`.
     MillWord(Message),
     /// `--offset`.
@@ -92,7 +92,7 @@ pub enum LoadError {
         token: String,
     },
     /// A machine file that breaks the rules for lathes.
-    NoLathe {
+    InvalidLathe {
         /// Path of the file.
         path: PathBuf,
         /// The broken rules.
@@ -117,8 +117,8 @@ impl LoadError {
         match self {
             Self::Data(error) => error.message(),
             Self::File(error) => error.message(),
-            Self::NoInput(input) => say::input_not_x(input),
-            Self::Beyond {
+            Self::NotAnInput(input) => say::input_not_x(input),
+            Self::StartBeyondTravel {
                 name,
                 section,
                 minus,
@@ -126,12 +126,12 @@ impl LoadError {
             } => say::start_beyond_ends(name, minus, plus, section),
             Self::Parameter(error) => say::subject_reason("--param", error.message()),
             Self::OfMill(error) => error.message(),
-            Self::MillWord(said) => said.clone(),
-            Self::ModelParameter(said) => say::subject_reason("--model-param", said.clone()),
+            Self::MillWord(message) => message.clone(),
+            Self::ModelParameter(message) => say::subject_reason("--model-param", message.clone()),
             Self::Offset(alarm) => say::subject_reason("--offset", alarm.reason()),
             Self::Address { text, error } => say::ladder_address_of_plc(text, error.message()),
             Self::Ladder { path, errors } => {
-                say::ladder_not_started(path.display(), of_ladder(errors))
+                say::ladder_not_started(path.display(), describe_ladder_errors(errors))
             }
             Self::Machine { path, line, error } => {
                 say::machine_file_line(path.display(), line, say::as_written(error))
@@ -139,9 +139,9 @@ impl LoadError {
             Self::MachineNumber { path, line, token } => {
                 say::machine_file_line(path.display(), line, say::number_not_finite(token))
             }
-            Self::NoLathe { path, rules } => {
+            Self::InvalidLathe { path, rules } => {
                 let rules = rules.iter().cloned().map(say::indented);
-                say::machine_file_no_lathe(path.display(), lines(rules))
+                say::machine_file_no_lathe(path.display(), join_lines(rules))
             }
             Self::NoProgram => say::program_none_given(),
             Self::NoNumber(path) => say::program_without_number(path.display()),
@@ -158,14 +158,14 @@ impl Notices {
     /// Prints the messages on standard error.
     pub fn print(&self, language: Option<Language>) {
         for notice in &self.0 {
-            complain!("gsk980td: {}", report::said(notice, language));
+            complain!("gsk980td: {}", report::message_text(notice, language));
         }
     }
 }
 
 /// Fits out a new control: without a machine file it drives the training lathe, which has
 /// a chuck.
-pub fn fitted(bare: Setup, machine: Option<&PathBuf>) -> Setup {
+pub fn with_training_lathe(bare: Setup, machine: Option<&PathBuf>) -> Setup {
     match machine {
         Some(_) => bare,
         None => bare.with_chuck(),
@@ -175,28 +175,28 @@ pub fn fitted(bare: Setup, machine: Option<&PathBuf>) -> Setup {
 /// Makes the setup of a command that saves nothing: the data directory, if one is named,
 /// and the options on top. With a work zero (X as a diameter, machine coordinates, mm) the
 /// start position, of `--start` or of a dry run, counts from it.
-pub fn setup(
+pub fn command_setup(
     args: &SetupArgs,
     work_zero: Option<(f64, f64)>,
     language: Option<Language>,
 ) -> Result<Setup, LoadError> {
     args.refuse_mill()?;
-    let mut setup = fitted(Setup::default(), args.machine.as_ref());
+    let mut setup = with_training_lathe(Setup::default(), args.machine.as_ref());
     if let Some(path) = &args.data_folder() {
-        let data = DataDir::read_only(path)?;
+        let data = DataDir::open_read_only(path)?;
         Notices(retained::load(&data, &mut setup).complaints).print(language);
     }
     let zero = work_zero.map(|(x, z)| Point::new(x / 2.0, z));
-    apply_from(&mut setup, args, zero)?;
+    apply_options_from(&mut setup, args, zero)?;
     Ok(setup)
 }
 
 /// Makes the setups of `check` and `plot` with a mill: the mill, and the control that
 /// reads its programs.
-pub fn mill(args: &SetupArgs) -> Result<(MillSetup, Setup), LoadError> {
-    args.lathe_words()?;
+pub fn mill_setup(args: &SetupArgs) -> Result<(MillSetup, Setup), LoadError> {
+    args.check_lathe_options()?;
     let mut setup = Setup::default();
-    let mut model = ControlModel::new(args.model());
+    let mut model = ControlModel::new(args.selected_model());
     for (number, value) in &args.model_parameters {
         let set = model.set_parameter(*number, *value);
         set.map_err(LoadError::ModelParameter)?;
@@ -219,19 +219,23 @@ pub fn mill(args: &SetupArgs) -> Result<(MillSetup, Setup), LoadError> {
 }
 
 /// Applies the options of control and lathe.
-pub fn apply(setup: &mut Setup, args: &SetupArgs) -> Result<(), LoadError> {
+pub fn apply_options(setup: &mut Setup, args: &SetupArgs) -> Result<(), LoadError> {
     args.refuse_mill()?;
-    apply_from(setup, args, None)
+    apply_options_from(setup, args, None)
 }
 
 /// Applies the options; `zero`: the work zero, if the options set it, machine coordinates,
 /// mm.
-fn apply_from(setup: &mut Setup, args: &SetupArgs, zero: Option<Point>) -> Result<(), LoadError> {
+fn apply_options_from(
+    setup: &mut Setup,
+    args: &SetupArgs,
+    zero: Option<Point>,
+) -> Result<(), LoadError> {
     if let Some(path) = &args.ladder {
-        setup.ladder = ladder(path)?.into();
+        setup.ladder = load_ladder(path)?.into();
     }
     if let Some(path) = &args.machine {
-        setup.lathe = machine(path)?;
+        setup.lathe = load_machine(path)?;
         if setup.start == Setup::default().start {
             // The start position of a dry run belongs to no machine.
             setup.start = Some(setup.lathe.start());
@@ -247,8 +251,10 @@ fn apply_from(setup: &mut Setup, args: &SetupArgs, zero: Option<Point>) -> Resul
     if let (Some(start), Some(zero)) = (setup.start, zero) {
         setup.absolute = Some(start - zero);
     }
-    if setup.memory.model.id() != args.model() {
-        setup.memory.set_model(ControlModel::new(args.model()));
+    if setup.memory.model.id() != args.selected_model() {
+        setup
+            .memory
+            .set_model(ControlModel::new(args.selected_model()));
     }
     let model = &mut setup.memory.model;
     for (number, value) in &args.model_parameters {
@@ -263,15 +269,15 @@ fn apply_from(setup: &mut Setup, args: &SetupArgs, zero: Option<Point>) -> Resul
         setup.spindle_rpm = Some(rpm);
     }
     for word in &args.parameters {
-        parameter(setup, *word)?;
+        apply_parameter(setup, *word)?;
     }
     for word in &args.offsets {
-        offset(setup, word)?;
+        apply_offset(setup, word)?;
     }
     for input in &args.inputs {
-        let address = address(&input.address)?;
+        let address = parse_address(&input.address)?;
         if address.area != Area::X {
-            return Err(LoadError::NoInput(input.address.clone()));
+            return Err(LoadError::NotAnInput(input.address.clone()));
         }
         setup.forced_inputs.push((address, input.state));
     }
@@ -280,12 +286,12 @@ fn apply_from(setup: &mut Setup, args: &SetupArgs, zero: Option<Point>) -> Resul
 
 /// Checks that the start position is within the travel of the slides.
 fn check_start(setup: &Setup) -> Result<(), LoadError> {
-    let beyond = setup.beyond_ends();
+    let beyond = setup.axes_beyond_ends();
     let Some((axis, ends)) = beyond.first() else {
         return Ok(());
     };
     let name = format!("{axis:?}");
-    Err(LoadError::Beyond {
+    Err(LoadError::StartBeyondTravel {
         section: name.to_lowercase(),
         name,
         minus: ends.minus,
@@ -293,26 +299,26 @@ fn check_start(setup: &Setup) -> Result<(), LoadError> {
     })
 }
 
-fn parameter(setup: &mut Setup, word: ParameterWord) -> Result<(), LoadError> {
+fn apply_parameter(setup: &mut Setup, word: ParameterOption) -> Result<(), LoadError> {
     let result = match word {
-        ParameterWord::Value { number, value } => {
+        ParameterOption::Value { number, value } => {
             let record = setup.memory.model.record();
-            setup.memory.parameters.set_of(record, number, value)
+            setup.memory.parameters.set_for_model(record, number, value)
         }
-        ParameterWord::Bit { number, bit, state } => {
+        ParameterOption::Bit { number, bit, state } => {
             setup.memory.parameters.set_bit(number, bit, state)
         }
     };
     Ok(result?)
 }
 
-fn offset(setup: &mut Setup, word: &OffsetWord) -> Result<(), LoadError> {
+fn apply_offset(setup: &mut Setup, word: &OffsetOption) -> Result<(), LoadError> {
     let number = word.number;
     let entry = gsk_core::memory::ToolOffset {
         x: word.x,
         z: word.z,
-        r: word.radius,
-        t: word.nose,
+        r: word.nose_radius_mm,
+        t: word.nose_type,
     };
     setup
         .memory
@@ -322,7 +328,7 @@ fn offset(setup: &mut Setup, word: &OffsetWord) -> Result<(), LoadError> {
 }
 
 /// Parses an address such as `X0.4`.
-pub fn address(text: &str) -> Result<BitAddress, LoadError> {
+pub fn parse_address(text: &str) -> Result<BitAddress, LoadError> {
     text.parse().map_err(|error| LoadError::Address {
         text: text.to_owned(),
         error,
@@ -331,7 +337,7 @@ pub fn address(text: &str) -> Result<BitAddress, LoadError> {
 
 /// Compiles a ladder file. The message of an error names the first bad lines and the
 /// option that returns to the standard ladder.
-pub fn ladder(path: &Path) -> Result<Arc<Ladder>, LoadError> {
+pub fn load_ladder(path: &Path) -> Result<Arc<Ladder>, LoadError> {
     let file = program_file::read(path)?;
     match Ladder::compile(&file.text) {
         Ok(ladder) => Ok(Arc::new(ladder)),
@@ -343,12 +349,12 @@ pub fn ladder(path: &Path) -> Result<Arc<Ladder>, LoadError> {
 }
 
 /// Reads a machine file (`docs/machine-file.md`) and checks its rules.
-pub fn machine(path: &Path) -> Result<LatheConfig, LoadError> {
-    machine_of(path, &program_file::read(path)?.text)
+pub fn load_machine(path: &Path) -> Result<LatheConfig, LoadError> {
+    parse_machine(path, &program_file::read(path)?.text)
 }
 
 /// Parses the text of a machine file; `path` is for messages.
-pub fn machine_of(path: &Path, text: &str) -> Result<LatheConfig, LoadError> {
+pub fn parse_machine(path: &Path, text: &str) -> Result<LatheConfig, LoadError> {
     if let Some(NonFinite { line, token }) = find_non_finite(text) {
         return Err(LoadError::MachineNumber {
             path: path.to_owned(),
@@ -365,7 +371,7 @@ pub fn machine_of(path: &Path, text: &str) -> Result<LatheConfig, LoadError> {
     })?;
     config.check().map_err(|errors| {
         let rules = errors.iter().map(ConfigError::message);
-        LoadError::NoLathe {
+        LoadError::InvalidLathe {
             path: path.to_owned(),
             rules: rules.collect(),
         }
@@ -375,7 +381,7 @@ pub fn machine_of(path: &Path, text: &str) -> Result<LatheConfig, LoadError> {
 
 /// Opens a program file as the external program, stores the programs it calls and those of
 /// further files, and selects it.
-pub fn open(setup: &mut Setup, files: &[PathBuf]) -> Result<Notices, LoadError> {
+pub fn open_program(setup: &mut Setup, files: &[PathBuf]) -> Result<Notices, LoadError> {
     let (main, others) = files.split_first().ok_or(LoadError::NoProgram)?;
     let memory = &mut setup.memory;
     let (program, notices) = open_into(&mut memory.programs, &memory.model, main, others)?;
@@ -393,9 +399,9 @@ pub fn open_into(
 ) -> Result<(Program, Notices), LoadError> {
     let ProgramFile { text, notices, .. } = program_file::read(main)?;
     let mut notices = Notices(notices);
-    let find = |calls, loaded: &_| subprograms::find(main, calls, loaded, model);
+    let find = |calls, loaded: &_| subprograms::find_called(main, calls, loaded, model);
     let into = (programs, model);
-    let program = take_in(into, (main, text), others, &mut notices, find)?;
+    let program = load_text(into, (main, text), others, &mut notices, find)?;
     Ok((program, notices))
 }
 
@@ -406,12 +412,12 @@ pub fn open_text(
     setup: &mut Setup,
     path: &Path,
     text: String,
-    find: impl FnOnce(Calls, &BTreeSet<u16>) -> Vec<Found>,
+    find: impl FnOnce(SubprogramCalls, &BTreeSet<u16>) -> Vec<FoundSubprogram>,
 ) -> Result<Notices, LoadError> {
     let mut notices = Notices::default();
     let memory = &mut setup.memory;
     let into = (&mut memory.programs, &memory.model);
-    let program = take_in(into, (path, text), &[], &mut notices, find)?;
+    let program = load_text(into, (path, text), &[], &mut notices, find)?;
     let programs = &mut memory.programs;
     programs.open_external(program);
     programs.select(ProgramId::External);
@@ -419,16 +425,16 @@ pub fn open_text(
 }
 
 /// Returns the program of a text to run; stores the other programs it needs in the memory.
-fn take_in(
+fn load_text(
     (programs, model): (&mut ProgramMemory, &ControlModel),
     (main, text): (&Path, String),
     others: &[PathBuf],
     notices: &mut Notices,
-    find: impl FnOnce(Calls, &BTreeSet<u16>) -> Vec<Found>,
+    find: impl FnOnce(SubprogramCalls, &BTreeSet<u16>) -> Vec<FoundSubprogram>,
 ) -> Result<Program, LoadError> {
-    let calls = subprograms::calls(&text, model);
-    let mut parts = program::split(text);
-    let begin = main_part(&parts, model);
+    let calls = subprograms::find_calls(&text, model);
+    let mut parts = program::split_programs(text);
+    let begin = main_program_index(&parts, model);
     let program = parts.remove(begin);
     if begin > 0 {
         let number = program.number().unwrap_or_default();
@@ -436,14 +442,14 @@ fn take_in(
         notices.0.push(notice);
     }
     for part in parts {
-        store(programs, part.text(), None, main)?;
+        store_subprogram(programs, part.text(), None, main)?;
     }
     notices.0.extend(store_files(programs, others)?.0);
     let mut loaded: BTreeSet<u16> = programs.iter().map(|(number, _)| number).collect();
     loaded.extend(program.number());
     for found in find(calls, &loaded) {
-        let stored = store(programs, &found.text, Some(found.number), &found.path);
-        if found.named {
+        let stored = store_subprogram(programs, &found.text, Some(found.number), &found.path);
+        if found.called_by_number {
             stored?;
         }
     }
@@ -456,15 +462,15 @@ pub fn store_files(programs: &mut ProgramMemory, files: &[PathBuf]) -> Result<No
     for path in files {
         let file = program_file::read(path)?;
         notices.extend(file.notices);
-        for part in program::split(file.text) {
-            store(programs, part.text(), None, path)?;
+        for part in program::split_programs(file.text) {
+            store_subprogram(programs, part.text(), None, path)?;
         }
     }
     Ok(Notices(notices))
 }
 
 /// Replaces the standard ladder by the one with keys for DNC.
-pub fn with_keys_for_dnc(setup: &mut Setup) {
+pub fn use_dnc_ladder(setup: &mut Setup) {
     if setup.ladder.is_standard() {
         setup.ladder = dnc_teach_ladder().into();
     }
@@ -472,13 +478,13 @@ pub fn with_keys_for_dnc(setup: &mut Setup) {
 
 /// Returns the index of the program of a file to run: the first, unless another one calls
 /// it; then the first that no program calls.
-fn main_part(parts: &[Program], model: &ControlModel) -> usize {
+fn main_program_index(parts: &[Program], model: &ControlModel) -> usize {
     let [first, others @ ..] = parts else {
         return 0;
     };
     let called =
         |number: Option<u16>, by: &BTreeSet<u16>| number.is_some_and(|number| by.contains(&number));
-    let calls = |part: &Program| subprograms::calls(part.text(), model).numbers;
+    let calls = |part: &Program| subprograms::find_calls(part.text(), model).numbers;
     let by_others: BTreeSet<u16> = others.iter().flat_map(calls).collect();
     if !called(first.number(), &by_others) {
         return 0;
@@ -490,7 +496,7 @@ fn main_part(parts: &[Program], model: &ControlModel) -> usize {
 }
 
 /// Stores a subprogram; a text without an O word gets `number`.
-fn store(
+fn store_subprogram(
     programs: &mut ProgramMemory,
     text: &str,
     number: Option<u16>,
@@ -515,8 +521,8 @@ fn store(
 
 /// Makes the setup of `run` and similar commands.
 pub fn dry_run_setup(args: &SetupArgs) -> Result<Setup, LoadError> {
-    let mut setup = fitted(Setup::default(), args.machine.as_ref());
-    apply(&mut setup, args)?;
+    let mut setup = with_training_lathe(Setup::default(), args.machine.as_ref());
+    apply_options(&mut setup, args)?;
     Ok(setup)
 }
 
@@ -524,9 +530,9 @@ pub fn dry_run_setup(args: &SetupArgs) -> Result<Setup, LoadError> {
 mod tests {
     use super::*;
 
-    fn with(words: &SetupArgs) -> Result<Setup, LoadError> {
-        let mut setup = Setup::at_the_panel();
-        apply(&mut setup, words).map(|()| setup)
+    fn apply_to_panel_setup(words: &SetupArgs) -> Result<Setup, LoadError> {
+        let mut setup = Setup::for_operator_script();
+        apply_options(&mut setup, words).map(|()| setup)
     }
 
     #[test]
@@ -535,7 +541,7 @@ mod tests {
             ("(\n  x: (motor_turn: NaN),\n)", 2),
             ("(z: (start: -1e999))", 1),
         ] {
-            let refused = machine_of(Path::new("lathe.ron"), text)
+            let refused = parse_machine(Path::new("lathe.ron"), text)
                 .expect_err(text)
                 .to_string();
             assert!(refused.contains(&format!("line {line}")), "{refused}");
@@ -551,7 +557,7 @@ mod tests {
             machine,
             ..SetupArgs::default()
         };
-        let start = |words: &SetupArgs| with(words).map(|setup| setup.start);
+        let start = |words: &SetupArgs| apply_to_panel_setup(words).map(|setup| setup.start);
         assert_eq!(
             start(&file).expect("machine"),
             Some(Point::new(-20.0, -80.0))
@@ -567,6 +573,9 @@ mod tests {
         let refused = start(&at(300.0, 300.0)).expect_err("beyond").to_string();
         assert!(refused.starts_with("--start: X lies beyond"), "{refused}");
         assert!(refused.contains("-180 to 26 mm"), "{refused}");
-        assert!(with(&SetupArgs::default()).is_ok_and(|setup| setup.beyond_ends().is_empty()));
+        assert!(
+            apply_to_panel_setup(&SetupArgs::default())
+                .is_ok_and(|setup| setup.axes_beyond_ends().is_empty())
+        );
     }
 }

@@ -13,16 +13,16 @@ use tracing_subscriber::filter::Targets;
 use tracing_subscriber::fmt::{self, MakeWriter};
 use tracing_subscriber::layer::SubscriberExt;
 
+use crate::message_format::describe_io_error;
 use crate::platform::{LogFile, LogGuard, log_file};
-use crate::saying::of_system;
-use crate::setup_args::WordError;
+use crate::setup_args::OptionValueError;
 
 /// Folder of the log in the data directory.
 pub const FOLDER: &str = "log";
 /// Number of log files that are kept.
-const MOST_FILES: usize = 14;
+const MAX_FILES: usize = 14;
 /// Target of this program's events; events of libraries are dropped.
-const OWN: &str = "gsk_app";
+const OWN_TARGET: &str = "gsk_app";
 
 /// Levels, from nothing to everything.
 pub const LEVELS: [(&str, LevelFilter); 6] = [
@@ -38,10 +38,10 @@ pub const LEVELS: [(&str, LevelFilter); 6] = [
 ///
 /// # Errors
 /// The word is no level.
-pub fn level(word: &str) -> Result<LevelFilter, WordError> {
+pub fn parse_level(word: &str) -> Result<LevelFilter, OptionValueError> {
     let found = LEVELS.iter().find(|(name, _)| *name == word);
     let found = found.map(|(_, level)| *level);
-    found.ok_or_else(|| WordError::NoLevel(word.to_owned()))
+    found.ok_or_else(|| OptionValueError::UnknownLogLevel(word.to_owned()))
 }
 
 /// Why there is no log.
@@ -57,7 +57,7 @@ pub struct LogError {
 impl LogError {
     /// Returns the message for the operator.
     pub fn message(&self) -> Message {
-        say::log_not_written(self.folder.display(), of_system(&self.cause))
+        say::log_not_written(self.folder.display(), describe_io_error(&self.cause))
     }
 }
 
@@ -67,9 +67,9 @@ static WRITER: Mutex<Option<LogGuard>> = Mutex::new(None);
 /// A running log; dropping it ends the log.
 #[must_use]
 #[derive(Debug)]
-pub struct Log(());
+pub struct RunningLog(());
 
-impl Drop for Log {
+impl Drop for RunningLog {
     fn drop(&mut self) {
         finish();
     }
@@ -88,32 +88,32 @@ pub fn finish() {
 ///
 /// # Errors
 /// The folder cannot be written.
-pub fn in_data(data: &Path, level: LevelFilter) -> Result<Option<Log>, LogError> {
+pub fn start_in_data_dir(data: &Path, level: LevelFilter) -> Result<Option<RunningLog>, LogError> {
     if level == LevelFilter::OFF {
         return Ok(None);
     }
-    let (writer, guard) = file(&data.join(FOLDER))?;
+    let (writer, guard) = open_log_file(&data.join(FOLDER))?;
     if let Ok(mut writer) = WRITER.lock() {
         *writer = Some(guard);
     }
-    begin(subscriber(writer, level));
-    started(Some(data));
-    Ok(Some(Log(())))
+    install(subscriber(writer, level));
+    log_start(Some(data));
+    Ok(Some(RunningLog(())))
 }
 
 /// Starts the log on standard error. `None`: the level is off.
-pub fn on_terminal(level: LevelFilter) -> Option<Log> {
+pub fn start_on_terminal(level: LevelFilter) -> Option<RunningLog> {
     if level == LevelFilter::OFF {
         return None;
     }
-    begin(subscriber(io::stderr, level));
-    started(None);
-    Some(Log(()))
+    install(subscriber(io::stderr, level));
+    log_start(None);
+    Some(RunningLog(()))
 }
 
 /// Opens one file a day and deletes the oldest ones.
-fn file(folder: &Path) -> Result<(LogFile, LogGuard), LogError> {
-    log_file(folder, MOST_FILES).map_err(|cause| LogError {
+fn open_log_file(folder: &Path) -> Result<(LogFile, LogGuard), LogError> {
+    log_file(folder, MAX_FILES).map_err(|cause| LogError {
         folder: folder.to_owned(),
         cause,
     })
@@ -124,11 +124,11 @@ fn subscriber(
     level: LevelFilter,
 ) -> impl Subscriber + Send + Sync {
     let lines = fmt::layer().with_ansi(false).with_writer(writer);
-    let own = Targets::new().with_target(OWN, level);
+    let own = Targets::new().with_target(OWN_TARGET, level);
     tracing_subscriber::registry().with(lines.with_filter(own))
 }
 
-fn begin(subscriber: impl Subscriber + Send + Sync) {
+fn install(subscriber: impl Subscriber + Send + Sync) {
     // Only the first log of a process takes effect.
     let _ = subscriber::set_global_default(subscriber);
     let before = std::panic::take_hook();
@@ -139,7 +139,7 @@ fn begin(subscriber: impl Subscriber + Send + Sync) {
     }));
 }
 
-fn started(data: Option<&Path>) {
+fn log_start(data: Option<&Path>) {
     let data = data.map_or_else(|| "-".to_owned(), |data| data.display().to_string());
     info!(
         version = env!("CARGO_PKG_VERSION"),
@@ -157,9 +157,9 @@ mod tests {
     #[test]
     fn a_run_leaves_a_file_that_begins_with_its_start() {
         let data = test_folder("log");
-        let (writer, guard) = file(&data.join(FOLDER)).expect("a log");
+        let (writer, guard) = open_log_file(&data.join(FOLDER)).expect("a log");
         subscriber::with_default(subscriber(writer, LevelFilter::INFO), || {
-            started(Some(&data));
+            log_start(Some(&data));
             tracing::debug!("not at this level");
             tracing::error!(target: "winit", "not of this program");
         });
@@ -179,8 +179,8 @@ mod tests {
 
     #[test]
     fn levels_are_words() {
-        assert_eq!(level("off"), Ok(LevelFilter::OFF));
-        let refused = level("loud").expect_err("no level");
+        assert_eq!(parse_level("off"), Ok(LevelFilter::OFF));
+        let refused = parse_level("loud").expect_err("no level");
         assert!(refused.to_string().starts_with("`loud` is no level"));
     }
 }

@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    gsk_app::commands::carry_out(gsk_app::hint::command_line())
+    gsk_app::commands::run_command_line(gsk_app::usage_hint::parse_command_line())
 }

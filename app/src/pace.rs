@@ -4,10 +4,10 @@
 use web_time::{Duration, Instant};
 
 /// Time between two turns of the kernel thread, ms.
-pub const BATCH_MS: u64 = 8;
+pub const TURN_MS: u64 = 8;
 /// Limit of the ticks in one turn at the speed of a real lathe, so that keys take effect
 /// in between.
-const MOST_AT_ONCE: u64 = 40;
+const MAX_TICKS_REAL: u64 = 40;
 /// Longest delay that is caught up, ms. After a longer one the machine is slower than the
 /// clock, and no motion is skipped.
 const CATCH_UP_MS: u64 = 250;
@@ -15,18 +15,18 @@ const CATCH_UP_MS: u64 = 250;
 const WINDOW: Duration = Duration::from_secs(2);
 
 /// Limit of the ticks in one turn at the speed of the computer.
-const FASTEST_AT_ONCE: u64 = 100_000;
+const MAX_TICKS_FASTEST: u64 = 100_000;
 
 /// Speed of machine time while a program runs on the simulated lathe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Speed {
+pub enum RunSpeed {
     /// Machine time over wall time, %.
     Percent(u32),
     /// As fast as the computer can.
     Fastest,
 }
 
-impl Speed {
+impl RunSpeed {
     /// The speed of a real lathe.
     pub const REAL: Self = Self::Percent(100);
 
@@ -48,45 +48,45 @@ impl Speed {
 
 /// Paces ticks of 1 ms.
 #[derive(Clone, Copy, Debug)]
-pub struct Pace {
-    speed: Speed,
+pub struct TickPacer {
+    speed: RunSpeed,
     /// Wall time of tick zero.
     origin: Instant,
-    done: u64,
+    done_ticks: u64,
     /// Time of the last call of `due`.
-    last: Instant,
+    last_due_call: Instant,
     window_start: Instant,
-    window_done: u64,
+    window_done_ticks: u64,
     ratio: f64,
 }
 
-impl Pace {
+impl TickPacer {
     /// Starts at a time.
     pub const fn new(now: Instant) -> Self {
         Self {
-            speed: Speed::REAL,
+            speed: RunSpeed::REAL,
             origin: now,
-            done: 0,
-            last: now,
+            done_ticks: 0,
+            last_due_call: now,
             window_start: now,
-            window_done: 0,
+            window_done_ticks: 0,
             ratio: 1.0,
         }
     }
 
     /// Returns the speed in force.
-    pub const fn speed(&self) -> Speed {
+    pub const fn speed(&self) -> RunSpeed {
         self.speed
     }
 
     /// Sets the speed; drops the ticks due by the old one.
-    pub fn set_speed(&mut self, speed: Speed, now: Instant) {
+    pub fn set_speed(&mut self, speed: RunSpeed, now: Instant) {
         if speed == self.speed {
             return;
         }
         let ratio = match speed {
-            Speed::Percent(percent) => f64::from(percent) / 100.0,
-            Speed::Fastest => self.ratio,
+            RunSpeed::Percent(percent) => f64::from(percent) / 100.0,
+            RunSpeed::Fastest => self.ratio,
         };
         *self = Self {
             speed,
@@ -96,40 +96,41 @@ impl Pace {
     }
 
     /// Returns the number of ticks to run now; they count as done.
-    pub fn due(&mut self, now: Instant) -> u64 {
-        self.measure(now);
-        self.last = now;
+    pub fn take_due(&mut self, now: Instant) -> u64 {
+        self.measure_ratio(now);
+        self.last_due_call = now;
         let due = match self.speed {
-            Speed::Percent(percent) => self.due_at(u64::from(percent.max(1)), now),
-            Speed::Fastest => FASTEST_AT_ONCE,
+            RunSpeed::Percent(percent) => self.due_at(u64::from(percent.max(1)), now),
+            RunSpeed::Fastest => MAX_TICKS_FASTEST,
         };
-        self.done += due;
+        self.done_ticks += due;
         due
     }
 
     fn due_at(&mut self, percent: u64, now: Instant) -> u64 {
         let elapsed = micros(now.saturating_duration_since(self.origin));
-        let behind = (elapsed.saturating_mul(percent) / 100_000).saturating_sub(self.done);
+        let overdue_ticks =
+            (elapsed.saturating_mul(percent) / 100_000).saturating_sub(self.done_ticks);
         let catch_up = (CATCH_UP_MS * percent / 100).max(1);
-        if behind > catch_up {
-            self.origin += Duration::from_micros((behind - catch_up) * 100_000 / percent);
+        if overdue_ticks > catch_up {
+            self.origin += Duration::from_micros((overdue_ticks - catch_up) * 100_000 / percent);
         }
-        behind.min((MOST_AT_ONCE * percent / 100).max(1))
+        overdue_ticks.min((MAX_TICKS_REAL * percent / 100).max(1))
     }
 
     /// Takes back ticks that were due and have not run, for lack of time.
     pub const fn give_back(&mut self, ticks: u64) {
-        self.done = self.done.saturating_sub(ticks);
+        self.done_ticks = self.done_ticks.saturating_sub(ticks);
     }
 
     /// Returns when the next ticks are due.
-    pub fn next(&self) -> Instant {
+    pub fn next_due(&self) -> Instant {
         match self.speed {
-            Speed::Percent(percent) => {
-                let wall = self.done.saturating_mul(100_000) / u64::from(percent.max(1));
-                self.origin + Duration::from_micros(wall) + Duration::from_millis(BATCH_MS)
+            RunSpeed::Percent(percent) => {
+                let wall = self.done_ticks.saturating_mul(100_000) / u64::from(percent.max(1));
+                self.origin + Duration::from_micros(wall) + Duration::from_millis(TURN_MS)
             }
-            Speed::Fastest => self.last,
+            RunSpeed::Fastest => self.last_due_call,
         }
     }
 
@@ -139,20 +140,20 @@ impl Pace {
         self.ratio
     }
 
-    fn measure(&mut self, now: Instant) {
+    fn measure_ratio(&mut self, now: Instant) {
         let wall = now.saturating_duration_since(self.window_start);
         if wall < WINDOW {
             return;
         }
-        let ran = self.done.saturating_sub(self.window_done);
+        let ran = self.done_ticks.saturating_sub(self.window_done_ticks);
         let ratio = ran as f64 / (wall.as_secs_f64() * 1000.0);
         self.ratio = match self.speed {
             // Catching up after a pause may run a little faster than the clock.
-            Speed::Percent(percent) => ratio.min(f64::from(percent) / 100.0),
-            Speed::Fastest => ratio,
+            RunSpeed::Percent(percent) => ratio.min(f64::from(percent) / 100.0),
+            RunSpeed::Fastest => ratio,
         };
         self.window_start = now;
-        self.window_done = self.done;
+        self.window_done_ticks = self.done_ticks;
     }
 }
 
@@ -167,41 +168,41 @@ mod tests {
     #[test]
     fn ticks_follow_the_clock_without_drift() {
         let start = Instant::now();
-        let mut pace = Pace::new(start);
+        let mut pace = TickPacer::new(start);
         let mut ran = 0;
         for step in 1..=1000u64 {
-            ran += pace.due(start + Duration::from_micros(step * 8_300));
+            ran += pace.take_due(start + Duration::from_micros(step * 8_300));
         }
         assert_eq!(ran, 8300);
-        assert_eq!(pace.next(), start + Duration::from_millis(8308));
+        assert_eq!(pace.next_due(), start + Duration::from_millis(8308));
     }
 
     #[test]
     fn a_short_delay_is_caught_up_and_a_long_one_is_dropped() {
         let start = Instant::now();
-        let mut pace = Pace::new(start);
+        let mut pace = TickPacer::new(start);
         let mut ran = 0;
         for _ in 0..20 {
-            ran += pace.due(start + Duration::from_millis(200));
+            ran += pace.take_due(start + Duration::from_millis(200));
         }
         assert_eq!(ran, 200);
         // Asleep for one hour.
         let later = start + Duration::from_secs(3600);
         let mut ran = 0;
         for _ in 0..20 {
-            ran += pace.due(later);
+            ran += pace.take_due(later);
         }
         assert_eq!(ran, CATCH_UP_MS);
-        assert!(pace.next() <= later + Duration::from_millis(BATCH_MS));
+        assert!(pace.next_due() <= later + Duration::from_millis(TURN_MS));
     }
 
     #[test]
     fn a_slow_computer_shows_in_the_ratio() {
         let start = Instant::now();
-        let mut pace = Pace::new(start);
+        let mut pace = TickPacer::new(start);
         // 40 ticks take 80 ms.
         for step in 1..=50u64 {
-            pace.due(start + Duration::from_millis(step * 80));
+            pace.take_due(start + Duration::from_millis(step * 80));
         }
         assert!((pace.ratio() - 0.5).abs() < 0.05, "{}", pace.ratio());
     }
@@ -210,25 +211,25 @@ mod tests {
     fn other_speeds_follow_the_clock_too() {
         for (percent, expected) in [(10, 1000), (100, 10_000), (10_000, 1_000_000)] {
             let start = Instant::now();
-            let mut pace = Pace::new(start);
-            pace.set_speed(Speed::Percent(percent), start);
+            let mut pace = TickPacer::new(start);
+            pace.set_speed(RunSpeed::Percent(percent), start);
             let ran: u64 = (1..=1250u64)
-                .map(|step| pace.due(start + Duration::from_millis(step * 8)))
+                .map(|step| pace.take_due(start + Duration::from_millis(step * 8)))
                 .sum();
             assert_eq!(ran, expected, "{percent} %");
             assert!((pace.ratio() - f64::from(percent) / 100.0).abs() < 0.01);
-            assert!(pace.next() > start + Duration::from_secs(10));
+            assert!(pace.next_due() > start + Duration::from_secs(10));
         }
     }
 
     #[test]
     fn what_a_slow_computer_does_not_run_is_not_caught_up_for_ever() {
         let start = Instant::now();
-        let mut pace = Pace::new(start);
-        pace.set_speed(Speed::Percent(10_000), start);
+        let mut pace = TickPacer::new(start);
+        pace.set_speed(RunSpeed::Percent(10_000), start);
         let mut ran = 0;
         for step in 1..=500u64 {
-            let due = pace.due(start + Duration::from_millis(step * 10));
+            let due = pace.take_due(start + Duration::from_millis(step * 10));
             let done = due.min(300);
             pace.give_back(due - done);
             ran += done;
@@ -237,10 +238,10 @@ mod tests {
         assert!(ran <= 150_000);
         // At the speed of a real lathe no ticks are due from before.
         let now = start + Duration::from_secs(5);
-        pace.set_speed(Speed::REAL, now);
-        assert_eq!(pace.due(now + Duration::from_millis(8)), 8);
-        pace.set_speed(Speed::Fastest, now);
-        assert_eq!(pace.due(now), FASTEST_AT_ONCE);
-        assert_eq!(pace.next(), now, "it does not sleep");
+        pace.set_speed(RunSpeed::REAL, now);
+        assert_eq!(pace.take_due(now + Duration::from_millis(8)), 8);
+        pace.set_speed(RunSpeed::Fastest, now);
+        assert_eq!(pace.take_due(now), MAX_TICKS_FASTEST);
+        assert_eq!(pace.next_due(), now, "it does not sleep");
     }
 }

@@ -5,56 +5,59 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use gsk_messages::{Message, say};
-use gsk_runner::picture::{Format, NoPicture};
+use gsk_runner::picture::{PictureFormat, UnknownPictureFormat};
 
 /// Why a picture cannot be written under a name.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
-pub enum NameError {
+pub enum PictureNameError {
     /// The extension is not that of a picture.
-    Ending(#[from] NoPicture),
+    Ending(#[from] UnknownPictureFormat),
     /// The extension is not that of a PNG.
-    NoPng(PathBuf),
+    NotPng(PathBuf),
     /// A solid view is made of pixels, not of lines.
-    NoLines(PathBuf),
+    SolidNotPng(PathBuf),
     /// The existing file is not a picture.
     NotOverwritten(PathBuf),
 }
 
-impl NameError {
+impl PictureNameError {
     /// Returns the message for the operator.
     pub fn message(&self) -> Message {
         match self {
             Self::Ending(error) => error.message(),
-            Self::NoPng(path) => say::picture_ending_png(path.display()),
-            Self::NoLines(path) => say::picture_solid_png(path.display()),
+            Self::NotPng(path) => say::picture_ending_png(path.display()),
+            Self::SolidNotPng(path) => say::picture_solid_png(path.display()),
             Self::NotOverwritten(path) => say::picture_not_overwritten(path.display()),
         }
     }
 }
 
 /// First bytes of every PNG file.
-const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
+const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// Checks that a PNG may be written under this name: it ends in `.png`, links followed,
 /// and an existing file is a picture.
 ///
 /// # Errors
 /// The extension or the existing file forbids it; the message has the name.
-pub fn check_png(path: &Path) -> Result<(), NameError> {
+pub fn check_png(path: &Path) -> Result<(), PictureNameError> {
     let target = path.canonicalize();
-    let named = |path: &Path| matches!(Format::of(path), Ok(Format::Png));
+    let named = |path: &Path| matches!(PictureFormat::from_file_name(path), Ok(PictureFormat::Png));
     if !named(path) || !target.as_ref().map_or(true, |target| named(target)) {
-        return Err(NameError::NoPng(path.to_owned()));
+        return Err(PictureNameError::NotPng(path.to_owned()));
     }
     let mut head = Vec::new();
     if path.is_file()
         && let Ok(file) = File::open(path)
-        && file.take(PNG.len() as u64).read_to_end(&mut head).is_ok()
+        && file
+            .take(PNG_SIGNATURE.len() as u64)
+            .read_to_end(&mut head)
+            .is_ok()
         && !head.is_empty()
-        && head != PNG
+        && head != PNG_SIGNATURE
     {
-        return Err(NameError::NotOverwritten(path.to_owned()));
+        return Err(PictureNameError::NotOverwritten(path.to_owned()));
     }
     Ok(())
 }
@@ -63,14 +66,14 @@ pub fn check_png(path: &Path) -> Result<(), NameError> {
 ///
 /// # Errors
 /// The extension or the existing file forbids it; the message has the name.
-pub fn check_name(path: &Path) -> Result<(), NameError> {
-    match (Format::of(path)?, path.canonicalize()) {
-        (Format::Png, _) => check_png(path),
+pub fn check_name(path: &Path) -> Result<(), PictureNameError> {
+    match (PictureFormat::from_file_name(path)?, path.canonicalize()) {
+        (PictureFormat::Png, _) => check_png(path),
         // The target of a link must be a picture, too.
-        (Format::Svg, Ok(target)) => {
-            Format::of(&target)?;
+        (PictureFormat::Svg, Ok(target)) => {
+            PictureFormat::from_file_name(&target)?;
             Ok(())
         }
-        (Format::Svg, Err(_)) => Ok(()),
+        (PictureFormat::Svg, Err(_)) => Ok(()),
     }
 }

@@ -7,7 +7,7 @@ use gsk_commission::{
     ApproachDirection, ImportedFile, Measurement, ParameterChange, PitchPlan, PitchPlanOptions,
     Proposal, ScrewFit, fit_screw, plan_pitch_table, propose_table_values, read_measurement_file,
 };
-use gsk_core::memory::{Parameters, PitchTable};
+use gsk_core::memory::{ControlParameters, PitchTable};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 use gsk_project::{DataSet, ProjectDifference, ProjectKey, ProjectState, ProjectValue};
@@ -16,8 +16,8 @@ use crate::files::program_file;
 
 /// The direction of motion in which the control adds no backlash compensation: that of the
 /// reference return (bit parameters 006.0, 006.1).
-pub fn free_direction(axis: Axis, parameters: &Parameters) -> ApproachDirection {
-    match parameters.reference_is_negative(axis) {
+pub fn uncompensated_direction(axis: Axis, parameters: &ControlParameters) -> ApproachDirection {
+    match parameters.is_reference_negative(axis) {
         true => ApproachDirection::Minus,
         false => ApproachDirection::Plus,
     }
@@ -25,14 +25,14 @@ pub fn free_direction(axis: Axis, parameters: &Parameters) -> ApproachDirection 
 
 /// The contents of a measurement file, evaluated.
 #[derive(Clone, Debug)]
-pub enum Found {
+pub enum EvaluatedMeasurement {
     /// Readings, the fitted errors of the screw, and the planned pitch error table.
     Measured(Measurement, ScrewFit, PitchPlan),
     /// Values of a finished pitch error table.
     Table(Proposal),
 }
 
-impl Found {
+impl EvaluatedMeasurement {
     /// The proposed parameter changes.
     pub const fn proposal(&self) -> &Proposal {
         match self {
@@ -53,42 +53,42 @@ pub fn read_file(path: &Path) -> Result<ImportedFile, Message> {
 }
 
 /// Evaluates a measurement file for an axis, with the control's current parameters and pitch
-/// error table. `diameters`: the positions of the file are diameters of X.
+/// error table. `in_diameters`: the positions of the file are diameters of X.
 ///
 /// # Errors
 /// The file is of the other axis, an option does not suit its kind, or its values give no
 /// table.
-pub fn found(
+pub fn evaluate_measurement(
     imported: ImportedFile,
     axis: Axis,
-    wish: PitchPlanOptions,
-    diameters: bool,
-    (parameters, pitch): (&Parameters, &PitchTable),
-) -> Result<Found, Message> {
+    options: PitchPlanOptions,
+    in_diameters: bool,
+    (parameters, pitch): (&ControlParameters, &PitchTable),
+) -> Result<EvaluatedMeasurement, Message> {
     if let Some(other) = imported.axis().filter(|it| *it != axis) {
-        return Err(say::pitch_other_axis(letter(other)));
+        return Err(say::pitch_other_axis(axis_letter(other)));
     }
     match imported {
-        ImportedFile::Table(_) if wish.interval.is_some() || diameters => {
+        ImportedFile::Table(_) if options.interval.is_some() || in_diameters => {
             Err(say::pitch_table_form())
         }
         ImportedFile::Table(table) => {
-            let proposal = propose_table_values(axis, &table, parameters, pitch, wish.clear)?;
-            Ok(Found::Table(proposal))
+            let proposal = propose_table_values(axis, &table, parameters, pitch, options.clear)?;
+            Ok(EvaluatedMeasurement::Table(proposal))
         }
         ImportedFile::Measured(measured) => {
-            let measured = match diameters {
+            let measured = match in_diameters {
                 true => measured.from_diameters(),
                 false => measured,
             };
-            let fit = fit_screw(&measured, free_direction(axis, parameters))?;
-            let plan = plan_pitch_table(axis, &fit, parameters, pitch, wish)?;
-            Ok(Found::Measured(measured, fit, plan))
+            let fit = fit_screw(&measured, uncompensated_direction(axis, parameters))?;
+            let plan = plan_pitch_table(axis, &fit, parameters, pitch, options)?;
+            Ok(EvaluatedMeasurement::Measured(measured, fit, plan))
         }
     }
 }
 
-pub const fn letter(axis: Axis) -> char {
+pub const fn axis_letter(axis: Axis) -> char {
     match axis {
         Axis::X => 'X',
         Axis::Z => 'Z',
@@ -96,7 +96,10 @@ pub const fn letter(axis: Axis) -> char {
 }
 
 /// Lists parameter changes as project differences; values that stay equal are left out.
-pub fn differences(changes: &[ParameterChange], state: &ProjectState) -> Vec<ProjectDifference> {
+pub fn list_differences(
+    changes: &[ParameterChange],
+    state: &ProjectState,
+) -> Vec<ProjectDifference> {
     let entries = state.entries();
     let row = |key: ProjectKey, new: i64| ProjectDifference {
         key,

@@ -13,10 +13,13 @@ use gsk_messages::{Message, say};
 use crate::files::models;
 
 pub use words::{
-    InputBit, OffsetWord, ParameterWord, WordError, any_model, duration_ms, feed, finite,
-    input_bit, model, pair, switch, travel,
+    InputBit, OffsetOption, OptionValueError, ParameterOption, lathe_model_parser, model_parser,
+    parse_distance, parse_duration_ms, parse_feed, parse_input_bit, parse_number, parse_switch,
+    parse_xz,
 };
-use words::{model_parameter, moment, offset, parameter, spindle_speed};
+use words::{
+    parse_model_parameter, parse_moment, parse_offset, parse_parameter, parse_spindle_speed,
+};
 
 /// Options of control and lathe. A command lists them last: their help heading applies to
 /// all later options, too.
@@ -25,19 +28,19 @@ use words::{model_parameter, moment, offset, parameter, spindle_speed};
 pub struct SetupArgs {
     /// Where the tool stands before the first block: X (diameter), Z in mm [default: 300,300;
     /// with --machine where its file says]
-    #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = pair)]
+    #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = parse_xz)]
     pub start: Option<(f64, f64)>,
     /// The spindle already turns forward at this speed, r/min [default: it stands]
-    #[arg(long, value_name = "RPM", value_parser = spindle_speed)]
+    #[arg(long, value_name = "RPM", value_parser = parse_spindle_speed)]
     pub spindle: Option<f64>,
     /// A parameter: 22=3800, or one bit of it: 1.4=1 (may be repeated)
-    #[arg(long = "param", value_name = "N=V|N.B=0|1", allow_hyphen_values = true, value_parser = parameter)]
-    pub parameters: Vec<ParameterWord>,
+    #[arg(long = "param", value_name = "N=V|N.B=0|1", allow_hyphen_values = true, value_parser = parse_parameter)]
+    pub parameters: Vec<ParameterOption>,
     /// A tool offset: NN=X,Z,R,T; what is left out at the end is 0 (may be repeated)
-    #[arg(long = "offset", value_name = "NN=X,Z,R,T", allow_hyphen_values = true, value_parser = offset)]
-    pub offsets: Vec<OffsetWord>,
+    #[arg(long = "offset", value_name = "NN=X,Z,R,T", allow_hyphen_values = true, value_parser = parse_offset)]
+    pub offsets: Vec<OffsetOption>,
     /// Hold a machine input at a value, for instance X0.4=1 (may be repeated)
-    #[arg(long = "input", value_name = "X0.4=1", value_parser = input_bit)]
+    #[arg(long = "input", value_name = "X0.4=1", value_parser = parse_input_bit)]
     pub inputs: Vec<InputBit>,
     /// The lathe (travel, turret, dogs …) from a RON file
     #[arg(long, value_name = "FILE")]
@@ -47,18 +50,18 @@ pub struct SetupArgs {
     pub ladder: Option<PathBuf>,
     /// Macro B: formulas, IF, WHILE, GOTO and calls with arguments (G65 P) in programs
     /// [default: as the data directory says, else off]
-    #[arg(long, value_name = "on|off", value_parser = switch)]
+    #[arg(long, value_name = "on|off", value_parser = parse_switch)]
     pub macro_b: Option<bool>,
     /// The control model whose programs are read; each has a memory of its own in the data
     /// directory [default: as the data directory says, else gsk980td]
-    #[arg(long, value_name = "MODEL", value_parser = any_model())]
+    #[arg(long, value_name = "MODEL", value_parser = model_parser())]
     pub model: Option<ModelId>,
     /// A parameter that only this model has, for instance 17=6000 (may be repeated)
-    #[arg(long = "model-param", value_name = "N=V", allow_hyphen_values = true, value_parser = model_parameter)]
+    #[arg(long = "model-param", value_name = "N=V", allow_hyphen_values = true, value_parser = parse_model_parameter)]
     pub model_parameters: Vec<(u16, i32)>,
     /// Date and time of day with which the control's clock begins (#3011, #3012 of macro B),
     /// for instance 1993-03-28T15:34:56 [default: the computer's]
-    #[arg(long, value_name = "DATETIME", value_parser = moment)]
+    #[arg(long, value_name = "DATETIME", value_parser = parse_moment)]
     pub clock: Option<DayTime>,
     /// Take parameters, offsets and programs from this data directory, and write them back
     #[arg(long, value_name = "DIR")]
@@ -71,25 +74,25 @@ pub struct SetupArgs {
 impl SetupArgs {
     /// The selected control model: that of `--model`, else that of the data directory, else
     /// the GSK980TD.
-    pub fn model(&self) -> ModelId {
-        let chosen = || self.data.as_deref().map(models::chosen);
-        self.model.or_else(chosen).unwrap_or_default()
+    pub fn selected_model(&self) -> ModelId {
+        let stored_model = || self.data.as_deref().map(models::read_selected_model);
+        self.model.or_else(stored_model).unwrap_or_default()
     }
 
     /// The folder of the selected model in the data directory; `None` without `--data`.
     pub fn data_folder(&self) -> Option<PathBuf> {
         let data = self.data.as_deref()?;
-        Some(models::folder(data, self.model()))
+        Some(models::memory_folder(data, self.selected_model()))
     }
 
     /// Refuses programs of a mill for commands that execute programs.
     ///
     /// # Errors
     /// The selected model is a mill, or an option of a mill is given.
-    pub fn refuse_mill(&self) -> Result<(), OfMill> {
-        self.mill_words()?;
-        match self.model() {
-            model if model.is_mill() => Err(OfMill::NotRun(model)),
+    pub fn refuse_mill(&self) -> Result<(), ModelMismatch> {
+        self.check_mill_options()?;
+        match self.selected_model() {
+            model if model.is_mill() => Err(ModelMismatch::NotExecutable(model)),
             _ => Ok(()),
         }
     }
@@ -98,7 +101,7 @@ impl SetupArgs {
     ///
     /// # Errors
     /// Names the first such option.
-    pub fn mill_words(&self) -> Result<(), OfMill> {
+    pub fn check_mill_options(&self) -> Result<(), ModelMismatch> {
         let mill = &self.mill;
         let given = [
             (mill.mill_start.is_some(), "--mill-start"),
@@ -106,7 +109,9 @@ impl SetupArgs {
             (!mill.mill_offsets.is_empty(), "--mill-offset"),
         ];
         match given.into_iter().find(|(given, _)| *given) {
-            Some((_, option)) if !self.model().is_mill() => Err(OfMill::MillsAlone(option)),
+            Some((_, option)) if !self.selected_model().is_mill() => {
+                Err(ModelMismatch::MillOnly(option))
+            }
             _ => Ok(()),
         }
     }
@@ -115,7 +120,7 @@ impl SetupArgs {
     ///
     /// # Errors
     /// Names the first such option.
-    pub fn lathe_words(&self) -> Result<(), OfMill> {
+    pub fn check_lathe_options(&self) -> Result<(), ModelMismatch> {
         let given = [
             (self.start.is_some(), "--start"),
             (self.spindle.is_some(), "--spindle"),
@@ -126,12 +131,12 @@ impl SetupArgs {
             (self.ladder.is_some(), "--ladder"),
         ];
         match given.into_iter().find(|(given, _)| *given) {
-            Some((_, option)) => Err(OfMill::LathesAlone(option)),
+            Some((_, option)) => Err(ModelMismatch::LatheOnly(option)),
             None => Ok(()),
         }
     }
 
-    pub fn read_files(&self) -> impl Iterator<Item = &Path> {
+    pub fn input_files(&self) -> impl Iterator<Item = &Path> {
         [&self.machine, &self.ladder]
             .into_iter()
             .flatten()
@@ -143,10 +148,10 @@ impl SetupArgs {
     ///
     /// # Errors
     /// Names the first such option.
-    pub const fn refuse_at_a_board(&self) -> Result<(), SetByTheMachine> {
+    pub const fn refuse_machine_state(&self) -> Result<(), MachineStateOption> {
         match (self.start, self.spindle) {
-            (Some(_), _) => Err(SetByTheMachine::Slides),
-            (_, Some(_)) => Err(SetByTheMachine::Spindle),
+            (Some(_), _) => Err(MachineStateOption::Slides),
+            (_, Some(_)) => Err(MachineStateOption::Spindle),
             (None, None) => Ok(()),
         }
     }
@@ -176,14 +181,14 @@ pub struct MillArgs {
 /// An option that contradicts a connected machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
-pub enum SetByTheMachine {
+pub enum MachineStateOption {
     /// `--start`: the position of the slides.
     Slides,
     /// `--spindle`: the speed of the spindle.
     Spindle,
 }
 
-impl SetByTheMachine {
+impl MachineStateOption {
     pub fn message(self) -> Message {
         match self {
             Self::Slides => say::option_slides_stand(),
@@ -195,21 +200,21 @@ impl SetByTheMachine {
 /// An option or command that does not suit the selected model, lathe or mill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
-pub enum OfMill {
+pub enum ModelMismatch {
     /// Programs of this mill cannot be executed.
-    NotRun(ModelId),
+    NotExecutable(ModelId),
     /// The option belongs to lathes.
-    LathesAlone(&'static str),
+    LatheOnly(&'static str),
     /// The option belongs to mills.
-    MillsAlone(&'static str),
+    MillOnly(&'static str),
 }
 
-impl OfMill {
+impl ModelMismatch {
     pub fn message(self) -> Message {
         match self {
-            Self::NotRun(model) => say::mill_not_run(model.name()),
-            Self::LathesAlone(option) => say::mill_option_of_lathe(option),
-            Self::MillsAlone(option) => say::mill_option_of_mill(option),
+            Self::NotExecutable(model) => say::mill_not_run(model.name()),
+            Self::LatheOnly(option) => say::mill_option_of_lathe(option),
+            Self::MillOnly(option) => say::mill_option_of_mill(option),
         }
     }
 }

@@ -8,83 +8,83 @@ use gsk_messages::Message;
 use web_time::{Duration, Instant};
 
 use crate::platform::{self, Player};
-pub use mixer::{Heard, OUTPUTS};
 use mixer::{Mixer, RATE};
+pub use mixer::{OUTPUTS, SoundState};
 
 /// Volumes to choose from, %.
 pub const VOLUMES: [u8; 4] = [10, 25, 50, 100];
 /// How far ahead of their time samples go to the player.
-const LEAD: Duration = Duration::from_millis(60);
+const LEAD_TIME: Duration = Duration::from_millis(60);
 /// Time between two turns of the thread.
-const TURN: Duration = Duration::from_millis(10);
+const TURN_INTERVAL: Duration = Duration::from_millis(10);
 /// Sound that is later than this is dropped: the computer was asleep.
-const LOST: Duration = Duration::from_millis(500);
+const MAX_DELAY: Duration = Duration::from_millis(500);
 /// Capacity of the queue to the thread.
-const QUEUE: usize = 64;
+const QUEUE_CAPACITY: usize = 64;
 
 /// A command for the thread.
-enum Order {
-    Hear(Heard),
+enum SoundCommand {
+    State(SoundState),
     Volume(u8),
 }
 
 /// The window's end of the thread's channels.
-struct Line {
-    orders: Sender<Order>,
-    failed: Receiver<Message>,
+struct SoundChannels {
+    commands: Sender<SoundCommand>,
+    failures: Receiver<Message>,
 }
 
 /// The sound of the machine; without a volume it needs no thread and no player.
 #[derive(Default)]
-pub struct Sounds {
+pub struct MachineSound {
     volume: Option<u8>,
-    line: Option<Line>,
+    channels: Option<SoundChannels>,
 }
 
-impl Sounds {
+impl MachineSound {
     /// Switches the sound on, off, or to another volume, %. Returns once the message of a
     /// failed player.
-    pub fn follow(&mut self, volume: Option<u8>) -> Option<Message> {
+    pub fn set_volume(&mut self, volume: Option<u8>) -> Option<Message> {
         if self.volume != volume {
             self.volume = volume;
-            match (&self.line, volume) {
-                (_, None) => self.line = None,
+            match (&self.channels, volume) {
+                (_, None) => self.channels = None,
                 (Some(line), Some(volume)) => {
-                    let _ = line.orders.try_send(Order::Volume(volume));
+                    let _ = line.commands.try_send(SoundCommand::Volume(volume));
                 }
-                (None, Some(volume)) => self.line = begin(volume),
+                (None, Some(volume)) => self.channels = start_thread(volume),
             }
         }
-        let failed = self.line.as_ref()?.failed.try_recv().ok()?;
-        self.line = None;
+        let failed = self.channels.as_ref()?.failures.try_recv().ok()?;
+        self.channels = None;
         Some(failed)
     }
 
     /// Whether the sound is on.
-    pub const fn listens(&self) -> bool {
-        self.line.is_some()
+    pub const fn is_on(&self) -> bool {
+        self.channels.is_some()
     }
 
     /// Sends the current state of the machine.
-    pub fn hear(&self, heard: Heard) {
-        if let Some(line) = &self.line {
+    pub fn send_state(&self, state: SoundState) {
+        if let Some(line) = &self.channels {
             // A player that hangs must not hold up the window.
-            let _ = line.orders.try_send(Order::Hear(heard));
+            let _ = line.commands.try_send(SoundCommand::State(state));
         }
     }
 }
 
-fn begin(volume: u8) -> Option<Line> {
-    let (orders, from_window) = bounded(QUEUE);
+fn start_thread(volume: u8) -> Option<SoundChannels> {
+    let (orders, from_window) = bounded(QUEUE_CAPACITY);
     let (say, failed) = bounded(1);
     let mut player = None;
     let mut mixer = Mixer::default();
     let mut volume = volume;
-    let mut clock = Clock::new();
+    let mut clock = SampleClock::new();
     let turn = move || {
-        match platform::receive(&from_window, Some(Instant::now() + TURN)) {
-            Ok(Order::Hear(heard)) => mixer.hear(&heard),
-            Ok(Order::Volume(changed)) => volume = changed,
+        match platform::receive(&from_window, Some(Instant::now() + TURN_INTERVAL)) {
+            Ok(SoundCommand::State(state)) => mixer.update(&state),
+            Ok(SoundCommand::Volume(changed)) => volume = changed,
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return false,
         }
@@ -94,7 +94,7 @@ fn begin(volume: u8) -> Option<Line> {
             Some(player) => Player::play(player, &samples),
             None => Player::open(RATE).map(|opened| {
                 player = Some(opened);
-                clock = Clock::new();
+                clock = SampleClock::new();
             }),
         };
         if let Err(why) = played {
@@ -103,30 +103,33 @@ fn begin(volume: u8) -> Option<Line> {
         }
         true
     };
-    platform::turn("sound", turn).ok()?;
-    Some(Line { orders, failed })
+    platform::start_task("sound", turn).ok()?;
+    Some(SoundChannels {
+        commands: orders,
+        failures: failed,
+    })
 }
 
 /// Counts the samples that are due.
-struct Clock {
-    begin: Instant,
-    handed: usize,
+struct SampleClock {
+    start: Instant,
+    passed_samples: usize,
 }
 
-impl Clock {
+impl SampleClock {
     fn new() -> Self {
         Self {
-            begin: Instant::now(),
-            handed: 0,
+            start: Instant::now(),
+            passed_samples: 0,
         }
     }
 
     fn due(&mut self, now: Instant) -> usize {
-        let until = now.saturating_duration_since(self.begin) + LEAD;
+        let until = now.saturating_duration_since(self.start) + LEAD_TIME;
         let all = (until.as_secs_f64() * f64::from(RATE)) as usize;
-        let due = all.saturating_sub(self.handed);
-        self.handed = all.max(self.handed);
-        match due as f64 > LOST.as_secs_f64() * f64::from(RATE) {
+        let due = all.saturating_sub(self.passed_samples);
+        self.passed_samples = all.max(self.passed_samples);
+        match due as f64 > MAX_DELAY.as_secs_f64() * f64::from(RATE) {
             true => 0,
             false => due,
         }
@@ -139,8 +142,8 @@ mod tests {
 
     #[test]
     fn samples_are_handed_over_as_time_passes_and_none_for_a_sleep() {
-        let mut clock = Clock::new();
-        let begin = clock.begin;
+        let mut clock = SampleClock::new();
+        let begin = clock.start;
         let at = |ms: u64| begin + Duration::from_millis(ms);
         let lead = clock.due(at(0));
         assert_eq!(lead, 1323);

@@ -8,9 +8,9 @@ use gsk_messages::{Message, say};
 use gsk_panel::panel::SerialFile;
 
 use crate::files::atomic;
-use crate::files::program_file::{self, FileError};
+use crate::files::program_file::{self, ProgramFileError};
+use crate::message_format::describe_io_error;
 use crate::platform;
-use crate::saying::of_system;
 
 /// Folder of received files in the data directory.
 pub const FOLDER: &str = "transfer";
@@ -26,7 +26,7 @@ pub struct TransferError {
 impl TransferError {
     /// Returns the message for the operator.
     pub fn message(&self) -> Message {
-        say::file_not_written(self.folder.display(), of_system(&self.error))
+        say::file_not_written(self.folder.display(), describe_io_error(&self.error))
     }
 }
 
@@ -34,32 +34,36 @@ impl TransferError {
 ///
 /// # Errors
 /// The folder or a file cannot be written.
-pub fn write(folder: &Path, files: &[SerialFile]) -> Result<(), TransferError> {
-    let wrong = |error| TransferError {
+pub fn write_files(folder: &Path, files: &[SerialFile]) -> Result<(), TransferError> {
+    let to_error = |error| TransferError {
         folder: folder.to_owned(),
         error,
     };
-    platform::make_folder(folder).map_err(wrong)?;
+    platform::make_folder(folder).map_err(to_error)?;
     for file in files {
-        atomic::write(&folder.join(&file.name), file.text.as_bytes()).map_err(wrong)?;
+        atomic::write(&folder.join(&file.name), file.text.as_bytes()).map_err(to_error)?;
     }
     Ok(())
 }
 
 /// Extensions of data for the control, as opposed to programs.
-const DATA: [&str; 3] = ["ofs", "wmp", "par"];
+const DATA_EXTENSIONS: [&str; 3] = ["ofs", "wmp", "par"];
 
 /// Whether a file contains tool offsets, pitch errors or parameters, by its extension.
-pub fn is_data(path: &Path) -> bool {
+pub fn is_data_file(path: &Path) -> bool {
     let extension = path.extension().map(|name| name.to_string_lossy());
-    extension.is_some_and(|name| DATA.iter().any(|data| name.eq_ignore_ascii_case(data)))
+    extension.is_some_and(|name| {
+        DATA_EXTENSIONS
+            .iter()
+            .any(|data| name.eq_ignore_ascii_case(data))
+    })
 }
 
 /// Reads a file for the control.
 ///
 /// # Errors
 /// The file cannot be read or decoded.
-pub fn read(path: &Path) -> Result<SerialFile, FileError> {
+pub fn read_serial_file(path: &Path) -> Result<SerialFile, ProgramFileError> {
     let name = path.file_name().unwrap_or_default();
     let file = program_file::read(path)?;
     Ok(SerialFile {
@@ -69,7 +73,7 @@ pub fn read(path: &Path) -> Result<SerialFile, FileError> {
 }
 
 /// Returns the names of files for a message.
-pub fn names(files: &[SerialFile]) -> String {
+pub fn describe_files(files: &[SerialFile]) -> String {
     match files {
         [file] => file.name.clone(),
         [first, .., last] => format!("{} … {} ({})", first.name, last.name, files.len()),
@@ -79,15 +83,15 @@ pub fn names(files: &[SerialFile]) -> String {
 
 /// Writes files in a separate thread: a slow disk never holds up the kernel. `done` gets
 /// the names and the folder, or why they were not written.
-pub fn write_aside(
+pub fn write_in_background(
     folder: PathBuf,
     files: Vec<SerialFile>,
     done: impl Fn(Result<String, Message>) + Clone + Send + 'static,
 ) {
     let written = done.clone();
-    let begun = platform::beside("transfer", move || {
-        let what = format!("{} → {}", names(&files), folder.display());
-        let result = write(&folder, &files);
+    let begun = platform::run_in_background("transfer", move || {
+        let what = format!("{} → {}", describe_files(&files), folder.display());
+        let result = write_files(&folder, &files);
         written(result.map(|()| what).map_err(|error| error.message()));
     });
     if let Err(error) = begun {
@@ -108,27 +112,27 @@ mod tests {
     }
 
     #[test]
-    fn what_is_sent_stands_in_the_folder() {
+    fn sent_files_are_in_the_folder() {
         let data = test_folder("transfer");
         let folder = data.join(FOLDER);
         let files = [file("O0001.CNC"), file("ParaW.par")];
-        write(&folder, &files).expect("written");
+        write_files(&folder, &files).expect("written");
         for file in &files {
             let text = std::fs::read_to_string(folder.join(&file.name));
             assert_eq!(text.ok().as_ref(), Some(&file.text));
         }
-        assert_eq!(names(&files[..1]), "O0001.CNC");
-        assert_eq!(names(&files), "O0001.CNC … ParaW.par (2)");
+        assert_eq!(describe_files(&files[..1]), "O0001.CNC");
+        assert_eq!(describe_files(&files), "O0001.CNC … ParaW.par (2)");
     }
 
     #[test]
-    fn a_folder_that_cannot_be_made_is_said() {
+    fn a_folder_that_cannot_be_made_is_reported() {
         let data = test_folder("transfer-refused");
         let file_in_the_way = data.join(FOLDER);
         std::fs::write(&file_in_the_way, b"").expect("written");
-        let said = write(&file_in_the_way, &[file("O0001.CNC")])
+        let message = write_files(&file_in_the_way, &[file("O0001.CNC")])
             .expect_err("no folder")
             .to_string();
-        assert!(said.contains("cannot be written"), "{said}");
+        assert!(message.contains("cannot be written"), "{message}");
     }
 }

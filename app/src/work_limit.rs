@@ -1,6 +1,6 @@
 //! Limits a preview: by its amount of work, and by the time of this computer on request.
 
-use gsk_core::preview::{Progress, WorkBudget};
+use gsk_core::preview::{PreviewProgress, WorkBudget};
 use web_time::{Duration, Instant};
 
 use crate::platform;
@@ -17,14 +17,14 @@ impl WorkLimit {
     /// Limits the work alone: the same program gets the same result on every computer.
     pub fn new(budget: WorkBudget) -> Self {
         Self {
-            budget: budget.min(platform::LARGEST_LOOK),
+            budget: budget.min(platform::LARGEST_PREVIEW),
             deadline: None,
         }
     }
 
     /// Limits the time, too, counted from now.
     #[must_use]
-    pub fn within(self, time: Option<Duration>) -> Self {
+    pub fn with_deadline(self, time: Option<Duration>) -> Self {
         Self {
             deadline: time.and_then(|time| Instant::now().checked_add(time)),
             ..self
@@ -32,7 +32,7 @@ impl WorkLimit {
     }
 
     /// Whether a preview with this progress may continue.
-    pub fn allows(&self, progress: &Progress) -> bool {
+    pub fn allows(&self, progress: &PreviewProgress) -> bool {
         let in_time = |deadline| Instant::now() < deadline;
         self.budget.allows(progress) && self.deadline.is_none_or(in_time)
     }

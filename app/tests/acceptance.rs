@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::common::hand::Hand;
+use crate::common::mouse_operator::MouseOperator;
 use gsk_core::setup::Setup;
 use gsk_core::units::Point;
 
@@ -14,9 +14,9 @@ fn the_operating_example_with_the_mouse() {
         referenced: true,
         ..Setup::delivered()
     };
-    let mut hand = Hand::new(setup);
+    let mut hand = MouseOperator::new(setup);
     let path = "../tests/cases/program-text/examples/operate-acceptance/operate.txt";
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
     let text = std::fs::read_to_string(path).expect("the script of the operating example");
-    hand.follow(&text);
+    hand.run_script(&text);
 }

@@ -8,13 +8,15 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::process::executable;
-use crate::twin::Twin;
+use crate::twin::TwinProcess;
 use crossbeam::queue::ArrayQueue;
-use gsk_app::carrier::{Carrier, Line};
 use gsk_app::kernel::probe::Probe;
-use gsk_app::kernel::{Command, Connection, Console, Kernel, LinkOrder, Opened, Storing};
-use gsk_core::linked::drives;
-use gsk_core::memory::Parameters;
+use gsk_app::kernel::{
+    BoardConnection, Command, Console, Kernel, LinkAction, OpenedProgram, StorePolicy,
+};
+use gsk_app::port_io::{PortIo, TrafficLine};
+use gsk_core::linked::drives_from_parameters;
+use gsk_core::memory::ControlParameters;
 use gsk_core::operation::RunState;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
@@ -40,28 +42,28 @@ const TIMED: &str = r#"(
 /// Attempts of a test that may fail because the computer is too busy, and the time limit of
 /// each wait.
 const ATTEMPTS: u32 = 20;
-const LONGEST: Duration = Duration::from_secs(120);
+const TIME_LIMIT: Duration = Duration::from_secs(120);
 
 /// A control with a board.
-struct Lathe {
+struct BoardLathe {
     kernel: Kernel,
     console: Console,
     state: LinkState,
-    differs: bool,
+    has_different_settings: bool,
     /// The longest gap between two polls of the port, as the link page shows it.
-    away: Duration,
+    max_poll_gap: Duration,
     /// The greatest count of dictionary queries that one view of the link has shown.
-    asked: usize,
+    dictionary_queries: usize,
     log: PathBuf,
 }
 
-impl Lathe {
-    fn at(port: &str, config: &str) -> Self {
-        Self::with_boards(port, config, None)
+impl BoardLathe {
+    fn connect(port: &str, config: &str) -> Self {
+        Self::connect_with_dictionaries(port, config, None)
     }
 
     /// `boards`: the folder with the stored dictionaries of known boards.
-    fn with_boards(port: &str, config: &str, boards: Option<PathBuf>) -> Self {
+    fn connect_with_dictionaries(port: &str, config: &str, boards: Option<PathBuf>) -> Self {
         let mut setup = Setup::delivered();
         for number in [17, 18] {
             setup.memory.parameters.set(number, 5).unwrap();
@@ -84,104 +86,109 @@ impl Lathe {
         kernel.run(4000);
         console.send(Command::WatchLink(true));
         // There is no display to query.
-        console.watch.trust_window();
-        kernel.connect(Connection {
+        console.input_watch.trust_window();
+        kernel.connect(BoardConnection {
             config,
-            log: Some(log.clone()),
-            boards,
-            program: PROGRAM_FILE.into(),
+            log_path: Some(log.clone()),
+            dictionary_folder: boards,
+            holder_program: PROGRAM_FILE.into(),
         });
         Self {
             kernel,
             console,
             state: LinkState::Opening,
-            differs: false,
-            away: Duration::ZERO,
-            asked: 0,
+            has_different_settings: false,
+            max_poll_gap: Duration::ZERO,
+            dictionary_queries: 0,
             log,
         }
     }
 
-    fn alarms(&self) -> Vec<u16> {
+    fn alarm_numbers(&self) -> Vec<u16> {
         let alarms = self.kernel.emulator().simulation.cnc.alarms();
         alarms.iter().map(|alarm| alarm.number).collect()
     }
 
-    fn log(&self) -> String {
+    fn log_text(&self) -> String {
         std::fs::read_to_string(&self.log).unwrap_or_default()
     }
 
     /// Runs the control until a condition is met. Returns false after the time limit.
-    fn until(&mut self, longest: Duration, so: impl Fn(&Self) -> bool) -> bool {
-        let begun = Instant::now();
-        while begun.elapsed() < longest {
+    fn run_until(&mut self, time_limit: Duration, is_met: impl Fn(&Self) -> bool) -> bool {
+        let start = Instant::now();
+        while start.elapsed() < time_limit {
             self.kernel.run_linked();
             if let Some(view) = self.console.link.pop() {
                 self.state = view.state;
-                self.differs = !view.differences.is_empty();
-                self.away = view.away.1;
-                let asks = |line: &&Line| line.outward && line.text.contains("identify offset");
-                self.asked = self.asked.max(view.exchanges.iter().filter(asks).count());
+                self.has_different_settings = !view.differences.is_empty();
+                self.max_poll_gap = view.absence.1;
+                let is_query =
+                    |line: &&TrafficLine| line.is_outward && line.text.contains("identify offset");
+                self.dictionary_queries = self
+                    .dictionary_queries
+                    .max(view.traffic_lines.iter().filter(is_query).count());
             }
-            if so(self) {
+            if is_met(self) {
                 return true;
             }
         }
         false
     }
 
-    fn gets(&mut self, state: LinkState) -> bool {
-        self.until(LONGEST, |lathe| {
-            lathe.state == state || !lathe.alarms().is_empty()
+    fn reaches(&mut self, state: LinkState) -> bool {
+        self.run_until(TIME_LIMIT, |lathe| {
+            lathe.state == state || !lathe.alarm_numbers().is_empty()
         }) && self.state == state
     }
 
     fn tap(&mut self, key: Key) {
         self.console.send(Command::Tap(key));
         let ticks = self.kernel.emulator().simulation.cnc.ticks();
-        self.until(LONGEST, |lathe| {
+        self.run_until(TIME_LIMIT, |lathe| {
             lathe.kernel.emulator().simulation.cnc.ticks() >= ticks + 300
         });
     }
 
     /// Connects and writes the settings. Returns whether the board is ready for the reference
     /// return.
-    fn opens(&mut self) -> bool {
-        let known = |lathe: &Self| {
+    fn connect_board(&mut self) -> bool {
+        let is_settled = |lathe: &Self| {
             matches!(
                 lathe.state,
                 LinkState::Locked | LinkState::Fault | LinkState::Lost
             )
         };
-        self.until(LONGEST, |lathe| known(lathe) || lathe.differs);
-        if self.differs {
-            self.console.send(Command::Link(LinkOrder::WriteSettings));
-            self.until(LONGEST, known);
+        self.run_until(TIME_LIMIT, |lathe| {
+            is_settled(lathe) || lathe.has_different_settings
+        });
+        if self.has_different_settings {
+            self.console.send(Command::Link(LinkAction::WriteSettings));
+            self.run_until(TIME_LIMIT, is_settled);
         }
         self.tap(Key::Reset);
         self.state == LinkState::Locked
     }
 
-    fn finds_its_reference(&mut self) -> bool {
+    fn return_to_reference(&mut self) -> bool {
         self.tap(Key::MachineZero);
         for (key, axis) in [(Key::XDown, Axis::X), (Key::ZRight, Axis::Z)] {
-            let found = move |lathe: &Self| {
+            let is_referenced = move |lathe: &Self| {
                 let cnc = &lathe.kernel.emulator().simulation.cnc;
-                *cnc.referenced().get(axis) || !cnc.alarms().is_empty()
+                *cnc.referenced_axes().get(axis) || !cnc.alarms().is_empty()
             };
-            if !found(self) {
+            if !is_referenced(self) {
                 self.tap(key);
-                self.until(LONGEST, found);
+                self.run_until(TIME_LIMIT, is_referenced);
             }
         }
-        self.gets(LinkState::Ready)
+        self.reaches(LinkState::Ready)
     }
 
-    fn starts(&mut self) {
-        self.console.send(Command::Open(Box::new(Opened {
+    fn start_program(&mut self) {
+        self.console.send(Command::Open(Box::new(OpenedProgram {
             name: "seven.CNC".to_owned(),
             path: None,
-            storing: Storing::RunOnly,
+            store_policy: StorePolicy::RunOnly,
             program: Program::new(PROGRAM),
             subprograms: Vec::new(),
         })));
@@ -190,21 +197,21 @@ impl Lathe {
     }
 
     /// Runs the program to its end and waits for the comparison of the pulses in the log.
-    fn works(&mut self) -> bool {
-        self.starts();
-        self.until(LONGEST, |lathe| {
-            let over = lathe.kernel.emulator().simulation.cnc.run_state() == RunState::Reset
+    fn run_program(&mut self) -> bool {
+        self.start_program();
+        self.run_until(TIME_LIMIT, |lathe| {
+            let is_finished = lathe.kernel.emulator().simulation.cnc.run_state() == RunState::Reset
                 && lathe.state == LinkState::Ready
-                && lathe.log().contains("O0007");
-            over || !lathe.alarms().is_empty()
+                && lathe.log_text().contains("O0007");
+            is_finished || !lathe.alarm_numbers().is_empty()
         });
-        self.alarms().is_empty() && self.state == LinkState::Ready
+        self.alarm_numbers().is_empty() && self.state == LinkState::Ready
     }
 
     /// Recovers from an alarm as the operator does.
-    fn begins_again(&mut self) {
-        eprintln!("busy: {:?} {:?}", self.alarms(), self.state);
-        self.console.send(Command::Link(LinkOrder::Reconnect));
+    fn recover(&mut self) {
+        eprintln!("busy: {:?} {:?}", self.alarm_numbers(), self.state);
+        self.console.send(Command::Link(LinkAction::Reconnect));
         self.state = LinkState::Opening;
         self.tap(Key::Reset);
     }
@@ -212,94 +219,99 @@ impl Lathe {
 
 /// Connects, returns to the reference, makes a part and checks it; then unplugs the board in
 /// motion.
-fn works_and_is_unplugged(firmware: &str, config: &str) {
-    let mut twin = Twin::play(&["--firmware", firmware]);
-    let mut lathe = Lathe::at(&twin.port, config);
-    let made = (0..ATTEMPTS).any(|_| {
-        let made = lathe.opens() && lathe.finds_its_reference() && lathe.works();
-        if !made {
-            lathe.begins_again();
+fn make_part_and_unplug(firmware: &str, config: &str) {
+    let mut twin = TwinProcess::start(&["--firmware", firmware]);
+    let mut lathe = BoardLathe::connect(&twin.port, config);
+    let is_made = (0..ATTEMPTS).any(|_| {
+        let is_made = lathe.connect_board() && lathe.return_to_reference() && lathe.run_program();
+        if !is_made {
+            lathe.recover();
         }
-        made
+        is_made
     });
-    assert!(made, "{:?} {:?}", lathe.alarms(), lathe.state);
-    let log = lathe.log();
+    assert!(is_made, "{:?} {:?}", lathe.alarm_numbers(), lathe.state);
+    let log = lathe.log_text();
     let line = log.lines().find(|line| line.contains("O0007")).unwrap();
     let (_, counts) = line.split_once(" commanded ").unwrap();
     let (commanded, counted) = counts.split_once(" counted ").unwrap();
     assert_eq!(counted, format!("{commanded} agrees"), "{line}");
 
-    lathe.starts();
-    lathe.until(LONGEST, |lathe| {
-        lathe.kernel.emulator().simulation.cnc.is_moving() || !lathe.alarms().is_empty()
+    lathe.start_program();
+    lathe.run_until(TIME_LIMIT, |lathe| {
+        lathe.kernel.emulator().simulation.cnc.is_moving() || !lathe.alarm_numbers().is_empty()
     });
     twin.unplug();
-    assert!(lathe.until(LONGEST, |lathe| lathe.state == LinkState::Lost));
-    assert!(lathe.alarms().contains(&605), "{:?}", lathe.alarms());
+    assert!(lathe.run_until(TIME_LIMIT, |lathe| lathe.state == LinkState::Lost));
+    assert!(
+        lathe.alarm_numbers().contains(&605),
+        "{:?}",
+        lathe.alarm_numbers()
+    );
     let cnc = &lathe.kernel.emulator().simulation.cnc;
-    assert!(!cnc.referenced().x && !cnc.is_moving());
+    assert!(!cnc.referenced_axes().x && !cnc.is_moving());
     // RESET opens the port again: it is missing, and the alarm names it.
     lathe.tap(Key::Reset);
-    lathe.until(Duration::from_secs(1), |_| false);
+    lathe.run_until(Duration::from_secs(1), |_| false);
     let alarms = lathe.kernel.emulator().simulation.cnc.alarms();
-    let told = alarms
+    let detail = alarms
         .iter()
         .find(|alarm| matches!(alarm.number, 601 | 605))
         .map(gsk_core::alarm::Alarm::detail_en)
         .unwrap_or_default();
-    assert!(told.contains(&twin.port), "{alarms:?}");
+    assert!(detail.contains(&twin.port), "{alarms:?}");
     let _ = std::fs::remove_file(&lathe.log);
 }
 
 pub fn a_line_board_in_another_process_makes_a_part_and_is_unplugged() {
-    works_and_is_unplugged("grbl", LINE);
+    make_part_and_unplug("grbl", LINE);
 }
 
 pub fn a_board_of_timed_steps_in_another_process_makes_a_part_and_is_unplugged() {
-    works_and_is_unplugged("klipper", TIMED);
+    make_part_and_unplug("klipper", TIMED);
 }
 
 /// The simulated slides and spindle are not the real ones: the scope shows no value for them.
-pub fn the_scope_shows_what_is_known_of_the_real_lathe() {
-    let mut lathe = Lathe::at("/nowhere/at/all", TIMED);
+pub fn the_scope_shows_only_known_values_of_the_real_lathe() {
+    let mut lathe = BoardLathe::connect("/nowhere/at/all", TIMED);
     let queue = Arc::new(ArrayQueue::new(10));
     lathe.console.send(Command::Probe(Some(Probe {
         queue: Arc::clone(&queue),
         bits: Vec::new(),
     })));
-    assert!(lathe.until(LONGEST, |_| queue.is_full()));
+    assert!(lathe.run_until(TIME_LIMIT, |_| queue.is_full()));
     let sample = queue.pop().unwrap();
     assert_eq!(sample.actual, sample.commanded);
-    assert_eq!((sample.following, sample.spindle), (None, None));
+    assert_eq!((sample.following_error, sample.spindle_rpm), (None, None));
 }
 
 /// A gap in polling the port is shown before it can do harm.
-pub fn the_link_page_is_told_how_long_the_computer_was_away() {
-    const AWAY: Duration = Duration::from_millis(150);
-    let twin = Twin::play(&[]);
-    let mut lathe = Lathe::at(&twin.port, LINE);
+pub fn the_link_page_shows_the_longest_poll_gap() {
+    const POLL_GAP: Duration = Duration::from_millis(150);
+    let twin = TwinProcess::start(&[]);
+    let mut lathe = BoardLathe::connect(&twin.port, LINE);
     assert!((0..ATTEMPTS).any(|_| {
-        let opens = lathe.opens();
+        let opens = lathe.connect_board();
         if !opens {
-            lathe.begins_again();
+            lathe.recover();
         }
         opens
     }));
-    let before = lathe.away;
-    std::thread::sleep(before + AWAY);
-    assert!(lathe.until(LONGEST, |lathe| lathe.away >= before + AWAY));
+    let previous = lathe.max_poll_gap;
+    std::thread::sleep(previous + POLL_GAP);
+    assert!(lathe.run_until(TIME_LIMIT, |lathe| lathe.max_poll_gap
+        >= previous + POLL_GAP));
     let _ = std::fs::remove_file(&lathe.log);
 }
 
 /// One client has the port: any other client gets an error with the name of the port.
 pub fn a_port_in_use_is_refused_with_its_name() {
-    let twin = Twin::play(&[]);
+    let twin = TwinProcess::start(&[]);
     let config = LinkConfig {
         port: twin.port.clone(),
         ..LinkConfig::default()
     };
-    let first = Carrier::open(&config, Path::new(PROGRAM_FILE)).unwrap();
-    let refused = Carrier::open(&config, Path::new(PROGRAM_FILE))
+    let first = PortIo::open(&config, Path::new(PROGRAM_FILE)).unwrap();
+    let refused = PortIo::open(&config, Path::new(PROGRAM_FILE))
         .err()
         .expect("a second client")
         .to_string();
@@ -309,29 +321,35 @@ pub fn a_port_in_use_is_refused_with_its_name() {
         .args(["link", "test", &twin.port])
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&test.stderr);
-    assert_eq!(test.status.code(), Some(2), "{said}");
+    let errors = String::from_utf8_lossy(&test.stderr);
+    assert_eq!(test.status.code(), Some(2), "{errors}");
     assert!(
-        said.contains(&twin.port) && said.contains("another program"),
-        "{said}"
+        errors.contains(&twin.port) && errors.contains("another program"),
+        "{errors}"
     );
     // The control raises the alarm, too.
-    let mut lathe = Lathe::at(&twin.port, LINE);
-    assert!(lathe.until(LONGEST, |lathe| lathe.state == LinkState::Lost
-        && !lathe.alarms().is_empty()));
-    assert_eq!(lathe.alarms(), [601]);
+    let mut lathe = BoardLathe::connect(&twin.port, LINE);
+    assert!(
+        lathe.run_until(TIME_LIMIT, |lathe| lathe.state == LinkState::Lost
+            && !lathe.alarm_numbers().is_empty())
+    );
+    assert_eq!(lathe.alarm_numbers(), [601]);
     drop(first);
-    assert!(Carrier::open(&config, Path::new(PROGRAM_FILE)).is_ok());
+    assert!(PortIo::open(&config, Path::new(PROGRAM_FILE)).is_ok());
 }
 
 /// The dictionary of another board.
-fn foreign() -> Vec<u8> {
+fn foreign_dictionary() -> Vec<u8> {
     let mut twin = KlipperTwin::new(KlipperHardware {
         has_reset_command: false,
         ..KlipperHardware::default()
     });
     let config = ron::from_str(TIMED).unwrap();
-    let mut link = StepLink::open(config, &drives(&Parameters::default()), Duration::ZERO);
+    let mut link = StepLink::open(
+        config,
+        &drives_from_parameters(&ControlParameters::default()),
+        Duration::ZERO,
+    );
     for ms in 1..5000 {
         twin.advance(1_000_000);
         let now = Duration::from_millis(ms);
@@ -351,7 +369,7 @@ fn foreign() -> Vec<u8> {
 
 /// Connects with these files in the folder of dictionaries. Returns the count of queries, and
 /// the files afterwards.
-fn meets(port: &str, files: &[(&str, &[u8])]) -> (usize, Vec<(String, Vec<u8>)>) {
+fn connect_with_files(port: &str, files: &[(&str, &[u8])]) -> (usize, Vec<(String, Vec<u8>)>) {
     let folder = std::env::temp_dir().join(format!("gsk980td-boards-{}", std::process::id()));
     for _ in 0..ATTEMPTS {
         let _ = std::fs::remove_dir_all(&folder);
@@ -359,11 +377,11 @@ fn meets(port: &str, files: &[(&str, &[u8])]) -> (usize, Vec<(String, Vec<u8>)>)
         for (name, content) in files {
             std::fs::write(folder.join(name), content).unwrap();
         }
-        let mut lathe = Lathe::with_boards(port, TIMED, Some(folder.clone()));
-        let over = [LinkState::Locked, LinkState::Fault, LinkState::Lost];
-        lathe.until(LONGEST, |lathe| over.contains(&lathe.state));
+        let mut lathe = BoardLathe::connect_with_dictionaries(port, TIMED, Some(folder.clone()));
+        let settled = [LinkState::Locked, LinkState::Fault, LinkState::Lost];
+        lathe.run_until(TIME_LIMIT, |lathe| settled.contains(&lathe.state));
         if lathe.state == LinkState::Locked {
-            let mut found: Vec<_> = std::fs::read_dir(&folder)
+            let mut files_after: Vec<_> = std::fs::read_dir(&folder)
                 .unwrap()
                 .map(|entry| entry.unwrap().path())
                 .map(|path| {
@@ -371,33 +389,33 @@ fn meets(port: &str, files: &[(&str, &[u8])]) -> (usize, Vec<(String, Vec<u8>)>)
                     (name, std::fs::read(&path).unwrap())
                 })
                 .collect();
-            found.sort();
+            files_after.sort();
             std::fs::remove_dir_all(&folder).unwrap();
-            return (lathe.asked, found);
+            return (lathe.dictionary_queries, files_after);
         }
     }
     panic!("the board is never set up");
 }
 
 /// The dictionary that the board sends is used, whatever the stored files contain.
-pub fn a_board_met_before_is_asked_little_and_no_file_is_trusted() {
-    const FEW: usize = 3;
-    let twin = Twin::play(&["--firmware", "klipper"]);
-    let (asked, files) = meets(&twin.port, &[]);
-    assert!(asked > FEW, "{asked}");
+pub fn a_known_board_is_queried_little_and_no_file_is_trusted() {
+    const MAX_QUERIES: usize = 3;
+    let twin = TwinProcess::start(&["--firmware", "klipper"]);
+    let (queries, files) = connect_with_files(&twin.port, &[]);
+    assert!(queries > MAX_QUERIES, "{queries}");
     let [(name, good)] = &files[..] else {
         panic!("{files:?}");
     };
     assert!(name.ends_with(".dictionary"), "{name}");
 
-    let (asked, files) = meets(&twin.port, &[(name, good)]);
-    assert!((1..=FEW).contains(&asked), "{asked}");
+    let (queries, files) = connect_with_files(&twin.port, &[(name, good)]);
+    assert!((1..=MAX_QUERIES).contains(&queries), "{queries}");
     assert_eq!(files, [(name.clone(), good.clone())]);
 
     let mut damaged = good.clone();
     damaged[good.len() / 2] ^= 4;
     let long = [&good[..], &[0; 10]].concat();
-    let foreign = foreign();
+    let foreign = foreign_dictionary();
     assert!(foreign != *good);
     for (what, content) in [
         // It begins and ends like the right one.
@@ -409,11 +427,11 @@ pub fn a_board_met_before_is_asked_little_and_no_file_is_trusted() {
         ("that of another board", &foreign),
     ] {
         // The dictionary is queried again, and stored correctly.
-        let (asked, files) = meets(&twin.port, &[(name, content)]);
-        assert!(asked > FEW, "{what}: {asked}");
+        let (queries, files) = connect_with_files(&twin.port, &[(name, content)]);
+        assert!(queries > MAX_QUERIES, "{what}: {queries}");
         assert_eq!(files, [(name.clone(), good.clone())], "{what}");
     }
     // The right file is found among others.
-    let (asked, _) = meets(&twin.port, &[("a.dictionary", &foreign), (name, good)]);
-    assert!((1..=FEW + 1).contains(&asked), "{asked}");
+    let (queries, _) = connect_with_files(&twin.port, &[("a.dictionary", &foreign), (name, good)]);
+    assert!((1..=MAX_QUERIES + 1).contains(&queries), "{queries}");
 }

@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use crate::common::Bench;
+use crate::common::WindowBench;
 use egui_kittest::kittest::Queryable;
-use gsk_app::kernel::{Command, Opened, Storing};
-use gsk_app::window::layout::{Layout, Layouts};
+use gsk_app::kernel::{Command, OpenedProgram, StorePolicy};
+use gsk_app::window::layout::{Layouts, WindowLayout};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_panel::keys::Key;
@@ -15,7 +15,7 @@ const TEXT: &str = "O0007\nG50 X100 Z100\nT0101 M03 S800\nG00 X42 Z2\n\
     G90 X36 Z-30 F300\nG00 X20 Z-20\nM30\n";
 
 /// Runs until words are seen.
-fn comes(bench: &mut Bench, words: &str) -> bool {
+fn comes(bench: &mut WindowBench, words: &str) -> bool {
     (0..500).any(|_| {
         std::thread::sleep(Duration::from_millis(5));
         bench.run(100);
@@ -25,13 +25,17 @@ fn comes(bench: &mut Bench, words: &str) -> bool {
 }
 
 /// A program under way in a window with the panel alone.
-fn started() -> Bench {
+fn started() -> WindowBench {
     let size = egui::vec2(1280.0, 806.0);
-    let mut bench = Bench::sized(Setup::default(), Layouts::of(Layout::Panel), size);
-    bench.console.send(Command::Open(Box::new(Opened {
+    let mut bench = WindowBench::with_layouts(
+        Setup::default(),
+        Layouts::with_layout(WindowLayout::Panel),
+        size,
+    );
+    bench.console.send(Command::Open(Box::new(OpenedProgram {
         name: "O7.CNC".to_owned(),
         path: None,
-        storing: Storing::RunOnly,
+        store_policy: StorePolicy::RunOnly,
         program: Program::new(TEXT),
         subprograms: Vec::new(),
     })));
@@ -59,10 +63,15 @@ fn a_crash_stops_the_lathe_with_the_machine_view_closed_and_one_button_leads_out
     assert!(bench.harness.query_by_label_contains("CRASH").is_some());
     bench.click("Free the lathe");
     bench.run(1000);
-    assert!(bench.harness.query_by_label_contains("The lathe is free").is_some());
+    assert!(
+        bench
+            .harness
+            .query_by_label_contains("The lathe is free")
+            .is_some()
+    );
     assert!(bench.harness.query_by_label("Free the lathe").is_none());
     let simulation = &bench.kernel.emulator().simulation;
-    assert_eq!(simulation.lathe.faults(), 0);
+    assert_eq!(simulation.lathe.fault_count(), 0);
     assert_eq!(simulation.cnc.alarms(), []);
 }
 
@@ -72,5 +81,5 @@ fn a_crash_goes_through_where_it_is_not_to_stop_the_lathe() {
     bench.console.send(Command::CrashStops(false));
     assert!(comes(&mut bench, "COLLISION"));
     assert!(bench.harness.query_by_label("Free the lathe").is_none());
-    assert_eq!(bench.kernel.emulator().simulation.lathe.faults(), 0);
+    assert_eq!(bench.kernel.emulator().simulation.lathe.fault_count(), 0);
 }

@@ -3,78 +3,78 @@
 
 use egui_kittest::kittest::Queryable as _;
 use gsk_app::kernel::Command;
-use gsk_core::cnc::{Cnc, Request};
-use gsk_core::memory::{Parameters, parameter};
+use gsk_core::cnc::{Cnc, ControlRequest};
+use gsk_core::memory::{ControlParameters, parameter};
 use gsk_core::setup::Setup;
 use gsk_core::units::Axis;
 
-use crate::common::Bench;
+use crate::common::WindowBench;
 
 /// Opens the view of a control with the manufacturer's parameters (disk N0).
-fn opened() -> Bench {
-    opened_with(Setup::delivered())
+fn open_view() -> WindowBench {
+    open_view_with(Setup::delivered())
 }
 
-fn opened_with(mut setup: Setup) -> Bench {
-    setup.memory.parameters = Parameters::default();
-    let mut bench = Bench::with(setup);
+fn open_view_with(mut setup: Setup) -> WindowBench {
+    setup.memory.parameters = ControlParameters::default();
+    let mut bench = WindowBench::with_setup(setup);
     for entry in ["Views", "Parameters and offsets"] {
         bench.harness.get_by_label(entry).click();
         bench.run(1);
         bench.run(1);
     }
-    settle(&mut bench);
+    run_briefly(&mut bench);
     bench
 }
 
-fn settle(bench: &mut Bench) {
+fn run_briefly(bench: &mut WindowBench) {
     bench.run(1);
     bench.run(100);
 }
 
 /// Allows parameters to be written: the switch, and MDI.
-fn may_write(bench: &mut Bench) {
-    ask(bench, Request::SetParameterSwitch(true));
+fn allow_writing(bench: &mut WindowBench) {
+    send_request(bench, ControlRequest::SetParameterSwitch(true));
     let control = egui::Modifiers::CTRL;
     bench.harness.key_press_modifiers(control, egui::Key::Num3);
     bench.run(300);
-    settle(bench);
+    run_briefly(bench);
 }
 
 /// Selects automatic mode, in which neither parameters nor variables can be written.
-fn automatic(bench: &mut Bench) {
+fn select_automatic(bench: &mut WindowBench) {
     let control = egui::Modifiers::CTRL;
     bench.harness.key_press_modifiers(control, egui::Key::Num1);
     bench.run(300);
-    settle(bench);
+    run_briefly(bench);
 }
 
-fn ask(bench: &mut Bench, request: Request) {
-    bench.console.send(Command::Ask(Box::new(request)));
-    settle(bench);
+fn send_request(bench: &mut WindowBench, request: ControlRequest) {
+    bench.console.send(Command::Request(Box::new(request)));
+    run_briefly(bench);
 }
 
-fn cnc(bench: &Bench) -> &Cnc {
+fn cnc(bench: &WindowBench) -> &Cnc {
     &bench.kernel.emulator().simulation.cnc
 }
 
 /// Clicks the widget with exactly this name.
 #[track_caller]
-fn press(bench: &mut Bench, name: &str) {
+fn press(bench: &mut WindowBench, name: &str) {
     bench.harness.get_by_label(name).click();
-    settle(bench);
+    run_briefly(bench);
 }
 
 /// Clicks a row or a check box by a part of its name.
 #[track_caller]
-fn choose(bench: &mut Bench, part: &str) {
+fn choose(bench: &mut WindowBench, part: &str) {
     bench.harness.get_by_label_contains(part).click();
-    settle(bench);
+    run_briefly(bench);
 }
 
 /// Replaces the text of a field and leaves it.
 #[track_caller]
-fn fill(bench: &mut Bench, field: &str, text: &str) {
+fn fill(bench: &mut WindowBench, field: &str, text: &str) {
     bench.harness.get_by_label(field).focus();
     bench.run(1);
     let command = egui::Modifiers::COMMAND;
@@ -83,95 +83,101 @@ fn fill(bench: &mut Bench, field: &str, text: &str) {
     bench.harness.event(egui::Event::Text(text.to_owned()));
     bench.run(1);
     bench.harness.key_press(egui::Key::Enter);
-    settle(bench);
+    run_briefly(bench);
 }
 
-fn says(bench: &Bench, words: &str) -> bool {
+fn is_shown(bench: &WindowBench, text: &str) -> bool {
     bench
         .harness
-        .query_all_by_label_contains(words)
+        .query_all_by_label_contains(text)
         .next()
         .is_some()
 }
 
 #[test]
-fn a_box_changes_its_bit_and_the_value_and_both_are_written_and_taken_back() {
-    let mut bench = opened();
+fn a_check_box_changes_its_bit_and_the_value_and_both_are_written_and_undone() {
+    let mut bench = open_view();
     choose(&mut bench, "Spindle, handwheel, radius");
     choose(&mut bench, "001.4 1 spindle speed by analog");
     let value = bench.harness.get_by_label("Value of 001").value();
     assert_eq!(value.as_deref(), Some("00010000"));
     // Without the rights no value is written.
-    assert!(says(&bench, "cannot be written now: "));
+    assert!(is_shown(&bench, "cannot be written now: "));
     press(&mut bench, "Write 1");
     assert_eq!(cnc(&bench).parameters().byte(1), 0);
-    may_write(&mut bench);
-    assert!(says(&bench, "the control takes these values now"));
+    allow_writing(&mut bench);
+    assert!(is_shown(&bench, "the control takes these values now"));
     press(&mut bench, "Write 1");
     assert_eq!(cnc(&bench).parameters().byte(1), 0b0001_0000);
-    assert!(says(&bench, "differs from delivery"));
+    assert!(is_shown(&bench, "differs from delivery"));
     press(&mut bench, "Undo: No.001 = 16");
     assert_eq!(cnc(&bench).parameters().byte(1), 0);
-    assert!(!says(&bench, "Undo: "));
+    assert!(!is_shown(&bench, "Undo: "));
     assert!(bench.harness.query_by_label("Write 0").is_some());
 }
 
 #[test]
 fn parameters_are_found_by_words_and_by_function_and_kept_in_their_range() {
-    let mut bench = opened();
-    may_write(&mut bench);
-    let before = cnc(&bench).parameters().clone();
+    let mut bench = open_view();
+    allow_writing(&mut bench);
+    let previous = cnc(&bench).parameters().clone();
     press(&mut bench, "Backlash");
-    assert!(says(&bench, "035 BKLZ") && !says(&bench, "RPDFX"));
+    assert!(is_shown(&bench, "035 BKLZ") && !is_shown(&bench, "RPDFX"));
     fill(&mut bench, "Search the parameters", "RPDFX");
-    assert!(says(&bench, "1 found") && !says(&bench, "035 BKLZ"));
+    assert!(is_shown(&bench, "1 found") && !is_shown(&bench, "035 BKLZ"));
     choose(&mut bench, "022 RPDFX");
     fill(&mut bench, "Value of 022", "15001");
-    assert!(says(&bench, "parameter 022: 15001 is outside 6..15000"));
+    assert!(is_shown(&bench, "parameter 022: 15001 is outside 6..15000"));
     press(&mut bench, "Write 1");
-    assert_eq!(*cnc(&bench).parameters(), before);
+    assert_eq!(*cnc(&bench).parameters(), previous);
     assert!(cnc(&bench).alarms().iter().all(|alarm| alarm.number != 43));
     fill(&mut bench, "Value of 022", "fast");
-    assert!(says(&bench, "fast is no value"));
+    assert!(is_shown(&bench, "fast is no value"));
     press(&mut bench, "Write 1");
-    let complaints = |bench: &Bench| {
+    let count_errors = |bench: &WindowBench| {
         let all = bench
             .harness
             .query_all_by_label_contains("fast is no value");
         all.count()
     };
-    assert_eq!(complaints(&bench), 2, "beside the field and in the bar");
+    assert_eq!(count_errors(&bench), 2, "beside the field and in the bar");
     // The error disappears as soon as the value is valid.
     fill(&mut bench, "Value of 022", "3000");
-    assert_eq!(complaints(&bench), 0);
+    assert_eq!(count_errors(&bench), 0);
     press(&mut bench, "Write 1");
     assert_eq!(cnc(&bench).parameters().value(parameter::X_RAPID), 3000);
-    assert!(says(&bench, "No.022 = 3000: 1 written"));
+    assert!(is_shown(&bench, "No.022 = 3000: 1 written"));
     // The value differs now, as do those that the control itself stores in parameters.
-    let factory = Parameters::default();
-    let own = cnc(&bench).parameters().clone();
-    let differ = own.iter().zip(factory.iter());
-    let differ: Vec<u16> = differ
+    let factory = ControlParameters::default();
+    let current = cnc(&bench).parameters().clone();
+    let pairs = current.iter().zip(factory.iter());
+    let changed_numbers: Vec<u16> = pairs
         .filter(|(own, factory)| own != factory)
         .map(|((number, _), _)| number)
         .collect();
-    assert!(differ.contains(&22) && differ.len() < 5, "{differ:?}");
+    assert!(
+        changed_numbers.contains(&22) && changed_numbers.len() < 5,
+        "{changed_numbers:?}"
+    );
     fill(&mut bench, "Search the parameters", " ");
     press(&mut bench, "All parameters");
     press(&mut bench, "Only what differs from delivery");
-    assert!(says(&bench, &format!("{} found", differ.len())));
-    assert!(says(&bench, "022 RPDFX 3000 differs from delivery"));
-    assert!(!says(&bench, "035 BKLZ"));
+    assert!(is_shown(
+        &bench,
+        &format!("{} found", changed_numbers.len())
+    ));
+    assert!(is_shown(&bench, "022 RPDFX 3000 differs from delivery"));
+    assert!(!is_shown(&bench, "035 BKLZ"));
     // A parameter that takes effect after power-on has a note.
     fill(&mut bench, "Search the parameters", "No. 005");
     press(&mut bench, "Only what differs from delivery");
     choose(&mut bench, "Spindle gear, M30");
-    assert!(says(&bench, "when the power is switched on again"));
+    assert!(is_shown(&bench, "when the power is switched on again"));
 }
 
 #[test]
-fn offsets_are_values_and_wear_is_added_to_them_with_their_own_rights() {
-    let mut bench = opened();
+fn offsets_and_wear_are_written_with_separate_rights() {
+    let mut bench = open_view();
     press(&mut bench, "Tool offsets");
     // Offsets need neither MDI nor the parameter switch.
     fill(&mut bench, "offset 001 X", "20");
@@ -182,18 +188,18 @@ fn offsets_are_values_and_wear_is_added_to_them_with_their_own_rights() {
     assert_eq!((row.x, row.z, row.t), (20.0, -12.5, 3));
     fill(&mut bench, "offset 001 X", "u-0.02");
     press(&mut bench, "Write 1");
-    settle(&mut bench);
+    run_briefly(&mut bench);
     assert_eq!(cnc(&bench).offsets().get(1).x, 19.98);
     assert!(bench.harness.query_by_label("Write 0").is_some());
     // The mode for measured offsets (012.5) concerns the page of the control. The view always
     // writes the value itself.
-    may_write(&mut bench);
-    let measured = Request::SetParameterBit {
+    allow_writing(&mut bench);
+    let measured = ControlRequest::SetParameterBit {
         number: 12,
         bit: 5,
         on: true,
     };
-    ask(&mut bench, measured);
+    send_request(&mut bench, measured);
     fill(&mut bench, "offset 002 X", "7");
     press(&mut bench, "Write 1");
     assert_eq!(cnc(&bench).offsets().get(2).x, 7.0);
@@ -202,8 +208,8 @@ fn offsets_are_values_and_wear_is_added_to_them_with_their_own_rights() {
     assert_eq!(cnc(&bench).offsets().get(1).t, 3);
     press(&mut bench, "Discard");
     // Without a log-on, no value can be changed or undone.
-    ask(&mut bench, Request::LeaveLevel);
-    assert!(says(&bench, "the operation level is too low"));
+    send_request(&mut bench, ControlRequest::LowerLevel);
+    assert!(is_shown(&bench, "the operation level is too low"));
     fill(&mut bench, "offset 001 R", "0.4");
     press(&mut bench, "Write 1");
     choose(&mut bench, "Undo: ");
@@ -213,14 +219,14 @@ fn offsets_are_values_and_wear_is_added_to_them_with_their_own_rights() {
 
 #[test]
 fn variables_are_written_in_mdi() {
-    let mut bench = opened();
-    automatic(&mut bench);
+    let mut bench = open_view();
+    select_automatic(&mut bench);
     press(&mut bench, "Macro variables");
-    assert!(says(&bench, "cannot be written now: "));
-    may_write(&mut bench);
+    assert!(is_shown(&bench, "cannot be written now: "));
+    allow_writing(&mut bench);
     fill(&mut bench, "variable #201", "1.5");
     press(&mut bench, "Write 1");
-    assert!(says(&bench, "is no whole number"));
+    assert!(is_shown(&bench, "is no whole number"));
     fill(&mut bench, "variable #201", "-77");
     press(&mut bench, "Write 1");
     assert_eq!(cnc(&bench).variables().get(201), Some(-77));
@@ -230,12 +236,12 @@ fn variables_are_written_in_mdi() {
 
 /// Macro B has null values. Undo restores null.
 #[test]
-fn a_null_variable_is_null_again_when_it_is_taken_back() {
+fn undo_restores_a_null_variable() {
     let mut setup = Setup::delivered();
     setup.memory.settings.macro_b = true;
-    let mut bench = opened_with(setup);
+    let mut bench = open_view_with(setup);
     press(&mut bench, "Macro variables");
-    may_write(&mut bench);
+    allow_writing(&mut bench);
     assert_eq!(cnc(&bench).real_variable(1), None);
     fill(&mut bench, "variable #1", "0.25");
     press(&mut bench, "Write 1");
@@ -247,23 +253,23 @@ fn a_null_variable_is_null_again_when_it_is_taken_back() {
 }
 
 #[test]
-fn a_pitch_error_is_written_as_a_parameter_is_and_taken_back() {
-    let mut bench = opened();
+fn a_pitch_error_is_written_like_a_parameter_and_undone() {
+    let mut bench = open_view();
     press(&mut bench, "Pitch error table");
     fill(&mut bench, "pitch error 002 Z", "-12");
     press(&mut bench, "Write 1");
     assert_eq!(cnc(&bench).pitch().value(Axis::Z, 2), 0, "not in MDI");
-    may_write(&mut bench);
+    allow_writing(&mut bench);
     fill(&mut bench, "pitch error 003 X", "300");
     press(&mut bench, "Write 2");
     assert_eq!(cnc(&bench).pitch().value(Axis::Z, 2), 0, "300 is too much");
     fill(&mut bench, "pitch error 003 X", "7");
     press(&mut bench, "Write 2");
-    let now = |bench: &Bench| {
+    let current_values = |bench: &WindowBench| {
         let pitch = cnc(bench).pitch();
         (pitch.value(Axis::X, 3), pitch.value(Axis::Z, 2))
     };
-    assert_eq!(now(&bench), (7, -12));
+    assert_eq!(current_values(&bench), (7, -12));
     choose(&mut bench, "Undo: ");
-    assert_eq!(now(&bench), (0, 0));
+    assert_eq!(current_values(&bench), (0, 0));
 }

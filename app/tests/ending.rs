@@ -8,49 +8,49 @@ mod twin;
 
 use std::time::{Duration, Instant};
 
-use gsk_app::ending::Ending;
-use gsk_app::kernel::{Command, Connection, Kernel, LinkOrder, Outside, start};
+use gsk_app::kernel::{BoardConnection, Command, Kernel, KernelEnvironment, LinkAction, start};
+use gsk_app::termination::TerminationFlag;
 use gsk_core::setup::Setup;
 use gsk_link::{LinkConfig, LinkState};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
-use twin::{Twin, signal};
+use twin::{TwinProcess, send_signal};
 
-const LONGEST: Duration = Duration::from_secs(120);
+const TIME_LIMIT: Duration = Duration::from_secs(120);
 
 #[test]
-fn the_board_is_stopped_when_the_program_is_told_to_end() {
-    let twin = Twin::play(&[]);
-    let ending = Ending::heard().unwrap();
+fn a_termination_signal_stops_the_board() {
+    let twin = TwinProcess::start(&[]);
+    let ending = TerminationFlag::install_signal_handlers().unwrap();
     let (mut kernel, console) = Kernel::new(Emulator::new(Setup::delivered()));
     kernel.run(4000);
     console.send(Command::WatchLink(true));
     // There is no display to query.
-    console.watch.trust_window();
-    kernel.connect(Connection {
+    console.input_watch.trust_window();
+    kernel.connect(BoardConnection {
         config: LinkConfig {
             port: twin.port.clone(),
             ..LinkConfig::default()
         },
-        log: None,
-        boards: None,
-        program: env!("CARGO_BIN_EXE_gsk980td").into(),
+        log_path: None,
+        dictionary_folder: None,
+        holder_program: env!("CARGO_BIN_EXE_gsk980td").into(),
     });
-    let outside = Outside {
+    let host = KernelEnvironment {
         wake: Box::new(|| {}),
         keeper: None,
-        partner: None,
-        ending: ending.clone(),
+        partner_folder: None,
+        termination: ending.clone(),
     };
-    let mut thread = start(kernel, &console, outside).unwrap();
-    let begun = Instant::now();
+    let mut thread = start(kernel, &console, host).unwrap();
+    let start_time = Instant::now();
     let mut locked = false;
-    while !locked && begun.elapsed() < LONGEST {
+    while !locked && start_time.elapsed() < TIME_LIMIT {
         std::thread::sleep(Duration::from_millis(50));
         if let Some(view) = console.link.pop() {
             locked = view.state == LinkState::Locked;
             if !view.differences.is_empty() {
-                console.send(Command::Link(LinkOrder::WriteSettings));
+                console.send(Command::Link(LinkAction::WriteSettings));
             }
         }
     }
@@ -59,20 +59,21 @@ fn the_board_is_stopped_when_the_program_is_told_to_end() {
         console.send(Command::Tap(key));
         std::thread::sleep(Duration::from_millis(500));
     }
-    let down = |down| Command::Key {
+    let key_command = |down| Command::Key {
         key: Key::ZLeft,
         down,
     };
     // The kernel releases held keys when it receives no message for a while.
     let moving = (0..100).any(|_| {
-        console.send(down(false));
-        console.send(down(true));
-        twin.says("Run", Duration::from_millis(500)).is_some()
+        console.send(key_command(false));
+        console.send(key_command(true));
+        twin.wait_for_line("Run", Duration::from_millis(500))
+            .is_some()
     });
     assert!(moving);
-    signal("TERM", std::process::id());
+    send_signal("TERM", std::process::id());
     // The link resets the board by Ctrl-X, moving or not.
-    twin.says("reset", LONGEST).unwrap();
-    assert!(ending.is_asked());
+    twin.wait_for_line("reset", TIME_LIMIT).unwrap();
+    assert!(ending.is_requested());
     thread.stop();
 }

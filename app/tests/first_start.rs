@@ -1,45 +1,45 @@
 //! The questions of the first start, answered with mouse and keyboard.
 
-use crate::common::Bench;
+use crate::common::WindowBench;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-use gsk_app::window::layout::Layout;
-use gsk_app::window::view::View;
+use gsk_app::window::layout::WindowLayout;
+use gsk_app::window::view::ViewId;
 use gsk_core::model::ModelId;
 use gsk_core::operation::RunState;
 use gsk_messages::Language;
 
-fn asked() -> Bench {
-    let mut bench = Bench::new();
+fn open_questions() -> WindowBench {
+    let mut bench = WindowBench::new();
     let window = bench.harness.state_mut();
     window.set_model(ModelId::Gsk980td, true);
-    window.ask_first();
+    window.open_first_start();
     bench.run(50);
     bench
 }
 
-fn click(bench: &mut Bench, label: &str) {
+fn click(bench: &mut WindowBench, label: &str) {
     bench.harness.get_by_label(label).click();
     bench.run(50);
     bench.run(50);
 }
 
 #[test]
-fn each_purpose_opens_its_screen() {
+fn each_purpose_opens_its_layout() {
     for (purpose, layout, views) in [
         (
             "I am learning",
-            Layout::Learner,
-            &[View::Machine, View::Lesson][..],
+            WindowLayout::Learner,
+            &[ViewId::Machine, ViewId::Lesson][..],
         ),
         (
             "I check programs",
-            Layout::Programmer,
-            &[View::Program, View::Machine],
+            WindowLayout::Programmer,
+            &[ViewId::Program, ViewId::Machine],
         ),
-        ("I own a lathe", Layout::Panel, &[View::Link]),
+        ("I own a lathe", WindowLayout::Panel, &[ViewId::Link]),
     ] {
-        let mut bench = asked();
+        let mut bench = open_questions();
         assert!(bench.harness.query_by_label("Cycle start").is_none());
         click(&mut bench, "Begin");
         assert!(
@@ -58,13 +58,17 @@ fn each_purpose_opens_its_screen() {
         for view in views {
             assert!(layouts.docked().contains(view), "{purpose}: {view:?}");
         }
-        assert_eq!(window.take_model(), None, "the control stays as it is");
+        assert_eq!(
+            window.take_requested_model(),
+            None,
+            "the control stays as it is"
+        );
     }
 }
 
 #[test]
 fn three_clicks_lead_from_the_first_start_to_a_cut() {
-    let mut bench = asked();
+    let mut bench = open_questions();
     let clicks = ["I am learning", "Begin", "stepped shaft"];
     for label in clicks {
         click(&mut bench, label);
@@ -82,8 +86,8 @@ fn three_clicks_lead_from_the_first_start_to_a_cut() {
 }
 
 #[test]
-fn language_and_control_are_taken() {
-    let mut bench = asked();
+fn language_and_control_model_are_applied() {
+    let mut bench = open_questions();
     click(&mut bench, "NC-B08");
     bench
         .harness
@@ -97,18 +101,18 @@ fn language_and_control_are_taken() {
     click(&mut bench, "我在学习");
     click(&mut bench, "开始");
     let window = bench.harness.state_mut();
-    assert_eq!(window.take_model(), Some(ModelId::Ncb08));
+    assert_eq!(window.take_requested_model(), Some(ModelId::Ncb08));
 }
 
 #[test]
-fn keys_of_the_pc_answer_and_reach_no_panel() {
-    let mut bench = asked();
-    let before = bench.lcd_of_kernel();
+fn pc_keys_answer_and_do_not_reach_the_panel() {
+    let mut bench = open_questions();
+    let lcd_before = bench.lcd_of_kernel();
     for key in [Key::F3, Key::F7, Key::Enter] {
         bench.harness.key_press(key);
         bench.run(100);
     }
-    assert_eq!(bench.lcd_of_kernel(), before, "no key of the panel");
+    assert_eq!(bench.lcd_of_kernel(), lcd_before, "no key of the panel");
     // From the language to the first purpose, and to its button.
     for _ in 0..2 {
         bench.harness.key_press(Key::Tab);
@@ -116,8 +120,8 @@ fn keys_of_the_pc_answer_and_reach_no_panel() {
     }
     bench.harness.key_press(Key::Space);
     bench.run(50);
-    let chosen = |bench: &Bench| bench.harness.query_by_label("Begin").is_some();
-    assert!(chosen(&bench));
+    let can_begin = |bench: &WindowBench| bench.harness.query_by_label("Begin").is_some();
+    assert!(can_begin(&bench));
     bench.harness.key_press(Key::Escape);
     bench.run(50);
     bench.run(50);
@@ -126,8 +130,8 @@ fn keys_of_the_pc_answer_and_reach_no_panel() {
 }
 
 #[test]
-fn the_menu_asks_again_and_what_is_opened_ends_it() {
-    let mut bench = Bench::new();
+fn the_menu_shows_the_questions_again_and_an_opened_view_ends_them() {
+    let mut bench = WindowBench::new();
     click(&mut bench, "Layout");
     click(&mut bench, "First start …");
     assert!(

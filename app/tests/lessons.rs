@@ -3,34 +3,34 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::common::Bench;
-use crate::common::hand::Hand;
+use crate::common::WindowBench;
+use crate::common::mouse_operator::MouseOperator;
 use egui_kittest::kittest::Queryable;
-use gsk_app::kernel::{Command, LessonOrder};
-use gsk_app::window::layout::{Layout, Layouts};
-use gsk_app::window::view::View;
+use gsk_app::kernel::{Command, LessonAction};
+use gsk_app::window::layout::{Layouts, WindowLayout};
+use gsk_app::window::view::ViewId;
 use gsk_core::setup::Setup;
 use gsk_panel::keys::Key;
 use gsk_panel::script::ScriptAction;
 use gsk_runner::lesson::{LESSONS, Lesson};
 
 /// Clicks a widget outside of the panel.
-fn click(bench: &mut Bench, label: &str) {
+fn click(bench: &mut WindowBench, label: &str) {
     bench.harness.get_by_label(label).click();
     bench.run(50);
     bench.run(50);
 }
 
-fn bench() -> Bench {
+fn new_bench() -> WindowBench {
     bench_with(Setup::default())
 }
 
-fn bench_with(setup: Setup) -> Bench {
-    let layouts = Layouts::of(Layout::Panel);
-    Bench::sized(setup, layouts, egui::vec2(1600.0, 900.0))
+fn bench_with(setup: Setup) -> WindowBench {
+    let layouts = Layouts::with_layout(WindowLayout::Panel);
+    WindowBench::with_layouts(setup, layouts, egui::vec2(1600.0, 900.0))
 }
 
-fn step(bench: &Bench) -> Option<usize> {
+fn current_step(bench: &WindowBench) -> Option<usize> {
     bench
         .kernel
         .snapshot()
@@ -39,29 +39,29 @@ fn step(bench: &Bench) -> Option<usize> {
 }
 
 #[test]
-fn the_learners_own_machine_comes_back_as_it_stood() {
+fn leaving_a_lesson_restores_the_learners_machine() {
     let mut setup = Setup::default();
     let stored = setup.memory.programs.store("O0001;\nG00 X50;\nM30;\n");
     assert_eq!(stored, Ok(1));
     let mut bench = bench_with(setup);
     bench.click("Edit mode");
-    let own = bench.kernel.emulator().clone();
+    let learners_machine = bench.kernel.emulator().clone();
     click(&mut bench, "Lessons");
     click(&mut bench, "MDI");
-    assert_eq!(step(&bench), Some(0));
+    assert_eq!(current_step(&bench), Some(0));
     assert!(
         bench.harness.query_all_by_label("Practice machine").count() >= 2,
         "it is said"
     );
     bench.click("MDI mode");
     bench.run(300);
-    assert_eq!(step(&bench), Some(1));
+    assert_eq!(current_step(&bench), Some(1));
     let programs = bench.kernel.emulator().simulation.cnc.programs();
     assert_eq!(programs.count(), 0, "no program of his is in it");
     click(&mut bench, "Leave");
-    assert_eq!(step(&bench), None);
+    assert_eq!(current_step(&bench), None);
     // The learner's machine has not run meanwhile. Only the ticks after the lesson count.
-    let mut expected = own;
+    let mut expected = learners_machine;
     let passed = bench.kernel.emulator().ticks() - expected.ticks();
     assert!(passed < 400, "{passed} ticks");
     expected.run(passed);
@@ -69,27 +69,27 @@ fn the_learners_own_machine_comes_back_as_it_stood() {
 }
 
 #[test]
-fn a_lesson_begins_when_nothing_runs() {
-    let mut bench = bench();
+fn a_lesson_cannot_start_while_a_program_runs() {
+    let mut bench = new_bench();
     bench.open("01-stepped-shaft.CNC");
     bench.click("Automatic mode");
     bench.click("Cycle start");
     click(&mut bench, "Lessons");
     click(&mut bench, "MDI");
-    assert_eq!(step(&bench), None);
-    let said = bench
+    assert_eq!(current_step(&bench), None);
+    let message = bench
         .harness
         .query_by_label_contains("when no program runs");
-    assert!(said.is_some());
+    assert!(message.is_some());
 }
 
 #[test]
-fn shown_back_again_and_a_key_that_takes_over() {
-    let mut bench = bench();
+fn a_lesson_demonstrates_goes_back_restarts_and_yields_to_keys() {
+    let mut bench = new_bench();
     click(&mut bench, "Lessons");
     click(&mut bench, "Power-on and machine zero");
     bench.run(1000);
-    assert_eq!(step(&bench), Some(0));
+    assert_eq!(current_step(&bench), Some(0));
     click(&mut bench, "Show me");
     assert!(
         bench
@@ -99,7 +99,11 @@ fn shown_back_again_and_a_key_that_takes_over() {
             .is_some_and(|it| it.view.showing)
     );
     bench.run(3000);
-    assert_eq!(step(&bench), Some(1), "the emergency stop is turned free");
+    assert_eq!(
+        current_step(&bench),
+        Some(1),
+        "the emergency stop is turned free"
+    );
     click(&mut bench, "Show me");
     bench.console.send(Command::Tap(Key::Program));
     bench.run(50);
@@ -111,10 +115,10 @@ fn shown_back_again_and_a_key_that_takes_over() {
             .is_some_and(|it| !it.view.showing)
     );
     // The first demonstrated key opened the position page: this completes the next step, too.
-    assert_eq!(step(&bench), Some(2));
+    assert_eq!(current_step(&bench), Some(2));
     for before in [1, 0] {
         click(&mut bench, "Back");
-        assert_eq!(step(&bench), Some(before));
+        assert_eq!(current_step(&bench), Some(before));
     }
     assert!(
         bench
@@ -131,19 +135,19 @@ fn shown_back_again_and_a_key_that_takes_over() {
             .is_some()
     );
     click(&mut bench, "Begin again");
-    assert_eq!(step(&bench), Some(0));
+    assert_eq!(current_step(&bench), Some(0));
 }
 
 /// Does the ten lessons with the mouse on the panel. Lessons that a click cannot do (a key
 /// held for seconds) are tested in the runner.
 #[test]
-fn lessons_are_done_with_the_mouse() {
-    let (mut done, mut left) = (Vec::new(), Vec::new());
+fn lessons_can_be_done_with_the_mouse() {
+    let (mut done, mut skipped) = (Vec::new(), Vec::new());
     for (name, text) in &LESSONS {
         let lesson = Lesson::read(name, text).expect("a lesson");
         let lines = lesson.steps.iter().flat_map(|step| &step.solution.lines);
         let actions: Vec<&ScriptAction> = lines.map(|line| &line.action).collect();
-        let can = |action: &&&ScriptAction| {
+        let can_click = |action: &&&ScriptAction| {
             let action: &ScriptAction = action;
             !matches!(
                 action,
@@ -153,21 +157,21 @@ fn lessons_are_done_with_the_mouse() {
             ) && !matches!(action, ScriptAction::WaitFor(condition, ..)
                 if !matches!(condition, gsk_panel::emulator::WaitCondition::Stopped))
         };
-        if actions.iter().filter(can).count() < actions.len() {
-            left.push(*name);
+        if actions.iter().filter(can_click).count() < actions.len() {
+            skipped.push(*name);
             continue;
         }
-        let mut bench = bench();
+        let mut bench = new_bench();
         click(&mut bench, "Lessons");
         click(&mut bench, &lesson.title.en);
-        let mut hand = Hand::at(bench);
+        let mut hand = MouseOperator::on_bench(bench);
         for line in lesson.steps.iter().flat_map(|step| &step.solution.lines) {
-            hand.follow(&line.text);
+            hand.run_script(&line.text);
         }
         hand.bench.run(3000);
-        let seen = step(&hand.bench);
+        let reached_step = current_step(&hand.bench);
         assert_eq!(
-            seen,
+            reached_step,
             Some(lesson.steps.len()),
             "{name}\n{}",
             hand.bench.lcd()
@@ -179,7 +183,7 @@ fn lessons_are_done_with_the_mouse() {
         );
         done.push(*name);
     }
-    assert!(done.len() >= 6, "{done:?} were done, not {left:?}");
+    assert!(done.len() >= 6, "{done:?} were done, not {skipped:?}");
 }
 
 #[test]
@@ -195,19 +199,22 @@ fn the_example_of_the_documents_is_a_lesson() {
             .and_then(|rest| rest.split("```").next());
         let lesson = Lesson::read("example.ron", example.expect("an example"));
         let lesson = Arc::new(lesson.unwrap_or_else(|error| panic!("{error}")));
-        let outcomes = gsk_runner::lesson::play::run(&lesson).expect("played");
+        let outcomes = gsk_runner::lesson::solution_player::play_lesson(&lesson).expect("played");
         assert!(
-            matches!(outcomes[..], [gsk_runner::lesson::play::Outcome::Done(_)]),
+            matches!(
+                outcomes[..],
+                [gsk_runner::lesson::solution_player::StepResult::Done(_)]
+            ),
             "{outcomes:?}"
         );
     }
 }
 
 #[test]
-fn help_shows_on_a_practice_machine_and_gives_the_own_one_back() {
-    let mut bench = bench();
+fn help_demonstrates_on_a_practice_machine_and_restores_the_learners() {
+    let mut bench = new_bench();
     bench.click("Edit mode");
-    let own = bench.kernel.emulator().clone();
+    let learners_machine = bench.kernel.emulator().clone();
     let key = bench.harness.get_by_label("Offset pages").rect().center();
     bench.harness.hover_at(key);
     bench.run(10);
@@ -224,22 +231,23 @@ fn help_shows_on_a_practice_machine_and_gives_the_own_one_back() {
         bench.harness.query_by_label("That was all.").is_some()
     });
     assert!(done, "{}", bench.lcd());
-    bench.lcd_shows("宏变量");
+    bench.assert_lcd_contains("宏变量");
     click(&mut bench, "Back to my machine");
-    assert_eq!(step(&bench), None);
-    let mut expected = own;
+    assert_eq!(current_step(&bench), None);
+    let mut expected = learners_machine;
     let passed = bench.kernel.emulator().ticks() - expected.ticks();
     expected.run(passed);
     assert!(*bench.kernel.emulator() == expected);
 }
 
 #[test]
-fn a_lesson_is_not_lost_to_something_that_is_shown() {
-    let mut bench = bench();
+fn a_demonstration_does_not_replace_a_lesson() {
+    let mut bench = new_bench();
     click(&mut bench, "Lessons");
     click(&mut bench, "MDI");
-    let shown = gsk_runner::lesson::demonstration_named("shown/offset").expect("it is there");
-    let order = LessonOrder::Show(Arc::clone(&shown.lesson));
+    let demonstration =
+        gsk_runner::lesson::find_demonstration("shown/offset").expect("it is there");
+    let order = LessonAction::Demonstrate(Arc::clone(&demonstration.lesson));
     bench.console.send(Command::Lesson(order));
     bench.run(50);
     let name = bench.kernel.snapshot().lesson.map(|lesson| lesson.name);
@@ -247,7 +255,7 @@ fn a_lesson_is_not_lost_to_something_that_is_shown() {
 }
 
 #[test]
-fn the_topic_of_an_alarm_says_when_it_came_and_leads_to_its_block() {
+fn the_topic_of_an_alarm_lists_its_time_and_links_to_its_block() {
     let mut setup = Setup::default();
     let stored = setup
         .memory
@@ -263,7 +271,7 @@ fn the_topic_of_an_alarm_says_when_it_came_and_leads_to_its_block() {
     bench.click("Reset");
     bench.run(500);
     assert!(bench.kernel.emulator().simulation.cnc.alarms().is_empty());
-    let raised = bench.kernel.snapshot().raised;
+    let raised = bench.kernel.snapshot().alarm_records;
     assert_eq!(raised.len(), 1);
     assert_eq!(raised[0].block, "N20 G77 X1;");
     bench.harness.get_by_label("Help F1").click();
@@ -289,16 +297,20 @@ fn the_topic_of_an_alarm_says_when_it_came_and_leads_to_its_block() {
         .state()
         .settings()
         .layouts
-        .is_open(View::Program);
+        .is_open(ViewId::Program);
     assert!(open, "the program view");
     // A practice machine has a separate alarm history.
-    let shown = gsk_runner::lesson::demonstration_named("shown/offset").expect("it is there");
+    let demonstration =
+        gsk_runner::lesson::find_demonstration("shown/offset").expect("it is there");
     for (order, raised) in [
-        (LessonOrder::Show(Arc::clone(&shown.lesson)), 0),
-        (LessonOrder::Leave, 1),
+        (
+            LessonAction::Demonstrate(Arc::clone(&demonstration.lesson)),
+            0,
+        ),
+        (LessonAction::Leave, 1),
     ] {
         bench.console.send(Command::Lesson(order));
         bench.run(50);
-        assert_eq!(bench.kernel.snapshot().raised.len(), raised);
+        assert_eq!(bench.kernel.snapshot().alarm_records.len(), raised);
     }
 }

@@ -5,21 +5,21 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use crate::process::executable;
-use crate::twin::{Twin, signal};
+use crate::twin::{TwinProcess, send_signal};
 
 /// Time limit of each wait, on a busy computer.
-const LONGEST: Duration = Duration::from_secs(120);
+const TIME_LIMIT: Duration = Duration::from_secs(120);
 const GEAR: [&str; 4] = ["--param", "17=5", "--param", "18=5"];
 
-fn link(arguments: &[&str]) -> Command {
+fn link_command(arguments: &[&str]) -> Command {
     let mut command = executable();
     command.arg("link").args(arguments);
     command
 }
 
 /// Runs `link`. Returns exit code, standard output and standard error.
-fn said(arguments: &[&str]) -> (i32, String, String) {
-    let output = link(arguments).output().unwrap();
+fn run_link(arguments: &[&str]) -> (i32, String, String) {
+    let output = link_command(arguments).output().unwrap();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     (
         output.status.code().unwrap_or(-1),
@@ -29,9 +29,9 @@ fn said(arguments: &[&str]) -> (i32, String, String) {
 }
 
 /// Runs `link test` at a port with the gear 1/5 and more options.
-fn test(port: &str, more: &[&str]) -> (i32, String, String) {
+fn run_test(port: &str, options: &[&str]) -> (i32, String, String) {
     let arguments: Vec<&str> = ["test", port].into_iter().chain(GEAR).collect();
-    said(&[&arguments, more].concat())
+    run_link(&[&arguments, options].concat())
 }
 
 /// The machine file that the virtual board with timed steps prints.
@@ -41,7 +41,7 @@ impl MachineFile {
     fn new(name: &str) -> Self {
         let name = format!("gsk980td-{}-{name}.ron", std::process::id());
         let path = std::env::temp_dir().join(name);
-        let (code, text, _) = said(&["twin", "--firmware", "klipper", "--print-machine"]);
+        let (code, text, _) = run_link(&["twin", "--firmware", "klipper", "--print-machine"]);
         assert_eq!(code, 0);
         std::fs::write(&path, text).unwrap();
         Self(path)
@@ -59,24 +59,24 @@ impl Drop for MachineFile {
 }
 
 /// A running process. It is killed when it is dropped.
-struct Running(Child);
+struct RunningProcess(Child);
 
-impl Running {
+impl RunningProcess {
     fn new(command: &mut Command) -> Self {
         let child = command.stdout(Stdio::piped()).stderr(Stdio::piped());
         Self(child.spawn().unwrap())
     }
 
     /// Reads the next line of standard error.
-    fn complains(&mut self) -> String {
+    fn read_error_line(&mut self) -> String {
         let mut line = String::new();
-        let mut said = BufReader::new(self.0.stderr.as_mut().unwrap());
-        said.read_line(&mut line).unwrap();
+        let mut stderr = BufReader::new(self.0.stderr.as_mut().unwrap());
+        stderr.read_line(&mut line).unwrap();
         line
     }
 }
 
-impl Drop for Running {
+impl Drop for RunningProcess {
     fn drop(&mut self) {
         // The process may have ended already.
         let _ = self.0.kill();
@@ -84,45 +84,45 @@ impl Drop for Running {
     }
 }
 
-pub fn a_board_at_a_network_address_is_tried_as_one_at_a_port() {
-    let twin = Twin::play(&["--tcp", "127.0.0.1:0"]);
+pub fn a_board_at_a_network_address_is_tested_like_one_at_a_port() {
+    let twin = TwinProcess::start(&["--tcp", "127.0.0.1:0"]);
     assert!(twin.port.starts_with("tcp:127.0.0.1:"), "{}", twin.port);
     // One connection after the other: the board accepts the next one when the last has ended.
-    let (code, text, error) = test(&twin.port, &["--write-settings"]);
+    let (code, text, error) = run_test(&twin.port, &["--write-settings"]);
     assert!(!error.contains("603"), "{error}");
     assert_eq!(code, 0, "{text}{error}");
-    let (code, text, error) = test(&twin.port, &["--travel", "1"]);
+    let (code, text, error) = run_test(&twin.port, &["--travel", "1"]);
     assert_eq!(code, 0, "{text}{error}");
-    let mut monitor = Running::new(link(&["monitor"]).arg(&twin.port).args(GEAR));
+    let mut monitor = RunningProcess::new(link_command(&["monitor"]).arg(&twin.port).args(GEAR));
     let stdout = monitor.0.stdout.take().unwrap();
     assert!(BufReader::new(stdout).lines().next().is_some());
     let port = twin.port.clone();
     drop(twin);
-    let complaint = monitor.complains();
-    assert!(complaint.contains("the port is gone"), "{complaint}");
-    let (code, _, error) = test(&port, &[]);
+    let error = monitor.read_error_line();
+    assert!(error.contains("the port is gone"), "{error}");
+    let (code, _, error) = run_test(&port, &[]);
     assert_eq!(code, 2, "{error}");
     assert!(error.contains("cannot be reached"), "{error}");
 }
 
-pub fn a_slip_of_the_pen_in_data_makes_no_folder_and_is_no_new_control() {
-    let twin = Twin::play(&[]);
+pub fn a_wrong_data_path_creates_no_folder_and_no_new_control() {
+    let twin = TwinProcess::start(&[]);
     let name = format!("gsk980td-no-such-data-{}", std::process::id());
     let folder = std::env::temp_dir().join(name);
     let data = folder.to_str().unwrap();
     for command in ["test", "monitor"] {
-        let (code, out, complaint) = said(&[command, &twin.port, "--data", data]);
-        assert_eq!((code, out.as_str()), (2, ""), "{complaint}");
-        assert!(complaint.contains(data), "{complaint}");
-        assert!(complaint.contains("no data directory"), "{complaint}");
+        let (code, out, errors) = run_link(&[command, &twin.port, "--data", data]);
+        assert_eq!((code, out.as_str()), (2, ""), "{errors}");
+        assert!(errors.contains(data), "{errors}");
+        assert!(errors.contains("no data directory"), "{errors}");
         assert!(!folder.exists());
     }
     let temp = std::env::temp_dir();
-    let (code, _, complaint) = said(&["test", &twin.port, "--data", temp.to_str().unwrap()]);
-    assert_eq!(code, 2, "a folder of something else: {complaint}");
+    let (code, _, errors) = run_link(&["test", &twin.port, "--data", temp.to_str().unwrap()]);
+    assert_eq!(code, 2, "a folder of something else: {errors}");
 }
 
-pub fn a_way_or_feed_that_cannot_be_made_is_refused_before_anything_is_opened() {
+pub fn an_invalid_travel_or_feed_is_refused_before_the_port_is_opened() {
     for (options, word) in [
         (["--travel=nan", "--feed=600"], "nan"),
         (["--travel=0", "--feed=600"], "0"),
@@ -130,16 +130,16 @@ pub fn a_way_or_feed_that_cannot_be_made_is_refused_before_anything_is_opened() 
         (["--travel=5", "--feed=-100"], "-100"),
         (["--travel=5", "--feed=inf"], "inf"),
     ] {
-        let (code, _, complaint) = said(&[["test", "/no/port"], options].concat());
+        let (code, _, complaint) = run_link(&[["test", "/no/port"], options].concat());
         assert_eq!(code, 2, "{options:?}: {complaint}");
         assert!(complaint.contains(word), "{options:?}: {complaint}");
         assert!(!complaint.contains("/no/port"), "{options:?}: {complaint}");
     }
 }
 
-pub fn a_feed_beyond_the_board_is_refused_before_anything_moves() {
-    let twin = Twin::play(&[]);
-    let (code, out, complaint) = test(
+pub fn a_feed_above_the_limit_of_the_board_is_refused_before_motion() {
+    let twin = TwinProcess::start(&[]);
+    let (code, out, complaint) = run_test(
         &twin.port,
         &["--write-settings", "--travel", "50", "--feed", "9001"],
     );
@@ -148,14 +148,14 @@ pub fn a_feed_beyond_the_board_is_refused_before_anything_moves() {
         complaint.contains("30003 pulses a second") && complaint.contains("30000"),
         "{complaint}"
     );
-    let lines = twin.has_said();
+    let lines = twin.printed_lines();
     assert!(!lines.iter().any(|line| line.contains("Run")), "{lines:?}");
 }
 
-pub fn a_board_that_was_never_known_is_no_board_in_order() {
+pub fn a_board_that_is_not_ready_in_time_fails_the_test() {
     let machine = MachineFile::new("slow");
-    let twin = Twin::play(&["--firmware", "klipper", "--delay-ms", "300"]);
-    let (code, out, complaint) = test(&twin.port, &["--machine", machine.path()]);
+    let twin = TwinProcess::start(&["--firmware", "klipper", "--delay-ms", "300"]);
+    let (code, out, complaint) = run_test(&twin.port, &["--machine", machine.path()]);
     assert_eq!(code, 1, "{out}{complaint}");
     assert!(!out.contains("as they must be"), "{out}");
     // If the computer adds to the 300 ms, the link fails earlier.
@@ -166,26 +166,26 @@ pub fn a_board_that_was_never_known_is_no_board_in_order() {
     );
 }
 
-pub fn a_test_leaves_a_board_of_timed_steps_stopped_by_command() {
+pub fn a_test_ends_with_a_stop_command_to_a_step_board() {
     let machine = MachineFile::new("left");
-    let twin = Twin::play(&["--firmware", "klipper"]);
-    let (_, out, complaint) = test(&twin.port, &["--machine", machine.path()]);
+    let twin = TwinProcess::start(&["--firmware", "klipper"]);
+    let (_, out, complaint) = run_test(&twin.port, &["--machine", machine.path()]);
     assert!(out.contains("as they must be"), "{out}{complaint}");
-    let said = twin.says("shut down", LONGEST).unwrap();
-    assert!(said.contains("Command request"), "{said}");
+    let line = twin.wait_for_line("shut down", TIME_LIMIT).unwrap();
+    assert!(line.contains("Command request"), "{line}");
 }
 
-pub fn the_drill_goes_no_farther_than_it_was_sent() {
-    let twin = Twin::play(&[]);
-    let more = ["--write-settings", "--travel", "-4", "--feed", "4500"];
-    let (_, out, complaint) = test(&twin.port, &more);
+pub fn the_test_motion_does_not_exceed_its_travel() {
+    let twin = TwinProcess::start(&[]);
+    let options = ["--write-settings", "--travel", "-4", "--feed", "4500"];
+    let (_, out, complaint) = run_test(&twin.port, &options);
     assert!(out.contains("pulses "), "{out}{complaint}");
     let farthest = twin
-        .has_said()
+        .printed_lines()
         .iter()
         .filter_map(|line| {
-            let (_, rest) = line.split_once(" Z ")?;
-            rest.strip_suffix(" pulses")?.parse::<i64>().ok()
+            let (_, pulses) = line.split_once(" Z ")?;
+            pulses.strip_suffix(" pulses")?.parse::<i64>().ok()
         })
         .min();
     // 4 mm are 800 pulses. The board prints its position, also at the holds.
@@ -193,87 +193,90 @@ pub fn the_drill_goes_no_farther_than_it_was_sent() {
     assert!((-800..=-700).contains(&farthest), "{farthest}: {complaint}");
 }
 
-pub fn a_monitor_tells_an_alarm_when_it_comes_and_ends_by_ctrl_c() {
-    let twin = Twin::play(&[]);
-    let mut monitor = Running::new(&mut link(&["monitor", &twin.port]));
-    let complaint = monitor.complains();
+pub fn a_monitor_reports_an_alarm_at_once_and_ends_by_ctrl_c() {
+    let twin = TwinProcess::start(&[]);
+    let mut monitor = RunningProcess::new(&mut link_command(&["monitor", &twin.port]));
+    let complaint = monitor.read_error_line();
     assert!(complaint.contains("603"), "{complaint}");
     assert!(monitor.0.try_wait().unwrap().is_none(), "it goes on");
-    signal("INT", monitor.0.id());
+    send_signal("INT", monitor.0.id());
     let code = monitor.0.wait().unwrap().code();
     assert_eq!(code, Some(0), "differing settings are no fault of the wire");
 }
 
-pub fn a_monitor_shows_what_stops_the_board_at_its_end() {
+pub fn a_monitor_shows_the_stop_command_at_its_end() {
     let machine = MachineFile::new("last");
     let klipper = ["--machine", machine.path()];
-    for (firmware, options, last) in [
+    for (firmware, options, stop_command) in [
         ("grbl", [].as_slice(), "\\x18"),
         ("klipper", &klipper, "emergency_stop"),
     ] {
-        let twin = Twin::play(&["--firmware", firmware]);
+        let twin = TwinProcess::start(&["--firmware", firmware]);
         if firmware == "grbl" {
-            test(&twin.port, &["--write-settings"]);
+            run_test(&twin.port, &["--write-settings"]);
         }
         let monitor = [&["monitor", &twin.port], &GEAR[..], options].concat();
-        let ends = |out: &str| {
+        let assert_ends_with_stop = |out: &str| {
             let outward = out.lines().rfind(|line| line.contains(" > "));
             let outward = outward.unwrap_or_else(|| panic!("{firmware}: {out}"));
-            assert!(outward.contains(last), "{firmware}: {outward}");
+            assert!(outward.contains(stop_command), "{firmware}: {outward}");
         };
         // Before the board has identified itself, no stop is needed.
-        let asked = ["<Idle", "endstop_query_state"];
-        let known = |out: &str| asked.iter().any(|word| out.matches(word).count() > 3);
-        let by_itself = ["3", "10", "60"].iter().find_map(|seconds| {
-            let (_, out, _) = said(&[&monitor, &["--seconds", seconds][..]].concat());
-            known(&out).then_some(out)
+        let replies = ["<Idle", "endstop_query_state"];
+        let is_identified = |out: &str| replies.iter().any(|word| out.matches(word).count() > 3);
+        let output_at_time_limit = ["3", "10", "60"].iter().find_map(|seconds| {
+            let (_, out, _) = run_link(&[&monitor, &["--seconds", seconds][..]].concat());
+            is_identified(&out).then_some(out)
         });
-        ends(&by_itself.unwrap());
-        let mut running = Running::new(&mut link(&monitor));
+        assert_ends_with_stop(&output_at_time_limit.unwrap());
+        let mut running = RunningProcess::new(&mut link_command(&monitor));
         let mut out = String::new();
-        let mut told = BufReader::new(running.0.stdout.take().unwrap());
-        while !known(&out) {
-            assert!(told.read_line(&mut out).unwrap() > 0, "{out}");
+        let mut stdout = BufReader::new(running.0.stdout.take().unwrap());
+        while !is_identified(&out) {
+            assert!(stdout.read_line(&mut out).unwrap() > 0, "{out}");
         }
-        signal("INT", running.0.id());
-        told.read_to_string(&mut out).unwrap();
-        ends(&out);
+        send_signal("INT", running.0.id());
+        stdout.read_to_string(&mut out).unwrap();
+        assert_ends_with_stop(&out);
     }
 }
 
-pub fn a_test_that_is_ended_in_motion_stops_the_board() {
+pub fn a_test_that_is_interrupted_in_motion_stops_the_board() {
     let machine = MachineFile::new("ended");
-    for (firmware, options, stops) in [
+    for (firmware, options, stop_message) in [
         ("grbl", ["--write-settings"].as_slice(), "reset"),
         ("klipper", &["--machine", machine.path()], "Command request"),
     ] {
         for name in ["INT", "TERM"] {
             // On a busy computer the signal may come before the motion: then the run is
             // repeated.
-            let ended = || {
-                let twin = Twin::play(&["--firmware", firmware]);
-                let mut command = link(&["test", &twin.port, "--travel", "500", "--feed", "600"]);
-                let mut test = Running::new(command.args(GEAR).args(options));
+            let interrupt_test = || {
+                let twin = TwinProcess::start(&["--firmware", firmware]);
+                let mut command =
+                    link_command(&["test", &twin.port, "--travel", "500", "--feed", "600"]);
+                let mut test = RunningProcess::new(command.args(GEAR).args(options));
                 if firmware == "grbl" {
-                    twin.says("Run", LONGEST).unwrap();
+                    twin.wait_for_line("Run", TIME_LIMIT).unwrap();
                 } else {
                     // Such a board does not report motion.
                     std::thread::sleep(Duration::from_secs(12));
                 }
-                signal(name, test.0.id());
-                let stopped = twin.says(stops, LONGEST).unwrap();
+                send_signal(name, test.0.id());
+                let stop_line = twin.wait_for_line(stop_message, TIME_LIMIT).unwrap();
                 assert_eq!(test.0.wait().unwrap().code(), Some(1), "{firmware} {name}");
                 let mut out = String::new();
                 let mut report = test.0.stdout.take().unwrap();
                 report.read_to_string(&mut out).unwrap();
-                out.contains(" steps a second").then_some((stopped, out))
+                out.contains(" steps a second").then_some((stop_line, out))
             };
-            let (stopped, out) = (0..3).find_map(|_| ended()).expect("it never moves");
+            let (stopped, out) = (0..3)
+                .find_map(|_| interrupt_test())
+                .expect("it never moves");
             assert!(out.contains("motion  "), "{firmware} {name}: {out}");
             assert!(out.contains("broke off"), "{firmware} {name}: {out}");
             // 600 mm/min are 2000 pulses/s. An interrupted motion has a lower average.
-            let (rest, _) = out.split_once(" steps a second").unwrap();
-            let rate: f64 = rest.rsplit(' ').next().unwrap().parse().unwrap();
+            let (before_rate, _) = out.split_once(" steps a second").unwrap();
+            let rate: f64 = before_rate.rsplit(' ').next().unwrap().parse().unwrap();
             assert!(rate <= 2000.0, "{firmware} {name}: {out}");
             let (_, z) = stopped.split_once(" Z ").unwrap();
             let z: i64 = z.strip_suffix(" pulses").unwrap().parse().unwrap();
@@ -282,13 +285,13 @@ pub fn a_test_that_is_ended_in_motion_stops_the_board() {
     }
 }
 
-pub fn a_switch_that_is_operated_is_named_before_anything_moves() {
+pub fn an_operated_switch_is_named_before_motion() {
     let machine = MachineFile::new("operated");
     let text = std::fs::read_to_string(machine.path()).unwrap();
     // The inverted pin makes the switch operated.
     std::fs::write(machine.path(), text.replace("^PC1", "^!PC1")).unwrap();
-    let twin = Twin::play(&["--firmware", "klipper"]);
-    let more = [
+    let twin = TwinProcess::start(&["--firmware", "klipper"]);
+    let options = [
         "--machine",
         machine.path(),
         "--travel",
@@ -296,7 +299,7 @@ pub fn a_switch_that_is_operated_is_named_before_anything_moves() {
         "--feed",
         "300",
     ];
-    let (code, out, complaint) = test(&twin.port, &more);
+    let (code, out, complaint) = run_test(&twin.port, &options);
     assert_eq!(code, 1, "{out}{complaint}");
     assert!(
         out.contains("switches  operated: limit switch of Z\n"),
@@ -305,7 +308,7 @@ pub fn a_switch_that_is_operated_is_named_before_anything_moves() {
     assert!(complaint.contains("nothing moves"), "{complaint}");
     assert!(!complaint.contains("612"), "{complaint}");
     assert!(!out.contains("motion"), "{out}");
-    let lines = twin.has_said();
+    let lines = twin.printed_lines();
     assert!(
         lines
             .iter()
@@ -314,19 +317,19 @@ pub fn a_switch_that_is_operated_is_named_before_anything_moves() {
     );
 }
 
-pub fn a_link_that_breaks_while_the_board_is_idle_is_told() {
-    let twin = Twin::play(&[]);
-    let (_, out, complaint) = test(&twin.port, &["--write-settings"]);
+pub fn a_link_that_breaks_while_the_board_is_idle_is_reported() {
+    let twin = TwinProcess::start(&[]);
+    let (_, out, complaint) = run_test(&twin.port, &["--write-settings"]);
     assert!(out.contains("switches  none operated"), "{out}{complaint}");
-    let mut running = Running::new(link(&["test", &twin.port]).args(GEAR));
-    let mut told = BufReader::new(running.0.stdout.take().unwrap());
+    let mut running = RunningProcess::new(link_command(&["test", &twin.port]).args(GEAR));
+    let mut stdout = BufReader::new(running.0.stdout.take().unwrap());
     let mut line = String::new();
     while !line.starts_with("threads") {
         line.clear();
-        assert!(told.read_line(&mut line).unwrap() > 0);
+        assert!(stdout.read_line(&mut line).unwrap() > 0);
     }
     drop(twin);
-    let complaint = running.complains();
+    let complaint = running.read_error_line();
     assert!(complaint.contains("605"), "{complaint}");
     assert_eq!(running.0.wait().unwrap().code(), Some(1));
 }

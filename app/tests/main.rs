@@ -31,7 +31,7 @@ mod project;
 #[cfg(unix)]
 mod serial;
 mod speed;
-mod stops;
+mod stop_keys;
 mod streams;
 mod tips;
 mod transfer;

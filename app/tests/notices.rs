@@ -6,28 +6,28 @@ use std::process::Command;
 
 use crate::process::executable;
 
-const AGAIN: &str = "run tools/notices.py";
+const ADVICE: &str = "run tools/notices.py";
 
 type Package = (String, String);
 
-fn read(name: &str) -> String {
+fn read_file(name: &str) -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     std::fs::read_to_string(root.join(name)).unwrap()
 }
 
 /// The rows of the table with their licences, and the packages that the binaries do not
 /// contain.
-fn notices() -> (BTreeMap<Package, String>, BTreeSet<Package>) {
-    let text = read("THIRD-PARTY.md");
-    let (inside, outside) = text.split_once("\n## Not in the binaries\n").unwrap();
-    let rows = inside.lines().filter_map(|line| {
+fn read_notices() -> (BTreeMap<Package, String>, BTreeSet<Package>) {
+    let text = read_file("THIRD-PARTY.md");
+    let (in_binaries, not_in_binaries) = text.split_once("\n## Not in the binaries\n").unwrap();
+    let rows = in_binaries.lines().filter_map(|line| {
         let cells: Vec<&str> = line.strip_prefix("| ")?.split(" | ").collect();
         let [name, version, licence, ..] = cells[..] else {
             return None;
         };
         Some(((name.to_owned(), version.to_owned()), licence.to_owned()))
     });
-    let others = outside.lines().filter_map(|line| {
+    let others = not_in_binaries.lines().filter_map(|line| {
         let (name, version) = line.strip_prefix("- ")?.split_once(' ')?;
         Some((name.to_owned(), version.to_owned()))
     });
@@ -36,8 +36,8 @@ fn notices() -> (BTreeMap<Package, String>, BTreeSet<Package>) {
 }
 
 /// The packages of Cargo.lock that come from a registry.
-fn locked() -> BTreeSet<Package> {
-    let lock = read("Cargo.lock");
+fn locked_packages() -> BTreeSet<Package> {
+    let lock = read_file("Cargo.lock");
     let field = |package: &str, name: &str| {
         let start = format!("{name} = \"");
         let line = package.lines().find_map(|line| line.strip_prefix(&start));
@@ -50,7 +50,7 @@ fn locked() -> BTreeSet<Package> {
 }
 
 /// The packages that cargo links into the binary on this platform, with their licences.
-fn linked() -> BTreeMap<Package, String> {
+fn linked_packages() -> BTreeMap<Package, String> {
     let output = Command::new(env!("CARGO"))
         .args(["tree", "--locked", "--offline", "-p", "gsk980td"])
         .args(["-e", "normal,no-proc-macro", "--prefix", "none"])
@@ -71,36 +71,36 @@ fn linked() -> BTreeMap<Package, String> {
 }
 
 #[test]
-fn every_package_that_the_binary_links_is_named_with_its_licence() {
-    let (named, _) = notices();
-    let linked = linked();
+fn every_linked_package_is_named_with_its_licence() {
+    let (named, _) = read_notices();
+    let linked = linked_packages();
     assert!(linked.len() > 100, "{linked:?}");
     for (package, licence) in &linked {
-        assert_eq!(named.get(package), Some(licence), "{package:?}: {AGAIN}");
+        assert_eq!(named.get(package), Some(licence), "{package:?}: {ADVICE}");
     }
 }
 
 #[test]
-fn the_notices_are_those_of_the_locked_packages() {
-    let (named, others) = notices();
+fn the_notices_name_exactly_the_locked_packages() {
+    let (named, others) = read_notices();
     let named: BTreeSet<Package> = named.into_keys().collect();
     assert!(named.is_disjoint(&others));
     let all: BTreeSet<Package> = named.union(&others).cloned().collect();
-    let locked = locked();
+    let locked = locked_packages();
     let differ: Vec<_> = all.symmetric_difference(&locked).collect();
-    assert!(differ.is_empty(), "{differ:?}: {AGAIN}");
+    assert!(differ.is_empty(), "{differ:?}: {ADVICE}");
 }
 
 #[test]
-fn each_licence_taken_has_its_text() {
-    let text = read("THIRD-PARTY.md");
-    let taken: BTreeSet<&str> = text
+fn every_applied_licence_has_its_text() {
+    let text = read_file("THIRD-PARTY.md");
+    let applied: BTreeSet<&str> = text
         .lines()
         .filter_map(|line| line.strip_prefix("| ")?.split(" | ").nth(3))
-        .flat_map(|taken| taken.split(" and "))
-        .filter(|taken| !taken.starts_with('-') && *taken != "Taken")
+        .flat_map(|licences| licences.split(" and "))
+        .filter(|licence| !licence.starts_with('-') && *licence != "Taken")
         .collect();
-    let words = |licence: &str| match licence {
+    let excerpt = |licence: &str| match licence {
         "MIT" => "Permission is hereby granted, free of charge",
         "Apache-2.0" => "END OF TERMS AND CONDITIONS",
         "BSD-2-Clause" | "BSD-3-Clause" => "Redistribution and use in source and binary forms",
@@ -110,22 +110,25 @@ fn each_licence_taken_has_its_text() {
         "Zlib" => "This software is provided 'as-is'",
         _ => "no text for this licence",
     };
-    assert!(taken.len() >= 8, "{taken:?}");
-    for licence in taken {
-        assert!(text.contains(words(licence)), "{licence}: {AGAIN}");
+    assert!(applied.len() >= 8, "{applied:?}");
+    for licence in applied {
+        assert!(text.contains(excerpt(licence)), "{licence}: {ADVICE}");
     }
     // The fonts are not packages.
     for words in ["SIL OPEN FONT LICENSE", "Copyright 2015 Google LLC"] {
-        assert!(text.contains(words), "{words}: {AGAIN}");
+        assert!(text.contains(words), "{words}: {ADVICE}");
     }
 }
 
 #[test]
-fn the_binary_prints_them() {
+fn the_binary_prints_the_notices() {
     let output = executable().arg("notices").output().unwrap();
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.contains(read("LICENSE-MIT").trim()));
-    assert!(text.contains(read("NOTICE").trim()));
-    assert!(text.trim_end().ends_with(read("THIRD-PARTY.md").trim()));
+    assert!(text.contains(read_file("LICENSE-MIT").trim()));
+    assert!(text.contains(read_file("NOTICE").trim()));
+    assert!(
+        text.trim_end()
+            .ends_with(read_file("THIRD-PARTY.md").trim())
+    );
 }

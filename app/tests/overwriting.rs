@@ -6,9 +6,9 @@ use std::process::Stdio;
 
 use crate::process::executable;
 
-struct Folder(PathBuf);
+struct OverwriteFolder(PathBuf);
 
-impl Folder {
+impl OverwriteFolder {
     fn new(name: &str, files: &[(&str, &str)]) -> Self {
         let name = format!("gsk980td-{}-overwriting-{name}", std::process::id());
         let folder = std::env::temp_dir().join(name);
@@ -24,7 +24,7 @@ impl Folder {
     }
 
     /// Runs a command in this folder. Returns exit code and standard error.
-    fn said(&self, command: &str) -> (Option<i32>, String) {
+    fn run(&self, command: &str) -> (Option<i32>, String) {
         let output = executable()
             .args(command.split_whitespace())
             .current_dir(&self.0)
@@ -37,7 +37,7 @@ impl Folder {
 
     /// Asserts that the command fails with this code and message, and changes no file.
     #[track_caller]
-    fn refuses(&self, command: &str, code: i32, sentence: &str) {
+    fn assert_refused(&self, command: &str, code: i32, message: &str) {
         let names = || {
             let mut names: Vec<_> = fs::read_dir(&self.0)
                 .unwrap()
@@ -50,15 +50,15 @@ impl Folder {
             let files = names().into_iter().map(|name| (self.read(&name), name));
             files.collect()
         };
-        let before = files();
-        let (found, said) = self.said(command);
-        assert_eq!(found, Some(code), "{command}: {said}");
-        assert!(said.contains(sentence), "{command}: {said}");
-        assert!(files() == before, "{command}: a file is changed");
+        let files_before = files();
+        let (actual_code, errors) = self.run(command);
+        assert_eq!(actual_code, Some(code), "{command}: {errors}");
+        assert!(errors.contains(message), "{command}: {errors}");
+        assert!(files() == files_before, "{command}: a file is changed");
     }
 }
 
-impl Drop for Folder {
+impl Drop for OverwriteFolder {
     fn drop(&mut self) {
         let _ = fs::remove_dir_all(&self.0);
     }
@@ -67,35 +67,35 @@ impl Drop for Folder {
 const READ: &str = "is read by this command";
 
 #[test]
-fn what_is_named_stays() {
+fn named_input_files_are_not_overwritten() {
     let script = "press AUTO\n";
     let files = [("part.nc", "G00 X50 Z0\nM30\n"), ("script.txt", script)];
-    let folder = Folder::new("named", &files);
-    folder.refuses("check part.nc --moves part.nc", 2, READ);
-    folder.refuses("run part.nc --positions part.nc", 2, READ);
-    folder.refuses("run --dnc part.nc --moves part.nc", 2, READ);
-    folder.refuses("operate script.txt --record script.txt", 2, READ);
+    let folder = OverwriteFolder::new("named", &files);
+    folder.assert_refused("check part.nc --moves part.nc", 2, READ);
+    folder.assert_refused("run part.nc --positions part.nc", 2, READ);
+    folder.assert_refused("run --dnc part.nc --moves part.nc", 2, READ);
+    folder.assert_refused("operate script.txt --record script.txt", 2, READ);
 }
 
 #[test]
-fn subprograms_beside_the_program_stay() {
+fn subprograms_are_not_overwritten() {
     let files = [
         ("main.CNC", "O0001\nM98 P9001\nM98 P0005\nM30\n"),
         ("9001.CNC", "O9001\nG00 X10\nM99\n"),
         ("groove.txt", "O0005\nG00 X20\nM99\n"),
     ];
-    let folder = Folder::new("subprograms", &files);
+    let folder = OverwriteFolder::new("subprograms", &files);
     let number = "would be read as the subprogram O9001 beside main.CNC";
     for command in ["run", "check"] {
-        folder.refuses(&format!("{command} main.CNC --moves 9001.CNC"), 2, number);
-        let word = format!("{command} main.CNC --moves groove.txt");
-        folder.refuses(&word, 2, "the subprogram O0005");
+        folder.assert_refused(&format!("{command} main.CNC --moves 9001.CNC"), 2, number);
+        let command_line = format!("{command} main.CNC --moves groove.txt");
+        folder.assert_refused(&command_line, 2, "the subprogram O0005");
     }
     // The file does not exist yet, but the next run would read it.
     let new = "run main.CNC --positions O0007.nc";
-    folder.refuses(new, 2, "the subprogram O0007");
-    let (code, said) = folder.said("run main.CNC --moves moves.txt");
-    assert_eq!(code, Some(0), "{said}");
+    folder.assert_refused(new, 2, "the subprogram O0007");
+    let (code, errors) = folder.run("run main.CNC --moves moves.txt");
+    assert_eq!(code, Some(0), "{errors}");
     assert!(
         folder
             .read("moves.txt")
@@ -104,7 +104,7 @@ fn subprograms_beside_the_program_stay() {
 }
 
 #[test]
-fn what_a_script_loads_stays() {
+fn files_that_a_script_loads_are_not_overwritten() {
     let files = [
         ("part.png", "O0001\nG00 X10\nM30\n"),
         ("data.par", "%\n"),
@@ -114,16 +114,16 @@ fn what_a_script_loads_stays() {
         ("dnc.txt", "dnc line.CNC\n"),
         ("shot.txt", "shot new.png\n"),
     ];
-    let folder = Folder::new("script", &files);
-    folder.refuses("operate load.txt", 2, READ);
-    folder.refuses("operate receive.txt --record data.par", 2, READ);
-    folder.refuses("operate dnc.txt --record line.CNC", 2, READ);
+    let folder = OverwriteFolder::new("script", &files);
+    folder.assert_refused("operate load.txt", 2, READ);
+    folder.assert_refused("operate receive.txt --record data.par", 2, READ);
+    folder.assert_refused("operate dnc.txt --record line.CNC", 2, READ);
     let twice = "is to be written twice";
-    folder.refuses("operate shot.txt --record new.png", 2, twice);
+    folder.assert_refused("operate shot.txt --record new.png", 2, twice);
 }
 
 #[test]
-fn a_picture_takes_the_place_of_a_picture_only() {
+fn a_picture_replaces_only_a_picture() {
     let files = [
         ("part.CNC", "O0001\nG00 X10\nM30\n"),
         ("text.png", "not to be lost\n"),
@@ -132,28 +132,28 @@ fn a_picture_takes_the_place_of_a_picture_only() {
         ("text.txt", "shot text.png\n"),
         ("twice.txt", "shot new.png\nshot new.png\n"),
     ];
-    let folder = Folder::new("picture", &files);
+    let folder = OverwriteFolder::new("picture", &files);
     std::os::unix::fs::symlink("part.CNC", folder.0.join("link.png")).unwrap();
     let name = "the name of a picture ends in .png";
-    folder.refuses("operate name.txt", 1, name);
-    folder.refuses("operate link.txt", 1, name);
-    folder.refuses("operate text.txt", 1, "is there and no picture");
-    folder.refuses("screen pos-abs -o part.CNC", 2, name);
-    folder.refuses("plot part.CNC -o text.png", 2, "is there and no picture");
-    let (code, said) = folder.said("operate twice.txt");
-    assert_eq!(code, Some(0), "{said}");
+    folder.assert_refused("operate name.txt", 1, name);
+    folder.assert_refused("operate link.txt", 1, name);
+    folder.assert_refused("operate text.txt", 1, "is there and no picture");
+    folder.assert_refused("screen pos-abs -o part.CNC", 2, name);
+    folder.assert_refused("plot part.CNC -o text.png", 2, "is there and no picture");
+    let (code, errors) = folder.run("operate twice.txt");
+    assert_eq!(code, Some(0), "{errors}");
     let picture = folder.read("new.png").unwrap();
     assert!(picture.starts_with(b"\x89PNG"));
 }
 
 #[test]
-fn the_memory_stays() {
+fn the_memory_is_not_overwritten() {
     let files = [("part.nc", "G00 X50 Z0\nM30\n")];
-    let folder = Folder::new("memory", &files);
-    let (code, said) = folder.said("run part.nc --data data");
-    assert_eq!(code, Some(0), "{said}");
-    for own in ["offsets.ron", "copies/offsets.ron", "programs/O0001.CNC"] {
-        let command = format!("run part.nc --data data --moves data/{own}");
-        folder.refuses(&command, 2, "belongs to the memory in data");
+    let folder = OverwriteFolder::new("memory", &files);
+    let (code, errors) = folder.run("run part.nc --data data");
+    assert_eq!(code, Some(0), "{errors}");
+    for file in ["offsets.ron", "copies/offsets.ron", "programs/O0001.CNC"] {
+        let command = format!("run part.nc --data data --moves data/{file}");
+        folder.assert_refused(&command, 2, "belongs to the memory in data");
     }
 }

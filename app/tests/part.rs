@@ -4,15 +4,15 @@ use std::path::{Path, PathBuf};
 
 use crate::process::executable;
 
-fn samples() -> PathBuf {
+fn samples_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/programs")
 }
 
 /// Runs the program. Returns exit code, standard output and standard error.
-fn said(arguments: &[&str]) -> (i32, String, String) {
+fn run_gsk(arguments: &[&str]) -> (i32, String, String) {
     let output = executable()
         .args(arguments)
-        .current_dir(samples())
+        .current_dir(samples_folder())
         .output()
         .unwrap();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
@@ -23,27 +23,27 @@ fn said(arguments: &[&str]) -> (i32, String, String) {
     )
 }
 
-fn json(text: &str) -> serde_json::Value {
+fn parse_last_line(text: &str) -> serde_json::Value {
     serde_json::from_str(text.lines().last().unwrap()).unwrap()
 }
 
-struct Folder(PathBuf);
+struct PartFolder(PathBuf);
 
-impl Folder {
+impl PartFolder {
     fn new(name: &str) -> Self {
         let folder = std::env::temp_dir().join(format!("gsk980td-{}-{name}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         Self(folder)
     }
 
-    fn file(&self, name: &str, text: &str) -> String {
+    fn write(&self, name: &str, text: &str) -> String {
         let path = self.0.join(name);
         std::fs::write(&path, text).unwrap();
         path.to_str().unwrap().to_owned()
     }
 }
 
-impl Drop for Folder {
+impl Drop for PartFolder {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.0);
     }
@@ -53,7 +53,7 @@ const CRASH: &str =
     "O0009\nG50 X60 Z20\nM03 S500\nT0101\nG00 X40 Z2\nG01 Z-20 F100\nG00 Z-30\nM30\n";
 
 #[test]
-fn samples_are_cut_as_their_jobs_say_and_hit_nothing() {
+fn samples_with_jobs_have_no_collision() {
     for sample in [
         "01-stepped-shaft",
         "02-bushing",
@@ -61,9 +61,9 @@ fn samples_are_cut_as_their_jobs_say_and_hit_nothing() {
         "04-manual-example",
     ] {
         let program = format!("{sample}.CNC");
-        let (code, out, err) = said(&["check", "--part", "--json", &program]);
+        let (code, out, err) = run_gsk(&["check", "--part", "--json", &program]);
         assert_eq!(code, 0, "{sample}: {out}{err}");
-        let part = &json(&out)["part"];
+        let part = &parse_last_line(&out)["part"];
         assert_eq!(part["job"], format!("{sample}.job.ron"));
         assert_eq!(part["collisions"].as_array().unwrap().len(), 0, "{sample}");
         let volume = |name: &str| part[name].as_f64().unwrap();
@@ -74,9 +74,9 @@ fn samples_are_cut_as_their_jobs_say_and_hit_nothing() {
 
 #[test]
 fn a_measured_shaft_has_the_diameters_of_its_program() {
-    let (code, out, err) = said(&["check", "--measure", "--json", "01-stepped-shaft.CNC"]);
+    let (code, out, err) = run_gsk(&["check", "--measure", "--json", "01-stepped-shaft.CNC"]);
     assert_eq!(code, 0, "{err}");
-    let report = json(&out);
+    let report = parse_last_line(&out);
     let features = report["part"]["features"].as_array().unwrap();
     let cylinders: Vec<f64> = features
         .iter()
@@ -84,31 +84,31 @@ fn a_measured_shaft_has_the_diameters_of_its_program() {
         .map(|feature| feature["diameter"].as_f64().unwrap())
         .collect();
     assert_eq!(cylinders, [20.0, 30.0, 50.0, 54.0]);
-    let (code, out, _) = said(&["check", "--measure", "--lang", "zh", "01-stepped-shaft.CNC"]);
+    let (code, out, _) = run_gsk(&["check", "--measure", "--lang", "zh", "01-stepped-shaft.CNC"]);
     assert!(code == 0 && out.contains("⌀30.000"), "{out}");
 }
 
 #[test]
-fn a_collision_has_its_block_and_an_exit_code_of_its_own() {
-    let folder = Folder::new("crash");
-    let program = folder.file("crash.CNC", CRASH);
+fn a_collision_names_its_block_and_has_a_separate_exit_code() {
+    let folder = PartFolder::new("crash");
+    let program = folder.write("crash.CNC", CRASH);
     for command in [
         &["check", "--part", "--json"][..],
         &["run", "--part", "--json"],
         &["run", "--stop-on-collision", "--json"],
     ] {
-        let (code, out, err) = said(&[command, &[&program]].concat());
+        let (code, out, err) = run_gsk(&[command, &[&program]].concat());
         assert_eq!(code, 3, "{command:?}: {out}{err}");
-        let report = json(&out);
+        let report = parse_last_line(&out);
         let collision = &report["part"]["collisions"][0];
         assert_eq!(collision["line"], 7, "{collision}");
         assert_eq!(collision["tool"], 1);
         assert!(collision["depth"].as_f64().unwrap() > 0.5);
-        let stopped = command.contains(&"--stop-on-collision");
-        let end = if stopped { "collision" } else { "M30" };
+        let stops = command.contains(&"--stop-on-collision");
+        let end = if stops { "collision" } else { "M30" };
         assert_eq!(report["end"], end);
     }
-    let (code, _, _) = said(&["run", "--json", &program]);
+    let (code, _, _) = run_gsk(&["run", "--json", &program]);
     assert_eq!(code, 0, "without a part nothing is hit");
 }
 
@@ -117,36 +117,36 @@ const FACED: &str = "O0004\nT0101 M03 S500\nG00 X52 Z2\nG72 W2 R1\nG72 P10 Q20 U
 
 #[test]
 fn a_faced_part_without_a_job_is_measured_as_programmed() {
-    let folder = Folder::new("faced");
-    let program = folder.file("faced.CNC", FACED);
-    let (code, out, err) = said(&["check", "--measure", "--json", &program]);
+    let folder = PartFolder::new("faced");
+    let program = folder.write("faced.CNC", FACED);
+    let (code, out, err) = run_gsk(&["check", "--measure", "--json", &program]);
     assert_eq!(code, 0, "{out}{err}");
-    let report = json(&out);
+    let report = parse_last_line(&out);
     let features = report["part"]["features"].as_array().unwrap();
-    let face = |z: f64| {
-        let is_there = |it: &&serde_json::Value| it["kind"] == "face" && it["z"] == z;
-        features.iter().any(|it| is_there(&it))
+    let has_face = |z: f64| {
+        let is_at_z = |it: &&serde_json::Value| it["kind"] == "face" && it["z"] == z;
+        features.iter().any(|it| is_at_z(&it))
     };
-    assert!(face(-12.0) && face(-6.0), "{features:?}");
+    assert!(has_face(-12.0) && has_face(-6.0), "{features:?}");
 }
 
 #[test]
-fn the_work_zero_of_a_job_says_where_the_machine_zero_lies() {
-    let folder = Folder::new("zero");
+fn the_work_zero_of_a_job_defines_the_machine_zero() {
+    let folder = PartFolder::new("zero");
     let text = "O0005\nM03 S500\nT0101\nG00 X46 Z2\nG01 Z-20 F100\nX52\nG28 U0 W0\nM30\n";
-    let program = folder.file("zero.CNC", text);
-    let (code, out, _) = said(&["check", "--part", &program]);
+    let program = folder.write("zero.CNC", text);
+    let (code, out, _) = run_gsk(&["check", "--part", &program]);
     assert!(
         code == 0 && out.contains("not checked for collisions"),
         "{out}"
     );
     // The machine zero is inside the part: the return move cuts through it.
-    let job = folder.file(
+    let job = folder.write(
         "zero.ron",
         "(stock: (form: Bar(diameter: 50), length: 110, overhang: 70), zero: (x: 0, z: 40), \
          tools: {1: (insert: Turning(letter: C, entering: 95, size: 12.7, nose: 0.8), tip: 3)})",
     );
-    let (code, _, err) = said(&["check", "--job", &job, &program]);
+    let (code, _, err) = run_gsk(&["check", "--job", &job, &program]);
     assert!(
         code == 3 && err.contains("work zero is taken from the job"),
         "{err}"
@@ -155,57 +155,57 @@ fn the_work_zero_of_a_job_says_where_the_machine_zero_lies() {
 
 #[test]
 fn section_and_picture_show_the_part() {
-    let folder = Folder::new("section");
-    let program = folder.file("crash.CNC", CRASH);
+    let folder = PartFolder::new("section");
+    let program = folder.write("crash.CNC", CRASH);
     let section = folder.0.join("part.csv");
     let section = section.to_str().unwrap();
-    let (code, _, err) = said(&["check", "--section", section, &program]);
+    let (code, _, err) = run_gsk(&["check", "--section", section, &program]);
     assert_eq!(code, 3, "{err}");
     let text = std::fs::read_to_string(section).unwrap();
     assert!(text.starts_with("polygon,x,z\n0,"), "{text}");
     let picture = folder.0.join("part.svg");
     let picture = picture.to_str().unwrap();
-    let (code, _, err) = said(&["plot", "--part", &program, "-o", picture]);
+    let (code, _, err) = run_gsk(&["plot", "--part", &program, "-o", picture]);
     assert_eq!(code, 3, "{err}");
     let svg = std::fs::read_to_string(picture).unwrap();
     assert!(svg.contains("<path fill=\"#dce6f0\""), "{svg}");
 }
 
 #[test]
-fn a_wrong_job_is_named_with_its_line_and_its_rule() {
-    let folder = Folder::new("job");
-    let program = folder.file("part.CNC", CRASH);
-    folder.file(
+fn an_invalid_job_is_reported_with_line_and_rule() {
+    let folder = PartFolder::new("job");
+    let program = folder.write("part.CNC", CRASH);
+    folder.write(
         "part.job.ron",
         "(\n  stock: (form: Bar(diameter: 40)),\n)\n",
     );
-    let (code, _, err) = said(&["check", "--part", &program]);
+    let (code, _, err) = run_gsk(&["check", "--part", &program]);
     assert!(
         code == 2 && err.contains("part.job.ron") && err.contains("line 2"),
         "{err}"
     );
-    let job = folder.file(
+    let job = folder.write(
         "other.ron",
         "(stock: (form: Bar(diameter: 40), length: 90, overhang: 50), tools: {1: (insert: \
          Drill(diameter: 0, point: 118, reach: 50), tip: 7)})",
     );
-    let (code, _, err) = said(&["check", "--job", &job, &program]);
+    let (code, _, err) = run_gsk(&["check", "--job", &job, &program]);
     assert!(
         code == 2 && err.contains("T01") && err.contains("diameter"),
         "{err}"
     );
-    let idle = folder.file("idle.CNC", "O0001\nG00 X10\nM30\n");
-    let (code, _, err) = said(&["check", "--part", &idle]);
+    let idle = folder.write("idle.CNC", "O0001\nG00 X10\nM30\n");
+    let (code, _, err) = run_gsk(&["check", "--part", &idle]);
     assert!(code == 2 && err.contains("no stock to guess"), "{err}");
 }
 
 #[test]
-fn a_solid_is_drawn_as_pixels_of_the_size_that_is_asked_for() {
-    let folder = Folder::new("solid");
+fn a_solid_is_drawn_in_the_requested_size() {
+    let folder = PartFolder::new("solid");
     let picture = folder.0.join("shaft.png");
     let picture = picture.to_str().unwrap();
     let program = "01-stepped-shaft.CNC";
-    let (code, _, err) = said(&[
+    let (code, _, err) = run_gsk(&[
         "plot", "--solid", program, "-o", picture, "--size", "640x400",
     ]);
     assert_eq!(code, 0, "{err}");
@@ -215,7 +215,7 @@ fn a_solid_is_drawn_as_pixels_of_the_size_that_is_asked_for() {
     assert_eq!(size, [640, 400]);
     let lines = folder.0.join("shaft.svg");
     let lines = lines.to_str().unwrap();
-    let (code, _, err) = said(&["plot", "--solid", program, "-o", lines]);
+    let (code, _, err) = run_gsk(&["plot", "--solid", program, "-o", lines]);
     assert!(code != 0 && err.contains("ends in .png"), "{err}");
     assert!(!Path::new(lines).exists());
 }

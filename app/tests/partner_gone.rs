@@ -11,25 +11,25 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::process::executable;
-use crate::twin::{Twin, signal};
+use crate::twin::{TwinProcess, send_signal};
 
 /// Time limit of each wait on a busy computer, and attempts until a board moves.
-const LONGEST: Duration = Duration::from_secs(120);
+const TIME_LIMIT: Duration = Duration::from_secs(120);
 const ATTEMPTS: u32 = 20;
 /// Time within which the board must receive the stop.
 const STOPPED_WITHIN: Duration = Duration::from_secs(10);
 /// Time for which the board moves before the fault.
-const IN_MOTION: Duration = Duration::from_millis(500);
+const MOTION_BEFORE_FAULT: Duration = Duration::from_millis(500);
 /// Position of the limit switch of Z that would stop the virtual board.
-const LIMIT: &str = "Z 8000 ";
+const LIMIT_POSITION: &str = "Z 8000 ";
 /// Travel of the motion, mm. Without a stop it takes 50 s at the feed of the tests.
-const WAY: &str = "500";
+const TRAVEL_MM: &str = "500";
 
 /// Runs one test at a time: on a computer that is busy with other boards a motion stops early.
-static ALONE: Mutex<()> = Mutex::new(());
+static EXCLUSIVE: Mutex<()> = Mutex::new(());
 
-fn alone() -> MutexGuard<'static, ()> {
-    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+fn run_exclusively() -> MutexGuard<'static, ()> {
+    EXCLUSIVE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn rounds() -> u32 {
@@ -37,9 +37,9 @@ fn rounds() -> u32 {
 }
 
 /// A process that is killed when it is dropped.
-struct Running(Child);
+struct MovingProcess(Child);
 
-impl Drop for Running {
+impl Drop for MovingProcess {
     fn drop(&mut self) {
         let _ = self.0.kill();
         let _ = self.0.wait();
@@ -47,34 +47,37 @@ impl Drop for Running {
 }
 
 /// Starts `link test`, which moves Z of a board. `None` if the computer was too busy.
-fn moves(twin: &Twin, case: &Case) -> Option<Running> {
+fn start_motion(twin: &TwinProcess, case: &FirmwareCase) -> Option<MovingProcess> {
     let mut command = executable();
     command
-        .args(["link", "test", &twin.port, "--travel", WAY, "--feed", "600"])
+        .args([
+            "link", "test", &twin.port, "--travel", TRAVEL_MM, "--feed", "600",
+        ])
         .args(["--param", "17=5", "--param", "18=5"])
         .args(case.options)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped());
-    let mut running = Running(command.spawn().unwrap());
-    let mut said = BufReader::new(running.0.stdout.take().unwrap()).lines();
-    let answers = |line: &io::Result<String>| line.as_ref().is_ok_and(|it| it.contains("answers"));
-    let _ = said.find(answers)?;
+    let mut running = MovingProcess(command.spawn().unwrap());
+    let mut output = BufReader::new(running.0.stdout.take().unwrap()).lines();
+    let has_answered =
+        |line: &io::Result<String>| line.as_ref().is_ok_and(|it| it.contains("answers"));
+    let _ = output.find(has_answered)?;
     // After its answers the board is unlocked, with two pauses of half a second, and moves.
-    match case.begins {
-        Some(begins) => drop(twin.says(begins, LONGEST)?),
+    match case.motion_message {
+        Some(motion_message) => drop(twin.wait_for_line(motion_message, TIME_LIMIT)?),
         None => {
             thread::sleep(Duration::from_secs(2));
-            drop(twin.has_said());
+            drop(twin.printed_lines());
         }
     }
-    thread::sleep(IN_MOTION);
-    let ended = running.0.try_wait().unwrap().is_some();
+    thread::sleep(MOTION_BEFORE_FAULT);
+    let has_ended = running.0.try_wait().unwrap().is_some();
     // A board that has printed another line by now no longer moves.
-    (!ended && twin.has_said().is_empty()).then_some(running)
+    (!has_ended && twin.printed_lines().is_empty()).then_some(running)
 }
 
 /// Process id of the process that holds this port.
-fn holder(port: &str) -> Option<u32> {
+fn find_holder(port: &str) -> Option<u32> {
     let processes = std::fs::read_dir("/proc").unwrap().flatten();
     processes
         .filter_map(|entry| entry.file_name().to_str()?.parse().ok())
@@ -84,15 +87,15 @@ fn holder(port: &str) -> Option<u32> {
         })
 }
 
-fn wait_until(longest: Duration, so: impl Fn() -> bool) -> bool {
-    let end = Instant::now() + longest;
+fn wait_until(time_limit: Duration, is_met: impl Fn() -> bool) -> bool {
+    let end = Instant::now() + time_limit;
     while Instant::now() < end {
-        if so() {
+        if is_met() {
             return true;
         }
         thread::sleep(Duration::from_millis(10));
     }
-    so()
+    is_met()
 }
 
 /// The machine file that the virtual board with timed steps prints.
@@ -108,71 +111,82 @@ fn klipper_machine() -> PathBuf {
 }
 
 /// A firmware with its options and messages.
-struct Case<'a> {
+struct FirmwareCase<'a> {
     firmware: &'a str,
     options: &'a [&'a str],
     /// Options of the virtual board.
     twin: &'a [&'a str],
     /// Printed when the board starts to move; `None` if it prints nothing.
-    begins: Option<&'a str>,
+    motion_message: Option<&'a str>,
     /// Printed when the board receives the stop.
-    stops: &'a str,
+    stop_message: &'a str,
 }
 
 /// Lets something happen to the program while the board moves. Asserts that the board is
 /// stopped long before the end of its motion, and that no process holds the port afterwards.
-fn is_stopped(case: &Case, what: &str, happens: impl Fn(&mut Child, u32)) {
-    let _alone = alone();
+fn assert_board_stops(
+    case: &FirmwareCase,
+    fault_name: &str,
+    cause_fault: impl Fn(&mut Child, u32),
+) {
+    let _alone = run_exclusively();
     for round in 1..=rounds() {
-        let place = format!("{} {what}, round {round}", case.firmware);
+        let context = format!("{} {fault_name}, round {round}", case.firmware);
         let moving = (0..ATTEMPTS).find_map(|_| {
-            let twin = Twin::play(&[&["--firmware", case.firmware], case.twin].concat());
-            let running = moves(&twin, case)?;
+            let twin = TwinProcess::start(&[&["--firmware", case.firmware], case.twin].concat());
+            let running = start_motion(&twin, case)?;
             Some((twin, running))
         });
-        let (twin, mut running) = moving.unwrap_or_else(|| panic!("{place}: never moves"));
-        let held = holder(&twin.port).unwrap_or_else(|| panic!("{place}: nobody holds it"));
-        happens(&mut running.0, held);
-        let begun = Instant::now();
-        let stopped = twin.says(case.stops, STOPPED_WITHIN);
-        assert!(stopped.is_some(), "{place}: not stopped");
+        let (twin, mut running) = moving.unwrap_or_else(|| panic!("{context}: never moves"));
+        let holder_id =
+            find_holder(&twin.port).unwrap_or_else(|| panic!("{context}: nobody holds it"));
+        cause_fault(&mut running.0, holder_id);
+        let start_time = Instant::now();
+        let stop_line = twin.wait_for_line(case.stop_message, STOPPED_WITHIN);
+        assert!(stop_line.is_some(), "{context}: not stopped");
         // The limit switch has not stopped it.
-        let at_limit = stopped.as_ref().is_some_and(|line| line.contains(LIMIT));
-        assert!(!at_limit, "{place}: {stopped:?}");
+        let at_limit = stop_line
+            .as_ref()
+            .is_some_and(|line| line.contains(LIMIT_POSITION));
+        assert!(!at_limit, "{context}: {stop_line:?}");
         eprintln!(
-            "{place}: {:.0?}, {}",
-            begun.elapsed(),
-            stopped.unwrap_or_default()
+            "{context}: {:.0?}, {}",
+            start_time.elapsed(),
+            stop_line.unwrap_or_default()
         );
-        let freed = wait_until(LONGEST, || holder(&twin.port).is_none());
-        assert!(freed, "{place}: the port is still held");
+        let is_released = wait_until(TIME_LIMIT, || find_holder(&twin.port).is_none());
+        assert!(is_released, "{context}: the port is still held");
     }
 }
 
 const LINE_BOARDS: [&str; 3] = ["grbl", "grblhal", "fluidnc"];
 
 /// A board that executes lines.
-const fn line_case(firmware: &str) -> Case<'_> {
-    Case {
+const fn line_case(firmware: &str) -> FirmwareCase<'_> {
+    FirmwareCase {
         firmware,
         options: &["--write-settings"],
         twin: &[],
-        begins: Some("Run"),
+        motion_message: Some("Run"),
         // The reset is sent in motion and at rest: on a busy computer the board may have run
         // out of motion.
-        stops: "reset",
+        stop_message: "reset",
     }
 }
 
-fn line_board(firmware: &str, what: &str, happens: impl Fn(&mut Child, u32)) {
-    is_stopped(&line_case(firmware), what, happens);
+fn assert_line_board_stops(
+    firmware: &str,
+    fault_name: &str,
+    cause_fault: impl Fn(&mut Child, u32),
+) {
+    assert_board_stops(&line_case(firmware), fault_name, cause_fault);
 }
 
-fn ends_by(name: &'static str) -> impl Fn(&mut Child, u32) {
+fn kill_with(name: &'static str) -> impl Fn(&mut Child, u32) {
     move |program, _| {
         // The first SIGSEGV that no invalid access has caused is ignored.
         while program.try_wait().unwrap().is_none() {
-            signal(name, program.id());
+            send_signal(name, program.id());
             thread::sleep(Duration::from_millis(20));
         }
     }
@@ -180,88 +194,88 @@ fn ends_by(name: &'static str) -> impl Fn(&mut Child, u32) {
 
 pub fn a_line_board_is_stopped_when_the_program_is_killed() {
     for firmware in LINE_BOARDS {
-        line_board(firmware, "kill -9", ends_by("KILL"));
+        assert_line_board_stops(firmware, "kill -9", kill_with("KILL"));
     }
 }
 
 pub fn a_board_at_a_network_address_is_stopped_when_the_program_is_killed() {
-    let case = Case {
+    let case = FirmwareCase {
         twin: &["--tcp", "127.0.0.1:0"],
         ..line_case("grbl")
     };
-    is_stopped(&case, "over tcp, kill -9", ends_by("KILL"));
+    assert_board_stops(&case, "over tcp, kill -9", kill_with("KILL"));
 }
 
-pub fn a_line_board_is_stopped_when_the_program_breaks_down() {
+pub fn a_line_board_is_stopped_when_the_program_crashes() {
     for name in ["SEGV", "ABRT"] {
-        line_board("grbl", name, ends_by(name));
+        assert_line_board_stops("grbl", name, kill_with(name));
     }
 }
 
 pub fn a_board_of_timed_steps_is_stopped_when_the_program_is_killed() {
     let machine = klipper_machine();
-    let case = Case {
+    let case = FirmwareCase {
         firmware: "klipper",
         options: &["--machine", machine.to_str().unwrap()],
         twin: &[],
-        begins: None,
+        motion_message: None,
         // The stop command, not the timeout after a quarter of a second without messages.
-        stops: "Command request",
+        stop_message: "Command request",
     };
-    is_stopped(&case, "kill -9", ends_by("KILL"));
+    assert_board_stops(&case, "kill -9", kill_with("KILL"));
     let _ = std::fs::remove_file(machine);
 }
 
 /// The process exists but is suspended, as if it waited for a missing disk.
-pub fn a_line_board_is_stopped_when_the_program_stands_still() {
+pub fn a_line_board_is_stopped_when_the_program_is_suspended() {
     for firmware in LINE_BOARDS {
-        line_board(firmware, "stopped", |program, _| {
-            signal("STOP", program.id());
+        assert_line_board_stops(firmware, "stopped", |program, _| {
+            send_signal("STOP", program.id());
         });
     }
 }
 
 /// Signals to the session reach the holder, too. They do not end it before its work is done.
-pub fn the_holder_outlives_the_signals_of_the_session() {
-    line_board("grbl", "signals, then kill -9", |program, holder| {
+pub fn session_signals_do_not_end_the_holder() {
+    assert_line_board_stops("grbl", "signals, then kill -9", |program, holder| {
         for name in ["INT", "TERM", "HUP", "QUIT", "PIPE"] {
-            signal(name, holder);
+            send_signal(name, holder);
         }
-        ends_by("KILL")(program, holder);
+        kill_with("KILL")(program, holder);
     });
 }
 
 /// The program detects it, and another holder stops the board.
-pub fn when_the_holder_is_killed_another_one_stops_the_board_and_the_program_says_it() {
-    let _alone = alone();
+pub fn a_killed_holder_is_replaced_and_reported() {
+    let _alone = run_exclusively();
     for _ in 0..rounds() {
-        let twin = Twin::play(&[]);
-        let begins = || moves(&twin, &line_case("grbl"));
-        let mut program = (0..ATTEMPTS).find_map(|_| begins()).unwrap();
-        let held = holder(&twin.port).unwrap();
-        signal("KILL", held);
-        let another = || holder(&twin.port).is_some_and(|other| other != held);
+        let twin = TwinProcess::start(&[]);
+        let start = || start_motion(&twin, &line_case("grbl"));
+        let mut program = (0..ATTEMPTS).find_map(|_| start()).unwrap();
+        let first_holder = find_holder(&twin.port).unwrap();
+        send_signal("KILL", first_holder);
+        let has_new_holder = || find_holder(&twin.port).is_some_and(|other| other != first_holder);
         assert!(
-            wait_until(STOPPED_WITHIN, another),
+            wait_until(STOPPED_WITHIN, has_new_holder),
             "nobody stops the board"
         );
-        let mut said = String::new();
-        let mut complaints = program.0.stderr.take().unwrap();
-        complaints.read_to_string(&mut said).unwrap();
-        assert_eq!(program.0.wait().unwrap().code(), Some(1), "{said}");
-        assert!(said.contains("605"), "{said}");
+        let mut errors = String::new();
+        let mut stderr = program.0.stderr.take().unwrap();
+        stderr.read_to_string(&mut errors).unwrap();
+        assert_eq!(program.0.wait().unwrap().code(), Some(1), "{errors}");
+        assert!(errors.contains("605"), "{errors}");
         assert!(
-            said.contains("the process that holds the port has ended"),
-            "{said}"
+            errors.contains("the process that holds the port has ended"),
+            "{errors}"
         );
-        assert!(wait_until(LONGEST, || holder(&twin.port).is_none()));
+        assert!(wait_until(TIME_LIMIT, || find_holder(&twin.port).is_none()));
     }
 }
 
 /// A normal end leaves no process, not even a zombie.
-pub fn a_normal_end_leaves_no_process_behind() {
-    let _alone = alone();
-    let twin = Twin::play(&[]);
+pub fn a_normal_end_leaves_no_process() {
+    let _alone = run_exclusively();
+    let twin = TwinProcess::start(&[]);
     let status = executable()
         .args(["link", "monitor", &twin.port, "--seconds", "2"])
         .stdout(Stdio::null())
@@ -269,16 +283,16 @@ pub fn a_normal_end_leaves_no_process_behind() {
         .status()
         .unwrap();
     assert!(status.code().is_some());
-    assert_eq!(holder(&twin.port), None);
+    assert_eq!(find_holder(&twin.port), None);
 }
 
-pub fn whoever_starts_the_holder_by_hand_is_told_what_it_is() {
+pub fn a_holder_started_by_hand_explains_itself() {
     let output = executable()
         .args(["hold-port", "--baud", "115200", "/dev/null"])
         .stdin(Stdio::null())
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.contains("by itself"), "{said}");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{errors}");
+    assert!(errors.contains("by itself"), "{errors}");
 }

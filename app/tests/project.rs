@@ -8,45 +8,45 @@ use std::time::Duration;
 
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use gsk_app::files::data_dir::DataDir;
-use gsk_app::project::{self, Taking, Who};
+use gsk_app::project::{self, ImportRequest, ImportRights};
 use gsk_app::retained;
 use gsk_core::setup::Setup;
 use gsk_panel::emulator::Emulator;
 
-use crate::common::Bench;
-use crate::common::folder::Folder;
+use crate::common::WindowBench;
+use crate::common::folder::TempFolder;
 
-impl Folder {
+impl TempFolder {
     /// Runs `project …` in this folder. Returns exit code, standard output and standard error.
-    fn project(&self, command: &str) -> (i32, String, String) {
-        self.call(&format!("project {command}"))
+    fn run_project(&self, command: &str) -> (i32, String, String) {
+        self.run(&format!("project {command}"))
     }
 
     #[track_caller]
-    fn does(&self, command: &str) -> String {
-        let (code, out, error) = self.project(command);
+    fn run_successfully(&self, command: &str) -> String {
+        let (code, out, error) = self.run_project(command);
         assert_eq!((code, error.as_str()), (0, ""), "{command}: {out}");
         out
     }
 
     /// Asserts that the command fails with this exit code and message, and changes no file.
     #[track_caller]
-    fn refuses(&self, command: &str, code: i32, sentence: &str) {
-        let before = self.files();
-        let (found, out, error) = self.project(command);
-        assert_eq!(found, code, "{command}: {out}{error}");
-        assert!(error.contains(sentence), "{command}: {error}");
-        assert!(self.files() == before, "{command}: a file is changed");
+    fn assert_refused(&self, command: &str, code: i32, message: &str) {
+        let files_before = self.files();
+        let (actual_code, out, error) = self.run_project(command);
+        assert_eq!(actual_code, code, "{command}: {out}{error}");
+        assert!(error.contains(message), "{command}: {error}");
+        assert!(self.files() == files_before, "{command}: a file is changed");
     }
 
     fn files(&self) -> BTreeMap<PathBuf, Vec<u8>> {
         let mut files = BTreeMap::new();
-        let mut open = vec![self.0.clone()];
-        while let Some(folder) = open.pop() {
+        let mut folders = vec![self.0.clone()];
+        while let Some(folder) = folders.pop() {
             for entry in fs::read_dir(folder).unwrap() {
                 let path = entry.unwrap().path();
                 match path.is_dir() {
-                    true => open.push(path),
+                    true => folders.push(path),
                     false => drop(files.insert(path.clone(), fs::read(&path).unwrap())),
                 }
             }
@@ -62,7 +62,7 @@ impl Folder {
     }
 
     /// Creates a data directory as a control leaves it.
-    fn control(&self, name: &str, change: impl FnOnce(&mut Setup)) -> PathBuf {
+    fn create_control(&self, name: &str, change: impl FnOnce(&mut Setup)) -> PathBuf {
         let path = self.0.join(name);
         let data = DataDir::open(&path).unwrap();
         let mut setup = Setup::delivered();
@@ -74,7 +74,7 @@ impl Folder {
 }
 
 /// O0007 with a Chinese comment from an old editor: GB18030, CR LF.
-fn old_text() -> Vec<u8> {
+fn gbk_text() -> Vec<u8> {
     let mut text = b"O0007 (".to_vec();
     text.extend([0xB3, 0xB5]);
     text.extend(b")\r\nG00 X50 Z2\r\nM30\r\n%");
@@ -82,9 +82,9 @@ fn old_text() -> Vec<u8> {
 }
 
 #[test]
-fn a_control_is_exported_wiped_and_brought_back() {
-    let folder = Folder::new("project-back");
-    folder.does("new start");
+fn a_control_is_exported_deleted_and_imported() {
+    let folder = TempFolder::new("project-back");
+    folder.run_successfully("new start");
     folder.edit("start/parameters.txt", "022 = 3800", "022 = 4000");
     folder.edit("start/offsets.txt", "003.X = 0", "003.X = -12.345");
     folder.edit(
@@ -95,8 +95,8 @@ fn a_control_is_exported_wiped_and_brought_back() {
     folder.edit("start/project.gpr", "macro-b = off", "macro-b = on");
     folder.edit("start/ladder/data.txt", "D0300 = 0", "D0300 = 200");
     folder.edit("start/ladder/main.il", "压力低报警", "油压低");
-    folder.write("start/programs/O0007.CNC", old_text());
-    let said = folder.does("import start --data one");
+    folder.write("start/programs/O0007.CNC", gbk_text());
+    let output = folder.run_successfully("import start --data one");
     for line in [
         "No.022 X rapid speed: 3800 → 4000 mm/min",
         "offset 003 X: 0 → -12.345 mm",
@@ -109,57 +109,57 @@ fn a_control_is_exported_wiped_and_brought_back() {
         "selected program: none → O0007",
         "values taken over into one: 9",
     ] {
-        assert!(said.contains(line), "{line}\n{said}");
+        assert!(output.contains(line), "{line}\n{output}");
     }
-    folder.does("export out --data one");
+    folder.run_successfully("export out --data one");
     let bytes = fs::read(folder.0.join("out/programs/O0007.CNC")).unwrap();
-    assert_eq!(bytes, old_text(), "byte for byte");
-    let kept = fs::read(folder.0.join("one/programs/O0007.CNC")).unwrap();
-    assert_eq!(kept, old_text(), "in the memory, too");
+    assert_eq!(bytes, gbk_text(), "byte for byte");
+    let stored = fs::read(folder.0.join("one/programs/O0007.CNC")).unwrap();
+    assert_eq!(stored, gbk_text(), "in the memory, too");
     fs::remove_dir_all(folder.0.join("one")).unwrap();
-    folder.does("import out --data one");
-    let same = folder.does("diff out --data one");
+    folder.run_successfully("import out --data one");
+    let same = folder.run_successfully("diff out --data one");
     assert_eq!(same, "nothing differs\n");
-    folder.does("export again --data one");
+    folder.run_successfully("export again --data one");
     for (path, bytes) in folder.files() {
         if let Ok(name) = path.strip_prefix(folder.0.join("out")) {
             assert_eq!(fs::read(folder.0.join("again").join(name)).unwrap(), bytes);
         }
     }
     // The backup of the previous state is a project, too.
-    let (code, said, _) = folder.project("diff one/backups/before-import-0001 out");
-    assert_eq!(code, 1, "{said}");
-    assert!(said.contains("values that differ: 9"), "{said}");
+    let (code, output, _) = folder.run_project("diff one/backups/before-import-0001 out");
+    assert_eq!(code, 1, "{output}");
+    assert!(output.contains("values that differ: 9"), "{output}");
 }
 
 #[test]
-fn one_wrong_line_and_nothing_is_taken_over() {
-    let folder = Folder::new("project-wrong");
-    folder.does("new part");
-    folder.control("data", |_| {});
+fn one_invalid_line_prevents_the_import() {
+    let folder = TempFolder::new("project-wrong");
+    folder.run_successfully("new part");
+    folder.create_control("data", |_| {});
     folder.edit("part/parameters.txt", "022 = 3800", "022 = 4000");
     folder.edit("part/pitch.txt", "007.X = 0", "007.X = 300");
     folder.edit("part/offsets.txt", "001.Z = 0", "001.Z zero");
     let line = "pitch.txt:16: pitch error point 007: 300 is outside";
-    folder.refuses("import part --data data", 2, line);
-    folder.refuses(
+    folder.assert_refused("import part --data data", 2, line);
+    folder.assert_refused(
         "import part --data data",
         2,
         "offsets.txt:7: write NAME = VALUE",
     );
-    folder.refuses("import part --data data", 2, "problems: 2");
-    folder.refuses("diff part --data data", 2, line);
-    let (_, _, error) = folder.project("import part --data data --lang zh");
+    folder.assert_refused("import part --data data", 2, "problems: 2");
+    folder.assert_refused("diff part --data data", 2, line);
+    let (_, _, error) = folder.run_project("import part --data data --lang zh");
     assert!(
         error.contains("offsets.txt:7: 应写成 名称 = 数值"),
         "{error}"
     );
     folder.write("part/machine.ron", b"(\n  naem: \"x\",\n)");
-    folder.refuses("import part --data data", 2, "machine.ron:2: ");
+    folder.assert_refused("import part --data data", 2, "machine.ron:2: ");
     folder.write("part/programs/O0001.job.ron", b"(stok: 1)");
-    folder.refuses("import part --data data", 2, "programs/O0001.job.ron:1: ");
+    folder.assert_refused("import part --data data", 2, "programs/O0001.job.ron:1: ");
     folder.write("part/counters.txt", [0, 1, 2]);
-    folder.refuses(
+    folder.assert_refused(
         "import part --data data",
         2,
         "counters.txt: this is a binary file",
@@ -167,26 +167,28 @@ fn one_wrong_line_and_nothing_is_taken_over() {
 }
 
 #[test]
-fn parts_alone_are_taken_over() {
-    let folder = Folder::new("project-only");
-    folder.does("new part");
-    folder.control("data", |_| {});
+fn single_sections_can_be_imported() {
+    let folder = TempFolder::new("project-only");
+    folder.run_successfully("new part");
+    folder.create_control("data", |_| {});
     folder.edit("part/parameters.txt", "022 = 3800", "022 = 4000");
     folder.edit("part/offsets.txt", "001.Z = 0", "001.Z = 5");
     folder.write("part/programs/O0002.CNC", b"O0002;\nM30;\n");
-    let said = folder.does("import part --data data --only offsets,programs --dry-run");
+    let output =
+        folder.run_successfully("import part --data data --only offsets,programs --dry-run");
     assert!(
-        said.contains("values that would be taken over into data: 3"),
-        "{said}"
+        output.contains("values that would be taken over into data: 3"),
+        "{output}"
     );
-    let said = folder.does("import part --data data --only offsets,programs");
+    let output = folder.run_successfully("import part --data data --only offsets,programs");
     assert!(
-        !said.contains("No.022") && said.contains("offset 001 Z"),
-        "{said}"
+        !output.contains("No.022") && output.contains("offset 001 Z"),
+        "{output}"
     );
-    let (code, said, _) = folder.project("diff part --data data --only parameters --format json");
+    let (code, output, _) =
+        folder.run_project("diff part --data data --only parameters --format json");
     assert_eq!(code, 1);
-    let rows: serde_json::Value = serde_json::from_str(&said).unwrap();
+    let rows: serde_json::Value = serde_json::from_str(&output).unwrap();
     let row = rows
         .as_array()
         .unwrap()
@@ -199,31 +201,31 @@ fn parts_alone_are_taken_over() {
 
 /// Rights and passwords: manual III-2.5.1.
 #[test]
-fn the_rights_of_the_control_are_asked_and_a_password_opens_them() {
-    let folder = Folder::new("project-rights");
-    folder.does("new part");
+fn an_import_needs_the_rights_of_the_control_or_a_password() {
+    let folder = TempFolder::new("project-rights");
+    folder.run_successfully("new part");
     folder.edit("part/offsets.txt", "001.Z = 0", "001.Z = 5");
     folder.write("part/programs/O9003.CNC", b"O9003;\nM99;\n");
-    let data = folder.control("data", |setup| setup.memory.authority.leave());
-    let level = || fs::read(data.join("authority.ron")).unwrap();
-    let before = level();
-    let refused = "offset 001 Z: the operation level is too low";
-    folder.refuses("import part --data data --only offsets", 1, refused);
-    folder.refuses(
+    let data = folder.create_control("data", |setup| setup.memory.authority.log_off());
+    let authority_file = || fs::read(data.join("authority.ron")).unwrap();
+    let previous = authority_file();
+    let message = "offset 001 Z: the operation level is too low";
+    folder.assert_refused("import part --data data --only offsets", 1, message);
+    folder.assert_refused(
         "import part --data data --only offsets --password 1",
         2,
         "no operation level",
     );
-    folder.does("import part --data data --only offsets --password 1234");
-    let refused = "O9003: the operation level is too low";
-    folder.refuses(
+    folder.run_successfully("import part --data data --only offsets --password 1234");
+    let message = "O9003: the operation level is too low";
+    folder.assert_refused(
         "import part --data data --only programs --password 12345",
         1,
-        refused,
+        message,
     );
-    folder.does("import part --data data --only programs --password 123456");
-    assert_eq!(level(), before, "nobody is logged on by it");
-    folder.does("export out --data data");
+    folder.run_successfully("import part --data data --only programs --password 123456");
+    assert_eq!(authority_file(), previous, "nobody is logged on by it");
+    folder.run_successfully("export out --data data");
     for (path, bytes) in folder.files() {
         if path.starts_with(folder.0.join("out")) {
             let text = String::from_utf8_lossy(&bytes);
@@ -233,44 +235,44 @@ fn the_rights_of_the_control_are_asked_and_a_password_opens_them() {
 }
 
 #[test]
-fn a_control_that_is_on_is_left_alone() {
-    let folder = Folder::new("project-in-use");
-    folder.does("new part");
-    let path = folder.control("data", |_| {});
+fn a_running_control_is_left_alone() {
+    let folder = TempFolder::new("project-in-use");
+    folder.run_successfully("new part");
+    let path = folder.create_control("data", |_| {});
     let window = DataDir::open(&path).unwrap();
     for command in [
         "import part --data data",
         "export out --data data",
         "diff part --data data",
     ] {
-        folder.refuses(command, 2, "is using the data directory");
+        folder.assert_refused(command, 2, "is using the data directory");
     }
     drop(window);
-    folder.does("export out --data data");
+    folder.run_successfully("export out --data data");
 }
 
 #[test]
-fn folders_of_others_are_left_alone_and_half_a_project_is_none() {
-    let folder = Folder::new("project-folders");
-    folder.control("data", |setup| {
+fn other_folders_are_left_alone_and_an_unfinished_project_is_refused() {
+    let folder = TempFolder::new("project-folders");
+    folder.create_control("data", |setup| {
         setup.memory.programs.store("O0001;\nM30;\n").unwrap();
     });
     folder.write("notes/letter.txt", b"dear");
-    folder.refuses("export notes --data data", 2, "holds other files");
-    folder.refuses("export data --data data", 2, "holds other files");
-    folder.refuses(
+    folder.assert_refused("export notes --data data", 2, "holds other files");
+    folder.assert_refused("export data --data data", 2, "holds other files");
+    folder.assert_refused(
         "import notes --data data",
         2,
         "neither a project nor a data directory",
     );
-    folder.refuses(
+    folder.assert_refused(
         "diff notes data",
         2,
         "neither a project nor a data directory",
     );
-    folder.refuses("export out --data nowhere", 2, "no data directory");
-    folder.does("export out --data data");
-    folder.refuses("new out", 2, "holds other files");
+    folder.assert_refused("export out --data nowhere", 2, "no data directory");
+    folder.run_successfully("export out --data data");
+    folder.assert_refused("new out", 2, "holds other files");
     // Other files of the owner in the folder stay.
     folder.write("out/README.md", b"mine");
     folder.write("out/.git/HEAD", b"ref");
@@ -279,84 +281,87 @@ fn folders_of_others_are_left_alone_and_half_a_project_is_none() {
         b"(stock: (form: Bar(diameter: 40), length: 90, overhang: 50))",
     );
     folder.write("out/programs/O0002.CNC", b"O0002;\nM30;\n");
-    let said = folder.does("export out --data data");
-    assert_eq!(said, "out: files written 0, removed 1\n");
+    let output = folder.run_successfully("export out --data data");
+    assert_eq!(output, "out: files written 0, removed 1\n");
     let names = folder.files();
-    for (name, there) in [
+    for (name, exists) in [
         ("out/README.md", true),
         ("out/.git/HEAD", true),
         ("out/programs/O0001.job.ron", true),
         ("out/programs/O0002.CNC", false),
     ] {
-        assert_eq!(names.contains_key(&folder.0.join(name)), there, "{name}");
+        assert_eq!(names.contains_key(&folder.0.join(name)), exists, "{name}");
     }
     folder.write("out/.gsk980td-unfinished", b"");
-    folder.refuses("import out --data data", 2, "was broken off");
-    folder.does("export out --data data");
-    folder.does("diff out data");
+    folder.assert_refused("import out --data data", 2, "was broken off");
+    folder.run_successfully("export out --data data");
+    folder.run_successfully("diff out data");
 }
 
 #[test]
-fn a_machine_file_goes_along_and_is_compared_between_projects() {
-    let folder = Folder::new("project-machine");
+fn a_machine_file_is_exported_and_compared() {
+    let folder = TempFolder::new("project-machine");
     let machines = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/machines");
     let machine = machines.join("small-flat-bed.ron");
-    folder.does(&format!("new one --machine {}", machine.display()));
+    folder.run_successfully(&format!("new one --machine {}", machine.display()));
     assert_eq!(
         fs::read(folder.0.join("one/machine.ron")).unwrap(),
         fs::read(&machine).unwrap()
     );
-    folder.does("new two");
-    let (code, said, _) = folder.project("diff two one --only machine");
+    folder.run_successfully("new two");
+    let (code, output, _) = folder.run_project("diff two one --only machine");
     assert_eq!(code, 1);
-    assert!(said.contains("machine file: added"), "{said}");
-    folder.does("import one --data data");
-    assert_eq!(folder.does("diff one --data data"), "nothing differs\n");
-    folder.does("new ncb --model ncb08");
+    assert!(output.contains("machine file: added"), "{output}");
+    folder.run_successfully("import one --data data");
+    assert_eq!(
+        folder.run_successfully("diff one --data data"),
+        "nothing differs\n"
+    );
+    folder.run_successfully("new ncb --model ncb08");
     folder.edit("ncb/model-parameters.txt", "017 = 15000", "017 = 9000");
-    folder.does("import ncb --data data");
+    folder.run_successfully("import ncb --data data");
     assert!(folder.0.join("data/models/ncb08/parameters.ron").exists());
     assert_eq!(
-        folder.does("diff ncb --data data --model ncb08"),
+        folder.run_successfully("diff ncb --data data --model ncb08"),
         "nothing differs\n"
     );
 }
 
 #[test]
-fn what_was_damaged_in_the_memory_is_said() {
-    let folder = Folder::new("project-damaged");
-    let data = folder.control("data", |_| {});
-    for place in ["offsets.ron", "copies/offsets.ron"] {
-        fs::write(data.join(place), "(1, 2").unwrap();
+fn damaged_files_of_the_memory_are_reported() {
+    let folder = TempFolder::new("project-damaged");
+    let data = folder.create_control("data", |_| {});
+    for file in ["offsets.ron", "copies/offsets.ron"] {
+        fs::write(data.join(file), "(1, 2").unwrap();
     }
-    let (code, out, error) = folder.project("export out --data data");
+    let (code, out, error) = folder.run_project("export out --data data");
     assert_eq!(code, 1, "{out}{error}");
     assert!(error.contains("offsets.ron"), "{error}");
 }
 
 /// A window whose operator is logged on but must not write parameters.
-fn window() -> Bench {
+fn open_window() -> WindowBench {
     let mut setup = Setup::delivered().with_chuck();
-    setup.memory.authority.leave();
+    setup.memory.authority.log_off();
     assert!(setup.memory.authority.enter("1234"));
     setup.memory.programs.store("O0005;\nM30;\n").unwrap();
-    Bench::with(setup)
+    WindowBench::with_setup(setup)
 }
 
 /// Draws frames until a text is shown.
 #[track_caller]
-fn sees(bench: &mut Bench, words: &str) {
-    let seen = (0..1000).any(|_| {
+fn wait_for_text(bench: &mut WindowBench, text: &str) {
+    let is_shown = (0..1000).any(|_| {
         std::thread::sleep(Duration::from_millis(10));
         bench.run(1);
-        let mut found = bench.harness.query_all_by_label_contains(words);
+        let mut found = bench.harness.query_all_by_label_contains(text);
         found.next().is_some()
     });
-    assert!(seen, "{words} is never seen");
+    assert!(is_shown, "{text} is never seen");
 }
 
 #[track_caller]
-fn press(bench: &mut Bench, name: &str) {
+fn click(bench: &mut WindowBench, name: &str) {
     bench.harness.get_by_label(name).click();
     bench.run(20);
     bench.run(20);
@@ -364,22 +369,25 @@ fn press(bench: &mut Bench, name: &str) {
 
 /// The project view lists differences from the running control, with check boxes.
 #[test]
-fn the_view_lists_what_differs_and_takes_what_is_ticked() {
-    let folder = Folder::new("project-window");
-    folder.does("new part");
+fn the_view_lists_differences_and_takes_over_the_checked_ones() {
+    let folder = TempFolder::new("project-window");
+    folder.run_successfully("new part");
     folder.edit("part/parameters.txt", "022 = 3800", "022 = 4000");
     folder.edit("part/offsets.txt", "001.Z = 0", "001.Z = 5");
-    let mut bench = window();
+    let mut bench = open_window();
     let context = bench.harness.ctx.clone();
     let part = folder.0.join("part");
-    bench.harness.state_mut().compare(&context, part.clone());
-    sees(&mut bench, "No.022 X rapid speed");
-    let counted = bench.harness.query_all_by_label_contains(" · ");
-    let counted: Vec<String> = counted
+    bench
+        .harness
+        .state_mut()
+        .compare_project(&context, part.clone());
+    wait_for_text(&mut bench, "No.022 X rapid speed");
+    let nodes_with_counts = bench.harness.query_all_by_label_contains(" · ");
+    let nodes_with_counts: Vec<String> = nodes_with_counts
         .filter_map(|it| it.accesskit_node().label())
         .collect();
     assert_eq!(
-        counted,
+        nodes_with_counts,
         [
             "Project: part · 5",
             "CNC configuration · 3",
@@ -397,46 +405,55 @@ fn the_view_lists_what_differs_and_takes_what_is_ticked() {
         row.accesskit_node().is_disabled(),
         "the level is too low for it"
     );
-    press(&mut bench, "none");
-    assert!(bench.harness.state_mut().take_chosen().is_none());
+    click(&mut bench, "none");
+    assert!(bench.harness.state_mut().take_project_selection().is_none());
     // A node of the tree shows only its own differences and content.
-    press(&mut bench, "Tool offsets · 1");
+    click(&mut bench, "Tool offsets · 1");
     assert!(bench.harness.query_by_label_contains("No.022").is_none());
-    press(&mut bench, "Contents");
+    click(&mut bench, "Contents");
     assert!(bench.harness.query_by_label("001.Z").is_some());
     assert!(bench.harness.query_by_label("5 mm").is_some());
-    press(&mut bench, "Differences: 1");
-    press(&mut bench, "offset 001 Z: 0 → 5 mm");
-    press(&mut bench, "Switch off, take over 1, switch on");
-    let chosen = bench.harness.state_mut().take_chosen().expect("chosen");
-    assert_eq!(chosen.folder, part);
-    let labels: Vec<String> = chosen.differences.iter().map(|it| it.key.name()).collect();
+    click(&mut bench, "Differences: 1");
+    click(&mut bench, "offset 001 Z: 0 → 5 mm");
+    click(&mut bench, "Switch off, take over 1, switch on");
+    let selection = bench
+        .harness
+        .state_mut()
+        .take_project_selection()
+        .expect("chosen");
+    assert_eq!(selection.folder, part);
+    let labels: Vec<String> = selection
+        .differences
+        .iter()
+        .map(|it| it.key.name())
+        .collect();
     assert_eq!(labels, ["001.Z"]);
     // The application does the same while the control is off.
-    let data = folder.control("data", |setup| {
+    let data = folder.create_control("data", |setup| {
         *setup = core::mem::take(setup).with_chuck();
-        setup.memory.authority.leave();
+        setup.memory.authority.log_off();
         assert!(setup.memory.authority.enter("1234"));
     });
-    let taking = Taking {
-        project: &part,
-        directory: &data,
+    let takeover = ImportRequest {
+        project_folder: &part,
+        data_dir: &data,
         model: Some(gsk_core::model::ModelId::Gsk980td),
-        who: Who::LoggedOn,
+        rights: ImportRights::LoggedOn,
         dry_run: false,
     };
-    let taken = project::take_over(&taking, &|it| chosen.has(it)).expect("taken over");
+    let taken =
+        project::import_project(&takeover, &|it| selection.contains(it)).expect("taken over");
     assert_eq!(taken.differences.len(), 1, "{taken:?}");
-    assert!(taken.backup.is_some());
-    let (_, said, _) = folder.project("diff data part --only offsets");
-    assert_eq!(said, "nothing differs\n");
-    let (_, said, _) = folder.project("diff data part --only parameters");
-    assert!(said.contains("No.022"), "{said}");
-    let other = Taking {
+    assert!(taken.backup_folder.is_some());
+    let (_, output, _) = folder.run_project("diff data part --only offsets");
+    assert_eq!(output, "nothing differs\n");
+    let (_, output, _) = folder.run_project("diff data part --only parameters");
+    assert!(output.contains("No.022"), "{output}");
+    let other_model = ImportRequest {
         model: Some(gsk_core::model::ModelId::Ncb08),
-        ..taking
+        ..takeover
     };
-    let refused = project::take_over(&other, &|_| true).expect_err("another model");
+    let refused = project::import_project(&other_model, &|_| true).expect_err("another model");
     assert!(
         refused.to_string().contains("turn this model on first"),
         "{refused}"
@@ -446,62 +463,62 @@ fn the_view_lists_what_differs_and_takes_what_is_ticked() {
 /// The other direction: values of the control or of another project are taken over into the
 /// open project. The view asks before the project is lost, and saves it.
 #[test]
-fn the_view_takes_values_into_the_project_and_saves_it() {
-    let folder = Folder::new("project-into");
-    folder.does("new part");
-    folder.does("new other");
+fn the_view_takes_values_over_into_the_project_and_saves_it() {
+    let folder = TempFolder::new("project-into");
+    folder.run_successfully("new part");
+    folder.run_successfully("new other");
     folder.edit("other/pitch.txt", "007.X = 0", "007.X = 12");
     folder.edit("other/ladder/main.il", "压力低报警", "油压低");
-    let mut bench = window();
+    let mut bench = open_window();
     let context = bench.harness.ctx.clone();
     let part = folder.0.join("part");
     let file = part.join("project.gpr");
     bench.harness.state_mut().open(&context, file.clone());
-    sees(&mut bench, "O0005: removed");
-    let into = |bench: &mut Bench, at: usize, words: &str| {
-        let found: Vec<_> = bench.harness.get_all_by_label(words).collect();
-        found.get(at).expect("it is there").click();
+    wait_for_text(&mut bench, "O0005: removed");
+    let click_nth = |bench: &mut WindowBench, index: usize, label: &str| {
+        let found: Vec<_> = bench.harness.get_all_by_label(label).collect();
+        found.get(index).expect("it is there").click();
         bench.run(20);
     };
-    into(&mut bench, 0, "the project");
-    sees(&mut bench, "O0005: added");
-    sees(&mut bench, "the control → the project");
-    press(&mut bench, "none");
-    press(&mut bench, "O0005: added, 2 lines");
-    press(&mut bench, "Take 1 into the project");
-    sees(&mut bench, "not saved");
+    click_nth(&mut bench, 0, "the project");
+    wait_for_text(&mut bench, "O0005: added");
+    wait_for_text(&mut bench, "the control → the project");
+    click(&mut bench, "none");
+    click(&mut bench, "O0005: added, 2 lines");
+    click(&mut bench, "Take 1 into the project");
+    wait_for_text(&mut bench, "not saved");
     // A thread repeats the comparison.
-    let gone = (0..1000).any(|_| {
+    let is_gone = (0..1000).any(|_| {
         std::thread::sleep(Duration::from_millis(10));
         bench.run(1);
         let mut found = bench.harness.query_all_by_label_contains("O0005: added");
         found.next().is_none()
     });
-    assert!(gone, "what was taken in still differs");
+    assert!(is_gone, "what was taken in still differs");
     // The control takes over the files of the folder, not unsaved changes.
-    let at = bench.harness.get_all_by_label("the control").count() - 1;
-    into(&mut bench, at, "the control");
-    sees(&mut bench, "Switch off, take over");
+    let last = bench.harness.get_all_by_label("the control").count() - 1;
+    click_nth(&mut bench, last, "the control");
+    wait_for_text(&mut bench, "Switch off, take over");
     let button = bench.harness.get_by_label_contains("Switch off, take over");
     assert!(button.accesskit_node().is_disabled());
     // The view asks before it opens another project.
-    let menu = |bench: &mut Bench, entry: &str| {
-        press(bench, entry);
+    let click_entry = |bench: &mut WindowBench, entry: &str| {
+        click(bench, entry);
         bench.run(20);
     };
-    menu(&mut bench, "Close");
-    sees(&mut bench, "The project is not saved");
+    click_entry(&mut bench, "Close");
+    wait_for_text(&mut bench, "The project is not saved");
     // A key of the panel has the same name.
-    let at = bench.harness.get_all_by_label("Cancel").count() - 1;
-    into(&mut bench, at, "Cancel");
-    press(&mut bench, "Save");
-    sees(&mut bench, "files written");
+    let last = bench.harness.get_all_by_label("Cancel").count() - 1;
+    click_nth(&mut bench, last, "Cancel");
+    click(&mut bench, "Save");
+    wait_for_text(&mut bench, "files written");
     assert!(part.join("programs/O0005.CNC").exists());
-    let (_, said, _) = folder.project("diff other part");
-    assert!(said.contains("O0005: added"), "{said}");
+    let (_, output, _) = folder.run_project("diff other part");
+    assert!(output.contains("O0005: added"), "{output}");
     // Closed and opened again, the view shows the files of the folder.
-    menu(&mut bench, "Close");
-    sees(&mut bench, "No project is open");
+    click_entry(&mut bench, "Close");
+    wait_for_text(&mut bench, "No project is open");
     bench.harness.state_mut().open(&context, file);
-    sees(&mut bench, "Project: part");
+    wait_for_text(&mut bench, "Project: part");
 }

@@ -6,29 +6,29 @@ use std::path::Path;
 use std::process::{Child, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use gsk_app::ending::Ending;
-use gsk_app::kernel::{Command as Order, Kernel, Outside, start};
-use gsk_app::serial::{End, SerialLine};
+use gsk_app::kernel::{Command as Order, Kernel, KernelEnvironment, start};
+use gsk_app::serial::{SerialEnd, SerialLine};
+use gsk_app::termination::TerminationFlag;
 use gsk_core::setup::Setup;
 use gsk_messages::Id;
 use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::keys::Key;
 
-use crate::common::folder::Folder;
+use crate::common::folder::TempFolder;
 use crate::process::executable;
 
-pub fn folder(name: &str) -> Folder {
-    Folder::new(&format!("serial-{name}"))
+pub fn serial_folder(name: &str) -> TempFolder {
+    TempFolder::new(&format!("serial-{name}"))
 }
 
 /// A control in a separate process.
-pub struct Control {
+pub struct ControlProcess {
     child: Child,
     pub port: String,
 }
 
-impl Control {
-    pub fn with(options: &[&str]) -> Self {
+impl ControlProcess {
+    pub fn start(options: &[&str]) -> Self {
         let mut child = executable()
             .args(["transfer", "control", "--port", "pty"])
             .args(options)
@@ -44,25 +44,28 @@ impl Control {
     }
 
     /// Runs a command of the PC's side.
-    fn pc(&self, command: &str, words: &[&str]) -> Output {
+    fn run_on_pc(&self, command: &str, arguments: &[&str]) -> Output {
         let output = executable()
             .args(["transfer", command, "--port", &self.port])
-            .args(words)
+            .args(arguments)
             .stdin(Stdio::null())
             .output();
         output.expect("the program")
     }
 
     #[track_caller]
-    fn does(&self, command: &str, words: &[&str]) -> String {
-        let output = self.pc(command, words);
-        assert!(output.status.success(), "{command} {words:?}: {output:?}");
+    fn run_successfully(&self, command: &str, arguments: &[&str]) -> String {
+        let output = self.run_on_pc(command, arguments);
+        assert!(
+            output.status.success(),
+            "{command} {arguments:?}: {output:?}"
+        );
         String::from_utf8_lossy(&output.stdout).into_owned()
     }
 
     /// The names of its files, read over the port. No other process may use the port.
-    pub fn listed(&self) -> Vec<String> {
-        let listed = self.does("list", &[]);
+    pub fn file_names(&self) -> Vec<String> {
+        let listed = self.run_successfully("list", &[]);
         let names = listed
             .lines()
             .filter_map(|line| line.split_whitespace().next());
@@ -70,15 +73,15 @@ impl Control {
     }
 
     #[track_caller]
-    fn refuses(&self, command: &str, words: &[&str], why: &str) {
-        let output = self.pc(command, words);
-        let said = String::from_utf8_lossy(&output.stderr);
+    fn assert_refused(&self, command: &str, arguments: &[&str], reason: &str) {
+        let output = self.run_on_pc(command, arguments);
+        let errors = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{output:?}");
-        assert!(said.contains(why), "{command} {words:?}: {said}");
+        assert!(errors.contains(reason), "{command} {arguments:?}: {errors}");
     }
 }
 
-impl Drop for Control {
+impl Drop for ControlProcess {
     fn drop(&mut self) {
         // The process may have ended already.
         let _ = self.child.kill();
@@ -92,26 +95,26 @@ fn write(folder: &Path, name: &str, text: &str) -> String {
     path.to_string_lossy().into_owned()
 }
 
-fn text(path: impl AsRef<Path>) -> String {
+fn read_text(path: impl AsRef<Path>) -> String {
     std::fs::read_to_string(path).expect("a file")
 }
 
 const SHAFT: &str = "O0007 (轴);\nG00 X10.;\nM30;\n%\n";
 
 #[test]
-fn files_go_both_ways_and_are_renamed_and_deleted() {
-    let folder = folder("files");
-    let control = Control::with(&[]);
+fn files_are_sent_received_renamed_and_deleted() {
+    let folder = serial_folder("files");
+    let control = ControlProcess::start(&[]);
     let shaft = write(&folder, "O0007.CNC", SHAFT);
     let long: String = (1..600).map(|n| format!("N{n} G01 X{n}.;\n")).collect();
     let long = format!("O0100;\n{long}M30;\n%\n");
     let named = write(&folder, "long.nc", &long);
-    let said = control.does("send", &[&shaft, &named]);
+    let output = control.run_successfully("send", &[&shaft, &named]);
     assert!(
-        said.contains("O0100.CNC") && said.contains("2 file(s)"),
-        "{said}"
+        output.contains("O0100.CNC") && output.contains("2 file(s)"),
+        "{output}"
     );
-    let listed = control.does("list", &[]);
+    let listed = control.run_successfully("list", &[]);
     assert!(listed.contains("O0007.CNC"), "{listed}");
     assert!(
         listed.contains(&format!("O0100.CNC    {:>8}", long.len())),
@@ -120,80 +123,80 @@ fn files_go_both_ways_and_are_renamed_and_deleted() {
     assert!(listed.contains("ParaW.par"), "{listed}");
 
     // Sending the same name again is refused.
-    let asked = control.pc("send", &[&shaft]);
-    assert_eq!(asked.status.code(), Some(2), "{asked:?}");
+    let conflict = control.run_on_pc("send", &[&shaft]);
+    assert_eq!(conflict.status.code(), Some(2), "{conflict:?}");
     let other = write(&folder, "other.nc", "O0007;\nM99;\n%\n");
-    let word = format!("{other}=O0007.CNC");
+    let argument = format!("{other}=O0007.CNC");
     assert!(
         control
-            .does("send", &[&word, "--on-existing", "skip"])
+            .run_successfully("send", &[&argument, "--on-existing", "skip"])
             .contains("skipped")
     );
-    let renamed = control.does("send", &[&word, "--on-existing", "rename"]);
+    let renamed = control.run_successfully("send", &[&argument, "--on-existing", "rename"]);
     assert!(renamed.contains("O0007.CNC is now O0008.CNC"), "{renamed}");
     let into = folder.join("received").to_string_lossy().into_owned();
-    control.does(
+    control.run_successfully(
         "receive",
         &["O0007.CNC", "O0008.CNC", "O0100.CNC", "--into", &into],
     );
-    let got = |name: &str| text(Path::new(&into).join(name));
-    assert_eq!(got("O0007.CNC"), "O0007;\nM99;\n%\n");
-    assert_eq!(got("O0008.CNC"), SHAFT.replace("O0007", "O0008"));
-    assert_eq!(got("O0100.CNC"), long);
+    let received = |name: &str| read_text(Path::new(&into).join(name));
+    assert_eq!(received("O0007.CNC"), "O0007;\nM99;\n%\n");
+    assert_eq!(received("O0008.CNC"), SHAFT.replace("O0007", "O0008"));
+    assert_eq!(received("O0100.CNC"), long);
     // An existing file is not overwritten without the option.
-    let again = control.pc("receive", &["O0007.CNC", "--into", &into]);
-    assert_eq!(again.status.code(), Some(2), "{again:?}");
+    let conflict = control.run_on_pc("receive", &["O0007.CNC", "--into", &into]);
+    assert_eq!(conflict.status.code(), Some(2), "{conflict:?}");
 
-    control.does("rename", &["O0008.CNC", "O0009.CNC"]);
-    control.refuses("rename", &["O0009.CNC", "O0007.CNC"], "there already");
-    control.does("delete", &["O0009.CNC"]);
-    control.refuses("delete", &["O0009.CNC"], "no file of this name");
-    control.refuses("receive", &["ParaW.par", "--into", &into], "switch");
-    assert!(!control.does("list", &[]).contains("O0009"));
+    control.run_successfully("rename", &["O0008.CNC", "O0009.CNC"]);
+    control.assert_refused("rename", &["O0009.CNC", "O0007.CNC"], "there already");
+    control.run_successfully("delete", &["O0009.CNC"]);
+    control.assert_refused("delete", &["O0009.CNC"], "no file of this name");
+    control.assert_refused("receive", &["ParaW.par", "--into", &into], "switch");
+    assert!(!control.run_successfully("list", &[]).contains("O0009"));
 }
 
 #[test]
-fn a_whole_memory_is_saved_and_brought_back() {
-    let folder = folder("backup");
+fn a_memory_is_backed_up_and_restored() {
+    let folder = serial_folder("backup");
     let saved = folder.join("saved");
     let data = folder.join("data");
     let options = ["--parameter-switch", "--data", &data.to_string_lossy()];
-    let control = Control::with(&options);
+    let control = ControlProcess::start(&options);
     let shaft = write(&folder, "O0007.CNC", SHAFT);
-    control.does("send", &[&shaft]);
-    let said = control.does("backup", &[&saved.to_string_lossy()]);
-    assert!(said.contains("4 file(s)"), "{said}");
+    control.run_successfully("send", &[&shaft]);
+    let output = control.run_successfully("backup", &[&saved.to_string_lossy()]);
+    assert!(output.contains("4 file(s)"), "{output}");
     drop(control);
     // Another baud rate and another offset. The last file changes the rate of the line.
-    let parameters = text(saved.join("ParaW.par")).replace("044=115200", "044=9600");
+    let parameters = read_text(saved.join("ParaW.par")).replace("044=115200", "044=9600");
     assert!(parameters.contains("044=9600"), "{parameters}");
     write(&saved, "ParaW.par", &parameters);
-    let offsets = text(saved.join("Tofs.ofs"));
+    let offsets = read_text(saved.join("Tofs.ofs"));
     let changed = offsets.replacen("001=0.000,0.000", "001=1.500,-2.000", 1);
     assert_ne!(offsets, changed);
     write(&saved, "Tofs.ofs", &changed);
 
-    let control = Control::with(&["--parameter-switch"]);
-    let said = control.does("restore", &[&saved.to_string_lossy()]);
-    assert!(said.contains("4 file(s)"), "{said}");
+    let control = ControlProcess::start(&["--parameter-switch"]);
+    let output = control.run_successfully("restore", &[&saved.to_string_lossy()]);
+    assert!(output.contains("4 file(s)"), "{output}");
     let again = folder.join("again").to_string_lossy().into_owned();
     // The pseudo terminal has no baud rate, but the transfer uses that of parameter 044.
-    control.does("backup", &[&again, "--baud", "9600"]);
+    control.run_successfully("backup", &[&again, "--baud", "9600"]);
     for file in ["O0007.CNC", "Tofs.ofs", "Wcomp.wmp", "ParaW.par"] {
         assert_eq!(
-            text(Path::new(&again).join(file)),
-            text(saved.join(file)),
+            read_text(Path::new(&again).join(file)),
+            read_text(saved.join(file)),
             "{file}"
         );
     }
     // An invalid line keeps the whole file out, and the control names it.
     let bad = write(&folder, "Tofs.ofs", "001=1,2,3,4\n077=0,0,0,0\n");
-    control.refuses(
+    control.assert_refused(
         "send",
         &[&bad, "--baud", "9600", "--on-existing", "overwrite"],
         "content",
     );
-    control.does(
+    control.run_successfully(
         "receive",
         &[
             "Tofs.ofs",
@@ -204,35 +207,35 @@ fn a_whole_memory_is_saved_and_brought_back() {
             "9600",
         ],
     );
-    assert_eq!(text(Path::new(&again).join("Tofs.ofs")), changed);
+    assert_eq!(read_text(Path::new(&again).join("Tofs.ofs")), changed);
 }
 
 #[test]
-fn programs_go_as_text_into_a_control_and_out_of_it() {
-    let folder = folder("text");
+fn programs_are_sent_as_text_in_both_directions() {
+    let folder = serial_folder("text");
     let program = "O0331 (TEXT);\nG00 X10.;\nM30;\n%\n";
     let file = write(&folder, "O0331.CNC", program);
-    let control = Control::with(&["--param", "44=19200"]);
-    control.does(
+    let control = ControlProcess::start(&["--param", "44=19200"]);
+    control.run_successfully(
         "send-text",
         &[&file, "--baud", "19200", "--line-end", "lfcrcr"],
     );
     let into = folder.join("in").to_string_lossy().into_owned();
-    control.does(
+    control.run_successfully(
         "receive",
         &["O0331.CNC", "--into", &into, "--baud", "19200"],
     );
-    assert_eq!(text(Path::new(&into).join("O0331.CNC")), program);
+    assert_eq!(read_text(Path::new(&into).join("O0331.CNC")), program);
 
     // The key OUT sends the program.
-    let control = Control::with(&["--text", "cr", "--out", &file, "--out-after", "1"]);
+    let control = ControlProcess::start(&["--text", "cr", "--out", &file, "--out-after", "1"]);
     let out = folder.join("out").to_string_lossy().into_owned();
-    control.does("receive-text", &[&out, "--wait", "30"]);
-    assert_eq!(text(Path::new(&out).join("O0331.CNC")), program);
+    control.run_successfully("receive-text", &[&out, "--wait", "30"]);
+    assert_eq!(read_text(Path::new(&out).join("O0331.CNC")), program);
 }
 
 /// A control in this process: EDIT mode, program page, O0331 is typed.
-fn about_to_send(param: &[(u16, i32)]) -> Emulator {
+fn ready_to_send(param: &[(u16, i32)]) -> Emulator {
     let mut setup = Setup::default();
     for (number, value) in param {
         setup
@@ -254,32 +257,32 @@ fn about_to_send(param: &[(u16, i32)]) -> Emulator {
 }
 
 #[test]
-fn what_the_key_sends_comes_to_a_pc_and_the_lcd_follows_the_line() {
-    let folder = folder("key");
-    let (mut kernel, console) = Kernel::new(about_to_send(&[]));
-    kernel.take_serial_line(SerialLine::open(End::Terminal, None).expect("a thread"));
-    let outside = Outside {
+fn the_out_key_sends_to_a_pc_and_the_lcd_shows_the_line_state() {
+    let folder = serial_folder("key");
+    let (mut kernel, console) = Kernel::new(ready_to_send(&[]));
+    kernel.connect_serial_line(SerialLine::open(SerialEnd::Terminal, None).expect("a thread"));
+    let host = KernelEnvironment {
         wake: Box::new(|| {}),
         keeper: None,
-        partner: None,
-        ending: Ending::default(),
+        partner_folder: None,
+        termination: TerminationFlag::default(),
     };
-    let mut thread = start(kernel, &console, outside).expect("a thread");
-    let said = |id: Id| {
+    let mut thread = start(kernel, &console, host).expect("a thread");
+    let wait_for_notice = |id: Id| {
         let end = Instant::now() + Duration::from_secs(60);
         loop {
-            let left = end.saturating_duration_since(Instant::now());
-            match console.notices.recv_timeout(left).expect("a notice") {
-                gsk_app::kernel::Notice::Said(said) if said.id() == id => return said,
+            let remaining = end.saturating_duration_since(Instant::now());
+            match console.notices.recv_timeout(remaining).expect("a notice") {
+                gsk_app::kernel::Notice::Message(message) if message.id() == id => return message,
                 _ => {}
             }
         }
     };
-    let shows = |word: &str| {
+    let wait_for_lcd = |word: &str| {
         let end = Instant::now() + Duration::from_secs(60);
         while Instant::now() < end {
-            if let Some(picture) = console.pictures.pop()
-                && picture.screen.text().contains(word)
+            if let Some(snapshot) = console.snapshots.pop()
+                && snapshot.screen.text().contains(word)
             {
                 return;
             }
@@ -287,12 +290,12 @@ fn what_the_key_sends_comes_to_a_pc_and_the_lcd_follows_the_line() {
         }
         panic!("{word} never stands on the LCD");
     };
-    let port = said(Id::SerialLineOpened);
+    let port = wait_for_notice(Id::SerialLineOpened);
     let port = port.plain_value("port").expect("its name").to_owned();
     // No PC is connected.
     console.send(Order::Tap(Key::Output));
-    shows("输出");
-    shows("串口未连接");
+    wait_for_lcd("输出");
+    wait_for_lcd("串口未连接");
 
     let mut pc = executable()
         .args(["transfer", "wait", "--files", "1", "--port", &port])
@@ -303,83 +306,101 @@ fn what_the_key_sends_comes_to_a_pc_and_the_lcd_follows_the_line() {
     let mut lines = BufReader::new(pc.stdout.take().expect("its output")).lines();
     // The PC is connected now.
     assert!(lines.next().is_some_and(|line| line.is_ok()));
-    shows("输入");
+    wait_for_lcd("输入");
     std::thread::sleep(Duration::from_millis(600));
     for character in "O331".chars() {
         console.send(Order::Type(character));
     }
     console.send(Order::Tap(Key::Output));
-    said(Id::SerialSent);
+    wait_for_notice(Id::SerialSent);
     assert!(pc.wait().expect("its end").success());
-    assert_eq!(text(folder.join("O0331.CNC")), "O0331;\nM30;\n%\n");
+    assert_eq!(read_text(folder.join("O0331.CNC")), "O0331;\nM30;\n%\n");
     thread.stop();
 }
 
 #[test]
-fn what_is_wrong_at_the_pc_is_said() {
-    let folder = folder("wrong");
+fn errors_of_the_pc_side_are_reported() {
+    let folder = serial_folder("wrong");
     let file = write(&folder, "shaft.txt", "G00 X1;\n");
-    let call = |words: &[&str]| {
-        let output = executable().arg("transfer").args(words).output();
+    let run = |arguments: &[&str]| {
+        let output = executable().arg("transfer").args(arguments).output();
         let output = output.expect("the program");
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        (output.status.code(), said)
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.code(), errors)
     };
-    let (code, said) = call(&["send", "--port", "/dev/no-such-port", &file]);
-    assert!(code == Some(2) && said.contains("FILE=NAME"), "{said}");
-    let word = format!("{file}=O0001.CNC");
-    let (code, said) = call(&["send", "--port", "/dev/no-such-port", &word]);
+    let (code, errors) = run(&["send", "--port", "/dev/no-such-port", &file]);
+    assert!(code == Some(2) && errors.contains("FILE=NAME"), "{errors}");
+    let argument = format!("{file}=O0001.CNC");
+    let (code, errors) = run(&["send", "--port", "/dev/no-such-port", &argument]);
     assert!(
-        code == Some(2) && said.contains("/dev/no-such-port"),
-        "{said}"
+        code == Some(2) && errors.contains("/dev/no-such-port"),
+        "{errors}"
     );
-    let (code, said) = call(&["send", "--port", "x", &word, &word]);
-    assert!(code == Some(2) && said.contains("written twice"), "{said}");
-    let (code, said) = call(&["send", "--port", "x", &format!("{file}=轴.CNC")]);
-    assert!(code == Some(2) && said.contains("eight letters"), "{said}");
+    let (code, errors) = run(&["send", "--port", "x", &argument, &argument]);
+    assert!(
+        code == Some(2) && errors.contains("written twice"),
+        "{errors}"
+    );
+    let (code, errors) = run(&["send", "--port", "x", &format!("{file}=轴.CNC")]);
+    assert!(
+        code == Some(2) && errors.contains("eight letters"),
+        "{errors}"
+    );
     let chinese = write(&folder, "O0001.CNC", "O0001;\n(轴);\n");
-    let (code, said) = call(&["send-text", "--port", "x", &chinese]);
-    assert!(code == Some(2) && said.contains("line 2"), "{said}");
+    let (code, errors) = run(&["send-text", "--port", "x", &chinese]);
+    assert!(code == Some(2) && errors.contains("line 2"), "{errors}");
 }
 
 #[test]
-fn words_are_in_the_language_that_is_asked_for_and_the_port_that_of_the_window() {
-    let folder = folder("language");
-    let call = |words: &[&str]| {
+fn output_uses_the_requested_language_and_the_port_of_the_window() {
+    let folder = serial_folder("language");
+    let run = |arguments: &[&str]| {
         let mut command = executable();
-        command.args(words).env("XDG_DATA_HOME", &folder.0);
+        command.args(arguments).env("XDG_DATA_HOME", &folder.0);
         let output = command.output().expect("the program");
-        let said = [&output.stdout, &output.stderr].map(|it| String::from_utf8_lossy(it));
-        (output.status.code(), said.concat())
+        let output_text = [&output.stdout, &output.stderr].map(|it| String::from_utf8_lossy(it));
+        (output.status.code(), output_text.concat())
     };
-    let (code, said) = call(&["transfer", "list"]);
-    assert!(code == Some(2) && said.contains("--port PORT"), "{said}");
-    let (code, said) = call(&["transfer", "list", "--lang", "zh"]);
-    assert!(code == Some(2) && said.contains("没有指定端口"), "{said}");
+    let (code, output_text) = run(&["transfer", "list"]);
+    assert!(
+        code == Some(2) && output_text.contains("--port PORT"),
+        "{output_text}"
+    );
+    let (code, output_text) = run(&["transfer", "list", "--lang", "zh"]);
+    assert!(
+        code == Some(2) && output_text.contains("没有指定端口"),
+        "{output_text}"
+    );
     let none = ["link", "test", "/dev/no-such-port", "--lang", "zh"];
-    let (code, said) = call(&none);
-    assert!(code == Some(2) && said.contains("不能打开"), "{said}");
+    let (code, output_text) = run(&none);
+    assert!(
+        code == Some(2) && output_text.contains("不能打开"),
+        "{output_text}"
+    );
 
-    let control = Control::with(&[]);
+    let control = ControlProcess::start(&[]);
     let data = folder.join("gsk980td");
     std::fs::create_dir_all(&data).expect("a folder");
     let settings = format!("(transfer:(port:{:?},baud:115200))", control.port);
     write(&data, "window.ron", &settings);
     let file = write(&folder, "O0007.CNC", SHAFT);
-    let (code, said) = call(&["transfer", "send", &file, "--lang", "zh"]);
-    assert!(code == Some(0) && said.contains("传输速率"), "{said}");
-    let other = ["transfer", "list", "--port", "/dev/no-such-port"];
-    let (code, said) = call(&other);
+    let (code, output_text) = run(&["transfer", "send", &file, "--lang", "zh"]);
     assert!(
-        code == Some(2) && said.contains("/dev/no-such-port"),
-        "{said}"
+        code == Some(0) && output_text.contains("传输速率"),
+        "{output_text}"
+    );
+    let other = ["transfer", "list", "--port", "/dev/no-such-port"];
+    let (code, output_text) = run(&other);
+    assert!(
+        code == Some(2) && output_text.contains("/dev/no-such-port"),
+        "{output_text}"
     );
 }
 
 #[test]
-fn noise_and_a_partner_that_breaks_off_leave_nothing_behind() {
-    let folder = folder("noise");
-    let control = Control::with(&[]);
+fn noise_and_an_interrupted_transfer_store_no_file() {
+    let folder = serial_folder("noise");
+    let control = ControlProcess::start(&[]);
     let mut port = std::fs::OpenOptions::new()
         .read(true)
         .write(true)
@@ -409,11 +430,11 @@ fn noise_and_a_partner_that_breaks_off_leave_nothing_behind() {
     std::thread::sleep(Duration::from_millis(500));
     pc.kill().expect("it still sends");
     pc.wait().expect("its end");
-    let listed = control.does("list", &[]);
+    let listed = control.run_successfully("list", &[]);
     assert!(!listed.contains("O0100"), "{listed}");
     let shaft = write(&folder, "O0007.CNC", SHAFT);
-    control.does("send", &[&shaft]);
-    let listed = control.does("list", &[]);
+    control.run_successfully("send", &[&shaft]);
+    let listed = control.run_successfully("list", &[]);
     assert!(
         listed.contains("O0007.CNC") && !listed.contains("O0001"),
         "{listed}"

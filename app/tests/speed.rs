@@ -1,34 +1,34 @@
 //! The speed of the simulation: chosen in the top bar, used only while a program runs.
 
-use crate::common::Bench;
+use crate::common::WindowBench;
 use egui_kittest::kittest::Queryable;
 use gsk_app::kernel::Command;
-use gsk_app::pace::Speed;
+use gsk_app::pace::RunSpeed;
 use gsk_link::LinkState;
 
 /// Chooses a speed by its name in the top bar.
-fn choose(bench: &mut Bench, shown: &str, name: &str) {
-    bench.harness.get_by_label(shown).click();
+fn choose_speed(bench: &mut WindowBench, current: &str, name: &str) {
+    bench.harness.get_by_label(current).click();
     bench.run(1);
     bench.harness.get_by_label(name).click();
     bench.run(50);
 }
 
 #[test]
-fn only_a_program_that_runs_is_faster_than_a_real_lathe() {
-    let mut bench = Bench::new();
+fn only_a_running_program_is_faster_than_real_time() {
+    let mut bench = WindowBench::new();
     bench.open("01-stepped-shaft.CNC");
-    choose(&mut bench, "Speed 1x", "100x");
+    choose_speed(&mut bench, "Speed 1x", "100x");
     assert!(bench.harness.query_by_label("Speed 100x").is_some());
-    assert_eq!(bench.kernel.speed(), Speed::REAL, "it stands");
+    assert_eq!(bench.kernel.speed(), RunSpeed::REAL, "it stands");
     bench.click("Automatic mode");
     bench.click("Cycle start");
-    assert_eq!(bench.kernel.speed(), Speed::Percent(10_000));
+    assert_eq!(bench.kernel.speed(), RunSpeed::Percent(10_000));
     bench.click("Feed hold");
     bench.run(500);
-    assert_eq!(bench.kernel.speed(), Speed::REAL, "it is held");
+    assert_eq!(bench.kernel.speed(), RunSpeed::REAL, "it is held");
     bench.click("Cycle start");
-    assert_eq!(bench.kernel.speed(), Speed::Percent(10_000));
+    assert_eq!(bench.kernel.speed(), RunSpeed::Percent(10_000));
     bench.click("Reset");
     bench.click("Jog mode");
     let control = egui::Modifiers::CTRL;
@@ -40,18 +40,18 @@ fn only_a_program_that_runs_is_faster_than_a_real_lathe() {
         bench.run(50);
     }
     assert!(bench.kernel.emulator().simulation.cnc.is_moving());
-    assert_eq!(bench.kernel.speed(), Speed::REAL, "it is moved by hand");
+    assert_eq!(bench.kernel.speed(), RunSpeed::REAL, "it is moved by hand");
 }
 
 #[test]
 fn a_pulse_board_has_one_speed() {
-    let mut bench = Bench::new();
-    choose(&mut bench, "Speed 1x", "as fast as possible");
-    let chosen = "Speed as fast as possible";
-    assert!(bench.harness.query_by_label(chosen).is_some());
-    let mut picture = bench.kernel.snapshot();
-    picture.board = Some(LinkState::Ready);
-    bench.console.pictures.force_push(picture);
+    let mut bench = WindowBench::new();
+    choose_speed(&mut bench, "Speed 1x", "as fast as possible");
+    let label = "Speed as fast as possible";
+    assert!(bench.harness.query_by_label(label).is_some());
+    let mut snapshot = bench.kernel.snapshot();
+    snapshot.board = Some(LinkState::Ready);
+    bench.console.snapshots.force_push(snapshot);
     bench.harness.step();
     bench.harness.step();
     bench.harness.get_by_label("Speed 1x").click();
@@ -61,23 +61,23 @@ fn a_pulse_board_has_one_speed() {
 }
 
 #[test]
-fn what_moves_is_handed_out_while_somebody_listens() {
-    let mut bench = Bench::new();
+fn motion_is_sent_only_while_sound_is_on() {
+    let mut bench = WindowBench::new();
     bench.open("01-stepped-shaft.CNC");
-    let motion = |bench: &Bench| bench.harness.state().picture().unwrap().motion;
+    let motion = |bench: &WindowBench| bench.harness.state().snapshot().unwrap().motion;
     assert_eq!(motion(&bench), None);
-    bench.console.send(Command::Listen(true));
+    bench.console.send(Command::PublishMotion(true));
     bench.click("Automatic mode");
-    let stands = motion(&bench).unwrap();
-    assert_eq!(stands.spindle, 0.0);
+    let at_rest = motion(&bench).unwrap();
+    assert_eq!(at_rest.spindle_rpm, 0.0);
     bench.click("Cycle start");
     for _ in 0..20 {
         bench.run(500);
     }
-    let moves = motion(&bench).unwrap();
-    assert_ne!(moves.slides, stands.slides);
-    assert!(moves.spindle > 700.0, "S800: {moves:?}");
-    bench.console.send(Command::Listen(false));
+    let in_motion = motion(&bench).unwrap();
+    assert_ne!(in_motion.slides, at_rest.slides);
+    assert!(in_motion.spindle_rpm > 700.0, "S800: {in_motion:?}");
+    bench.console.send(Command::PublishMotion(false));
     bench.run(100);
     assert_eq!(motion(&bench), None);
 }

@@ -10,9 +10,9 @@ use crate::process::executable;
 /// Types a program, shows its page, and expects an alarm that is not raised.
 const SCRIPT: &str = "press EDIT\npress PRG\ntype O1234\npress EOB\nshow\nexpect alarm 999\n";
 
-struct Folder(PathBuf);
+struct StreamFolder(PathBuf);
 
-impl Folder {
+impl StreamFolder {
     fn new(name: &str) -> Self {
         let name = format!("gsk980td-{}-streams-{name}", std::process::id());
         let folder = std::env::temp_dir().join(name);
@@ -39,13 +39,13 @@ impl Folder {
     }
 }
 
-impl Drop for Folder {
+impl Drop for StreamFolder {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 
-fn full() -> Stdio {
+fn full_stream() -> Stdio {
     File::options()
         .write(true)
         .open("/dev/full")
@@ -54,24 +54,24 @@ fn full() -> Stdio {
 }
 
 /// A pipe without a reader.
-fn closed() -> Stdio {
+fn closed_stream() -> Stdio {
     let (reader, writer) = std::io::pipe().unwrap();
     drop(reader);
     writer.into()
 }
 
 #[test]
-fn what_was_typed_is_saved_whatever_becomes_of_the_streams() {
-    type Streams = fn() -> (Stdio, Stdio);
-    let cases: [(&str, Streams, i32); 4] = [
-        ("full-error", || (Stdio::null(), full()), 1),
-        ("closed-error", || (Stdio::null(), closed()), 1),
-        ("closed-both", || (closed(), closed()), 1),
+fn typed_data_is_saved_with_broken_streams() {
+    type StreamPair = fn() -> (Stdio, Stdio);
+    let cases: [(&str, StreamPair, i32); 4] = [
+        ("full-error", || (Stdio::null(), full_stream()), 1),
+        ("closed-error", || (Stdio::null(), closed_stream()), 1),
+        ("closed-both", || (closed_stream(), closed_stream()), 1),
         // The requested output was not written: the exit code reports it.
-        ("full-both", || (full(), full()), 2),
+        ("full-both", || (full_stream(), full_stream()), 2),
     ];
     for (name, streams, code) in cases {
-        let folder = Folder::new(name);
+        let folder = StreamFolder::new(name);
         let (out, error) = streams();
         let status = folder.operate().stdout(out).stderr(error).status().unwrap();
         assert_eq!(status.code(), Some(code), "{name}");
@@ -80,29 +80,32 @@ fn what_was_typed_is_saved_whatever_becomes_of_the_streams() {
 }
 
 #[test]
-fn a_full_standard_output_is_told() {
+fn a_full_standard_output_is_reported() {
     let output = executable()
         .arg("keys")
-        .stdout(full())
+        .stdout(full_stream())
         .stderr(Stdio::piped())
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.contains("standard output cannot be written"), "{said}");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{errors}");
+    assert!(
+        errors.contains("standard output cannot be written"),
+        "{errors}"
+    );
 }
 
 /// The run continues to its end, and its memory is saved.
 #[test]
-fn a_run_explained_to_a_closed_pipe_goes_on() {
-    let folder = Folder::new("explained");
+fn a_run_continues_after_its_explanation_pipe_is_closed() {
+    let folder = StreamFolder::new("explained");
     let program = folder.0.join("part.CNC");
     std::fs::write(
         &program,
         "O0007\nG50 X60 Z20\nG00 X50 Z10\nG98 G01 Z5 F600\nM30\n",
     )
     .unwrap();
-    for (out, code) in [(closed(), 0), (full(), 2)] {
+    for (out, code) in [(closed_stream(), 0), (full_stream(), 2)] {
         let status = executable()
             .arg("run")
             .arg(&program)

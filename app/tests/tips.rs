@@ -1,10 +1,10 @@
 //! Tool tips of the panel in the other language, and help by a long press.
 
-use crate::common::Bench;
+use crate::common::WindowBench;
 use egui::{Event, Pos2, TouchDeviceId, TouchId, TouchPhase};
 use egui_kittest::kittest::Queryable;
 
-fn touch(bench: &mut Bench, phase: TouchPhase, pos: Pos2) {
+fn touch(bench: &mut WindowBench, phase: TouchPhase, pos: Pos2) {
     bench.harness.event(Event::Touch {
         device_id: TouchDeviceId(0),
         id: TouchId(1),
@@ -15,32 +15,32 @@ fn touch(bench: &mut Bench, phase: TouchPhase, pos: Pos2) {
 }
 
 /// Keeps a finger on a widget for more than a second.
-fn stay(bench: &mut Bench, name: &str) {
-    let place = bench.harness.get_by_label(name).rect().center();
-    touch(bench, TouchPhase::Start, place);
+fn long_press(bench: &mut WindowBench, name: &str) {
+    let center = bench.harness.get_by_label(name).rect().center();
+    touch(bench, TouchPhase::Start, center);
     for _ in 0..4 {
         bench.run(50);
     }
-    touch(bench, TouchPhase::End, place);
+    touch(bench, TouchPhase::End, center);
     bench.run(50);
 }
 
 #[test]
-fn a_finger_that_stays_opens_the_help_but_not_on_an_axis_key() {
-    let mut bench = Bench::new();
+fn a_long_press_opens_the_help_except_on_an_axis_key() {
+    let mut bench = WindowBench::new();
     for key in ["X axis, arrow up", "Cycle start", "Reset"] {
-        stay(&mut bench, key);
+        long_press(&mut bench, key);
         let help = bench.harness.query_by_label("Explain");
         assert!(help.is_none(), "{key} is held to act");
     }
-    stay(&mut bench, "Position pages");
+    long_press(&mut bench, "Position pages");
     assert!(bench.harness.query_by_label("Explain").is_some());
-    bench.lcd_shows("现在位置");
+    bench.assert_lcd_contains("现在位置");
 }
 
 #[test]
-fn under_the_pointer_the_lcd_speaks_the_other_language() {
-    let mut bench = Bench::new();
+fn pointing_at_the_lcd_shows_the_other_language() {
+    let mut bench = WindowBench::new();
     assert_eq!(bench.kernel.snapshot().translated, None);
     let lcd = bench.harness.get_by_label("LCD").rect();
     let title = lcd.left_top() + egui::vec2(lcd.width() / 4.0, lcd.height() / 30.0);
@@ -68,14 +68,14 @@ fn under_the_pointer_the_lcd_speaks_the_other_language() {
 }
 
 #[test]
-fn an_axis_key_says_where_it_leads() {
-    let mut bench = Bench::new();
-    let place = bench
+fn an_axis_key_shows_its_direction() {
+    let mut bench = WindowBench::new();
+    let center = bench
         .harness
         .get_by_label("Z axis, arrow left")
         .rect()
         .center();
-    bench.harness.event(Event::PointerMoved(place));
+    bench.harness.event(Event::PointerMoved(center));
     for _ in 0..6 {
         bench.run(50);
     }

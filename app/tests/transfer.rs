@@ -4,18 +4,18 @@
 use std::path::Path;
 use std::time::Duration;
 
-use gsk_app::ending::Ending;
-use gsk_app::kernel::{Command, Kernel, Notice, Outside, start};
+use gsk_app::kernel::{Command, Kernel, KernelEnvironment, Notice, start};
+use gsk_app::termination::TerminationFlag;
 use gsk_app::transfer;
 use gsk_core::setup::Setup;
 use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::keys::Key;
 
-use crate::common::folder::Folder;
+use crate::common::folder::TempFolder;
 use crate::process::executable;
 
 /// A control in EDIT mode, on the program page, with O0331 typed.
-fn about_to_send() -> Emulator {
+fn ready_to_send() -> Emulator {
     let mut setup = Setup::default();
     setup
         .memory
@@ -32,47 +32,47 @@ fn about_to_send() -> Emulator {
 }
 
 /// The notice of the kernel thread after OUT.
-fn said_after_output(partner: &Path) -> Option<Notice> {
-    let (kernel, console) = Kernel::new(about_to_send());
-    let outside = Outside {
+fn notice_after_output(partner: &Path) -> Option<Notice> {
+    let (kernel, console) = Kernel::new(ready_to_send());
+    let host = KernelEnvironment {
         wake: Box::new(|| {}),
         keeper: None,
-        partner: Some(partner.to_owned()),
-        ending: Ending::default(),
+        partner_folder: Some(partner.to_owned()),
+        termination: TerminationFlag::default(),
     };
-    let mut thread = start(kernel, &console, outside).expect("a thread");
+    let mut thread = start(kernel, &console, host).expect("a thread");
     console.send(Command::Tap(Key::Output));
-    let said = console.notices.recv_timeout(Duration::from_secs(60)).ok();
+    let notice = console.notices.recv_timeout(Duration::from_secs(60)).ok();
     thread.stop();
-    said
+    notice
 }
 
 #[test]
-fn a_program_that_is_sent_stands_in_the_folder() {
-    let data = Folder::new("sent");
+fn a_sent_program_is_stored_in_the_folder() {
+    let data = TempFolder::new("sent");
     let partner = data.join(transfer::FOLDER);
-    let said = said_after_output(&partner);
+    let notice = notice_after_output(&partner);
     let expected = format!("O0331.CNC → {}", partner.display());
-    assert_eq!(said, Some(Notice::Sent(expected)));
+    assert_eq!(notice, Some(Notice::Sent(expected)));
     let text = std::fs::read_to_string(partner.join("O0331.CNC")).expect("the file");
     assert_eq!(text, "O0331;\nM30;\n%\n");
 }
 
 #[test]
-fn a_folder_that_takes_nothing_is_said() {
-    let data = Folder::new("not-sent");
+fn an_unwritable_folder_is_reported() {
+    let data = TempFolder::new("not-sent");
     let partner = data.join(transfer::FOLDER);
     std::fs::write(&partner, b"a file in the way").expect("written");
-    let said = said_after_output(&partner);
+    let notice = notice_after_output(&partner);
     assert!(
-        matches!(&said, Some(Notice::Said(text)) if text.to_string().contains("cannot be written")),
-        "{said:?}"
+        matches!(&notice, Some(Notice::Message(text)) if text.to_string().contains("cannot be written")),
+        "{notice:?}"
     );
 }
 
 #[test]
-fn a_script_sends_into_its_data_directory_and_receives_from_beside_itself() {
-    let data = Folder::new("script");
+fn a_script_sends_into_its_data_directory_and_receives_from_its_folder() {
+    let data = TempFolder::new("script");
     let script = data.join("operate.txt");
     let text = "receive o0007.nc\nwait 1s\npress EDIT\npress PRG\ntype O7\npress OUT\nwait 1s\n";
     std::fs::write(&script, text).expect("written");

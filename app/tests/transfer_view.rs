@@ -5,32 +5,32 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use egui_kittest::kittest::Queryable;
-use gsk_app::pc::{Item, Remembered};
-use gsk_app::window::Settings;
-use gsk_app::window::layout::{Layout, Layouts};
+use gsk_app::pc::{SendListItem, TransferSettings};
+use gsk_app::window::WindowSettings;
+use gsk_app::window::layout::{Layouts, WindowLayout};
 use gsk_core::setup::Setup;
 use gsk_messages::Language;
 
-use crate::common::Bench;
-use crate::serial::{Control, folder};
+use crate::common::WindowBench;
+use crate::serial::{ControlProcess, serial_folder};
 
 /// Time limit of each wait, on a busy computer.
-const LONGEST: Duration = Duration::from_secs(60);
+const TIME_LIMIT: Duration = Duration::from_secs(60);
 
 /// A window with the transfer view.
-fn view(port: &str, list: Vec<Item>) -> Bench {
-    let settings = Settings {
+fn open_view(port: &str, list: Vec<SendListItem>) -> WindowBench {
+    let settings = WindowSettings {
         language: Language::En,
-        layouts: Layouts::of(Layout::Panel),
-        transfer: Remembered {
+        layouts: Layouts::with_layout(WindowLayout::Panel),
+        transfer: TransferSettings {
             port: port.to_owned(),
             list,
-            ..Remembered::default()
+            ..TransferSettings::default()
         },
-        ..Settings::default()
+        ..WindowSettings::default()
     };
     let size = egui::vec2(1280.0, 806.0);
-    let mut bench = Bench::remembering(Setup::default(), settings, size);
+    let mut bench = WindowBench::with_settings(Setup::default(), settings, size);
     for entry in ["Views", "Transfer"] {
         bench.harness.get_by_label(entry).click();
         bench.run(1);
@@ -43,15 +43,15 @@ fn view(port: &str, list: Vec<Item>) -> Bench {
 
 /// Draws frames until a text is shown.
 #[track_caller]
-fn sees(bench: &mut Bench, words: &str) {
-    let begun = Instant::now();
+fn wait_for_text(bench: &mut WindowBench, text: &str) {
+    let start_time = Instant::now();
     while bench
         .harness
-        .query_all_by_label_contains(words)
+        .query_all_by_label_contains(text)
         .next()
         .is_none()
     {
-        assert!(begun.elapsed() < LONGEST, "{words} is never seen");
+        assert!(start_time.elapsed() < TIME_LIMIT, "{text} is never seen");
         std::thread::sleep(Duration::from_millis(5));
         bench.run(1);
     }
@@ -59,26 +59,26 @@ fn sees(bench: &mut Bench, words: &str) {
 
 /// Draws frames until a label is no longer shown.
 #[track_caller]
-fn while_seen(bench: &mut Bench, name: &str) {
-    let begun = Instant::now();
+fn wait_until_gone(bench: &mut WindowBench, name: &str) {
+    let start_time = Instant::now();
     while bench.harness.query_all_by_label(name).next().is_some() {
-        assert!(begun.elapsed() < LONGEST, "{name} stays");
+        assert!(start_time.elapsed() < TIME_LIMIT, "{name} stays");
         std::thread::sleep(Duration::from_millis(5));
         bench.run(1);
     }
 }
 
 #[track_caller]
-fn click(bench: &mut Bench, name: &str) {
+fn click(bench: &mut WindowBench, name: &str) {
     bench.harness.get_by_label(name).click();
     bench.run(1);
     bench.run(1);
 }
 
-fn item(folder: &Path, name: &str, text: &str) -> Item {
+fn create_item(folder: &Path, name: &str, text: &str) -> SendListItem {
     let path = folder.join(name);
     std::fs::write(&path, text).expect("written");
-    Item {
+    SendListItem {
         path,
         name: name.to_owned(),
         partition: 0,
@@ -86,61 +86,61 @@ fn item(folder: &Path, name: &str, text: &str) -> Item {
 }
 
 #[test]
-fn files_are_sent_a_name_that_is_taken_is_asked_for_and_files_are_deleted() {
-    let folder = folder("view");
-    let control = Control::with(&[]);
-    let list = vec![item(&folder, "O0007.CNC", "O0007;\nM30;\n%\n")];
-    let mut bench = view(&control.port, list);
-    sees(&mut bench, "Port closed");
+fn files_are_sent_renamed_on_conflict_and_deleted() {
+    let folder = serial_folder("view");
+    let control = ControlProcess::start(&[]);
+    let list = vec![create_item(&folder, "O0007.CNC", "O0007;\nM30;\n%\n")];
+    let mut bench = open_view(&control.port, list);
+    wait_for_text(&mut bench, "Port closed");
     click(&mut bench, "Open port");
-    sees(&mut bench, "Port open");
+    wait_for_text(&mut bench, "Port open");
     click(&mut bench, "Connect");
-    sees(&mut bench, "Disconnect");
+    wait_for_text(&mut bench, "Disconnect");
     click(&mut bench, "Start");
-    sees(&mut bench, "1 file(s)");
+    wait_for_text(&mut bench, "1 file(s)");
 
     // The answers are yes, no, cancel. No gives the existing file the proposed name.
     click(&mut bench, "Start");
-    sees(&mut bench, "The control has a file O0007.CNC already");
+    wait_for_text(&mut bench, "The control has a file O0007.CNC already");
     click(&mut bench, "No");
-    sees(&mut bench, "Rename a file of the control");
+    wait_for_text(&mut bench, "Rename a file of the control");
     click(&mut bench, "OK");
-    sees(&mut bench, "2 file(s)");
+    wait_for_text(&mut bench, "2 file(s)");
     click(&mut bench, "Receive files");
-    sees(&mut bench, "O0008.CNC");
-    sees(&mut bench, "ParaW.par");
+    wait_for_text(&mut bench, "O0008.CNC");
+    wait_for_text(&mut bench, "ParaW.par");
 
     click(&mut bench, "O0008.CNC");
     click(&mut bench, "Delete files");
-    sees(&mut bench, "Delete 1 file(s) of the control?");
-    let agree = bench.harness.get_all_by_label("Delete files").last();
-    agree.expect("the answer").click();
+    wait_for_text(&mut bench, "Delete 1 file(s) of the control?");
+    let confirm = bench.harness.get_all_by_label("Delete files").last();
+    confirm.expect("the answer").click();
     bench.run(1);
-    sees(&mut bench, "All done");
-    while_seen(&mut bench, "O0008.CNC");
-    sees(&mut bench, "O0007.CNC");
+    wait_for_text(&mut bench, "All done");
+    wait_until_gone(&mut bench, "O0008.CNC");
+    wait_for_text(&mut bench, "O0007.CNC");
     click(&mut bench, "Close port");
-    sees(&mut bench, "Port closed");
+    wait_for_text(&mut bench, "Port closed");
     assert_eq!(
-        control.listed(),
+        control.file_names(),
         ["O0007.CNC", "Tofs.ofs", "Wcomp.wmp", "ParaW.par"]
     );
 }
 
 #[test]
-fn what_is_wrong_with_port_and_cable_is_said_with_what_to_do() {
-    let mut bench = view("/dev/no-such-port", Vec::new());
+fn port_and_cable_errors_are_reported_with_advice() {
+    let mut bench = open_view("/dev/no-such-port", Vec::new());
     click(&mut bench, "Open port");
-    sees(&mut bench, "/dev/no-such-port cannot be opened");
-    sees(&mut bench, "is it plugged in?");
+    wait_for_text(&mut bench, "/dev/no-such-port cannot be opened");
+    wait_for_text(&mut bench, "is it plugged in?");
 
-    let control = Control::with(&[]);
-    let mut bench = view(&control.port, Vec::new());
+    let control = ControlProcess::start(&[]);
+    let mut bench = open_view(&control.port, Vec::new());
     click(&mut bench, "Open port");
-    sees(&mut bench, "Port open");
+    wait_for_text(&mut bench, "Port open");
     click(&mut bench, "Connect");
-    sees(&mut bench, "Disconnect");
+    wait_for_text(&mut bench, "Disconnect");
     drop(control);
-    sees(&mut bench, "was the cable pulled");
-    sees(&mut bench, "Open port");
+    wait_for_text(&mut bench, "was the cable pulled");
+    wait_for_text(&mut bench, "Open port");
 }

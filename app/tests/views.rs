@@ -3,16 +3,16 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use crate::common::Bench;
+use crate::common::WindowBench;
 use crossbeam::queue::ArrayQueue;
 use egui_kittest::kittest::Queryable;
-use gsk_app::kernel::probe::{Probe, Sample};
-use gsk_app::kernel::{Command, Opened, Storing};
-use gsk_core::machine::Fault;
+use gsk_app::kernel::probe::{Probe, ScopeSample};
+use gsk_app::kernel::{Command, OpenedProgram, StorePolicy};
+use gsk_core::machine::LatheFault;
 use gsk_core::program::Program;
 
 /// Opens a view by its entry in the menu.
-fn open(bench: &mut Bench, name: &str) {
+fn open_view(bench: &mut WindowBench, name: &str) {
     bench.harness.get_by_label("Views").click();
     bench.run(1);
     bench.harness.get_by_label_contains(name).click();
@@ -20,8 +20,8 @@ fn open(bench: &mut Bench, name: &str) {
 }
 
 #[test]
-fn the_scope_is_opened_by_its_key_and_sees_an_axis_move() {
-    let mut bench = Bench::new();
+fn the_scope_opens_by_its_key_and_shows_axis_motion() {
+    let mut bench = WindowBench::new();
     assert!(bench.harness.query_by_label("Scope picture").is_none());
     let shift = egui::Modifiers::SHIFT;
     bench.harness.key_press_modifiers(shift, egui::Key::F2);
@@ -41,8 +41,11 @@ fn the_scope_is_opened_by_its_key_and_sees_an_axis_move() {
     }
     let rate = bench.kernel.emulator().simulation.cnc.jog_rate();
     assert!(rate > 0.0);
-    let shown = format!("{:.1}", -rate);
-    assert!(bench.harness.query_by_label(&shown).is_some(), "no {shown}");
+    let expected = format!("{:.1}", -rate);
+    assert!(
+        bench.harness.query_by_label(&expected).is_some(),
+        "no {expected}"
+    );
     bench
         .harness
         .key_up_modifiers(control, egui::Key::ArrowLeft);
@@ -55,11 +58,11 @@ fn the_scope_is_opened_by_its_key_and_sees_an_axis_move() {
 }
 
 /// All commanded speeds that the scope has received, and the last one.
-fn commanded(queue: &ArrayQueue<Sample>) -> (BTreeSet<i64>, i64) {
+fn commanded_speeds(queue: &ArrayQueue<ScopeSample>) -> (BTreeSet<i64>, i64) {
     let mut last = 0;
     let speeds = core::iter::from_fn(|| queue.pop());
     let all = speeds.map(|sample| {
-        last = sample.spindle_commanded.round() as i64;
+        last = sample.commanded_spindle_rpm.round() as i64;
         last
     });
     (all.collect(), last)
@@ -67,17 +70,17 @@ fn commanded(queue: &ArrayQueue<Sample>) -> (BTreeSet<i64>, i64) {
 
 #[test]
 fn the_commanded_spindle_speed_of_the_scope_ends_with_m05_and_reset() {
-    let mut bench = Bench::new();
+    let mut bench = WindowBench::new();
     let queue = Arc::new(ArrayQueue::new(60_000));
     bench.console.send(Command::Probe(Some(Probe {
         queue: Arc::clone(&queue),
         bits: Vec::new(),
     })));
-    let cuts = |bench: &mut Bench, text: &str| {
-        bench.console.send(Command::Open(Box::new(Opened {
+    let run_program = |bench: &mut WindowBench, text: &str| {
+        bench.console.send(Command::Open(Box::new(OpenedProgram {
             name: "spindle.CNC".to_owned(),
             path: None,
-            storing: Storing::RunOnly,
+            store_policy: StorePolicy::RunOnly,
             program: Program::new(text),
             subprograms: Vec::new(),
         })));
@@ -86,26 +89,26 @@ fn the_commanded_spindle_speed_of_the_scope_ends_with_m05_and_reset() {
         bench.click("Cycle start");
         bench.run(2000);
     };
-    cuts(
+    run_program(
         &mut bench,
         "O1\nG97 S500 M03\nG04 X0.5\nM05\nG04 X0.2\nM00\nM30\n",
     );
-    let spindle = bench.kernel.emulator().simulation.cnc.spindle().word();
+    let spindle = bench.kernel.emulator().simulation.cnc.spindle().s_word();
     assert_eq!(spindle, 500.0, "S stays for the next M03");
-    assert_eq!(commanded(&queue), (BTreeSet::from([0, 500]), 0));
+    assert_eq!(commanded_speeds(&queue), (BTreeSet::from([0, 500]), 0));
     bench.click("Reset");
-    cuts(&mut bench, "O1\nG97 S300 M04\nG04 X60\nM30\n");
-    assert_eq!(commanded(&queue), (BTreeSet::from([0, -300]), -300));
+    run_program(&mut bench, "O1\nG97 S300 M04\nG04 X60\nM30\n");
+    assert_eq!(commanded_speeds(&queue), (BTreeSet::from([0, -300]), -300));
     bench.click("Reset");
     bench.run(500);
-    assert_eq!(commanded(&queue).1, 0);
+    assert_eq!(commanded_speeds(&queue).1, 0);
 }
 
 #[test]
-fn the_trigger_stops_the_picture_at_the_start_of_a_motion() {
-    let mut bench = Bench::new();
-    open(&mut bench, "Scope");
-    let choose = |bench: &mut Bench, name: &str, entry: &str| {
+fn the_trigger_stops_the_scope_at_the_start_of_motion() {
+    let mut bench = WindowBench::new();
+    open_view(&mut bench, "Scope");
+    let choose = |bench: &mut WindowBench, name: &str, entry: &str| {
         let role = egui::accesskit::Role::ComboBox;
         bench.harness.get_by_role_and_label(role, name).click();
         bench.run(1);
@@ -137,10 +140,10 @@ fn the_trigger_stops_the_picture_at_the_start_of_a_motion() {
 }
 
 #[test]
-fn a_bit_is_watched_and_a_wrong_address_is_refused_with_its_reason() {
-    let mut bench = Bench::new();
-    open(&mut bench, "Scope");
-    let enter = |bench: &mut Bench, text: &str| {
+fn a_bit_can_be_recorded_and_a_wrong_address_is_refused() {
+    let mut bench = WindowBench::new();
+    open_view(&mut bench, "Scope");
+    let enter = |bench: &mut WindowBench, text: &str| {
         bench.harness.get_by_label("Bit address").focus();
         bench.run(1);
         bench.harness.get_by_label("Bit address").type_text(text);
@@ -176,18 +179,18 @@ fn a_bit_is_watched_and_a_wrong_address_is_refused_with_its_reason() {
 }
 
 #[test]
-fn the_fault_bench_breaks_and_mends_the_lathe() {
-    let mut bench = Bench::new();
-    open(&mut bench, "Fault bench");
+fn the_fault_bench_sets_and_clears_faults() {
+    let mut bench = WindowBench::new();
+    open_view(&mut bench, "Fault bench");
     bench.run(100);
     bench.run(100);
     let name = "alarm of the Z drive";
     bench.harness.get_by_label(name).click();
     bench.run(100);
     bench.run(100);
-    let lathe = |bench: &Bench| bench.kernel.emulator().simulation.lathe.clone();
-    assert!(lathe(&bench).has_fault(Fault::DriveZ));
-    assert!(bench.kernel.emulator().simulation.cnc.in_alarm());
+    let lathe = |bench: &WindowBench| bench.kernel.emulator().simulation.lathe.clone();
+    assert!(lathe(&bench).has_fault(LatheFault::DriveZ));
+    assert!(bench.kernel.emulator().simulation.cnc.is_in_alarm());
 
     bench.harness.get_by_label("X0000.5 0").click();
     bench.run(100);
@@ -198,35 +201,35 @@ fn the_fault_bench_breaks_and_mends_the_lathe() {
     bench.harness.get_by_label("Mend all").click();
     bench.run(100);
     bench.run(100);
-    assert!(!lathe(&bench).has_fault(Fault::DriveZ));
+    assert!(!lathe(&bench).has_fault(LatheFault::DriveZ));
     assert_eq!(lathe(&bench).forced_input(address), None);
 }
 
 /// Clicks a button of a view and runs the window.
-fn click(bench: &mut Bench, name: &str) {
+fn click(bench: &mut WindowBench, name: &str) {
     bench.harness.get_by_label(name).click();
     bench.run(100);
     bench.run(100);
 }
 
 #[test]
-fn the_ladder_is_searched_forced_halted_and_stepped() {
-    let mut bench = Bench::new();
-    open(&mut bench, "Ladder");
+fn the_ladder_can_be_searched_forced_halted_and_stepped() {
+    let mut bench = WindowBench::new();
+    open_view(&mut bench, "Ladder");
     bench.run(100);
     bench.run(100);
     // The emergency stop: X0.5 sets G8.4 (*ESP).
     click(&mut bench, "X0000.5 normally open");
     assert!(bench.harness.query_by_label("LD X0000.5").is_some());
     click(&mut bench, "Force X0000.5 0");
-    let plc = |bench: &Bench| bench.kernel.emulator().simulation.cnc.plc().clone();
+    let plc = |bench: &WindowBench| bench.kernel.emulator().simulation.cnc.plc().clone();
     assert_eq!(plc(&bench).forces().len(), 1);
-    assert!(bench.kernel.emulator().simulation.cnc.not_ready());
+    assert!(bench.kernel.emulator().simulation.cnc.is_shown_not_ready());
     click(&mut bench, "Release X0000.5");
     assert!(plc(&bench).forces().is_empty());
 
     let field = egui::accesskit::Role::TextInput;
-    let find = |bench: &Bench| bench.harness.get_by_role_and_label(field, "Find").rect();
+    let find = |bench: &WindowBench| bench.harness.get_by_role_and_label(field, "Find").rect();
     assert!(find(&bench).width() > 50.0);
     bench.harness.get_by_role_and_label(field, "Find").focus();
     bench.run(1);
@@ -243,21 +246,21 @@ fn the_ladder_is_searched_forced_halted_and_stepped() {
     assert!(bench.harness.query_all_by_label(timer).count() > 0);
 
     click(&mut bench, "Halt");
-    assert!(bench.kernel.emulator().simulation.cnc.ladder_halted());
-    let before = plc(&bench).next_rung();
+    assert!(bench.kernel.emulator().simulation.cnc.is_ladder_halted());
+    let previous_rung = plc(&bench).next_rung();
     click(&mut bench, "One rung");
-    assert_ne!(plc(&bench).next_rung(), before);
+    assert_ne!(plc(&bench).next_rung(), previous_rung);
     let shift = egui::Modifiers::SHIFT;
     bench.harness.key_press_modifiers(shift, egui::Key::F4);
     bench.run(100);
     bench.run(100);
-    assert!(!bench.kernel.emulator().simulation.cnc.ladder_halted());
+    assert!(!bench.kernel.emulator().simulation.cnc.is_ladder_halted());
 }
 
 #[test]
-fn what_is_forced_or_broken_is_seen_when_its_view_is_closed() {
-    let mut bench = Bench::new();
-    open(&mut bench, "Ladder");
+fn forced_bits_and_faults_are_shown_while_their_view_is_closed() {
+    let mut bench = WindowBench::new();
+    open_view(&mut bench, "Ladder");
     bench.run(100);
     bench.run(100);
     click(&mut bench, "X0000.5 normally open");
@@ -266,7 +269,7 @@ fn what_is_forced_or_broken_is_seen_when_its_view_is_closed() {
     let shift = egui::Modifiers::SHIFT;
     bench.harness.key_press_modifiers(shift, egui::Key::F4);
     bench.run(100);
-    open(&mut bench, "Fault bench");
+    open_view(&mut bench, "Fault bench");
     bench.run(100);
     bench.run(100);
     click(&mut bench, "X0001.5 1");
@@ -279,8 +282,11 @@ fn what_is_forced_or_broken_is_seen_when_its_view_is_closed() {
     let sign = "forced 2   faults 1";
     click(&mut bench, sign);
     click(&mut bench, "Release forced PLC bits (1)");
-    let imposed = |bench: &Bench| bench.harness.state().picture().unwrap().imposed;
-    assert_eq!((imposed(&bench).bits, imposed(&bench).inputs), (0, 1));
+    let imposed = |bench: &WindowBench| bench.harness.state().snapshot().unwrap().forced;
+    assert_eq!(
+        (imposed(&bench).forced_bits, imposed(&bench).forced_inputs),
+        (0, 1)
+    );
     click(&mut bench, "forced 1   faults 1");
     click(&mut bench, "Mend faults, let inputs go (2)");
     assert_eq!(imposed(&bench), Default::default());
@@ -288,13 +294,14 @@ fn what_is_forced_or_broken_is_seen_when_its_view_is_closed() {
 }
 
 #[test]
-fn the_tables_of_the_ladder_lead_to_the_rungs() {
-    let mut bench = Bench::new();
-    open(&mut bench, "Ladder");
+fn a_row_of_a_ladder_table_selects_its_rung() {
+    let mut bench = WindowBench::new();
+    open_view(&mut bench, "Ladder");
     bench.run(100);
     bench.run(100);
     click(&mut bench, "Messages");
-    let rows = |bench: &Bench, text: &str| bench.harness.query_all_by_label_contains(text).count();
+    let rows =
+        |bench: &WindowBench, text: &str| bench.harness.query_all_by_label_contains(text).count();
     assert!(rows(&bench, "防护门未关") > 0);
     click(&mut bench, "Initial data");
     assert!(rows(&bench, "DT0004  15000") > 0);
@@ -308,14 +315,14 @@ fn the_tables_of_the_ladder_lead_to_the_rungs() {
 }
 
 #[test]
-fn a_ladder_is_saved_when_the_control_takes_one() {
-    let mut bench = Bench::new();
-    let words = "saving wants edit mode";
+fn a_ladder_is_saved_only_when_the_control_allows_it() {
+    let mut bench = WindowBench::new();
+    let requirement = "saving wants edit mode";
     for allowed in [false, true] {
         if allowed {
-            unlock(&mut bench);
+            allow_ladder(&mut bench);
         }
-        open(&mut bench, "Ladder");
+        open_view(&mut bench, "Ladder");
         bench.run(100);
         bench.run(100);
         if !allowed {
@@ -340,7 +347,7 @@ fn a_ladder_is_saved_when_the_control_takes_one() {
             assert!(bench.harness.query_by_label(label).is_some());
             assert!(bench.harness.query_by_label_contains(": W01").is_some());
         }
-        assert_eq!(bench.harness.query_by_label(words).is_none(), allowed);
+        assert_eq!(bench.harness.query_by_label(requirement).is_none(), allowed);
         click(&mut bench, "Save");
         let next = bench.kernel.emulator().simulation.cnc.next_ladder();
         assert_eq!(next.is_some(), allowed);
@@ -351,7 +358,7 @@ fn a_ladder_is_saved_when_the_control_takes_one() {
 }
 
 /// Selects edit mode and turns the parameter switch on: the control accepts a ladder.
-fn unlock(bench: &mut Bench) {
+fn allow_ladder(bench: &mut WindowBench) {
     for name in ["Edit mode", "Setting pages", "Page down"] {
         bench.click(name);
     }
@@ -360,10 +367,10 @@ fn unlock(bench: &mut Bench) {
 }
 
 #[test]
-fn a_rung_is_edited_taken_back_saved_and_runs_at_the_next_power_on() {
-    let mut bench = Bench::new();
-    unlock(&mut bench);
-    open(&mut bench, "Ladder");
+fn a_rung_is_edited_undone_saved_and_runs_after_power_on() {
+    let mut bench = WindowBench::new();
+    allow_ladder(&mut bench);
+    open_view(&mut bench, "Ladder");
     bench.run(100);
     bench.run(100);
     click(&mut bench, "Edit");
@@ -377,11 +384,11 @@ fn a_rung_is_edited_taken_back_saved_and_runs_at_the_next_power_on() {
     );
     click(&mut bench, "Undo");
     click(&mut bench, "X0000.5 normally open");
-    let kept = |bench: &Bench| {
+    let stored_source = |bench: &WindowBench| {
         let plc = bench.kernel.emulator().simulation.cnc.plc();
         plc.ladder().source().to_owned()
     };
-    let standard = kept(&bench);
+    let standard = stored_source(&bench);
 
     // Typed instructions: an error is shown with its line, a valid text is accepted.
     let field = "Instructions of the rung";
@@ -407,23 +414,23 @@ fn a_rung_is_edited_taken_back_saved_and_runs_at_the_next_power_on() {
     assert!(bench.harness.query_by_label("R0099.7 SET").is_some());
 
     click(&mut bench, "Save");
-    assert_eq!(kept(&bench), standard, "not before power-on");
+    assert_eq!(stored_source(&bench), standard, "not before power-on");
     click(&mut bench, "Power off and on");
     bench.run(4000);
-    assert!(kept(&bench).contains("SET R99.7"));
+    assert!(stored_source(&bench).contains("SET R99.7"));
     let memory = bench.kernel.emulator().simulation.cnc.plc().memory();
     assert!(memory.bit("R99.7".parse().unwrap()), "and it runs");
 }
 
 #[test]
-fn a_row_of_a_table_is_edited_and_a_wrong_one_refused() {
-    let mut bench = Bench::new();
-    open(&mut bench, "Ladder");
+fn a_table_row_can_be_edited_and_an_invalid_one_is_refused() {
+    let mut bench = WindowBench::new();
+    open_view(&mut bench, "Ladder");
     bench.run(100);
     bench.run(100);
     click(&mut bench, "Edit");
     click(&mut bench, "Messages");
-    let write = |bench: &mut Bench, fields: &[(&str, &str)]| {
+    let write = |bench: &mut WindowBench, fields: &[(&str, &str)]| {
         for (name, text) in fields {
             let role = egui::accesskit::Role::TextInput;
             bench.harness.get_by_role_and_label(role, name).focus();
@@ -437,7 +444,7 @@ fn a_row_of_a_table_is_edited_and_a_wrong_one_refused() {
         }
         click(bench, "Write");
     };
-    let rows = |bench: &Bench, text: &str| bench.harness.query_all_by_label(text).count();
+    let rows = |bench: &WindowBench, text: &str| bench.harness.query_all_by_label(text).count();
     write(
         &mut bench,
         &[("A address", "A5.0"), ("Number", "999"), ("Text", "oil")],
@@ -457,9 +464,9 @@ fn a_row_of_a_table_is_edited_and_a_wrong_one_refused() {
 }
 
 #[test]
-fn without_a_board_the_link_page_says_how_to_get_one() {
-    let mut bench = Bench::new();
-    open(&mut bench, "Pulse board");
+fn without_a_board_the_link_page_explains_how_to_configure_one() {
+    let mut bench = WindowBench::new();
+    open_view(&mut bench, "Pulse board");
     bench.run(100);
     assert!(bench.harness.query_by_label("No pulse board").is_some());
     let shift = egui::Modifiers::SHIFT;

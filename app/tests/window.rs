@@ -1,13 +1,13 @@
 //! The window without a display, operated through its accessible names as a screen reader
 //! does: names, mouse, PC keys, and the text of the LCD.
 
-use crate::common::Bench;
-use crate::common::windows::Windows;
+use crate::common::WindowBench;
+use crate::common::windows::ViewWindows;
 use egui::{ViewportCommand, ViewportEvent, ViewportId};
 use egui_kittest::kittest::Queryable;
-use gsk_app::kernel::{Command, Opened, Storing};
+use gsk_app::kernel::{Command, OpenedProgram, StorePolicy};
 use gsk_core::command::ProgramId;
-use gsk_core::machine::Fault;
+use gsk_core::machine::LatheFault;
 use gsk_core::operation::RunState;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
@@ -16,35 +16,35 @@ use gsk_panel::keys::{KEYS, Key, KeyRole};
 
 #[test]
 fn a_program_is_opened_started_and_stopped_by_the_emergency_stop() {
-    let mut bench = Bench::new();
+    let mut bench = WindowBench::new();
     bench.open("01-stepped-shaft.CNC");
-    bench.lcd_shows("O0001");
-    let before = bench.shown_u();
+    bench.assert_lcd_contains("O0001");
+    let u_before = bench.shown_u();
 
     bench.click("Automatic mode");
-    bench.lcd_shows("自动方式");
+    bench.assert_lcd_contains("自动方式");
     bench.click("Cycle start");
     bench.run(10_000);
-    assert_ne!(bench.shown_u(), before, "X stands:\n{}", bench.lcd());
+    assert_ne!(bench.shown_u(), u_before, "X stands:\n{}", bench.lcd());
 
     bench.click("Emergency stop");
-    bench.lcd_shows("准备未绪");
-    bench.lcd_shows("207");
+    bench.assert_lcd_contains("准备未绪");
+    bench.assert_lcd_contains("207");
     bench.click("Position pages");
-    let stopped = bench.shown_u();
+    let u_after_stop = bench.shown_u();
     bench.run(1000);
-    assert_eq!(bench.shown_u(), stopped);
+    assert_eq!(bench.shown_u(), u_after_stop);
 
     bench.click("Emergency stop");
     bench.run(500);
     assert!(!bench.lcd().contains("准备未绪"), "it is released");
     bench.run(1000);
-    assert_eq!(bench.shown_u(), stopped, "nothing moves by itself");
+    assert_eq!(bench.shown_u(), u_after_stop, "nothing moves by itself");
 }
 
 #[test]
-fn every_key_is_there_by_name() {
-    let bench = Bench::new();
+fn every_key_has_a_unique_name() {
+    let bench = WindowBench::new();
     for row in &KEYS {
         let count = bench.harness.query_all_by_label(row.name_en).count();
         assert_eq!(count, 1, "{} by its name «{}»", row.id, row.name_en);
@@ -53,7 +53,7 @@ fn every_key_is_there_by_name() {
 
 #[test]
 fn machine_keys_reach_their_contact_and_light_their_lamp() {
-    let mut bench = Bench::new();
+    let mut bench = WindowBench::new();
     for (name, mode) in [
         ("Jog mode", "手动方式"),
         ("Edit mode", "编辑方式"),
@@ -61,10 +61,10 @@ fn machine_keys_reach_their_contact_and_light_their_lamp() {
         ("Automatic mode", "自动方式"),
     ] {
         bench.click(name);
-        bench.lcd_shows(mode);
+        bench.assert_lcd_contains(mode);
     }
     let lamp = Key::from_id("SBK").and_then(|key| key.row().lamp).unwrap();
-    let lit = |bench: &Bench| lamp.is_set_in(&bench.kernel.emulator().lamps());
+    let lit = |bench: &WindowBench| lamp.is_set_in(&bench.kernel.emulator().lamps());
     assert!(!lit(&bench));
     bench.click("Single block");
     assert!(lit(&bench));
@@ -72,23 +72,23 @@ fn machine_keys_reach_their_contact_and_light_their_lamp() {
 
 #[test]
 fn a_held_mouse_button_holds_the_key() {
-    let mut bench = Bench::new();
+    let mut bench = WindowBench::new();
     bench.click("Jog mode");
-    let place = bench
+    let center = bench
         .harness
         .get_by_label("Z axis, arrow left")
         .rect()
         .center();
     let button = |pressed| egui::Event::PointerButton {
-        pos: place,
+        pos: center,
         button: egui::PointerButton::Primary,
         pressed,
         modifiers: egui::Modifiers::default(),
     };
-    bench.harness.event(egui::Event::PointerMoved(place));
+    bench.harness.event(egui::Event::PointerMoved(center));
     bench.harness.event(button(true));
     bench.run(50);
-    let emulator = |bench: &Bench| bench.kernel.emulator().clone();
+    let emulator = |bench: &WindowBench| bench.kernel.emulator().clone();
     for _ in 0..20 {
         bench.run(50);
     }
@@ -106,42 +106,45 @@ fn a_held_mouse_button_holds_the_key() {
 
 /// Jogs the axis, then the window loses the focus. The axis stops although the release never
 /// arrives.
-fn ends_without_focus(hold: impl Fn(&Bench)) {
-    let mut bench = Bench::new();
+fn assert_stops_without_focus(hold_key: impl Fn(&WindowBench)) {
+    let mut bench = WindowBench::new();
     bench.click("Jog mode");
-    hold(&bench);
+    hold_key(&bench);
     for _ in 0..20 {
         bench.run(50);
     }
-    let moves = |bench: &Bench| bench.kernel.emulator().simulation.cnc.is_moving();
-    assert!(moves(&bench), "held: the axis moves");
+    let is_moving = |bench: &WindowBench| bench.kernel.emulator().simulation.cnc.is_moving();
+    assert!(is_moving(&bench), "held: the axis moves");
     bench.harness.input_mut().focused = false;
     bench.run(1000);
-    assert!(!moves(&bench), "nobody sees whether it is held");
-    let stood = bench.kernel.emulator().simulation.cnc.pulses();
+    assert!(!is_moving(&bench), "nobody sees whether it is held");
+    let stopped_pulses = bench.kernel.emulator().simulation.cnc.pulses();
     bench.harness.input_mut().focused = true;
     bench.run(1000);
-    let stands = bench.kernel.emulator().simulation.cnc.pulses();
-    assert_eq!(stands, stood, "nor does it go on by itself");
+    let current_pulses = bench.kernel.emulator().simulation.cnc.pulses();
+    assert_eq!(
+        current_pulses, stopped_pulses,
+        "nor does it go on by itself"
+    );
 }
 
 #[test]
 fn a_held_jog_key_comes_up_when_the_window_loses_the_focus() {
-    ends_without_focus(|bench| {
+    assert_stops_without_focus(|bench| {
         let control = egui::Modifiers::CTRL;
         bench
             .harness
             .key_down_modifiers(control, egui::Key::ArrowLeft);
     });
-    ends_without_focus(|bench| {
-        let place = bench
+    assert_stops_without_focus(|bench| {
+        let center = bench
             .harness
             .get_by_label("Z axis, arrow left")
             .rect()
             .center();
-        bench.harness.event(egui::Event::PointerMoved(place));
+        bench.harness.event(egui::Event::PointerMoved(center));
         bench.harness.event(egui::Event::PointerButton {
-            pos: place,
+            pos: center,
             button: egui::PointerButton::Primary,
             pressed: true,
             modifiers: egui::Modifiers::default(),
@@ -150,34 +153,35 @@ fn a_held_jog_key_comes_up_when_the_window_loses_the_focus() {
 }
 
 #[test]
-fn an_emergency_stop_that_knows_the_place_of_the_slides_says_it() {
-    let mut bench = Bench::new();
+fn an_emergency_stop_with_a_known_position_shows_it() {
+    let mut bench = WindowBench::new();
     bench.click("Emergency stop");
-    let line = |bench: &Bench, text: &str| bench.harness.query_by_label_contains(text).is_some();
-    assert!(line(&bench, "press it again to release"));
-    let mut picture = bench.kernel.snapshot();
-    let place = "machine coordinates X 1.000 Z -2.000 by the board's count, uncertain: the \
+    let is_on_line =
+        |bench: &WindowBench, text: &str| bench.harness.query_by_label_contains(text).is_some();
+    assert!(is_on_line(&bench, "press it again to release"));
+    let mut snapshot = bench.kernel.snapshot();
+    let position_text = "machine coordinates X 1.000 Z -2.000 by the board's count, uncertain: the \
                  drives were without power";
-    picture.alarm = picture
+    snapshot.alarm = snapshot
         .alarm
-        .map(|alarm| alarm.because(gsk_messages::say::as_written(place)));
-    bench.console.pictures.force_push(picture);
+        .map(|alarm| alarm.with_detail(gsk_messages::say::as_written(position_text)));
+    bench.console.snapshots.force_push(snapshot);
     bench.harness.step();
     bench.harness.step();
-    assert!(line(&bench, "207: ") && line(&bench, place));
+    assert!(is_on_line(&bench, "207: ") && is_on_line(&bench, position_text));
 }
 
 #[test]
 fn pc_keys_press_panel_keys() {
-    let mut bench = Bench::new();
+    let mut bench = WindowBench::new();
     bench
         .harness
         .key_press_modifiers(egui::Modifiers::CTRL, egui::Key::Num2);
     bench.run(300);
-    bench.lcd_shows("自动方式");
+    bench.assert_lcd_contains("自动方式");
     bench.harness.key_press(egui::Key::F5);
     bench.run(300);
-    bench.lcd_shows("外部信息");
+    bench.assert_lcd_contains("外部信息");
     bench.harness.get_by_label("Keys").click();
     bench.run(10);
     let map = bench.harness.query_by_label("PC keyboard and panel keys");
@@ -185,9 +189,9 @@ fn pc_keys_press_panel_keys() {
 }
 
 #[test]
-fn escape_closes_a_menu_and_is_reset_at_once_only_while_something_may_be_stopped() {
-    let mut bench = Bench::new();
-    let escape = |bench: &mut Bench| {
+fn escape_closes_a_menu_and_also_resets_only_during_motion() {
+    let mut bench = WindowBench::new();
+    let escape = |bench: &mut WindowBench| {
         click(bench, "Views");
         assert!(bench.harness.query_by_label_contains("Fault").is_some());
         bench.harness.key_down(egui::Key::Escape);
@@ -206,61 +210,64 @@ fn escape_closes_a_menu_and_is_reset_at_once_only_while_something_may_be_stopped
     bench.open("01-stepped-shaft.CNC");
     bench.click("Automatic mode");
     bench.click("Cycle start");
-    assert_eq!(bench.kernel.snapshot().run, RunState::Run);
+    assert_eq!(bench.kernel.snapshot().run_state, RunState::Run);
     assert!(escape(&mut bench), "a program runs");
-    assert_eq!(bench.kernel.snapshot().run, RunState::Reset);
+    assert_eq!(bench.kernel.snapshot().run_state, RunState::Reset);
 }
 
 #[test]
-fn a_program_that_waits_says_for_what_and_in_which_block() {
-    let folder = crate::common::folder::Folder::new("waits");
+fn a_waiting_program_shows_condition_and_block() {
+    let folder = crate::common::folder::TempFolder::new("waits");
     folder.write("waits.CNC", "O0007\nG00 U-1\nT0202\nM30\n");
-    let mut bench = Bench::new();
+    let mut bench = WindowBench::new();
     bench.open(folder.0.join("waits.CNC").to_str().unwrap());
-    let blocked = Command::Fault(Fault::TurretBlocked, true);
+    let blocked = Command::Fault(LatheFault::TurretBlocked, true);
     bench.console.send(blocked);
     bench.click("Automatic mode");
     bench.click("Cycle start");
     bench.run(300);
-    let named = |bench: &Bench| says(bench, "O0007 line 3, waiting for: FIN (G4.3) of T02");
-    assert!(!named(&bench), "a tool change takes its time");
+    let shows_wait =
+        |bench: &WindowBench| is_shown(bench, "O0007 line 3, waiting for: FIN (G4.3) of T02");
+    assert!(!shows_wait(&bench), "a tool change takes its time");
     bench.click("Feed hold");
-    assert!(named(&bench), "{}", bench.lcd());
-    assert!(says(&bench, ", then cycle start after a feed hold"));
+    assert!(shows_wait(&bench), "{}", bench.lcd());
+    assert!(is_shown(&bench, ", then cycle start after a feed hold"));
 }
 
 #[test]
-fn f1_explains_what_the_mouse_points_at() {
-    let mut bench = Bench::new();
+fn f1_explains_the_key_under_the_mouse() {
+    let mut bench = WindowBench::new();
     let start = bench.harness.get_by_label("Cycle start").rect().center();
     bench.harness.hover_at(start);
     bench.run(10);
     bench.harness.key_press(egui::Key::F1);
     bench.run(10);
-    let shown = |bench: &Bench, text: &str| bench.harness.query_by_label_contains(text).is_some();
-    assert!(shown(&bench, "key CS  Cycle start"));
-    assert!(shown(&bench, "Contact: X25.0"));
+    let is_in_help =
+        |bench: &WindowBench, text: &str| bench.harness.query_by_label_contains(text).is_some();
+    assert!(is_in_help(&bench, "key CS  Cycle start"));
+    assert!(is_in_help(&bench, "Contact: X25.0"));
     // A second F1 closes the help.
     bench.harness.key_press(egui::Key::F1);
     bench.run(10);
-    assert!(!shown(&bench, "key CS  Cycle start"));
+    assert!(!is_in_help(&bench, "key CS  Cycle start"));
 }
 
 #[test]
-fn a_key_that_is_to_be_explained_does_nothing_unless_it_stops() {
-    let mut bench = Bench::new();
+fn an_explained_key_is_not_pressed_unless_it_stops() {
+    let mut bench = WindowBench::new();
     bench.harness.get_by_label("Help F1").click();
     bench.run(10);
     bench.harness.get_by_label("Explain").click();
     bench.run(10);
     bench.click("Automatic mode");
     bench.run(300);
-    let shown = |bench: &Bench, text: &str| bench.harness.query_by_label_contains(text).is_some();
-    assert!(shown(&bench, "key AUTO  Automatic mode"));
-    bench.lcd_shows("录入方式");
+    let is_in_help =
+        |bench: &WindowBench, text: &str| bench.harness.query_by_label_contains(text).is_some();
+    assert!(is_in_help(&bench, "key AUTO  Automatic mode"));
+    bench.assert_lcd_contains("录入方式");
     bench.click("Emergency stop");
     bench.run(300);
-    assert!(shown(&bench, "key ESTOP  Emergency stop"));
+    assert!(is_in_help(&bench, "key ESTOP  Emergency stop"));
     // The help no longer explains presses after it has been closed and opened again.
     for _ in 0..2 {
         bench.harness.get_by_label("Help F1").click();
@@ -268,7 +275,7 @@ fn a_key_that_is_to_be_explained_does_nothing_unless_it_stops() {
     }
     bench.click("Automatic mode");
     bench.run(300);
-    bench.lcd_shows("自动方式");
+    bench.assert_lcd_contains("自动方式");
     assert!(
         bench
             .kernel
@@ -293,8 +300,8 @@ fn every_machine_key_has_its_contact() {
 }
 
 #[test]
-fn the_line_below_the_panel_says_where_and_why_of_an_alarm() {
-    let mut bench = Bench::new();
+fn the_message_line_shows_block_and_reason_of_an_alarm() {
+    let mut bench = WindowBench::new();
     bench.open("faulty/02-no-feed.CNC");
     bench.click("Automatic mode");
     bench.click("Cycle start");
@@ -307,35 +314,35 @@ fn the_line_below_the_panel_says_where_and_why_of_an_alarm() {
 }
 
 #[test]
-fn a_handwheel_that_moves_nothing_says_why() {
-    let mut bench = Bench::new();
+fn a_handwheel_without_effect_shows_the_reason() {
+    let mut bench = WindowBench::new();
     bench.click("Step or handwheel mode");
-    bench.lcd_shows("单步方式");
+    bench.assert_lcd_contains("单步方式");
     bench.harness.key_press(egui::Key::CloseBracket);
     bench.run(200);
-    let why = "step mode (001.3 = 0)";
-    assert!(bench.harness.query_by_label_contains(why).is_some());
+    let reason = "step mode (001.3 = 0)";
+    assert!(bench.harness.query_by_label_contains(reason).is_some());
 
     let mut setup = Setup::default();
     setup.memory.parameters.set_bit(1, 3, true).unwrap();
-    let mut bench = Bench::with(setup);
+    let mut bench = WindowBench::with_setup(setup);
     bench.click("Step or handwheel mode");
-    bench.lcd_shows("手轮方式");
-    let before = bench.shown_u();
+    bench.assert_lcd_contains("手轮方式");
+    let u_before = bench.shown_u();
     bench.harness.key_press(egui::Key::CloseBracket);
     bench.run(500);
-    assert_ne!(bench.shown_u(), before, "{}", bench.lcd());
-    assert!(bench.harness.query_by_label_contains(why).is_none());
+    assert_ne!(bench.shown_u(), u_before, "{}", bench.lcd());
+    assert!(bench.harness.query_by_label_contains(reason).is_none());
 }
 
 /// Whether the window shows a text.
-fn says(bench: &Bench, text: &str) -> bool {
+fn is_shown(bench: &WindowBench, text: &str) -> bool {
     let mut all = bench.harness.query_all_by_label_contains(text);
     all.next().is_some()
 }
 
 /// Presses or releases a mouse button on a key.
-fn mouse(bench: &mut Bench, name: &str, button: egui::PointerButton, pressed: bool) {
+fn mouse_button(bench: &mut WindowBench, name: &str, button: egui::PointerButton, pressed: bool) {
     let pos = bench.harness.get_by_label(name).rect().center();
     bench.harness.event(egui::Event::PointerMoved(pos));
     bench.harness.event(egui::Event::PointerButton {
@@ -348,48 +355,52 @@ fn mouse(bench: &mut Bench, name: &str, button: egui::PointerButton, pressed: bo
 }
 
 #[test]
-fn a_right_click_keeps_overtravel_release_for_one_axis_key_and_shows_it() {
-    let mut bench = Bench::new();
+fn a_right_click_latches_overtravel_release_for_one_axis_key() {
+    let mut bench = WindowBench::new();
     bench.click("Jog mode");
     let (left, right) = (egui::PointerButton::Primary, egui::PointerButton::Secondary);
-    let held = |bench: &Bench| {
+    let held_keys = |bench: &WindowBench| {
         let panel = &bench.kernel.emulator().panel;
         [Key::OvertravelRelease, Key::ZLeft].map(|key| panel.is_held(key))
     };
-    let kept = "is kept for the next key";
-    mouse(&mut bench, "Overtravel release", right, true);
-    mouse(&mut bench, "Overtravel release", right, false);
-    assert_eq!(held(&bench), [false, false], "nothing is held for nothing");
-    assert!(says(&bench, kept));
+    let latched_text = "is kept for the next key";
+    mouse_button(&mut bench, "Overtravel release", right, true);
+    mouse_button(&mut bench, "Overtravel release", right, false);
+    assert_eq!(
+        held_keys(&bench),
+        [false, false],
+        "nothing is held for nothing"
+    );
+    assert!(is_shown(&bench, latched_text));
     let ring = bench.harness.get_by_label("Overtravel release").value();
     assert_eq!(ring.as_deref(), Some("kept for the next key"));
-    mouse(&mut bench, "Z axis, arrow left", left, true);
-    assert_eq!(held(&bench), [true, true]);
-    assert!(says(&bench, kept));
-    mouse(&mut bench, "Z axis, arrow left", left, false);
-    assert_eq!(held(&bench), [false, false]);
-    assert!(!says(&bench, kept));
-    mouse(&mut bench, "Z axis, arrow left", left, true);
-    assert_eq!(held(&bench), [false, true], "for one use");
-    mouse(&mut bench, "Z axis, arrow left", left, false);
+    mouse_button(&mut bench, "Z axis, arrow left", left, true);
+    assert_eq!(held_keys(&bench), [true, true]);
+    assert!(is_shown(&bench, latched_text));
+    mouse_button(&mut bench, "Z axis, arrow left", left, false);
+    assert_eq!(held_keys(&bench), [false, false]);
+    assert!(!is_shown(&bench, latched_text));
+    mouse_button(&mut bench, "Z axis, arrow left", left, true);
+    assert_eq!(held_keys(&bench), [false, true], "for one use");
+    mouse_button(&mut bench, "Z axis, arrow left", left, false);
 
-    mouse(&mut bench, "Z axis, arrow left", right, true);
-    assert_eq!(held(&bench), [false, false]);
-    assert!(says(&bench, "this key makes the machine move"));
+    mouse_button(&mut bench, "Z axis, arrow left", right, true);
+    assert_eq!(held_keys(&bench), [false, false]);
+    assert!(is_shown(&bench, "this key makes the machine move"));
 }
 
 #[test]
-fn every_window_of_a_linked_panel_says_real_motion_with_the_boards_state() {
-    let mut bench = Bench::new();
-    let windows = Windows::of(&bench);
+fn every_window_shows_real_motion_and_the_state_of_the_board() {
+    let mut bench = WindowBench::new();
+    let windows = ViewWindows::enable(&bench);
     let badge = "REAL MOTION / 真实机床";
-    assert!(!says(&bench, badge));
+    assert!(!is_shown(&bench, badge));
     assert_eq!(bench.harness.state().title(), "GSK980TD");
-    let mut picture = bench.kernel.snapshot();
-    picture.board = Some(LinkState::Ready);
-    bench.console.pictures.force_push(picture);
+    let mut snapshot = bench.kernel.snapshot();
+    snapshot.board = Some(LinkState::Ready);
+    bench.console.snapshots.force_push(snapshot);
     let shift = egui::Modifiers::SHIFT;
-    for (open, key) in [egui::Key::F2, egui::Key::F3, egui::Key::F5]
+    for (open_count, key) in [egui::Key::F2, egui::Key::F3, egui::Key::F5]
         .into_iter()
         .enumerate()
     {
@@ -397,25 +408,25 @@ fn every_window_of_a_linked_panel_says_real_motion_with_the_boards_state() {
         for _ in 0..3 {
             bench.harness.step();
         }
-        let shown = windows.look(&mut bench);
-        assert_eq!(shown.len(), open + 1);
-        for window in &shown {
-            assert!(window.label(badge).is_some(), "{:?}", window.labels);
-            assert!(window.label("board: ready").is_some());
+        let drawn = windows.draw_frame(&mut bench);
+        assert_eq!(drawn.len(), open_count + 1);
+        for window in &drawn {
+            assert!(window.label_center(badge).is_some(), "{:?}", window.labels);
+            assert!(window.label_center("board: ready").is_some());
         }
-        assert!(says(&bench, badge));
+        assert!(is_shown(&bench, badge));
     }
     assert!(bench.harness.state().title().contains("REAL MOTION"));
 }
 
 #[test]
-fn after_the_alarm_of_a_program_the_hint_does_not_ask_for_another() {
-    let mut bench = Bench::new();
-    assert!(says(&bench, "Open a program, press"));
-    bench.console.send(Command::Open(Box::new(Opened {
+fn after_an_alarm_the_hint_names_the_start_key() {
+    let mut bench = WindowBench::new();
+    assert!(is_shown(&bench, "Open a program, press"));
+    bench.console.send(Command::Open(Box::new(OpenedProgram {
         name: "wrong.CNC".to_owned(),
         path: None,
-        storing: Storing::Ask,
+        store_policy: StorePolicy::AskOperator,
         program: Program::new("O1\nG77\nM30\n"),
         subprograms: Vec::new(),
     })));
@@ -424,16 +435,16 @@ fn after_the_alarm_of_a_program_the_hint_does_not_ask_for_another() {
         bench.click(key);
     }
     bench.run(500);
-    assert!(says(&bench, "Press [自动] AUTO, then [运行] START"));
-    assert!(!says(&bench, "Open a program, press"));
+    assert!(is_shown(&bench, "Press [自动] AUTO, then [运行] START"));
+    assert!(!is_shown(&bench, "Open a program, press"));
 }
 
 #[test]
-fn a_burst_of_keys_within_one_picture_arrives_whole() {
-    let mut bench = Bench::new();
+fn a_burst_of_keys_within_one_frame_arrives_complete() {
+    let mut bench = WindowBench::new();
     bench.click("Edit mode");
     bench.click("Program pages");
-    let burst = |bench: &mut Bench, text: &str| {
+    let type_burst = |bench: &mut WindowBench, text: &str| {
         for character in text.chars() {
             let name = character.to_string();
             let key = match character {
@@ -454,9 +465,9 @@ fn a_burst_of_keys_within_one_picture_arrives_whole() {
         }
         bench.run(3000);
     };
-    burst(&mut bench, "O0007;");
+    type_burst(&mut bench, "O0007;");
     let text = "G01X11.5Z-1.25F120;G00X31.125Z1.5S600M03;";
-    burst(&mut bench, text);
+    type_burst(&mut bench, text);
     bench.click("Automatic mode");
     let programs = bench.kernel.emulator().simulation.cnc.programs();
     let program = programs.get(ProgramId::Stored(7)).unwrap();
@@ -465,12 +476,12 @@ fn a_burst_of_keys_within_one_picture_arrives_whole() {
 }
 
 /// Clicks a button of the window by its text.
-fn click(bench: &mut Bench, words: &str) {
-    bench.harness.get_by_label(words).click();
+fn click(bench: &mut WindowBench, label: &str) {
+    bench.harness.get_by_label(label).click();
     bench.run(20);
 }
 
-pub fn ask_to_close(bench: &mut Bench) -> Vec<ViewportCommand> {
+pub fn request_close(bench: &mut WindowBench) -> Vec<ViewportCommand> {
     let root = bench.harness.input_mut().viewports.entry(ViewportId::ROOT);
     root.or_default().events.push(ViewportEvent::Close);
     bench.harness.step();
@@ -484,20 +495,23 @@ pub fn ask_to_close(bench: &mut Bench) -> Vec<ViewportCommand> {
 }
 
 #[test]
-fn closing_asks_while_a_typed_text_is_not_saved() {
-    let mut bench = Bench::new();
+fn closing_asks_about_an_unsaved_text() {
+    let mut bench = WindowBench::new();
     let shift = egui::Modifiers::SHIFT;
     bench.harness.key_press_modifiers(shift, egui::Key::F11);
     bench.run(1);
-    assert_eq!(ask_to_close(&mut bench), [], "nothing is typed");
+    assert_eq!(request_close(&mut bench), [], "nothing is typed");
     bench.harness.get_by_label("Program text").focus();
     bench.run(1);
     let typed = egui::Event::Text("G00 X10".to_owned());
     bench.harness.event(typed);
     bench.run(1);
-    let asked = ask_to_close(&mut bench);
-    assert!(asked.contains(&ViewportCommand::CancelClose), "{asked:?}");
-    assert!(says(&bench, "The program text is not saved"));
+    let commands = request_close(&mut bench);
+    assert!(
+        commands.contains(&ViewportCommand::CancelClose),
+        "{commands:?}"
+    );
+    assert!(is_shown(&bench, "The program text is not saved"));
     bench.harness.get_by_label("Close without saving").click();
     bench.harness.step();
     let commands = &bench.harness.output().viewport_output[&ViewportId::ROOT].commands;
@@ -506,8 +520,8 @@ fn closing_asks_while_a_typed_text_is_not_saved() {
 
 #[test]
 fn closing_asks_while_a_program_runs_or_is_held() {
-    let mut bench = Bench::new();
-    assert_eq!(ask_to_close(&mut bench), [], "nothing runs");
+    let mut bench = WindowBench::new();
+    assert_eq!(request_close(&mut bench), [], "nothing runs");
     bench.open("01-stepped-shaft.CNC");
     bench.click("Automatic mode");
     bench.click("Cycle start");
@@ -516,92 +530,98 @@ fn closing_asks_while_a_program_runs_or_is_held() {
         ("Feed hold", "A program is held"),
     ] {
         bench.click(key);
-        let asked = ask_to_close(&mut bench);
-        assert!(asked.contains(&ViewportCommand::CancelClose), "{asked:?}");
-        assert!(says(&bench, question), "{}", bench.lcd());
+        let commands = request_close(&mut bench);
+        assert!(
+            commands.contains(&ViewportCommand::CancelClose),
+            "{commands:?}"
+        );
+        assert!(is_shown(&bench, question), "{}", bench.lcd());
         click(&mut bench, "Do not close");
-        assert!(!says(&bench, question));
+        assert!(!is_shown(&bench, question));
     }
-    ask_to_close(&mut bench);
+    request_close(&mut bench);
     bench.harness.get_by_label("Stop and close").click();
     bench.harness.step();
     let commands = &bench.harness.output().viewport_output[&ViewportId::ROOT].commands;
     assert!(commands.contains(&ViewportCommand::Close), "{commands:?}");
-    let again = ask_to_close(&mut bench);
-    assert!(!again.contains(&ViewportCommand::CancelClose), "{again:?}");
+    let commands_after = request_close(&mut bench);
+    assert!(
+        !commands_after.contains(&ViewportCommand::CancelClose),
+        "{commands_after:?}"
+    );
 }
 
 #[test]
-fn an_opened_program_is_stored_can_be_edited_and_never_overwrites_another() {
-    let mut bench = Bench::new();
+fn an_opened_program_is_stored_and_never_overwrites_another() {
+    let mut bench = WindowBench::new();
     click(&mut bench, "Samples");
     let entry = bench.harness.get_by_label_contains("stepped shaft");
     entry.click();
     let stored = "O0001, 4:";
-    let mut waited = 0;
-    while !says(&bench, stored) {
+    let mut wait_count = 0;
+    while !is_shown(&bench, stored) {
         std::thread::sleep(std::time::Duration::from_millis(10));
         bench.run(1);
-        waited += 1;
-        assert!(waited < 1000, "not opened");
+        wait_count += 1;
+        assert!(wait_count < 1000, "not opened");
     }
     click(&mut bench, "中文");
-    assert!(says(&bench, "把刀, X "));
+    assert!(is_shown(&bench, "把刀, X "));
     click(&mut bench, "English");
 
-    let text = |bench: &Bench| {
+    let text = |bench: &WindowBench| {
         let programs = bench.kernel.emulator().simulation.cnc.programs();
         let program = programs.get(ProgramId::Stored(1));
         program
             .map(|program| program.text().to_owned())
             .unwrap_or_default()
     };
-    let before = text(&bench);
+    let previous_text = text(&bench);
     bench.click("Edit mode");
     bench.click("Program pages");
     for key in ["Cursor down", "Address N", "Digit 7", "Automatic mode"] {
         bench.click(key);
     }
     let edited = text(&bench);
-    assert_ne!(edited, before, "typing changes it");
+    assert_ne!(edited, previous_text, "typing changes it");
 
     // The file is opened again: the edited program is not discarded.
     bench.open("01-stepped-shaft.CNC");
     let question = "O0001 is in the memory already";
-    let waits = (0..1000).any(|_| {
+    let is_question_shown = (0..1000).any(|_| {
         std::thread::sleep(std::time::Duration::from_millis(10));
         bench.run(1);
-        says(&bench, question)
+        is_shown(&bench, question)
     });
-    assert!(waits && text(&bench) == edited);
+    assert!(is_question_shown && text(&bench) == edited);
     click(&mut bench, "Keep it, only run the file");
     bench.run(50);
-    assert!(says(
+    assert!(is_shown(
         &bench,
         "It is not stored: the memory keeps its own O0001"
     ));
     assert_eq!(text(&bench), edited);
     let programs = bench.kernel.emulator().simulation.cnc.programs();
-    assert_eq!(programs.current(), Some(ProgramId::External));
+    assert_eq!(programs.selected(), Some(ProgramId::External));
 }
 
 #[test]
-fn an_opened_program_says_at_once_what_it_does() {
-    let mut bench = Bench::new();
-    let waits_for = |bench: &mut Bench, words: &str| {
+fn an_opened_program_is_summarized_at_once() {
+    let mut bench = WindowBench::new();
+    let wait_for_text = |bench: &mut WindowBench, text: &str| {
         (0..1000).any(|_| {
             std::thread::sleep(std::time::Duration::from_millis(10));
             bench.run(1);
-            says(bench, words)
+            is_shown(bench, text)
         })
     };
     bench.open("03-grooved-pin.CNC");
     let line = ", 2 tools, X 24–36, Z -45–2, no alarm";
-    assert!(waits_for(&mut bench, line));
+    assert!(wait_for_text(&mut bench, line));
     bench.open("faulty/02-no-feed.CNC");
     let failing = ": P/S 011 ";
-    assert!(waits_for(&mut bench, failing));
-    assert!(says(&bench, ", line "));
+    assert!(wait_for_text(&mut bench, failing));
+    assert!(is_shown(&bench, ", line "));
     // The summary disappears when another program is selected.
     bench.click("Edit mode");
     bench.click("Program pages");
@@ -609,12 +629,12 @@ fn an_opened_program_says_at_once_what_it_does() {
         bench.click(key);
     }
     bench.run(500);
-    assert!(!says(&bench, failing), "{}", bench.lcd());
+    assert!(!is_shown(&bench, failing), "{}", bench.lcd());
 }
 
 #[test]
-fn what_helps_against_an_alarm_is_shown_upon_the_lcd_and_on_no_key() {
-    let mut bench = Bench::new();
+fn the_remedy_of_an_alarm_is_drawn_over_the_lcd_only() {
+    let mut bench = WindowBench::new();
     bench.click("Emergency stop");
     bench.click("Emergency stop");
     bench.open("faulty/02-no-feed.CNC");
@@ -634,8 +654,8 @@ fn what_helps_against_an_alarm_is_shown_upon_the_lcd_and_on_no_key() {
 }
 
 #[test]
-fn a_key_that_does_nothing_says_why_until_one_acts() {
-    let mut bench = Bench::new();
+fn a_key_without_effect_shows_the_reason_until_a_key_acts() {
+    let mut bench = WindowBench::new();
     for (mode, key, english) in [
         (
             "Jog mode",
@@ -654,16 +674,16 @@ fn a_key_that_does_nothing_says_why_until_one_acts() {
         bench.run(300);
         bench.click(key);
         bench.run(300);
-        assert!(says(&bench, english), "{key}: {}", bench.lcd());
+        assert!(is_shown(&bench, english), "{key}: {}", bench.lcd());
         bench.click("Position pages");
         bench.run(300);
-        assert!(!says(&bench, english), "{key}");
+        assert!(!is_shown(&bench, english), "{key}");
     }
 }
 
 #[test]
-fn a_message_of_the_ladder_stands_on_the_line_below_the_panel() {
-    let mut bench = Bench::new();
+fn a_ladder_message_is_shown_on_the_message_line() {
+    let mut bench = WindowBench::new();
     // Without a chuck the example of the manual stops at its M12.
     bench.open("04-manual-example.CNC");
     bench.click("Automatic mode");

@@ -2,7 +2,7 @@
 //! manual III-10).
 
 use gsk_core::axis::PitchCurve;
-use gsk_core::memory::{Parameters, PitchTable};
+use gsk_core::memory::{ControlParameters, PitchTable};
 use gsk_core::units::Axis;
 
 use crate::measurement::{AxisDeviation, SlideTravel};
@@ -16,13 +16,13 @@ pub(crate) const MAX_POINT_VALUE: i64 = 255;
 pub(crate) const MAX_BACKLASH: f64 = 2000.0;
 
 /// Table units per millimetre. A unit is 0.001 mm or 0.0001 inch.
-pub(crate) fn units_per_mm(parameters: &Parameters) -> f64 {
-    1.0 / parameters.least_increment()
+pub(crate) fn units_per_mm(parameters: &ControlParameters) -> f64 {
+    1.0 / parameters.least_increment_mm()
 }
 
 /// Returns the point distance of the pitch error table of an axis; `None` if it is 0, which
 /// turns the compensation off.
-pub fn pitch_interval(axis: Axis, parameters: &Parameters) -> Option<SlideTravel> {
+pub fn pitch_interval(axis: Axis, parameters: &ControlParameters) -> Option<SlideTravel> {
     let interval = parameters.pitch_interval(axis);
     (interval > 0).then(|| SlideTravel(interval as f64 / units_per_mm(parameters)))
 }
@@ -30,14 +30,14 @@ pub fn pitch_interval(axis: Axis, parameters: &Parameters) -> Option<SlideTravel
 /// Computes the correction that the control applies at each position.
 pub fn compute_correction(
     axis: Axis,
-    parameters: &Parameters,
+    parameters: &ControlParameters,
     pitch: &PitchTable,
     positions: impl IntoIterator<Item = SlideTravel>,
 ) -> DeviationCurve {
     let curve = PitchCurve::new(axis, parameters, pitch, 1);
     let units = units_per_mm(parameters);
     let points = positions.into_iter().map(|at| {
-        let value = curve.at((at.0 * units).round() as i64) as f64;
+        let value = curve.correction_at((at.0 * units).round() as i64) as f64;
         (at, AxisDeviation(value * 1000.0 / units))
     });
     DeviationCurve::new(points.collect())

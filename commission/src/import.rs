@@ -37,7 +37,7 @@ mod tests {
     use crate::measurement::{ApproachDirection, SlideTravel};
     use crate::pitch_plan::{PitchPlanOptions, plan_pitch_table};
     use crate::table_file::propose_table_values;
-    use gsk_core::memory::{Parameters, PitchTable};
+    use gsk_core::memory::{ControlParameters, PitchTable};
     use gsk_core::units::Axis;
 
     /// Random texts of lines of all formats: each text that parses is fitted, planned or refused,
@@ -81,7 +81,7 @@ mod tests {
             let lines = (0..throw(7)).map(|_| LINES[throw(LINES.len())]);
             let lines: String = lines.collect();
             let text = format!("{}{lines}", HEADS[throw(HEADS.len())]);
-            let own = (Parameters::default(), PitchTable::default());
+            let own = (ControlParameters::default(), PitchTable::default());
             let changes = match read_measurement_file(&text) {
                 Ok(ImportedFile::Table(table)) => {
                     propose_table_values(Axis::Z, &table, &own.0, &own.1, false)

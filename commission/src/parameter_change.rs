@@ -1,7 +1,7 @@
 //! Parameter changes that commissioning proposes.
 
-use gsk_core::cnc::Request;
-use gsk_core::memory::{Parameters, PitchTable};
+use gsk_core::cnc::ControlRequest;
+use gsk_core::memory::{ControlParameters, PitchTable};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
@@ -37,17 +37,17 @@ pub enum ParameterChange {
 
 impl ParameterChange {
     /// Converts the change to a request to the control.
-    pub const fn to_request(self) -> Request {
+    pub const fn to_request(self) -> ControlRequest {
         match self {
-            Self::Value { number, value } => Request::SetParameter { number, value },
-            Self::Bit { number, bit, on } => Request::SetParameterBit { number, bit, on },
-            Self::Pitch { axis, point, value } => Request::SetPitch { axis, point, value },
+            Self::Value { number, value } => ControlRequest::SetParameter { number, value },
+            Self::Bit { number, bit, on } => ControlRequest::SetParameterBit { number, bit, on },
+            Self::Pitch { axis, point, value } => ControlRequest::SetPitch { axis, point, value },
         }
     }
 
     /// Returns the same change with the current value: applying it undoes this one.
     #[must_use]
-    pub fn current(self, parameters: &Parameters, pitch: &PitchTable) -> Self {
+    pub fn current(self, parameters: &ControlParameters, pitch: &PitchTable) -> Self {
         match self {
             Self::Value { number, .. } => Self::Value {
                 number,
@@ -70,7 +70,11 @@ impl ParameterChange {
     ///
     /// # Errors
     /// The control does not accept the value (alarm 043).
-    pub fn apply(self, parameters: &mut Parameters, pitch: &mut PitchTable) -> Result<(), Message> {
+    pub fn apply(
+        self,
+        parameters: &mut ControlParameters,
+        pitch: &mut PitchTable,
+    ) -> Result<(), Message> {
         match self {
             Self::Value { number, value } => parameters
                 .set(number, value)
@@ -128,7 +132,7 @@ impl Proposal {
     pub(crate) fn from_changes(
         changes: Vec<ParameterChange>,
         notes: Vec<Message>,
-        parameters: &Parameters,
+        parameters: &ControlParameters,
         pitch: &PitchTable,
     ) -> Result<Self, Message> {
         let (mut new, mut table) = (parameters.clone(), pitch.clone());

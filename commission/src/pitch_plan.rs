@@ -2,7 +2,7 @@
 //! manual III-10).
 
 use gsk_core::axis::PitchCurve;
-use gsk_core::memory::{Parameters, PitchTable, parameter};
+use gsk_core::memory::{ControlParameters, PitchTable, parameter};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
@@ -44,7 +44,7 @@ pub struct PitchPlan {
 pub fn plan_pitch_table(
     axis: Axis,
     fit: &ScrewFit,
-    parameters: &Parameters,
+    parameters: &ControlParameters,
     pitch: &PitchTable,
     options: PitchPlanOptions,
 ) -> Result<PitchPlan, Message> {
@@ -118,7 +118,7 @@ pub fn plan_pitch_table(
 fn table_changes(
     task: &CorrectionTask<'_>,
     corrections: &IntervalCorrections,
-    parameters: &Parameters,
+    parameters: &ControlParameters,
 ) -> Vec<ParameterChange> {
     let axis = task.axis;
     let mut column = [0_i16; LAST_POINT as usize + 1];
@@ -190,8 +190,8 @@ mod tests {
         crate::fit_screw(&measured, ApproachDirection::Plus).unwrap()
     }
 
-    fn written(changes: &[ParameterChange]) -> (Parameters, PitchTable) {
-        let (mut parameters, mut pitch) = (Parameters::default(), PitchTable::default());
+    fn written(changes: &[ParameterChange]) -> (ControlParameters, PitchTable) {
+        let (mut parameters, mut pitch) = (ControlParameters::default(), PitchTable::default());
         for change in changes {
             change.apply(&mut parameters, &mut pitch).unwrap();
         }
@@ -205,7 +205,7 @@ mod tests {
         let curve = |at: f64| 0.04 * at + 6.0 * libm_sin(at / 60.0) + 3.0;
         for (from, to) in [(-30, 0), (0, 30), (-20, 11), (-1, 2)] {
             let fit = fit_of(curve, from, to);
-            let none = (Parameters::default(), PitchTable::default());
+            let none = (ControlParameters::default(), PitchTable::default());
             let plan =
                 plan_pitch_table(Axis::Z, &fit, &none.0, &none.1, PitchPlanOptions::default())
                     .unwrap();
@@ -243,7 +243,7 @@ mod tests {
 
     #[test]
     fn curve_beyond_table_limits_is_refused() {
-        let none = (Parameters::default(), PitchTable::default());
+        let none = (ControlParameters::default(), PitchTable::default());
         let steep = fit_of(|at| at * 40.0, -20, 0);
         let options = |interval| PitchPlanOptions {
             interval: Some(SlideTravel(interval)),

@@ -6,7 +6,7 @@ mod gear;
 #[cfg(test)]
 mod tests;
 
-use gsk_core::memory::{Parameters, PitchTable, parameter};
+use gsk_core::memory::{ControlParameters, PitchTable, parameter};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
@@ -78,7 +78,7 @@ impl CommissioningStep {
 fn build_proposal(
     changes: Vec<ParameterChange>,
     notes: Vec<Message>,
-    parameters: &Parameters,
+    parameters: &ControlParameters,
 ) -> Result<Proposal, Message> {
     Proposal::from_changes(changes, notes, parameters, &PitchTable::default())
 }
@@ -102,7 +102,7 @@ const fn axis_bit(axis: Axis) -> u8 {
 ///
 /// # Errors
 /// None in practice: the control accepts both states.
-pub fn propose_direction(axis: Axis, parameters: &Parameters) -> Result<Proposal, Message> {
+pub fn propose_direction(axis: Axis, parameters: &ControlParameters) -> Result<Proposal, Message> {
     let on = parameters.bit(8, axis_bit(axis));
     let notes = vec![say::commission_power_cycle()];
     build_proposal(vec![set_bit(8, axis_bit(axis), !on)], notes, parameters)
@@ -126,7 +126,7 @@ pub enum ZeroMethod {
 pub fn propose_reference(
     axis: Axis,
     method: ZeroMethod,
-    parameters: &Parameters,
+    parameters: &ControlParameters,
 ) -> Result<Proposal, Message> {
     let axis_bit_number = axis_bit(axis);
     let changes = match method {
@@ -180,8 +180,11 @@ pub struct SpindleSpeed {
 /// # Errors
 /// A value out of range (gear 1 to 4, 1 to 9999 r/min, 1 to 20 V), or a spindle without analog
 /// output (001.4 = 0).
-pub fn propose_spindle(read: SpindleSpeed, parameters: &Parameters) -> Result<Proposal, Message> {
-    if !parameters.analog_spindle() {
+pub fn propose_spindle(
+    read: SpindleSpeed,
+    parameters: &ControlParameters,
+) -> Result<Proposal, Message> {
+    if !parameters.has_analog_spindle() {
         return Err(say::commission_spindle_switched());
     }
     if !(1..=4).contains(&read.gear) || !(1.0..=9999.0).contains(&read.rpm) {
@@ -221,7 +224,7 @@ pub struct BacklashReading {
 pub fn propose_backlash(
     axis: Axis,
     readings: &[BacklashReading],
-    parameters: &Parameters,
+    parameters: &ControlParameters,
 ) -> Result<Proposal, Message> {
     const LARGEST_UM: f64 = 2000.0;
     const SPREAD_UM: f64 = 10.0;
@@ -251,7 +254,7 @@ pub fn propose_backlash(
     if largest - smallest > SPREAD_UM {
         notes.push(say::commission_backlash_spread());
     }
-    let units = mean / 1000.0 / parameters.least_increment();
+    let units = mean / 1000.0 / parameters.least_increment_mm();
     build_proposal(
         vec![set_value(number, units.round() as i32)],
         notes,

@@ -1,6 +1,6 @@
 //! Adds the values of a pitch error table file to the table of the control (manual III-10).
 
-use gsk_core::memory::{Parameters, PitchTable, parameter};
+use gsk_core::memory::{ControlParameters, PitchTable, parameter};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
@@ -18,7 +18,7 @@ use crate::renishaw_ren::PitchTableFile;
 pub fn propose_table_values(
     axis: Axis,
     table: &PitchTableFile,
-    parameters: &Parameters,
+    parameters: &ControlParameters,
     pitch: &PitchTable,
     clear: bool,
 ) -> Result<Proposal, Message> {
@@ -131,7 +131,7 @@ pub fn propose_table_values(
         });
     }
     let mut notes = vec![say::pitch_zero_return_needed()];
-    if !parameters.pitch_compensated() {
+    if !parameters.is_pitch_compensated() {
         notes.insert(0, say::pitch_switched_off(axis_letter(axis)));
     }
     Proposal::from_changes(changes, notes, parameters, pitch)
@@ -153,7 +153,7 @@ mod tests {
     /// The second example of the sibling manual, as a file for this control.
     #[test]
     fn file_values_are_added_to_table_points() {
-        let mut parameters = Parameters::default();
+        let mut parameters = ControlParameters::default();
         parameters.set(parameter::Z_PITCH_ORIGIN, 60).unwrap();
         let table = table_of("spacing 10\nbacklash 5\n-20 -7\n59 -20 0\n-10 6\n10 4\n0 0\n");
         let pitch = PitchTable::default();

@@ -50,7 +50,7 @@ impl CorrectionTask<'_> {
 
     /// Correction of the current table, units.
     fn current_units(&self, at: f64) -> f64 {
-        self.current.at(at.round() as i64) as f64
+        self.current.correction_at(at.round() as i64) as f64
     }
 
     /// Correction that the slide needs, units.

@@ -10,18 +10,18 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use gsk_core::cnc::Request;
+use gsk_core::cnc::ControlRequest;
 use gsk_core::plc::{Ladder, MAX_STEPS, Plc};
 use gsk_core::program::Program;
 use gsk_core::setup::{STANDARD_LADDER, Setup, standard_ladder};
-use gsk_core::simulation::{Simulation, Until};
+use gsk_core::simulation::{Simulation, StopCondition};
 
 const ENDLESS: &str = "O0001\nM03 S800\nG98\nN10 G00 X40 Z2\nG01 X40 Z-30 F300\n\
     G02 X60 Z-40 R10 F200\nG01 X80 Z-50 F400\nG00 X100 Z50\nM99 P10\n";
 
 /// The standard ladder, extended to 5000 steps by rungs as a machine builder writes them:
 /// contacts, branches, coils, and a function instruction in each fifth rung.
-fn longest() -> Arc<Ladder> {
+fn longest_ladder() -> Arc<Ladder> {
     let mut filler = String::new();
     let mut longest = standard_ladder();
     for count in 0.. {
@@ -53,7 +53,7 @@ fn longest() -> Arc<Ladder> {
     longest
 }
 
-fn figures(name: &str, mut times: Vec<Duration>) {
+fn print_figures(name: &str, mut times: Vec<Duration>) {
     times.sort_unstable();
     let mean = times.iter().sum::<Duration>() / times.len() as u32;
     println!(
@@ -64,7 +64,7 @@ fn figures(name: &str, mut times: Vec<Duration>) {
     );
 }
 
-fn scan(ladder: &Arc<Ladder>) {
+fn measure_scan(ladder: &Arc<Ladder>) {
     let mut plc = Plc::new(Arc::clone(ladder));
     let times = (0..100_000u32)
         .map(|slot| {
@@ -76,7 +76,7 @@ fn scan(ladder: &Arc<Ladder>) {
             start.elapsed()
         })
         .collect();
-    figures(
+    print_figures(
         &format!(
             "slot, {} of {MAX_STEPS} steps in {} part",
             ladder.steps(),
@@ -87,17 +87,17 @@ fn scan(ladder: &Arc<Ladder>) {
 }
 
 /// Measures ticks with a slot of the PLC, and ticks without.
-fn ticks(name: &str, ladder: &Arc<Ladder>) {
+fn measure_ticks(name: &str, ladder: &Arc<Ladder>) {
     let mut simulation = Simulation::new(Setup {
         ladder: Arc::clone(ladder).into(),
         ..Setup::default()
     });
     let opened = simulation
         .cnc
-        .request(Request::OpenExternal(Program::new(ENDLESS)));
+        .request(ControlRequest::OpenExternal(Program::new(ENDLESS)));
     assert_eq!(opened, Ok(()));
     simulation.start_automatic();
-    simulation.run_until(Until::Stopped, 3000);
+    simulation.run_until(StopCondition::Stopped, 3000);
     let (mut with, mut without) = (Vec::new(), Vec::new());
     for _ in 0..400_000 {
         let start = Instant::now();
@@ -109,16 +109,16 @@ fn ticks(name: &str, ladder: &Arc<Ladder>) {
             without.push(time);
         }
     }
-    figures(&format!("{name}: ticks with a slot"), with);
-    figures(&format!("{name}: ticks without"), without);
+    print_figures(&format!("{name}: ticks with a slot"), with);
+    print_figures(&format!("{name}: ticks without"), without);
 }
 
 fn bench(criterion: &mut Criterion) {
-    let (longest, standard) = (longest(), standard_ladder());
-    scan(&longest);
-    scan(&standard);
-    ticks("standard ladder in parts", &standard);
-    ticks("5000 steps undivided", &longest);
+    let (longest, standard) = (longest_ladder(), standard_ladder());
+    measure_scan(&longest);
+    measure_scan(&standard);
+    measure_ticks("standard ladder in parts", &standard);
+    measure_ticks("5000 steps undivided", &longest);
     let mut plc = Plc::new(longest);
     criterion.bench_function("slot of 5000 steps", |bencher| {
         bencher.iter(|| plc.run_slot());

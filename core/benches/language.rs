@@ -11,15 +11,15 @@ use std::time::Duration;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use gsk_core::command::ProgramId;
 use gsk_core::memory::ToolOffset;
-use gsk_core::preview::{End, Preview, preview};
-use gsk_core::program::{Program, split};
+use gsk_core::preview::{Preview, PreviewEnd, preview};
+use gsk_core::program::{Program, split_programs};
 use gsk_core::setup::Setup;
 
 /// Number of short blocks for the memory measurement.
 const BLOCKS: u32 = 1_000_000;
 
 /// A setup with nose radius compensation and a tool for it.
-fn setup() -> Setup {
+fn nose_setup() -> Setup {
     let mut setup = Setup::default();
     assert_eq!(setup.memory.parameters.set_bit(2, 1, true), Ok(()));
     let tool = ToolOffset {
@@ -32,9 +32,9 @@ fn setup() -> Setup {
 }
 
 /// Loads a file and interprets it.
-fn check(setup: &Setup, text: &str) -> Preview {
+fn check_program(setup: &Setup, text: &str) -> Preview {
     let mut programs = setup.memory.programs.clone();
-    let mut parts = split(text).into_iter();
+    let mut parts = split_programs(text).into_iter();
     if let Some(main) = parts.next() {
         programs.open_external(main);
     }
@@ -48,19 +48,19 @@ fn check(setup: &Setup, text: &str) -> Preview {
 }
 
 /// Resident memory of this process, bytes; `None` if the system does not report it.
-fn resident() -> Option<u64> {
+fn resident_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmRSS:"))?;
     let kilobytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
     Some(kilobytes * 1024)
 }
 
-fn memory() {
+fn print_memory() {
     let text = shapes::short_lines(BLOCKS);
     let length = text.len();
-    let before = resident();
+    let before = resident_bytes();
     let program = black_box(Program::new(text.as_str()));
-    let after = resident();
+    let after = resident_bytes();
     let blocks = f64::from(program.block_count());
     if let (Some(before), Some(after)) = (before, after) {
         println!(
@@ -72,19 +72,21 @@ fn memory() {
 }
 
 fn bench(criterion: &mut Criterion) {
-    memory();
-    let setup = setup();
+    print_memory();
+    let setup = nose_setup();
     let mut group = criterion.benchmark_group("check");
     group
         .sample_size(10)
         .warm_up_time(Duration::from_millis(500))
         .measurement_time(Duration::from_secs(4));
-    for (name, text) in shapes::all() {
-        let seen = check(&setup, &text);
-        assert_eq!(seen.end, End::M30, "{name}: {:?}", seen.alarm);
+    for (name, text) in shapes::all_shapes() {
+        let seen = check_program(&setup, &text);
+        assert_eq!(seen.end, PreviewEnd::M30, "{name}: {:?}", seen.alarm);
         let elements = seen.blocks.max(seen.moves);
         group.throughput(Throughput::Elements(elements));
-        group.bench_function(name, |bencher| bencher.iter(|| check(&setup, &text)));
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| check_program(&setup, &text))
+        });
     }
     group.finish();
 }

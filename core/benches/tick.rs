@@ -8,12 +8,12 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use gsk_core::cnc::Request;
+use gsk_core::cnc::ControlRequest;
 use gsk_core::machine::ServoConfig;
 use gsk_core::operation::RunState;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
-use gsk_core::simulation::{Simulation, Until};
+use gsk_core::simulation::{Simulation, StopCondition};
 use gsk_core::units::Axis;
 
 /// An endless program: cuts, an arc, rapids, back to the beginning.
@@ -40,7 +40,7 @@ const SUBPROGRAM: &str = include_str!("../../assets/programs/O1031.CNC");
 
 /// A setup with backlash, pitch errors, a gear ratio, blended corners, servo lag and screws
 /// with play.
-fn everything() -> Setup {
+fn full_setup() -> Setup {
     let mut setup = Setup::default();
     for (number, value) in [
         (7, 0),
@@ -69,25 +69,25 @@ fn everything() -> Setup {
     setup
 }
 
-fn running(setup: Setup, text: &str) -> Simulation {
+fn start_program(setup: Setup, text: &str) -> Simulation {
     let mut simulation = Simulation::new(setup);
     let opened = simulation
         .cnc
-        .request(Request::OpenExternal(Program::new(text)));
+        .request(ControlRequest::OpenExternal(Program::new(text)));
     assert_eq!(opened, Ok(()));
     simulation.start_automatic();
     simulation
 }
 
-fn cutting(setup: Setup) -> Simulation {
-    let mut simulation = running(setup, ENDLESS);
-    simulation.run_until(Until::Stopped, 3000);
+fn start_cutting(setup: Setup) -> Simulation {
+    let mut simulation = start_program(setup, ENDLESS);
+    simulation.run_until(StopCondition::Stopped, 3000);
     assert_eq!(simulation.cnc.run_state(), RunState::Run);
     simulation
 }
 
-fn distribution(name: &str, setup: Setup) {
-    let mut simulation = cutting(setup);
+fn print_distribution(name: &str, setup: Setup) {
+    let mut simulation = start_cutting(setup);
     let mut times: Vec<Duration> = (0..1_000_000)
         .map(|_| {
             let start = Instant::now();
@@ -108,11 +108,11 @@ fn distribution(name: &str, setup: Setup) {
 }
 
 /// Runs the samples from start to end at full speed.
-fn samples() {
+fn run_samples() {
     for (name, text) in SAMPLES {
-        let mut setup = everything();
+        let mut setup = full_setup();
         assert!(setup.memory.programs.store(SUBPROGRAM).is_ok());
-        let mut simulation = running(setup, text);
+        let mut simulation = start_program(setup, text);
         let start = Instant::now();
         let mut ticks = 0u32;
         while ticks < 3_600_000 {
@@ -138,14 +138,14 @@ fn samples() {
 }
 
 fn bench(criterion: &mut Criterion) {
-    distribution("plain", Setup::default());
-    distribution("with everything", everything());
-    samples();
-    let mut simulation = cutting(Setup::default());
+    print_distribution("plain", Setup::default());
+    print_distribution("with everything", full_setup());
+    run_samples();
+    let mut simulation = start_cutting(Setup::default());
     criterion.bench_function("tick", |bencher| {
         bencher.iter(|| black_box(&mut simulation).tick());
     });
-    let mut full = cutting(everything());
+    let mut full = start_cutting(full_setup());
     criterion.bench_function("tick with everything", |bencher| {
         bencher.iter(|| black_box(&mut full).tick());
     });

@@ -11,8 +11,8 @@ use std::sync::LazyLock;
 use gsk_messages::{Language, Message, say};
 use serde::{Deserialize, Serialize};
 
-use crate::command::Source;
-use crate::model::Record;
+use crate::command::SourcePosition;
+use crate::model::ModelRecord;
 
 /// Alarm numbers as constants, generated from the `id` column of the table.
 pub use gsk_units::alarm as number;
@@ -65,9 +65,9 @@ pub struct Advice {
     /// What raises the alarm, in Chinese.
     pub cause_zh: &'static str,
     /// What the operator can do, in Chinese.
-    pub way_out_zh: &'static str,
+    pub remedy_zh: &'static str,
     /// What the operator can do, in English.
-    pub way_out_en: &'static str,
+    pub remedy_en: &'static str,
 }
 
 /// The whole table, by ascending number.
@@ -82,9 +82,9 @@ pub fn rows() -> &'static [AlarmRow] {
 
 /// The table row of an alarm number; `None` if the manual does not list it.
 pub fn row(number: u16) -> Option<&'static AlarmRow> {
-    let rows = rows();
-    let after = rows.partition_point(|row| row.number <= number);
-    let row = rows.get(after.checked_sub(1)?)?;
+    let table = rows();
+    let after = table.partition_point(|row| row.number <= number);
+    let row = table.get(after.checked_sub(1)?)?;
     (number <= row.last).then_some(row)
 }
 
@@ -109,7 +109,7 @@ fn parse_row(line: &'static str) -> Option<AlarmRow> {
         class,
         number,
         last: last.parse().ok()?,
-        text_zh: if is_user_alarm(number) { "" } else { text },
+        text_zh: if shows_number_only(number) { "" } else { text },
         meaning_en: fields.next()?,
         cause_en: fields.next()?,
         cleared_by_en: fields.next()?,
@@ -122,12 +122,12 @@ fn parse_advice(fields: &mut core::str::Split<'static, char>) -> Option<Advice> 
     let cause_zh = fields.next().filter(|text| *text != "-")?;
     Some(Advice {
         cause_zh,
-        way_out_zh: fields.next()?,
-        way_out_en: fields.next()?,
+        remedy_zh: fields.next()?,
+        remedy_en: fields.next()?,
     })
 }
 
-const fn is_user_alarm(number: u16) -> bool {
+const fn shows_number_only(number: u16) -> bool {
     matches!(number, number::USER_ALARM..=number::USER_ALARM_LAST) || is_named_by_program(number)
 }
 
@@ -142,7 +142,7 @@ pub struct Alarm {
     /// Number in the manual's alarm list.
     pub number: u16,
     /// The block that raised the alarm; `None` if no block did.
-    pub source: Option<Source>,
+    pub source: Option<SourcePosition>,
     /// One sentence that names the position and the broken rule.
     pub detail: Option<Message>,
     /// Letter that the control model writes before the number (`E` on the NC-B08).
@@ -163,25 +163,25 @@ impl Alarm {
 
     /// Creates an alarm from a message of the ladder. A text that differs from the table's
     /// becomes the detail, and the alarm then has no table row.
-    pub fn message(number: u16, text: &str) -> Self {
+    pub fn from_ladder_message(number: u16, text: &str) -> Self {
         let message = Self::new(number);
         if message.text(Language::Zh) == text {
             message
         } else {
-            message.because(say::as_written(text))
+            message.with_detail(say::as_written(text))
         }
     }
 
     /// Sets the source block, unless the alarm already has one.
     #[must_use]
-    pub fn at(mut self, source: Source) -> Self {
+    pub fn with_source(mut self, source: SourcePosition) -> Self {
         self.source.get_or_insert(source);
         self
     }
 
     /// Sets the letter that the control model writes before alarm numbers.
     #[must_use]
-    pub(crate) fn of_model(mut self, record: &Record) -> Self {
+    pub(crate) fn with_model_letter(mut self, record: &ModelRecord) -> Self {
         self.letter = record.alarm_letter;
         self
     }
@@ -194,7 +194,7 @@ impl Alarm {
 
     /// Sets the reason of the alarm.
     #[must_use]
-    pub fn because(mut self, detail: impl Into<Message>) -> Self {
+    pub fn with_detail(mut self, detail: impl Into<Message>) -> Self {
         self.detail = Some(detail.into());
         self
     }
@@ -219,8 +219,9 @@ impl Alarm {
     /// The table row of this alarm. `None` if the manual does not list the number, or if
     /// the ladder sent a text that differs from the table's.
     pub fn row(&self) -> Option<&'static AlarmRow> {
-        let own_words = |row: &&AlarmRow| row.class == AlarmClass::Plc && self.detail.is_some();
-        row(self.number).filter(|row| !own_words(row))
+        let has_ladder_text =
+            |row: &&AlarmRow| row.class == AlarmClass::Plc && self.detail.is_some();
+        row(self.number).filter(|row| !has_ladder_text(row))
     }
 
     /// The class of the alarm. Numbers outside the table take the class of their range.
@@ -268,15 +269,15 @@ impl Alarm {
 
     /// The line of the alarm page in Chinese: `P/S 011: …`, `207: …`, `P/S 515`.
     pub fn line_text(&self) -> String {
-        self.line_of(&self.text(Language::Zh))
+        self.format_line(&self.text(Language::Zh))
     }
 
     /// The line of the alarm page in English.
     pub fn line_text_en(&self) -> String {
-        self.line_of(&self.text(Language::En))
+        self.format_line(&self.text(Language::En))
     }
 
-    fn line_of(&self, text: &str) -> String {
+    fn format_line(&self, text: &str) -> String {
         let prefix = match self.class() {
             AlarmClass::Ps | AlarmClass::System if self.letter.is_none() => "P/S ",
             _ => "",
@@ -299,11 +300,11 @@ impl fmt::Display for Alarm {
         };
         if let Some(advice) = row.advice {
             write!(f, "\n原因: {}", advice.cause_zh)?;
-            write!(f, "\n处理: {}", advice.way_out_zh)?;
+            write!(f, "\n处理: {}", advice.remedy_zh)?;
         }
         write!(f, "\ncause: {}", row.cause_en)?;
         if let Some(advice) = row.advice {
-            write!(f, "\nway out: {}", advice.way_out_en)?;
+            write!(f, "\nway out: {}", advice.remedy_en)?;
         }
         write!(f, "\ncleared by: {}", row.cleared_by_en)
     }
@@ -327,7 +328,7 @@ mod tests {
             );
         }
         for row in rows() {
-            assert_eq!(row.text_zh.is_empty(), is_user_alarm(row.number));
+            assert_eq!(row.text_zh.is_empty(), shows_number_only(row.number));
             for text in [row.meaning_en, row.cause_en, row.cleared_by_en] {
                 assert!(!text.is_empty() && text == text.trim(), "{row:?}");
             }
@@ -338,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn what_an_operator_meets_has_advice() {
+    fn common_alarms_have_advice() {
         let numbers = [0, 2, 5, 6, 7, 18, 19, 23, 24, 25, 43, 207, 221, 222, 515];
         let ranges = [
             9..=16,
@@ -350,19 +351,19 @@ mod tests {
             601..=622,
             1000..=1015,
         ];
-        let mut advised = 0;
+        let mut advised_count = 0;
         for number in ranges.into_iter().flatten().chain(numbers) {
             let Some(row) = row(number) else { continue };
             let Some(advice) = row.advice else {
                 panic!("{number} without advice");
             };
-            advised += 1;
-            for text in [advice.cause_zh, advice.way_out_zh, advice.way_out_en] {
+            advised_count += 1;
+            for text in [advice.cause_zh, advice.remedy_zh, advice.remedy_en] {
                 assert!(!text.is_empty() && text == text.trim(), "{row:?}");
             }
         }
-        assert!(advised > 95, "{advised}");
-        let alarm = Alarm::new(112).because(say::as_written("H05 of 1 and 0"));
+        assert!(advised_count > 95, "{advised_count}");
+        let alarm = Alarm::new(112).with_detail(say::as_written("H05 of 1 and 0"));
         assert_eq!(
             format!("{alarm:#}"),
             "P/S 112: 除零错误 (H05 of 1 and 0)\n\
@@ -387,16 +388,16 @@ mod tests {
     }
 
     #[test]
-    fn the_first_place_stays() {
-        let source = |line| Source {
+    fn the_first_source_is_kept() {
+        let source = |line| SourcePosition {
             program: crate::command::ProgramId::External,
             line,
             sequence: None,
         };
         let alarm = Alarm::new(11)
-            .because(say::as_written("no F"))
-            .at(source(3))
-            .at(source(9));
+            .with_detail(say::as_written("no F"))
+            .with_source(source(3))
+            .with_source(source(9));
         assert_eq!(alarm.source, Some(source(3)));
         assert_eq!(
             alarm.to_string(),

@@ -3,16 +3,16 @@
 use serde::{Deserialize, Serialize};
 
 use crate::memory::{
-    Authority, Counters, Disks, Offsets, Parameters, PitchTable, Settings, Variables,
+    Authority, ControlParameters, ControlSettings, Counters, Disks, Offsets, PitchTable, Variables,
 };
 use crate::model::ControlModel;
 use crate::program::ProgramMemory;
 
 /// The battery-backed memory (manual III-11). The PLC memory is separate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Memory {
+pub struct BatteryMemory {
     /// Parameters by number: bits and values.
-    pub parameters: Parameters,
+    pub parameters: ControlParameters,
     /// Tool offsets: X, Z, nose radius R and tip T of each number.
     pub offsets: Offsets,
     /// Pitch error corrections by axis and point, 0–255.
@@ -20,7 +20,7 @@ pub struct Memory {
     /// Macro variables; [`power_on`](Self::power_on) clears the volatile ones.
     pub variables: Variables,
     /// The rows of the setting page, inch input (英制编程) among them.
-    pub settings: Settings,
+    pub settings: ControlSettings,
     /// Operation level and passwords that protect programs and parameters.
     pub authority: Authority,
     /// The electronic disks that hold sets of parameter values (manual III-2.1.10).
@@ -34,11 +34,11 @@ pub struct Memory {
     pub model: ControlModel,
 }
 
-impl Memory {
+impl BatteryMemory {
     /// Switches to a control model and takes over the values that its parameters are
     /// delivered with.
     pub fn set_model(&mut self, model: ControlModel) {
-        self.parameters.take_delivered(model.record());
+        self.parameters.apply_delivered_values(model.record());
         self.model = model;
     }
 

@@ -5,6 +5,7 @@ mod board;
 mod dnc;
 mod drives;
 mod gear_speed;
+mod interpreter_host;
 mod ladder;
 mod manual;
 mod motion;
@@ -17,26 +18,25 @@ mod soft_panel;
 mod spindle;
 mod tool_post;
 mod view;
-mod world;
 
 use gsk_messages::Message;
 use serde::{Deserialize, Serialize};
 
 use dnc::DncLine;
+pub(crate) use interpreter_host::ControlHost;
 pub use ladder::LadderStep;
 use ladder::TIMER_PRESETS;
-use parts::{Coordinates, Drives, HandMotion, PlcPort, Run, SpindleUnit, Switches};
-pub use request::{OffsetEntry, Received, Request, SerialPort};
-pub use view::Cursor;
-pub(crate) use world::World;
+use parts::{CncRun, Coordinates, DriveUnit, ManualMotion, PlcPort, SpindleUnit, WriteSwitches};
+pub use request::{ControlRequest, OffsetEntry, ReceivedData, SerialPort};
+pub use view::ProgramCursor;
 
 use crate::alarm::Alarm;
-use crate::battery::Memory;
-use crate::command::{ExecutedMove, Source};
+use crate::battery::BatteryMemory;
+use crate::command::{ExecutedMove, SourcePosition};
 use crate::interpreter::Explanation;
-use crate::interpreter::Modal;
-use crate::machine::{Inputs, Outputs};
-use crate::memory::Parameters;
+use crate::interpreter::ModalState;
+use crate::machine::{MachineInputs, MachineOutputs};
+use crate::memory::ControlParameters;
 use crate::operation::{ActiveAlarms, RunState, X_BYTES};
 use crate::units::PerAxis;
 
@@ -52,13 +52,13 @@ const ESP_MASK: u8 = 1 << 5;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// A move was finished or interrupted.
-    Moved(ExecutedMove),
+    MoveEnded(ExecutedMove),
     /// A block begins, with its modal state.
-    BlockBegan(Source, Modal),
+    BlockStarted(SourcePosition, ModalState),
     /// Explanation of the move that begins; sent only while [`Cnc::explain`] is on.
     Explained(Explanation),
     /// A block was finished.
-    BlockEnded(Source),
+    BlockEnded(SourcePosition),
     /// An alarm was raised.
     AlarmRaised(Alarm),
     /// An action of the operator had no effect or ended early, with the reason; no alarm.
@@ -77,23 +77,23 @@ pub enum Event {
 /// The control with all its state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cnc {
-    pub(crate) memory: Memory,
-    pub(crate) switches: Switches,
+    pub(crate) memory: BatteryMemory,
+    pub(crate) switches: WriteSwitches,
     /// Parameter values at power-on.
-    at_power_on: Parameters,
+    at_power_on: ControlParameters,
     pub(crate) plc: PlcPort,
     serial_port: SerialPort,
     /// Serial line that delivers a program while it runs.
     dnc: DncLine,
-    pub(crate) run: Run,
-    pub(crate) drives: Drives,
-    pub(crate) hand: HandMotion,
+    pub(crate) run: CncRun,
+    pub(crate) drives: DriveUnit,
+    pub(crate) hand: ManualMotion,
     pub(crate) spindle: SpindleUnit,
     pub(crate) coordinates: Coordinates,
     pub(crate) alarms: ActiveAlarms,
     pub(crate) emergency_stop: bool,
     #[serde(rename = "reset_left")]
-    pub(crate) reset_left: u32,
+    pub(crate) reset_left_ms: u32,
     pub(crate) ticks: u64,
     #[serde(skip)]
     pub(crate) events: Vec<Event>,
@@ -101,10 +101,10 @@ pub struct Cnc {
 
 impl Cnc {
     /// Advances the control by one tick (1 ms).
-    pub fn tick(&mut self, inputs: &Inputs) -> Outputs {
+    pub fn tick(&mut self, inputs: &MachineInputs) -> MachineOutputs {
         self.events.clear();
-        let stood_at = self.hear_board(inputs.board.as_deref());
-        let seen;
+        let pulses_before = self.handle_board_reports(inputs.board.as_deref());
+        let with_board;
         let inputs = match self
             .drives
             .board
@@ -112,37 +112,37 @@ impl Cnc {
             .and_then(|board| board.spindle.as_ref())
         {
             Some(spindle) => {
-                seen = self.with_board_spindle(inputs, spindle);
-                &seen
+                with_board = self.with_board_spindle(inputs, spindle);
+                &with_board
             }
             None => inputs,
         };
         self.ticks += 1;
-        self.drives.sensors.sense(inputs, &self.memory.parameters);
-        self.plc.soft_switch_tick();
+        self.drives.sensors.update(inputs, &self.memory.parameters);
+        self.plc.advance_soft_switch();
         if self.ticks % SAMPLE_TICKS == 1 {
             self.sample_contacts(inputs);
         }
         if self.ticks % SLOT_TICKS == 1 {
-            self.plc_slot();
+            self.run_plc_slot();
         }
-        let masked = self.memory.parameters.emergency_stop_masked();
+        let masked = self.memory.parameters.is_emergency_stop_masked();
         let closed = self.plc.filter.accepted()[ESP_BYTE] & ESP_MASK != 0;
-        self.watch_reset(closed || masked, inputs);
-        self.watch_drives(inputs);
-        self.dnc_tick();
-        self.output_tick();
-        self.automatic_tick();
-        self.manual_tick(inputs);
-        self.return_tick(inputs);
-        self.spindle_tick(inputs);
-        self.motion_tick();
-        self.note_motion();
-        self.watch_travel();
-        self.watch_limit_signals();
-        self.watch_reference();
-        if let Some(pulses) = stood_at {
-            self.check_outgrown(pulses);
+        self.check_reset(closed || masked, inputs);
+        self.check_drives(inputs);
+        self.advance_dnc();
+        self.advance_output_timers();
+        self.advance_automatic();
+        self.advance_manual_motion(inputs);
+        self.advance_returns(inputs);
+        self.advance_spindle(inputs);
+        self.advance_motion();
+        self.update_motion_signals();
+        self.check_travel();
+        self.check_limit_signals();
+        self.update_reference_lamps();
+        if let Some(pulses) = pulses_before {
+            self.check_changed_parameters(pulses);
         }
         if self.run.automatic.state == RunState::Run {
             self.memory.counters.count_cutting_ms(1);
@@ -152,17 +152,17 @@ impl Cnc {
     }
 
     /// Whether the next tick samples the contacts.
-    pub(crate) const fn samples_contacts_next(&self) -> bool {
+    pub(crate) const fn will_sample_contacts(&self) -> bool {
         (self.ticks + 1) % SAMPLE_TICKS == 1
     }
 
-    fn outputs(&self) -> Outputs {
-        let mut outputs = Outputs {
+    fn outputs(&self) -> MachineOutputs {
+        let mut outputs = MachineOutputs {
             pulses: self.pulses(),
             spindle_volts: self.spindle.control.volts(),
             enable: PerAxis::new(!self.emergency_stop, !self.emergency_stop),
             board: (self.drives.board.is_some()).then(|| Box::new(self.board_orders())),
-            ..Outputs::default()
+            ..MachineOutputs::default()
         };
         if let Some(bytes) = self.plc.y.first_chunk() {
             outputs.y = *bytes;

@@ -1,9 +1,9 @@
-//! Commands of the interpreter to the control: one [`Command`] for each action, in machine
+//! Commands of the interpreter to the control: one [`ControlCommand`] for each action, in machine
 //! coordinates, with its source block.
 
 mod modal;
 
-pub use modal::Modal;
+pub use modal::ModalState;
 
 use core::num::NonZeroU32;
 
@@ -29,29 +29,29 @@ pub enum ProgramId {
 /// copied often.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(from = "u32", into = "u32")]
-pub struct BlockNumber(NonZeroU32);
+pub struct SequenceNumber(NonZeroU32);
 
-impl From<u32> for BlockNumber {
+impl From<u32> for SequenceNumber {
     fn from(number: u32) -> Self {
         Self(NonZeroU32::MIN.saturating_add(number))
     }
 }
 
-impl From<BlockNumber> for u32 {
-    fn from(number: BlockNumber) -> Self {
+impl From<SequenceNumber> for u32 {
+    fn from(number: SequenceNumber) -> Self {
         number.0.get() - 1
     }
 }
 
 /// Source position of a command or an alarm: program, line and sequence number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Source {
+pub struct SourcePosition {
     /// The program that contains the block.
     pub program: ProgramId,
     /// Line of the file, from 1.
     pub line: u32,
     /// The last sequence number N before or in the block; `None` before the first one.
-    pub sequence: Option<BlockNumber>,
+    pub sequence: Option<SequenceNumber>,
 }
 
 /// The coordinate frame in force: `machine = program + zero + offset`, all in mm, X as a
@@ -77,27 +77,27 @@ pub struct ZeroOffset {
 
 impl ZeroOffset {
     /// Half micrometres in a millimetre.
-    const PER_MM: f64 = 2000.0;
+    const UNITS_PER_MM: f64 = 2000.0;
 
     /// Rounds a point in mm to the nearest zero offset.
     pub fn from_point(point: Point) -> Self {
-        let whole = |mm: f64| round(mm * Self::PER_MM) as i32;
+        let to_units = |mm: f64| round(mm * Self::UNITS_PER_MM) as i32;
         Self {
-            x: whole(point.x),
-            z: whole(point.z),
+            x: to_units(point.x),
+            z: to_units(point.z),
         }
     }
 
     /// Converts to mm, X as a radius.
-    pub fn point(self) -> Point {
+    pub fn to_point(self) -> Point {
         Point::new(
-            f64::from(self.x) / Self::PER_MM,
-            f64::from(self.z) / Self::PER_MM,
+            f64::from(self.x) / Self::UNITS_PER_MM,
+            f64::from(self.z) / Self::UNITS_PER_MM,
         )
     }
 
     /// Sets the offset of one axis to zero.
-    pub(crate) const fn clear(&mut self, axis: Axis) {
+    pub(crate) const fn clear_axis(&mut self, axis: Axis) {
         match axis {
             Axis::X => self.x = 0,
             Axis::Z => self.z = 0,
@@ -111,25 +111,25 @@ impl ZeroOffset {
 
 impl Frame {
     /// Converts programmed coordinates to machine coordinates.
-    pub fn machine(&self, program: Point) -> Point {
+    pub fn to_machine(&self, program: Point) -> Point {
         program + self.zero + self.offset
     }
 
     /// Converts machine coordinates to programmed (absolute) coordinates.
-    pub fn program(&self, machine: Point) -> Point {
+    pub fn to_program(&self, machine: Point) -> Point {
         machine - self.zero - self.offset
     }
 }
 
 /// One step of a program as the control executes it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Command {
+pub struct ControlCommand {
     /// The block that the command comes from.
-    pub source: Source,
+    pub source: SourcePosition,
     /// What the control does.
     pub action: Action,
     /// Modal state after the block; the pages show it while the command runs.
-    pub modal: Modal,
+    pub modal: ModalState,
     /// Whether it is the last command of its block.
     pub block_end: bool,
     /// Whether single block stops after it (ends of blocks that stop, and the
@@ -137,7 +137,7 @@ pub struct Command {
     pub stop_point: bool,
     /// Whether feed hold waits for the end of the command: the moves of G70 to G75.
     #[serde(rename = "whole")]
-    pub whole: bool,
+    pub defers_feed_hold: bool,
     /// Programmed X of a move that nose radius compensation has changed. Set only under
     /// G96, whose surface speed follows the programmed X.
     pub programmed_x: Option<Box<ProgrammedX>>,
@@ -149,7 +149,7 @@ pub struct Command {
 pub enum ProgrammedX {
     /// Programmed X changes linearly along a straight move.
     #[serde(rename = "Even")]
-    Even {
+    Linear {
         /// X at the start of the move.
         from: f64,
         /// X at the end of the move.
@@ -157,7 +157,7 @@ pub enum ProgrammedX {
     },
     /// Tip and programmed point move on arcs with a common angle.
     #[serde(rename = "Round")]
-    Round {
+    Circular {
         /// X of the centre of the tip's arc.
         tip_center: f64,
         /// X of the centre of the programmed arc.
@@ -171,18 +171,18 @@ pub enum ProgrammedX {
 
 impl ProgrammedX {
     /// Programmed X while the tip is between `from` and `target`.
-    pub fn at(&self, tip: Point, from: Point, target: Point) -> f64 {
+    pub fn x_at(&self, tip: Point, from: Point, target: Point) -> f64 {
         match *self {
-            Self::Even { from: first, to } => {
-                let whole = (target - from).length();
-                let part = if whole > 0.0 {
-                    ((tip - from).length() / whole).min(1.0)
+            Self::Linear { from: first, to } => {
+                let total = (target - from).length();
+                let fraction = if total > 0.0 {
+                    ((tip - from).length() / total).min(1.0)
                 } else {
                     1.0
                 };
-                first + (to - first) * part
+                first + (to - first) * fraction
             }
-            Self::Round {
+            Self::Circular {
                 tip_center,
                 center,
                 ratio,
@@ -192,9 +192,9 @@ impl ProgrammedX {
     }
 
     /// Programmed X at the end of the move.
-    pub const fn end(&self) -> f64 {
+    pub const fn x_at_end(&self) -> f64 {
         match *self {
-            Self::Even { to, .. } | Self::Round { to, .. } => to,
+            Self::Linear { to, .. } | Self::Circular { to, .. } => to,
         }
     }
 }
@@ -231,7 +231,7 @@ pub enum Action {
         to: Point,
         /// Axis that the lead is measured along; X as a radius.
         #[serde(rename = "long")]
-        long: Axis,
+        lead_axis: Axis,
         /// Lead at the start, mm per revolution.
         lead: f64,
         /// Change of the lead, mm per revolution and revolution (G34); otherwise 0.
@@ -248,7 +248,7 @@ pub enum Action {
         per_revolution: Point,
         /// The feature that makes a cut more than one straight pass, if any.
         #[serde(rename = "beyond")]
-        beyond: Option<BeyondPass>,
+        extra_feature: Option<ThreadPassFeature>,
     },
     /// Tapping in Z (G33): feed in, stop the spindle, reverse, feed out. It ends at its
     /// start point with the spindle stopped.
@@ -361,7 +361,7 @@ impl Action {
     }
 
     /// Moves the end point and the arc centre by a distance; other actions stay the same.
-    pub(crate) fn translated(mut self, by: Point) -> Self {
+    pub(crate) fn shifted(mut self, by: Point) -> Self {
         match &mut self {
             Self::Rapid { to }
             | Self::Line { to, .. }
@@ -393,27 +393,27 @@ pub enum ThreadStart {
 /// A feature that makes a thread more than one straight pass of constant lead from the
 /// one-turn signal. A board that cuts passes itself cannot make it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum BeyondPass {
+pub enum ThreadPassFeature {
     /// The lead changes (G34).
     LeadChange,
     /// A run-out leaves the thread (J, K, No.019).
     RunOut,
     /// Another thread continues from it without a stop.
     #[serde(rename = "GoesOn")]
-    GoesOn,
+    Continued,
     /// The thread begins at another spindle angle (L).
     #[serde(rename = "Start")]
-    Start,
+    StartAngle,
 }
 
-impl BeyondPass {
+impl ThreadPassFeature {
     /// The feature in words, with advice.
-    pub fn text(self) -> Message {
+    pub fn to_message(self) -> Message {
         match self {
             Self::LeadChange => say::pass_lead_changes(),
             Self::RunOut => say::pass_run_out(),
-            Self::GoesOn => say::pass_goes_on(),
-            Self::Start => say::pass_start_beside_index(),
+            Self::Continued => say::pass_goes_on(),
+            Self::StartAngle => say::pass_start_beside_index(),
         }
     }
 }
@@ -484,7 +484,7 @@ impl MoveKind {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ExecutedMove {
     /// The block that the move comes from.
-    pub source: Source,
+    pub source: SourcePosition,
     /// Kind of motion.
     pub kind: MoveKind,
     /// Start point.
@@ -500,12 +500,12 @@ pub struct ExecutedMove {
     /// Duration of the move, s.
     pub duration_s: f64,
     /// Tool, frame and spindle speed during the move.
-    pub conditions: Conditions,
+    pub conditions: MoveConditions,
 }
 
 /// The conditions under which a move is made: tool, offset, frame and spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Conditions {
+pub struct MoveConditions {
     /// Tool in the working position, 0 = none.
     pub tool: u8,
     /// Offset number in force, 0 = none.
@@ -543,26 +543,26 @@ impl Unplaced {
 pub struct ThreadPhase {
     /// Axis that the lead is measured along.
     #[serde(rename = "long")]
-    pub long: Axis,
+    pub lead_axis: Axis,
     /// Change of the lead, mm per revolution and revolution.
     pub increase: f64,
     /// Spindle angle at which the thread begins.
     pub start: ThreadStart,
 }
 
-impl Conditions {
+impl MoveConditions {
     /// Takes tool, offset and thread from a command; `rpm` is the spindle speed at its
     /// start.
     #[inline]
-    pub(crate) fn of(command: &Command, frame: &Frame, rpm: f64) -> Self {
+    pub(crate) fn from_command(command: &ControlCommand, frame: &Frame, rpm: f64) -> Self {
         let thread = match command.action {
             Action::Thread {
-                long,
+                lead_axis: long,
                 increase,
                 start,
                 ..
             } => Some(ThreadPhase {
-                long,
+                lead_axis: long,
                 increase,
                 start,
             }),

@@ -4,7 +4,7 @@
 use gsk_messages::{Message, say};
 
 /// Advice for a G code that this control does not have (table 3-7).
-pub(crate) fn instead_of_g(code: i64) -> Option<Message> {
+pub(crate) fn advice_for_g_code(code: i64) -> Option<Message> {
     Some(match code {
         17..=19 => say::instead_of_plane(),
         20 | 21 => say::instead_of_inch_code(),
@@ -22,7 +22,7 @@ pub(crate) fn instead_of_g(code: i64) -> Option<Message> {
 }
 
 /// Advice for an M code that this control does not have (manual I-3.3).
-pub(crate) fn instead_of_m(code: u8) -> Option<Message> {
+pub(crate) fn advice_for_m_code(code: u8) -> Option<Message> {
     Some(match code {
         1 => say::instead_of_optional_stop(),
         2 => say::instead_of_end(),
@@ -34,7 +34,7 @@ pub(crate) fn instead_of_m(code: u8) -> Option<Message> {
 }
 
 /// Advice for a letter that is not an address (table 2-1).
-pub(crate) fn instead_of_address(letter: u8) -> Option<Message> {
+pub(crate) fn advice_for_address(letter: u8) -> Option<Message> {
     Some(match letter {
         b'A' => say::instead_of_angle(),
         b'C' => say::instead_of_chamfer_address(),
@@ -45,7 +45,7 @@ pub(crate) fn instead_of_address(letter: u8) -> Option<Message> {
 }
 
 /// Advice for a character that the language does not use.
-pub(crate) fn instead_of_character(character: u8) -> Option<Message> {
+pub(crate) fn advice_for_character(character: u8) -> Option<Message> {
     Some(match character {
         b',' => say::instead_of_comma(),
         b'#' | b'=' | b'[' | b']' => say::instead_of_variable_formula(),
@@ -54,7 +54,7 @@ pub(crate) fn instead_of_character(character: u8) -> Option<Message> {
 }
 
 /// Advice for a number above 9999 after O or N.
-pub(crate) fn instead_of_number(address: u8) -> Option<Message> {
+pub(crate) fn advice_for_number(address: u8) -> Option<Message> {
     match address {
         b'O' => Some(say::instead_of_long_number()),
         _ => None,
@@ -62,7 +62,7 @@ pub(crate) fn instead_of_number(address: u8) -> Option<Message> {
 }
 
 /// Joins a broken rule and the advice for it into one message.
-pub(crate) fn advised(rule: Message, advice: Option<Message>) -> Message {
+pub(crate) fn with_advice(rule: Message, advice: Option<Message>) -> Message {
     match advice {
         Some(advice) => say::several([rule, advice]),
         None => rule,

@@ -31,55 +31,55 @@ mod stopping;
 use core::time::Duration;
 
 use crate::alarm::Alarm;
-use crate::board::{BoardOrders, BoardReport, Checked};
+use crate::board::{BoardOrders, BoardReport, CheckedParameters};
 use crate::machine::{BoardContacts, LimitSwitches};
 use crate::simulation::Simulation;
 use crate::units::{PerAxis, Point, Pulses};
-pub use drives::drives;
+pub use drives::drives_from_parameters;
 use gsk_link::{
     BoardInfo, BoardOutputs, FINE, HostTime, Input, Link, LinkConfig, LinkState, MotionRefused,
     Output, Pins, Protocol, Sample, SpindleDirection, SpindleView, Stop, Traffic,
 };
 use gsk_messages::Message;
-use log::Log;
-pub use log::Note;
-use motion::Commanded;
-use pace::{Clock, Power, PowerEvent};
-use pass::Thread;
-pub use position::Stamp;
-use reports::Reports;
-use spindle::Spindle;
-use stopping::Stopping;
+use log::LinkLog;
+pub use log::LinkNote;
+use motion::CommandedMotion;
+use pace::{LinkClock, PowerChange, PowerWatch};
+use pass::BoardThread;
+pub use position::MotionStamp;
+use reports::PendingReports;
+use spindle::MeasuredSpindle;
+use stopping::StopInProgress;
 
 /// Keys of the control at the last tick. Their rising edges stop the board.
 #[derive(Clone, Copy, Debug, Default)]
-struct Keys {
+struct StopKeys {
     resetting: bool,
     emergency: bool,
 }
 
 /// State of the connection as the control last received it.
 #[derive(Clone, Copy, Debug)]
-struct Connection {
+struct LinkedConnection {
     state: LinkState,
     /// Set when RESET was pressed while the board was lost.
-    reopen: bool,
+    reopen_requested: bool,
     /// Set when the guard process has stopped the lost board.
-    stopped: bool,
+    guard_stopped: bool,
     /// Set when spindle and coolant were on at the loss of the board or before it was
     /// ready. They stay off until the ladder has switched them off.
-    withheld: bool,
+    outputs_withheld: bool,
 }
 
 /// What the control commanded in its last tick.
 #[derive(Clone, Copy, Debug, Default)]
-struct Control {
+struct ControlSnapshot {
     pulses: PerAxis<Pulses>,
     orders: BoardOrders,
 }
 
-impl Control {
-    fn of(simulation: &Simulation) -> Self {
+impl ControlSnapshot {
+    fn from_simulation(simulation: &Simulation) -> Self {
         Self {
             pulses: simulation.cnc.pulses(),
             orders: simulation.board_orders(),
@@ -89,74 +89,79 @@ impl Control {
 
 /// Reference returns that the control drives.
 #[derive(Clone, Copy, Debug, Default)]
-struct Returns {
+struct ReturnSearch {
     /// Pulse count at which the control began to seek a switch.
-    sought_from: PerAxis<Pulses>,
+    search_start: PerAxis<Pulses>,
     /// Set when the board has just homed.
     homed: bool,
     /// Distance between the limit switches of an axis, mm; X as a diameter.
-    lengths: PerAxis<Option<f64>>,
+    travel_mm: PerAxis<Option<f64>>,
 }
 
 /// A link to a pulse board and its exchange with the control beside it.
 #[derive(Clone, Debug)]
-pub struct Linked {
+pub struct LinkedControl {
     link: Link,
     config: LinkConfig,
     /// Parameter values when the link was opened.
-    checked: Checked,
-    connection: Connection,
-    clock: Clock,
-    power: Power,
-    keys: Keys,
-    motion: Commanded,
-    stopping: Stopping,
-    returns: Returns,
-    thread: Thread,
-    spindle: Spindle,
-    control: Control,
-    reports: Reports,
-    log: Log,
+    checked: CheckedParameters,
+    connection: LinkedConnection,
+    clock: LinkClock,
+    power: PowerWatch,
+    keys: StopKeys,
+    motion: CommandedMotion,
+    stopping: StopInProgress,
+    returns: ReturnSearch,
+    thread: BoardThread,
+    spindle: MeasuredSpindle,
+    control: ControlSnapshot,
+    reports: PendingReports,
+    log: LinkLog,
 }
 
-impl Linked {
+impl LinkedControl {
     /// Opens the link of a control. The position of its slides is unknown from now on.
     pub fn open(config: LinkConfig, simulation: &mut Simulation, now: HostTime) -> Self {
-        let checked = Checked::new(simulation.cnc.parameters(), config.protocol);
-        let link = Link::open(config.clone(), &drives(simulation.cnc.parameters()), now);
+        let checked = CheckedParameters::new(simulation.cnc.parameters(), config.protocol);
+        let link = Link::open(
+            config.clone(),
+            &drives_from_parameters(simulation.cnc.parameters()),
+            now,
+        );
         simulation.attach_board();
         let lathe = simulation.lathe.config();
-        let length = |limits: Option<LimitSwitches>| limits.map(|it| it.plus - it.minus);
+        let travel =
+            |limits: Option<LimitSwitches>| limits.map(|switches| switches.plus - switches.minus);
         Self {
             link,
             config,
             checked,
-            connection: Connection {
+            connection: LinkedConnection {
                 state: LinkState::Opening,
-                reopen: false,
-                stopped: false,
-                withheld: true,
+                reopen_requested: false,
+                guard_stopped: false,
+                outputs_withheld: true,
             },
-            clock: Clock::new(now),
-            power: Power::new(simulation.cnc.ticks()),
-            keys: Keys::default(),
-            motion: Commanded::new(simulation.cnc.pulses()),
-            stopping: Stopping::None,
-            returns: Returns {
-                lengths: PerAxis::new(length(lathe.x.limits), length(lathe.z.limits)),
-                ..Returns::default()
+            clock: LinkClock::new(now),
+            power: PowerWatch::new(simulation.cnc.ticks()),
+            keys: StopKeys::default(),
+            motion: CommandedMotion::new(simulation.cnc.pulses()),
+            stopping: StopInProgress::None,
+            returns: ReturnSearch {
+                travel_mm: PerAxis::new(travel(lathe.x.limits), travel(lathe.z.limits)),
+                ..ReturnSearch::default()
             },
-            thread: Thread::default(),
-            spindle: Spindle::default(),
-            control: Control::of(simulation),
-            reports: Reports::default(),
-            log: Log::default(),
+            thread: BoardThread::default(),
+            spindle: MeasuredSpindle::default(),
+            control: ControlSnapshot::from_simulation(simulation),
+            reports: PendingReports::default(),
+            log: LinkLog::default(),
         }
     }
 
     /// Adds data dictionaries that boards sent in earlier sessions. Call it before the
     /// first [`pump`](Self::pump).
-    pub fn know(&mut self, dictionaries: Vec<Vec<u8>>) {
+    pub fn add_dictionaries(&mut self, dictionaries: Vec<Vec<u8>>) {
         self.link.add_dictionaries(dictionaries);
     }
 
@@ -171,24 +176,24 @@ impl Linked {
     /// Passes received bytes and the host time to the link. Call it at least every 5 ms,
     /// and before [`may_tick`](Self::may_tick).
     pub fn pump(&mut self, bytes: &[u8], now: HostTime) {
-        let gap = self.clock.passes(now);
-        self.judge_absence(gap);
+        let gap = self.clock.advance(now);
+        self.handle_host_gap(gap);
         self.link.rx(bytes, self.clock.now);
         self.link.tick(self.clock.now);
         for event in self.link.events() {
-            self.hear(event);
+            self.handle_event(event);
         }
         self.adopt_count();
         self.report_late();
         self.report_standstill();
-        self.settle();
+        self.issue_requests();
     }
 
     /// Reports that the port failed.
-    pub fn lost(&mut self, cause: Message) {
+    pub fn handle_port_failure(&mut self, cause: Message) {
         self.link.lost(cause);
         for event in self.link.events() {
-            self.hear(event);
+            self.handle_event(event);
         }
         self.adopt_count();
         self.report_standstill();
@@ -196,19 +201,19 @@ impl Linked {
 
     /// Reports that the guard process stopped the board, with the bytes that the board
     /// answered. They show whether the outputs are off although the link is lost.
-    pub fn stopped_by_holder(&mut self, answered: &[u8]) {
-        self.connection.stopped = self.link.has_answered_stop(answered);
+    pub fn handle_guard_stop(&mut self, answered: &[u8]) {
+        self.connection.guard_stopped = self.link.has_answered_stop(answered);
     }
 
     /// Whether the guard process must stop the board if this program falls silent. A board
     /// of timed steps stops on its own.
     pub fn needs_guard(&self) -> bool {
-        let on =
+        let is_on =
             |outputs: BoardOutputs| outputs.spindle != SpindleDirection::Stop || outputs.coolant;
         self.config.protocol == Protocol::Line
-            && (self.is_behind()
+            && (self.has_pending_motion()
                 || self.thread.pass.is_some()
-                || self.link.switched().is_none_or(on))
+                || self.link.switched().is_none_or(is_on))
     }
 
     /// Bytes to write to the port.
@@ -217,7 +222,7 @@ impl Linked {
     }
 
     /// Drops the first `count` bytes of [`tx`](Self::tx), which have been written.
-    pub fn consumed(&mut self, count: usize) {
+    pub fn mark_written(&mut self, count: usize) {
         self.link.consumed(count);
     }
 
@@ -228,42 +233,42 @@ impl Linked {
 
     /// Runs one tick of a simulation without a panel.
     pub fn tick(&mut self, simulation: &mut Simulation) {
-        self.before(simulation);
+        self.before_tick(simulation);
         simulation.tick();
-        self.after(simulation);
+        self.after_tick(simulation);
     }
 
     /// Passes the board's reports to the simulation. Call it before each tick.
-    pub fn before(&mut self, simulation: &mut Simulation) {
+    pub fn before_tick(&mut self, simulation: &mut Simulation) {
         let inputs = self.inputs_of_tick();
         simulation.set_board(inputs);
     }
 
     /// Passes the control's motion and orders to the board. Call it after each tick.
-    pub fn after(&mut self, simulation: &mut Simulation) {
+    pub fn after_tick(&mut self, simulation: &mut Simulation) {
         self.clock.run += Duration::from_millis(1);
         match self.power.tick(simulation.cnc.ticks()) {
-            PowerEvent::None => {}
-            PowerEvent::Lost => self.without_power(simulation),
-            PowerEvent::Tick => {
-                self.control = Control::of(simulation);
-                self.hand_over();
-                self.follow();
+            PowerChange::None => {}
+            PowerChange::Lost => self.handle_power_change(simulation),
+            PowerChange::Tick => {
+                self.control = ControlSnapshot::from_simulation(simulation);
+                self.push_motion();
+                self.apply_orders();
                 self.offer_pass();
             }
         }
-        simulation.add_board_contacts(&self.contacts());
+        simulation.add_board_contacts(&self.board_contacts());
     }
 
     /// The switches of the board as contacts of the control.
-    fn contacts(&self) -> BoardContacts {
+    fn board_contacts(&self) -> BoardContacts {
         let pins = self.link.pins();
         let input = |x, z| PerAxis::new(self.link.input(x), self.link.input(z));
         let mut contacts = BoardContacts {
-            emergency: pins.emergency,
-            door: pins.door,
-            switch: input(Input::DecelerationX, Input::DecelerationZ),
-            signal: input(Input::ZeroX, Input::ZeroZ),
+            emergency_stop_open: pins.emergency,
+            door_open: pins.door,
+            deceleration_switch: input(Input::DecelerationX, Input::DecelerationZ),
+            zero_signal: input(Input::ZeroX, Input::ZeroZ),
             ..BoardContacts::default()
         };
         for contact in self.config.contacts() {
@@ -312,59 +317,60 @@ impl Linked {
 
     /// Handles the loss or return of the control's power: its pulse count starts again from
     /// zero.
-    fn without_power(&mut self, simulation: &mut Simulation) {
-        self.stopping = Stopping::None;
+    fn handle_power_change(&mut self, simulation: &mut Simulation) {
+        self.stopping = StopInProgress::None;
         self.thread.pass = None;
         self.link.forget_position();
         self.link.set_outputs(BoardOutputs::default());
         simulation.attach_board();
-        self.reports = Reports::default();
-        self.control = Control::of(simulation);
-        self.motion.stand_at(self.control.pulses);
+        self.reports = PendingReports::default();
+        self.control = ControlSnapshot::from_simulation(simulation);
+        self.motion.set_count(self.control.pulses);
     }
 
     /// Passes the motion of the tick to the board.
-    fn hand_over(&mut self) {
-        let Control { pulses, orders } = self.control;
+    fn push_motion(&mut self) {
+        let ControlSnapshot { pulses, orders } = self.control;
         if self.thread.pass.is_some() {
             // The board moves first; the control follows its count.
-            self.motion.stand_at(pulses);
+            self.motion.set_count(pulses);
             return;
         }
         self.motion.moved = pulses != self.motion.pulses;
         if !self.motion.moved && !self.link.is_prepared() {
             return;
         }
-        let waits = orders.spindle.waits;
-        self.link.keep_time(waits || orders.spindle.lead.is_some());
-        let parts = |position: f64| (position * FINE as f64).round() as i64;
+        let waits = orders.spindle.waits_for_angle;
+        self.link
+            .keep_time(waits || orders.spindle.lead_mm.is_some());
+        let to_fine = |position: f64| (position * FINE as f64).round() as i64;
         let sample = Sample {
             end: self.clock.run,
             pulses,
-            fine: PerAxis::new(parts(orders.fine.x), parts(orders.fine.z)),
+            fine: PerAxis::new(to_fine(orders.fraction.x), to_fine(orders.fraction.z)),
         };
         match self.link.push(sample) {
             Ok(()) => self.motion.pulses = pulses,
-            Err(refused) => return self.refuse(refused),
+            Err(refused) => return self.reject_motion(refused),
         }
         if self.motion.moved {
-            self.motion.last = self.clock.run;
+            self.motion.last_motion_end = self.clock.run;
         } else if !waits
-            && !orders.moving
+            && !orders.is_moving
             && let Err(refused) = self.link.finish()
         {
-            self.refuse(refused);
+            self.reject_motion(refused);
         }
     }
 
     /// Handles motion that the board rejects: the control returns to the position of the
     /// slides.
-    fn refuse(&mut self, refused: MotionRefused) {
+    fn reject_motion(&mut self, refused: MotionRefused) {
         let (number, text) = refused.to_alarm();
-        self.raise(Alarm::new(number).because(text));
-        self.report(BoardReport::Halted);
+        self.raise(Alarm::new(number).with_detail(text));
+        self.report(BoardReport::MotionEnded);
         self.motion.moved = false;
-        self.report(BoardReport::NotTaken(self.motion.pulses));
+        self.report(BoardReport::MotionRejected(self.motion.pulses));
         if self.link.state() == LinkState::Moving {
             // The board reports that position when it has stopped.
             self.link.stop(Stop::Flush);
@@ -373,7 +379,7 @@ impl Linked {
     }
 
     /// Whether the slides may still move or the board holds motion.
-    pub fn is_behind(&self) -> bool {
+    pub fn has_pending_motion(&self) -> bool {
         matches!(
             self.link.state(),
             LinkState::Moving | LinkState::Verify | LinkState::Homing
@@ -381,31 +387,31 @@ impl Linked {
     }
 
     /// Takes the entries for the link's log.
-    pub fn notes(&mut self) -> Vec<Note> {
+    pub fn take_notes(&mut self) -> Vec<LinkNote> {
         core::mem::take(&mut self.log.notes)
     }
 
     /// Whether the operator wants the lost board back: the caller then opens the port
     /// again.
-    pub const fn is_to_be_reopened(&self) -> bool {
-        self.connection.reopen
+    pub const fn needs_reopening(&self) -> bool {
+        self.connection.reopen_requested
     }
 
     /// Starts a comparison of the counts, if the slides stand still.
-    pub fn check(&mut self) {
-        if self.link.state() == LinkState::Ready && !self.is_behind() {
+    pub fn check_count(&mut self) {
+        if self.link.state() == LinkState::Ready && !self.has_pending_motion() {
             self.log.checking = self.link.compare();
             if !self.log.checking {
                 // A difference raises an alarm as soon as the board reports it.
-                self.checked(true, None);
+                self.log_count_check(true, None);
             }
         }
     }
 
     /// Logs a last comparison of the counts before the port is closed.
-    pub fn check_last(&mut self) {
-        if self.link.state() == LinkState::Ready && !self.is_behind() {
-            self.checked(true, None);
+    pub fn check_count_before_close(&mut self) {
+        if self.link.state() == LinkState::Ready && !self.has_pending_motion() {
+            self.log_count_check(true, None);
         }
     }
 
@@ -449,7 +455,7 @@ impl Linked {
 
     /// The next message of the traffic as text, taken from the collected bytes; `outward`
     /// selects the direction.
-    pub fn next_text(&self, outward: bool, collected: &mut Vec<u8>) -> Option<String> {
+    pub fn next_traffic_text(&self, outward: bool, collected: &mut Vec<u8>) -> Option<String> {
         self.link.next_text(outward, collected)
     }
 
@@ -485,7 +491,7 @@ impl Linked {
     }
 
     /// Machine coordinates after the board's homing, X as a radius.
-    fn home(&self) -> Point {
+    fn home_position(&self) -> Point {
         Point::new(self.config.x.home_at / 2.0, self.config.z.home_at)
     }
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// The operating mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Mode {
+pub enum OperatingMode {
     /// 编辑: programs are edited.
     Edit,
     /// 自动: a stored program is executed.
@@ -31,7 +31,7 @@ pub enum Mode {
     TeachHandwheel,
 }
 
-impl Mode {
+impl OperatingMode {
     /// Every operating mode.
     pub const ALL: [Self; 12] = [
         Self::Edit,
@@ -109,7 +109,7 @@ impl Mode {
 
     /// The mode whose motion this mode has: a teach-in mode moves the axes like the mode it
     /// is named after.
-    pub const fn motion(self) -> Self {
+    pub const fn motion_mode(self) -> Self {
         match self {
             Self::TeachJog => Self::Jog,
             Self::TeachStep => Self::Step,

@@ -3,9 +3,9 @@
 //! parameters that only this model has. The effect of a code is implemented once for all
 //! models that have it.
 
-mod calls;
+mod code_meanings;
 mod conventions;
-mod meaning;
+mod program_calls;
 mod record;
 
 use std::collections::BTreeMap;
@@ -13,10 +13,10 @@ use std::collections::BTreeMap;
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
+pub use code_meanings::{GCode, MCode};
 pub use conventions::{Conventions, Increments, MacroForm, ToolForm, WorkPlane, XMeasure};
-pub use meaning::{GCode, MCode};
-pub(crate) use record::{Edge, LadderOutput, MFunction, Side, Wire};
-pub use record::{ModelParameter, Record};
+pub(crate) use record::{AxisEnd, EdgeAction, LadderOutput, MFunction, WiredContact};
+pub use record::{ModelParameter, ModelRecord};
 
 /// A control model.
 #[derive(
@@ -39,7 +39,7 @@ impl ModelId {
     pub const ALL: [Self; 4] = [Self::Gsk980td, Self::Gsk980mdi, Self::Hx31, Self::Ncb08];
 
     /// The word of the model on the command line, and the name of its folder.
-    pub const fn word(self) -> &'static str {
+    pub const fn command_word(self) -> &'static str {
         match self {
             Self::Gsk980td => "gsk980td",
             Self::Gsk980mdi => "gsk980mdi",
@@ -59,13 +59,13 @@ impl ModelId {
     }
 
     /// The model with a word of the command line; `None` for an unknown word.
-    pub fn from_word(word: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|it| it.word() == word)
+    pub fn from_command_word(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|it| it.command_word() == word)
     }
 
     /// The record of the model from `assets/models/`.
-    pub fn record(self) -> &'static Record {
-        Record::of(self)
+    pub fn record(self) -> &'static ModelRecord {
+        ModelRecord::for_model(self)
     }
 
     /// Whether the model is the GSK980TD.
@@ -103,7 +103,7 @@ impl ControlModel {
     }
 
     /// The record of the model.
-    pub fn record(&self) -> &'static Record {
+    pub fn record(&self) -> &'static ModelRecord {
         self.id.record()
     }
 
@@ -148,22 +148,22 @@ impl ControlModel {
 /// Parameters of macro B that assign programs to codes, and the numbers of those programs.
 pub(crate) mod code_calls {
     /// First of ten parameters: G codes that call a program like G65.
-    pub(crate) const G: u16 = 220;
+    pub(crate) const FIRST_G_PARAMETER: u16 = 220;
     /// First of ten parameters: M codes that call a program like G65.
-    pub(crate) const M: u16 = 230;
+    pub(crate) const FIRST_M_PARAMETER: u16 = 230;
     /// First of three parameters: M codes that call a program like M98.
-    pub(crate) const PLAIN_M: u16 = 240;
+    pub(crate) const FIRST_PLAIN_M_PARAMETER: u16 = 240;
     /// Parameter: each T word calls a program like M98.
-    pub(crate) const T: u16 = 243;
+    pub(crate) const T_PARAMETER: u16 = 243;
     /// The same for the GSK980MDi: a bit parameter.
-    pub(crate) const T_OF_MILL: u16 = 40;
-    /// The bit in [`T_OF_MILL`].
-    pub(crate) const T_BIT: u8 = 5;
+    pub(crate) const MILL_T_PARAMETER: u16 = 40;
+    /// The bit in [`MILL_T_PARAMETER`].
+    pub(crate) const MILL_T_BIT: u8 = 5;
     /// The program that the first code of each kind calls.
-    pub(crate) const OF_G: u16 = 9010;
-    pub(crate) const OF_M: u16 = 9020;
-    pub(crate) const OF_PLAIN_M: u16 = 9001;
-    pub(crate) const OF_T: u16 = 9000;
+    pub(crate) const FIRST_G_PROGRAM: u16 = 9010;
+    pub(crate) const FIRST_M_PROGRAM: u16 = 9020;
+    pub(crate) const FIRST_PLAIN_M_PROGRAM: u16 = 9001;
+    pub(crate) const T_PROGRAM: u16 = 9000;
 }
 
 /// Numbers of Huaxing lathes.
@@ -197,12 +197,12 @@ mod tests {
             let name = id.name();
             assert!(record.g_code(0).is_some(), "{name} has no G00");
             assert!(record.m_function(30).is_some(), "{name} has no M30");
-            assert_eq!(ModelId::from_word(id.word()), Some(id));
+            assert_eq!(ModelId::from_command_word(id.command_word()), Some(id));
         }
     }
 
     #[test]
-    fn what_is_decided_is_a_code_of_the_model() {
+    fn decided_codes_are_codes_of_the_model() {
         for id in ModelId::ALL {
             let record = id.record();
             for code in &record.g_decided {

@@ -2,63 +2,63 @@
 //! callback; the memory needed does not grow with the program.
 
 mod bounds;
-mod carry_out;
 mod caution;
+mod certainty;
 mod clock;
-mod facts;
-mod further;
-mod messages;
-mod preset;
+mod execute;
+mod further_alarms;
+mod ladder_messages;
+mod line_words;
+mod moves;
 mod spindle;
+mod start_position;
 #[cfg(test)]
 mod tests;
 mod thread;
-mod travel;
 mod work_budget;
-mod written;
 
 use core::cell::LazyCell;
 
 use crate::alarm::{Alarm, number};
-use crate::command::{Action, ExecutedMove, Frame, Source};
-use crate::interpreter::Advance;
+use crate::command::{Action, ExecutedMove, Frame, SourcePosition};
+use crate::interpreter::AdvanceResult;
 use crate::interpreter::Explanation;
-use crate::interpreter::Immediate;
+use crate::interpreter::ImmediateHost;
 use crate::interpreter::Interpreter;
 use crate::interpreter::MachineCodes;
-use crate::interpreter::Modal;
-use crate::memory::{Parameters, Registers};
-use crate::motion::{MotionLimits, Sequel};
+use crate::interpreter::ModalState;
+use crate::memory::{ControlParameters, Registers};
+use crate::motion::{CutChain, MotionLimits};
 use crate::program::ProgramMemory;
 use crate::setup::Setup;
 use crate::simulation::Simulation;
 use crate::units::{PerAxis, Point, round};
 
-pub use bounds::Bounds;
-pub use caution::{Caution, Slip};
-use clock::Clock;
-use further::{Behind, Raised};
-pub use further::{Further, MOST_FURTHER};
+pub use bounds::PathBounds;
+pub use caution::{Caution, CautionKind};
+use clock::PreviewClock;
+use further_alarms::{AlarmSearch, AlarmStage};
+pub use further_alarms::{FurtherAlarms, MAX_FURTHER_ALARMS};
 use gsk_messages::say;
-use messages::Messages;
-use preset::SetPlace;
-use spindle::Spindle;
-pub use spindle::Turning;
-use travel::Shown;
+use ladder_messages::LadderMessages;
+use moves::ReportedEnd;
+use spindle::PreviewSpindle;
+pub use spindle::SpindleRotation;
+use start_position::StartPositionCheck;
 pub use work_budget::WorkBudget;
 
 /// Blocks without motion after which [`preview`] stops.
 const MOTIONLESS_BLOCKS: u64 = 1_500_000;
 
 /// Number of commands between two calls of the progress callback.
-const COMMANDS_A_LOOK: u32 = 4096;
+const COMMANDS_PER_PROGRESS: u32 = 4096;
 
 /// Machine time after which a preview stops, s: 1000 hours.
-const LONGEST_S: f64 = 3.6e6;
+const LONGEST_RUN_S: f64 = 3.6e6;
 
 /// The way in which a preview ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
+pub enum PreviewEnd {
     /// At M30.
     M30,
     /// At M02, on models that have it.
@@ -75,7 +75,7 @@ pub enum End {
 
 /// Lengths of the path by kind of move, mm; a rapid counts as its chord.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Lengths {
+pub struct PathLengths {
     /// Length of all rapids, mm.
     pub rapid: f64,
     /// Length of all straight cuts, mm.
@@ -92,11 +92,11 @@ pub struct Lengths {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preview {
     /// How the program ended.
-    pub end: End,
+    pub end: PreviewEnd,
     /// The alarm that ended the program.
     pub alarm: Option<Alarm>,
     /// Further errors after that alarm. All other fields describe the run up to it.
-    pub further: Further,
+    pub further: FurtherAlarms,
     /// Estimated machine time, s: motion, M, S, T and dwell.
     pub time_s: f64,
     /// Part of [`Self::time_s`] spent in cutting moves, s.
@@ -112,12 +112,12 @@ pub struct Preview {
     /// Tools that were called, with their offset numbers, in order; each pair once.
     pub tools: Vec<(u8, u8)>,
     /// Bounding box of the path in work coordinates; `None` without motion.
-    pub bounds: Option<Bounds>,
+    pub bounds: Option<PathBounds>,
     /// Probable mistakes that raise no alarm. Most kinds are listed at their first
     /// occurrence only.
     pub cautions: Vec<Caution>,
     /// Path lengths by kind of move.
-    pub lengths: Lengths,
+    pub lengths: PathLengths,
     /// Absolute position at the end, mm.
     pub absolute: Point,
     /// Machine position at the end, mm.
@@ -127,18 +127,18 @@ pub struct Preview {
     /// Coordinate frame at the end.
     pub frame: Frame,
     /// Modal state at the end.
-    pub modal: Modal,
+    pub modal: ModalState,
     /// Direction of the spindle at the end.
-    pub spindle: Turning,
+    pub spindle: SpindleRotation,
     /// Whether coolant is on at the end.
     pub coolant: bool,
     /// Parameters at the end; cycles may have written some of them.
-    pub parameters: Parameters,
+    pub parameters: ControlParameters,
 }
 
 /// Progress of a running preview.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Progress {
+pub struct PreviewProgress {
     /// Line of the current block, from 1.
     pub line: u32,
     /// Number of executed blocks.
@@ -161,54 +161,66 @@ pub fn preview(
     programs: &ProgramMemory,
     on_move: &mut dyn FnMut(&ExecutedMove),
 ) -> Preview {
-    preview_while(setup, programs, on_move, &mut |progress| {
+    preview_with_progress(setup, programs, on_move, &mut |progress| {
         progress.motionless < MOTIONLESS_BLOCKS
     })
 }
 
-/// Like [`preview`], while `go_on` returns true: it is called every few thousand commands.
-/// When it returns false, the preview ends with [`End::Limit`].
-pub fn preview_while(
+/// Like [`preview`], while `should_continue` returns true: it is called every few thousand commands.
+/// When it returns false, the preview ends with [`PreviewEnd::Limit`].
+pub fn preview_with_progress(
     setup: &Setup,
     programs: &ProgramMemory,
     on_move: &mut dyn FnMut(&ExecutedMove),
-    go_on: &mut dyn FnMut(&Progress) -> bool,
+    should_continue: &mut dyn FnMut(&PreviewProgress) -> bool,
 ) -> Preview {
-    let wanted = Wanted::default();
-    interpret(setup, programs, &mut |it, _| on_move(it), go_on, wanted)
+    let options = PreviewOptions::default();
+    interpret(
+        setup,
+        programs,
+        &mut |it, _| on_move(it),
+        should_continue,
+        options,
+    )
 }
 
-/// Like [`preview_while`]; `on_move` also receives the explanation of a move of a cycle.
+/// Like [`preview_with_progress`]; `on_move` also receives the explanation of a move of a cycle.
 pub fn preview_explained(
     setup: &Setup,
     programs: &ProgramMemory,
     on_move: &mut dyn FnMut(&ExecutedMove, Option<&Explanation>),
-    go_on: &mut dyn FnMut(&Progress) -> bool,
+    should_continue: &mut dyn FnMut(&PreviewProgress) -> bool,
 ) -> Preview {
-    let wanted = Wanted {
+    let options = PreviewOptions {
         explanations: true,
-        ..Wanted::default()
+        ..PreviewOptions::default()
     };
-    interpret(setup, programs, on_move, go_on, wanted)
+    interpret(setup, programs, on_move, should_continue, options)
 }
 
-/// Like [`preview_while`]; after an alarm it continues and collects [`Further`] ones.
+/// Like [`preview_with_progress`]; after an alarm it continues and collects [`FurtherAlarms`] ones.
 pub fn preview_beyond_alarms(
     setup: &Setup,
     programs: &ProgramMemory,
     on_move: &mut dyn FnMut(&ExecutedMove),
-    go_on: &mut dyn FnMut(&Progress) -> bool,
+    should_continue: &mut dyn FnMut(&PreviewProgress) -> bool,
 ) -> Preview {
-    let wanted = Wanted {
+    let options = PreviewOptions {
         beyond_alarms: true,
-        ..Wanted::default()
+        ..PreviewOptions::default()
     };
-    interpret(setup, programs, &mut |it, _| on_move(it), go_on, wanted)
+    interpret(
+        setup,
+        programs,
+        &mut |it, _| on_move(it),
+        should_continue,
+        options,
+    )
 }
 
 /// Optional outputs that cost time.
 #[derive(Clone, Copy, Default)]
-struct Wanted {
+struct PreviewOptions {
     /// Continue after an alarm.
     beyond_alarms: bool,
     /// Explain the position of moves of cycles.
@@ -219,11 +231,11 @@ fn interpret(
     setup: &Setup,
     programs: &ProgramMemory,
     on_move: &mut OnMove<'_>,
-    go_on: &mut dyn FnMut(&Progress) -> bool,
-    wanted: Wanted,
+    should_continue: &mut dyn FnMut(&PreviewProgress) -> bool,
+    options: PreviewOptions,
 ) -> Preview {
     let frame = frame_at_start(setup);
-    let mut host = Immediate {
+    let mut host = ImmediateHost {
         parameters: setup.memory.parameters.clone(),
         offsets: setup.memory.offsets.clone(),
         registers: Registers::new(setup.day_time),
@@ -234,7 +246,7 @@ fn interpret(
         inputs: LazyCell::new(Box::new(|| idle_inputs(setup))),
         outputs: 0,
         programs,
-        position: setup.start.unwrap_or_default(),
+        machine_position: setup.start.unwrap_or_default(),
         // The machine coordinates determine where the work is drawn, whether the real
         // reference point is known or not.
         referenced: PerAxis::new(true, true),
@@ -245,41 +257,46 @@ fn interpret(
     interpreter.set_macro_b(setup.memory.settings.macro_b);
     interpreter.set_model(&setup.memory.model);
     interpreter.set_tool(setup.tool_in_position());
-    interpreter.set_machine_codes(MachineCodes::of(setup.ladder.m_codes()));
+    interpreter.set_machine_codes(MachineCodes::from_declared(setup.ladder.m_codes()));
     interpreter.set_frame(frame, &host);
-    interpreter.audit_words();
-    let mut walk = Walk::new(setup, programs, *interpreter.modal(), on_move);
-    walk.explains = wanted.explanations;
-    let met = match programs.current() {
+    interpreter.start_word_audit();
+    let mut preview_run = PreviewRun::new(setup, programs, *interpreter.modal(), on_move);
+    preview_run.has_explanations = options.explanations;
+    let first_alarm = match programs.selected() {
         Some(program) => {
             interpreter.start(program, 1, &host);
-            walk.look_at_text(program);
-            walk.run(&mut interpreter, &mut host, go_on)
+            preview_run.check_text(program);
+            preview_run.run(&mut interpreter, &mut host, should_continue)
         }
         None => {
-            let alarm = Alarm::new(number::PROGRAM_MISSING).because(say::program_not_selected());
-            Some((alarm, Raised::Reading))
+            let alarm =
+                Alarm::new(number::PROGRAM_MISSING).with_detail(say::program_not_selected());
+            Some((alarm, AlarmStage::Reading))
         }
     };
-    walk.show_return(None);
-    if let Some((alarm, _)) = &met {
-        walk.fail(alarm.clone());
+    preview_run.report_return(None);
+    if let Some((alarm, _)) = &first_alarm {
+        preview_run.fail(alarm.clone());
     }
-    walk.look_at_end();
-    let mut preview = walk.result(&host.parameters);
+    preview_run.check_end_position();
+    let mut preview = preview_run.finish(&host.parameters);
     preview.modal = *interpreter.modal();
-    if matches!(preview.end, End::M30 | End::M02 | End::Text) {
+    if matches!(
+        preview.end,
+        PreviewEnd::M30 | PreviewEnd::M02 | PreviewEnd::Text
+    ) {
         // The end of a program resets the control.
         preview.modal.nose_compensation = 40;
     }
-    if let (Some(met), true) = (met, wanted.beyond_alarms) {
-        preview.further = walk.look_on(met, &mut interpreter, &mut host, go_on);
-        preview.cautions = walk.so_far.cautions;
+    if let (Some(met), true) = (first_alarm, options.beyond_alarms) {
+        preview.further =
+            preview_run.search_further_alarms(met, &mut interpreter, &mut host, should_continue);
+        preview.cautions = preview_run.preview.cautions;
     }
     let record = setup.memory.model.record();
-    preview.alarm = preview.alarm.map(|alarm| alarm.of_model(record));
+    preview.alarm = preview.alarm.map(|alarm| alarm.with_model_letter(record));
     for alarm in &mut preview.further.alarms {
-        *alarm = alarm.clone().of_model(record);
+        *alarm = alarm.clone().with_model_letter(record);
     }
     preview
 }
@@ -310,69 +327,69 @@ fn idle_inputs(setup: &Setup) -> u16 {
 type OnMove<'a> = dyn FnMut(&ExecutedMove, Option<&Explanation>) + 'a;
 
 /// State of the preview while it executes commands.
-struct Walk<'a> {
+struct PreviewRun<'a> {
     limits: MotionLimits,
-    clock: Clock,
-    spindle: Spindle,
-    messages: Messages,
+    clock: PreviewClock,
+    spindle: PreviewSpindle,
+    messages: LadderMessages,
     relative_zero: Point,
     motionless: u64,
     /// Block of the last executed command.
-    source: Option<Source>,
+    source: Option<SourcePosition>,
     /// The program has reached its end.
     ended: bool,
     programs: &'a ProgramMemory,
-    set_place: SetPlace,
+    position_check: StartPositionCheck,
     /// State of the preview after the first alarm.
-    behind: Option<Behind>,
+    alarm_search: Option<AlarmSearch>,
     /// Deceleration time at the end of the last thread, s. It is added to the clock later.
-    owed: f64,
+    owed_deceleration_s: f64,
     /// Cuts that blend into each other (007.3 = 0), and the last of them. Its duration is
     /// known at the next command.
-    sequel: Sequel,
-    unsettled: Option<(ExecutedMove, Option<Explanation>)>,
+    sequel: CutChain,
+    pending_cut: Option<(ExecutedMove, Option<Explanation>)>,
     /// A rapid that may lead to a machine zero: the next command decides.
-    returning: Option<(ExecutedMove, Option<Explanation>)>,
-    shown: Option<Shown>,
+    pending_return: Option<(ExecutedMove, Option<Explanation>)>,
+    last_reported: Option<ReportedEnd>,
     /// Time in which the spindle reaches a new speed, s.
-    settle_s: f64,
-    so_far: Preview,
+    spindle_settle_s: f64,
+    preview: Preview,
     on_move: &'a mut OnMove<'a>,
     /// Whether moves are explained, and the explanation of the current command.
-    explains: bool,
+    has_explanations: bool,
     explanation: Option<Explanation>,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> PreviewRun<'a> {
     fn new(
         setup: &Setup,
         programs: &'a ProgramMemory,
-        modal: Modal,
+        modal: ModalState,
         on_move: &'a mut OnMove<'a>,
     ) -> Self {
         let start = setup.start.unwrap_or_default();
         Self {
-            limits: MotionLimits::of(&setup.memory.parameters, &setup.memory.model),
-            clock: Clock::new(setup),
-            spindle: Spindle::new(setup),
-            messages: Messages::new(setup),
+            limits: MotionLimits::from_model(&setup.memory.parameters, &setup.memory.model),
+            clock: PreviewClock::new(setup),
+            spindle: PreviewSpindle::new(setup),
+            messages: LadderMessages::new(setup),
             relative_zero: Point::default(),
             motionless: 0,
             source: None,
             ended: false,
             programs,
-            set_place: SetPlace::new(setup),
-            behind: None,
-            owed: 0.0,
-            sequel: Sequel::default(),
-            unsettled: None,
-            returning: None,
-            shown: None,
-            settle_s: f64::from(setup.lathe.spindle.settle_ms) / 1000.0,
-            so_far: Preview {
-                end: End::Limit,
+            position_check: StartPositionCheck::new(setup),
+            alarm_search: None,
+            owed_deceleration_s: 0.0,
+            sequel: CutChain::default(),
+            pending_cut: None,
+            pending_return: None,
+            last_reported: None,
+            spindle_settle_s: f64::from(setup.lathe.spindle.settle_ms) / 1000.0,
+            preview: Preview {
+                end: PreviewEnd::Limit,
                 alarm: None,
-                further: Further::default(),
+                further: FurtherAlarms::default(),
                 time_s: 0.0,
                 cutting_s: 0.0,
                 blocks: 0,
@@ -382,18 +399,18 @@ impl<'a> Walk<'a> {
                 tools: Vec::new(),
                 cautions: Vec::new(),
                 bounds: None,
-                lengths: Lengths::default(),
+                lengths: PathLengths::default(),
                 absolute: start,
                 machine: start,
                 relative: start,
                 frame: frame_at_start(setup),
                 modal,
-                spindle: Turning::Stopped,
+                spindle: SpindleRotation::Stopped,
                 coolant: false,
                 parameters: setup.memory.parameters.clone(),
             },
             on_move,
-            explains: false,
+            has_explanations: false,
             explanation: None,
         }
     }
@@ -402,15 +419,15 @@ impl<'a> Walk<'a> {
     fn run(
         &mut self,
         interpreter: &mut Interpreter,
-        host: &mut Immediate<'_>,
-        go_on: &mut dyn FnMut(&Progress) -> bool,
-    ) -> Option<(Alarm, Raised)> {
-        let mut until_look = COMMANDS_A_LOOK;
-        while self.clock.now() < LONGEST_S {
-            until_look -= 1;
-            if until_look == 0 {
-                until_look = COMMANDS_A_LOOK;
-                if !go_on(&self.progress(interpreter)) {
+        host: &mut ImmediateHost<'_>,
+        should_continue: &mut dyn FnMut(&PreviewProgress) -> bool,
+    ) -> Option<(Alarm, AlarmStage)> {
+        let mut commands_left = COMMANDS_PER_PROGRESS;
+        while self.clock.now() < LONGEST_RUN_S {
+            commands_left -= 1;
+            if commands_left == 0 {
+                commands_left = COMMANDS_PER_PROGRESS;
+                if !should_continue(&self.progress(interpreter)) {
                     return None;
                 }
             }
@@ -419,11 +436,11 @@ impl<'a> Walk<'a> {
                 self.take_remarks(interpreter);
             }
             match advance {
-                Ok(Advance::Command(command)) => {
-                    if self.explains {
-                        self.explanation = interpreter.explanation();
+                Ok(AdvanceResult::Command(command)) => {
+                    if self.has_explanations {
+                        self.explanation = interpreter.explain();
                     }
-                    match self.carry_out(&command) {
+                    match self.execute_command(&command) {
                         Ok(None) => {
                             host.now_s = self.clock.now();
                             if matches!(command.action, Action::Repeat) {
@@ -431,56 +448,63 @@ impl<'a> Walk<'a> {
                             }
                         }
                         Ok(Some(end)) => {
-                            self.so_far.end = end;
+                            self.preview.end = end;
                             self.ended = true;
                             return None;
                         }
-                        Err(alarm) => return Some((alarm.at(command.source), Raised::Making)),
+                        Err(alarm) => {
+                            return Some((
+                                alarm.with_source(command.source),
+                                AlarmStage::Executing,
+                            ));
+                        }
                     }
                 }
-                Ok(Advance::Wait | Advance::Starved | Advance::Ended) => return None,
-                Err(alarm) => return Some((alarm, Raised::Reading)),
+                Ok(AdvanceResult::Wait | AdvanceResult::Starved | AdvanceResult::Ended) => {
+                    return None;
+                }
+                Err(alarm) => return Some((alarm, AlarmStage::Reading)),
             }
         }
         None
     }
 
-    fn progress(&self, interpreter: &Interpreter) -> Progress {
-        Progress {
+    fn progress(&self, interpreter: &Interpreter) -> PreviewProgress {
+        PreviewProgress {
             line: self.source.map_or(0, |source| source.line),
-            blocks: self.so_far.blocks,
-            moves: self.so_far.moves,
-            work: interpreter.work(),
+            blocks: self.preview.blocks,
+            moves: self.preview.moves,
+            work: interpreter.work_units(),
             motionless: self.motionless,
             time_s: self.clock.now(),
         }
     }
 
     fn fail(&mut self, alarm: Alarm) {
-        self.so_far.end = End::Alarm;
-        self.so_far.alarm = Some(alarm);
+        self.preview.end = PreviewEnd::Alarm;
+        self.preview.alarm = Some(alarm);
     }
 
     /// The result up to here.
-    fn result(&mut self, parameters: &Parameters) -> Preview {
-        self.settle(false);
-        self.so_far.time_s = self.clock.now() + self.owed;
-        self.so_far.spindle = self.spindle.turning();
-        let mut preview = self.so_far.clone();
+    fn finish(&mut self, parameters: &ControlParameters) -> Preview {
+        self.report_pending_cut(false);
+        self.preview.time_s = self.clock.now() + self.owed_deceleration_s;
+        self.preview.spindle = self.spindle.rotation();
+        let mut preview = self.preview.clone();
         preview.parameters = parameters.clone();
-        preview.absolute = snapped(preview.frame.program(preview.machine));
-        let offset = match preview.parameters.relative_is_programmed() {
+        preview.absolute = remove_noise(preview.frame.to_program(preview.machine));
+        let offset = match preview.parameters.is_relative_programmed() {
             true => Point::default(),
             false => preview.frame.offset,
         };
-        preview.relative = snapped(preview.absolute + offset - self.relative_zero);
+        preview.relative = remove_noise(preview.absolute + offset - self.relative_zero);
         preview
     }
 }
 
 /// Rounds off the errors in the last bits that a change of frame causes. End points are
 /// multiples of 0.0005 mm, centres are accurate to 1e-9 mm.
-fn snapped(point: Point) -> Point {
+fn remove_noise(point: Point) -> Point {
     const FINE: f64 = 1e9;
     Point::new(round(point.x * FINE) / FINE, round(point.z * FINE) / FINE)
 }

@@ -8,9 +8,9 @@ use gsk_plc::address::BitAddress;
 pub use ladder::{MachineLadder, STANDARD_LADDER, dnc_teach_ladder, standard_ladder};
 
 use crate::alarm::Alarm;
-use crate::battery::Memory;
+use crate::battery::BatteryMemory;
 use crate::machine::{LatheConfig, SlideEnds};
-use crate::memory::{DayTime, Parameters};
+use crate::memory::{ControlParameters, DayTime};
 use crate::units::{Axis, PerAxis, Point};
 
 /// K12: the ladder stores the tool in position here.
@@ -20,7 +20,7 @@ pub(crate) const TOOL_IN_POSITION: u16 = 12;
 #[derive(Clone, Debug)]
 pub struct Setup {
     /// Battery-backed memory: parameters, offsets, programs and other data.
-    pub memory: Memory,
+    pub memory: BatteryMemory,
     /// The ladder of the machine.
     pub ladder: MachineLadder,
     /// Retained memory of the PLC; `None`: its initial values.
@@ -28,7 +28,7 @@ pub struct Setup {
     /// Configuration of the simulated lathe.
     pub lathe: LatheConfig,
     /// The parameters that the lathe was wired for; `None`: those in `memory`.
-    pub wired: Option<Parameters>,
+    pub wired: Option<ControlParameters>,
     /// Machine position of the tool (X as a radius), mm; `None`: unset. Without `absolute`
     /// the work zero is the machine zero.
     pub start: Option<Point>,
@@ -65,7 +65,7 @@ impl Setup {
                 .get(usize::from(TOOL_IN_POSITION))
                 .copied()
                 .unwrap_or(0),
-            None => self.ladder.start_value_of_k(TOOL_IN_POSITION),
+            None => self.ladder.initial_k(TOOL_IN_POSITION),
         }
     }
 
@@ -89,9 +89,9 @@ impl Setup {
 
     /// The initial state for an operator script without a machine file: that of a dry run
     /// with another lathe. Its slides have switches and ends, since scripts jog them.
-    pub fn at_the_panel() -> Self {
+    pub fn for_operator_script() -> Self {
         Self {
-            lathe: LatheConfig::roomy(),
+            lathe: LatheConfig::with_long_slides(),
             ..Self::default()
         }
     }
@@ -105,7 +105,7 @@ impl Setup {
     }
 
     /// The axes whose start position is beyond the ends of their slides, with those ends.
-    pub fn beyond_ends(&self) -> Vec<(Axis, SlideEnds)> {
+    pub fn axes_beyond_ends(&self) -> Vec<(Axis, SlideEnds)> {
         let Some(start) = self.start else {
             return Vec::new();
         };
@@ -123,16 +123,16 @@ impl Default for Setup {
     /// The initial state for a dry run: factory parameters with an analog spindle, both axes
     /// referenced, the tool at X300 Z300, no dogs and no limit switches.
     fn default() -> Self {
-        let mut parameters = Parameters::default();
+        let mut parameters = ControlParameters::default();
         parameters.fit_analog_spindle();
         Self {
-            memory: Memory {
+            memory: BatteryMemory {
                 parameters,
-                ..Memory::default()
+                ..BatteryMemory::default()
             },
             ladder: MachineLadder::default(),
             plc_retained: None,
-            lathe: LatheConfig::free(),
+            lathe: LatheConfig::without_limits(),
             wired: None,
             start: Some(Point::new(150.0, 300.0)),
             slides: None,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::board::{BoardInputs, BoardOrders};
 use crate::cnc::Cnc;
-use crate::machine::{BoardContacts, Inputs, Lathe};
+use crate::machine::{BoardContacts, MachineInputs, SimulatedLathe};
 use crate::operation::RunState;
 use crate::setup::Setup;
 use crate::units::TICK_MS;
@@ -38,8 +38,8 @@ pub struct Simulation {
     /// The simulated control.
     pub cnc: Cnc,
     /// The simulated lathe.
-    pub lathe: Lathe,
-    inputs: Inputs,
+    pub lathe: SimulatedLathe,
+    inputs: MachineInputs,
     /// Orders of the last tick to a pulse board.
     #[serde(skip)]
     board_orders: Option<Box<BoardOrders>>,
@@ -47,7 +47,7 @@ pub struct Simulation {
 
 /// The condition that [`Simulation::run_until`] waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Until {
+pub enum StopCondition {
     /// No program is running (reset, block end or alarm) and the axes are stationary.
     Stopped,
     /// A block has ended or the run has stopped.
@@ -56,7 +56,7 @@ pub enum Until {
 
 /// The result of [`Simulation::run_until`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
+pub enum RunUntilResult {
     /// The condition became true within the time limit.
     Reached,
     /// The time limit expired first.
@@ -67,18 +67,18 @@ impl Simulation {
     /// Connects a control to its lathe and switches both on.
     pub fn new(setup: Setup) -> Self {
         let wired = setup.wired.as_ref().unwrap_or(&setup.memory.parameters);
-        let mut lathe = Lathe::new(setup.lathe.clone(), wired);
+        let mut lathe = SimulatedLathe::new(setup.lathe.clone(), wired);
         for (address, state) in &setup.forced_inputs {
             lathe.force_input(*address, Some(*state));
         }
         if let Some(rpm) = setup.spindle_rpm {
             lathe.turn_spindle(rpm);
         }
-        if let Some(place) = setup.slides.or(setup.start) {
-            lathe.put_slides(place);
+        if let Some(position) = setup.slides.or(setup.start) {
+            lathe.move_slides(position);
         }
         let cnc = Cnc::new(setup);
-        lathe.stand_at(cnc.pulses());
+        lathe.set_count(cnc.pulses());
         let inputs = lathe.inputs();
         Self {
             cnc,
@@ -92,7 +92,7 @@ impl Simulation {
     pub fn tick(&mut self) {
         let outputs = self.cnc.tick(&self.inputs);
         self.lathe.tick(&outputs, &mut self.inputs);
-        if self.cnc.samples_contacts_next() || self.lathe.contacts_bounce() {
+        if self.cnc.will_sample_contacts() || self.lathe.has_bouncing_contacts() {
             self.lathe.read_contacts(&mut self.inputs);
         }
         self.board_orders = outputs.board;
@@ -134,20 +134,20 @@ impl Simulation {
 
     /// Runs ticks until the condition is true, at most for `limit_ms` of machine time. The
     /// condition is checked after each tick.
-    pub fn run_until(&mut self, until: Until, limit_ms: u64) -> Outcome {
+    pub fn run_until(&mut self, until: StopCondition, limit_ms: u64) -> RunUntilResult {
         let block = self.cnc.cursor();
         for _ in 0..limit_ms / u64::from(TICK_MS) {
             self.tick();
             let stopped = self.cnc.run_state() != RunState::Run && !self.cnc.is_moving();
             let reached = match until {
-                Until::Stopped => stopped,
-                Until::BlockEnd => stopped || self.cnc.cursor() != block,
+                StopCondition::Stopped => stopped,
+                StopCondition::BlockEnd => stopped || self.cnc.cursor() != block,
             };
             if reached {
-                return Outcome::Reached;
+                return RunUntilResult::Reached;
             }
         }
-        Outcome::TimedOut
+        RunUntilResult::TimedOut
     }
 
     /// Selects AUTO and presses cycle start; each key is down for 100 ms.
@@ -166,8 +166,8 @@ impl Simulation {
     /// The spindle drive is then the one that 001.4 selects.
     pub fn power_cycle(&mut self) {
         self.cnc.power_cycle();
-        self.lathe.fit_spindle(self.cnc.parameters());
-        self.lathe.stand_at(self.cnc.pulses());
+        self.lathe.rewire_spindle(self.cnc.parameters());
+        self.lathe.set_count(self.cnc.pulses());
         self.inputs = self.lathe.inputs();
     }
 }

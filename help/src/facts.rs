@@ -1,6 +1,6 @@
 //! Reads what the control's tables contain about a subject.
 
-use gsk_core::memory::{self, Disk, Effective, ParameterRow};
+use gsk_core::memory::{self, EffectiveTime, ElectronicDisk, ParameterRow};
 use gsk_core::{alarm, alarm::AlarmRow};
 use gsk_messages::{Language, say};
 use gsk_panel::keys::{Bit, KEYS, KeyRole, KeyRow, STRIP, StripLamp};
@@ -61,7 +61,7 @@ fn by_language<'a>(language: Language, zh: &'a str, en: &'a str) -> &'a str {
 }
 
 fn parameter(number: u16, bit: Option<u8>) -> Option<&'static ParameterRow> {
-    memory::rows()
+    memory::parameter_rows()
         .iter()
         .find(|row| row.number == number && row.bit == bit)
 }
@@ -79,12 +79,12 @@ fn alarm_facts(row: &AlarmRow, language: Language) -> Vec<String> {
     let messages = match language {
         Language::Zh => [
             advice.map(|it| say::window_alarm_cause(it.cause_zh)),
-            advice.map(|it| say::window_alarm_way_out(it.way_out_zh)),
+            advice.map(|it| say::window_alarm_way_out(it.remedy_zh)),
             None,
         ],
         Language::En => [
             Some(say::window_alarm_cause(row.cause_en)),
-            advice.map(|it| say::window_alarm_way_out(it.way_out_en)),
+            advice.map(|it| say::window_alarm_way_out(it.remedy_en)),
             Some(say::window_alarm_cleared_by(row.cleared_by_en)),
         ],
     };
@@ -101,7 +101,7 @@ fn parameter_facts(row: &ParameterRow, language: Language) -> Vec<String> {
         facts.push(say::help_on_the_screen(row.symbol).text(language));
     }
     if row.state {
-        let bits = format!("{:08b}", row.factory(Disk::N0));
+        let bits = format!("{:08b}", row.factory_value(ElectronicDisk::N0));
         facts.push(say::help_as_delivered(bits).text(language));
         return facts;
     }
@@ -110,8 +110,11 @@ fn parameter_facts(row: &ParameterRow, language: Language) -> Vec<String> {
         unit => format!(" {unit}"),
     };
     facts.push(say::help_range(format!("{}{unit}", row.range)).text(language));
-    facts.push(say::help_as_delivered(format!("{}{unit}", row.factory(Disk::N0))).text(language));
-    if let Effective::AtPowerOn { alarm } = row.effective {
+    facts.push(
+        say::help_as_delivered(format!("{}{unit}", row.factory_value(ElectronicDisk::N0)))
+            .text(language),
+    );
+    if let EffectiveTime::AtPowerOn { alarm } = row.effective {
         let message = match alarm {
             true => say::help_at_power_on_alarm(),
             false => say::help_at_power_on(),

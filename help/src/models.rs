@@ -3,7 +3,7 @@
 
 use std::sync::LazyLock;
 
-use gsk_core::model::{ModelId, Record};
+use gsk_core::model::{ModelId, ModelRecord};
 use gsk_messages::{Language, Message, say};
 
 use crate::subject::Subject;
@@ -69,7 +69,7 @@ fn collect_topics(model: ModelId) -> Vec<Topic> {
 }
 
 /// Whether a topic of the GSK980TD is valid for the model.
-fn is_valid_for(topic: &Topic, record: &Record) -> bool {
+fn is_valid_for(topic: &Topic, record: &ModelRecord) -> bool {
     let Subject::Code(name) = topic.subject else {
         return true;
     };
@@ -85,14 +85,14 @@ fn is_valid_for(topic: &Topic, record: &Record) -> bool {
         return meaning.is_some() && meaning == record.g_code(number.into());
     }
     if let Some(number) = number('M') {
-        let does = |record: &Record| record.m_function(number).map(|it| it.does);
+        let does = |record: &ModelRecord| record.m_function(number).map(|it| it.meaning);
         return does(main).is_some() && does(main) == does(record);
     }
     true
 }
 
 /// Topics for the codes of a model that have no text: the meaning of the code.
-fn codes(record: &'static Record) -> impl Iterator<Item = Topic> {
+fn codes(record: &'static ModelRecord) -> impl Iterator<Item = Topic> {
     let main = ModelId::default().record();
     let g = record
         .g
@@ -101,9 +101,9 @@ fn codes(record: &'static Record) -> impl Iterator<Item = Topic> {
     let g = g.map(|(number, meaning)| (format!("G{number:02}"), meaning.text()));
     let m = record.m.iter().filter(|(number, function)| {
         main.m_function(**number)
-            .is_none_or(|it| it.does != function.does)
+            .is_none_or(|it| it.meaning != function.meaning)
     });
-    let m = m.map(|(number, function)| (format!("M{number:02}"), function.does.text()));
+    let m = m.map(|(number, function)| (format!("M{number:02}"), function.meaning.text()));
     g.chain(m).map(|(code, meaning)| {
         let message = say::help_code_of_model(&code, meaning, record.name());
         Topic::with_text(Subject::Code(code.leak()), in_both_languages(&message))
@@ -111,7 +111,7 @@ fn codes(record: &'static Record) -> impl Iterator<Item = Topic> {
 }
 
 /// Topics for the parameters that exist in this model only.
-fn parameters(record: &'static Record) -> impl Iterator<Item = Topic> {
+fn parameters(record: &'static ModelRecord) -> impl Iterator<Item = Topic> {
     record.parameters.iter().map(|(number, parameter)| {
         let (low, high) = parameter.range;
         let rule = [Language::Zh, Language::En].map(|language| {

@@ -82,7 +82,9 @@ impl<'a> Subject<'a> {
     pub fn family(&self) -> Option<&'static str> {
         match *self {
             Self::Parameter(number) => {
-                let row = memory::rows().iter().find(|row| row.number == number)?;
+                let row = memory::parameter_rows()
+                    .iter()
+                    .find(|row| row.number == number)?;
                 Some(match row.bit.is_some() || row.state {
                     true => EVERY_STATE_PARAMETER,
                     false => EVERY_DATA_PARAMETER,
@@ -93,7 +95,7 @@ impl<'a> Subject<'a> {
             Self::Signal(_) => Some("every signal"),
             Self::Alarm(number) => {
                 let row = alarm::row(number)?;
-                let by_reset = row.class == AlarmClass::Ps && !groups::outlives_reset(number);
+                let by_reset = row.class == AlarmClass::Ps && !groups::survives_reset(number);
                 by_reset.then_some("every alarm of a program")
             }
             _ => None,

@@ -59,7 +59,7 @@ static TOPICS: LazyLock<Vec<Topic>> = LazyLock::new(|| {
 /// Returns every subject that the control's tables contain.
 fn table_subjects() -> impl Iterator<Item = Subject<'static>> {
     let alarms = alarm::rows().iter().map(|row| Subject::Alarm(row.number));
-    let parameters = memory::rows().iter().map(|row| match row.bit {
+    let parameters = memory::parameter_rows().iter().map(|row| match row.bit {
         Some(bit) => Subject::Bit(row.number, bit),
         None => Subject::Parameter(row.number),
     });

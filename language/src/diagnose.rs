@@ -1,8 +1,8 @@
 //! Analyses a program as `check` does: alarms, warnings, machine time and extents.
 
 use gsk_core::alarm::Alarm;
-use gsk_core::command::{ExecutedMove, ProgramId, Source};
-use gsk_core::preview::{Bounds, Caution, End, Progress, preview_beyond_alarms};
+use gsk_core::command::{ExecutedMove, ProgramId, SourcePosition};
+use gsk_core::preview::{Caution, PathBounds, PreviewEnd, PreviewProgress, preview_beyond_alarms};
 use gsk_core::program::ProgramMemory;
 use gsk_core::setup::Setup;
 use gsk_messages::{Language, say};
@@ -41,7 +41,7 @@ pub struct ProgramFinding {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Extents {
     /// Bounds of a lathe path. X is a radius.
-    Lathe(Bounds),
+    Lathe(PathBounds),
     /// Bounds of a mill path in X, Y and Z, with the further axes.
     Mill(gsk_milling::MillBounds, gsk_milling::Axes),
 }
@@ -52,7 +52,7 @@ pub struct Analysis {
     /// Alarms and warnings in the order of execution.
     pub findings: Vec<ProgramFinding>,
     /// How the preview ended.
-    pub end: End,
+    pub end: PreviewEnd,
     /// Machine time up to the end of the preview, s.
     pub time_s: f64,
     /// Part of the machine time with the tool in the material, s.
@@ -70,7 +70,7 @@ pub struct Analysis {
 pub fn analyse(
     setup: &Setup,
     language: Language,
-    keep_going: &mut dyn FnMut(&Progress) -> bool,
+    keep_going: &mut dyn FnMut(&PreviewProgress) -> bool,
 ) -> Analysis {
     let programs = &setup.memory.programs;
     let mut line_times = LineTimes::default();
@@ -106,7 +106,7 @@ pub fn analyse_mill(
     setup: &MillSetup,
     programs: &ProgramMemory,
     language: Language,
-    keep_going: &mut dyn FnMut(&Progress) -> bool,
+    keep_going: &mut dyn FnMut(&PreviewProgress) -> bool,
 ) -> Analysis {
     let mut line_times = LineTimes::default();
     let mut take =
@@ -141,8 +141,8 @@ pub fn analyse_mill(
 }
 
 /// The warning that the preview reached its limit.
-fn limit_finding(end: End, language: Language) -> Option<ProgramFinding> {
-    (end == End::Limit).then(|| ProgramFinding {
+fn limit_finding(end: PreviewEnd, language: Language) -> Option<ProgramFinding> {
+    (end == PreviewEnd::Limit).then(|| ProgramFinding {
         program: ProgramId::External,
         at: None,
         severity: Severity::Warning,
@@ -181,10 +181,10 @@ fn caution_finding(
     programs: &ProgramMemory,
     language: Language,
 ) -> ProgramFinding {
-    let text = caution.slip.message().text(language);
+    let text = caution.kind.message().text(language);
     let first_column = caution.columns().map(|(first, _)| first);
     warning(
-        caution.slip.id(),
+        caution.kind.id(),
         text,
         caution.source,
         first_column,
@@ -196,7 +196,7 @@ fn caution_finding(
 fn warning(
     code: &str,
     text: String,
-    source: Source,
+    source: SourcePosition,
     first_column: Option<u32>,
     programs: &ProgramMemory,
 ) -> ProgramFinding {
@@ -312,7 +312,7 @@ mod tests {
     #[test]
     fn an_endless_program_reaches_the_limit() {
         let analysis = analysis("M03 S500 T0101\nN1 G01 U1 F6000\nU-1\nG65 H80 P1\n");
-        assert_eq!(analysis.end, End::Limit);
+        assert_eq!(analysis.end, PreviewEnd::Limit);
         assert!(
             analysis.findings.iter().any(|it| it.code == "limit"),
             "{analysis:?}"

@@ -2,7 +2,7 @@
 
 use gsk_core::memory::Variables;
 use gsk_core::model::ModelId;
-use gsk_core::program::limits;
+use gsk_core::program::word_limits;
 use gsk_help::{Subject, Topic, article, topic_of};
 use gsk_messages::{Language, say};
 
@@ -136,7 +136,7 @@ pub(crate) fn code_topic(model: ModelId, address: char, number: u32) -> Option<&
 
 /// Returns the range of an address's numbers as a sentence in Markdown.
 pub(crate) fn value_range(address: char, language: Language) -> String {
-    let (low, high) = limits(address as u8);
+    let (low, high) = word_limits(address as u8);
     escape_markdown(&say::help_range(format!("{low} … {high}")).text(language))
 }
 
@@ -227,7 +227,7 @@ fn describe_variable(
     let meaning = match number {
         1..=33 if context.macro_b => say::variable_is_local(number),
         100..=199 if context.macro_b => say::variable_is_common(number),
-        _ if Variables::has(number) => say::variable_is_kept(number),
+        _ if Variables::has_integer(number) => say::variable_is_kept(number),
         500..=999 if context.macro_b => say::variable_is_kept(number),
         1000..=1015 | 1032 => say::variable_is_input(number),
         1100..=1115 | 1132 | 1133 => say::variable_is_output(number),

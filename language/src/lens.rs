@@ -3,8 +3,8 @@
 
 use gsk_messages::{Language, say};
 use gsk_milling::MillAxis;
-use gsk_runner::moves::{diameter_z, rounded};
-use gsk_runner::words::clock_in_seconds;
+use gsk_runner::move_output::{diameter_z, round_to_millionth};
+use gsk_runner::text_format::format_whole_seconds;
 
 use crate::diagnose::{Analysis, Extents};
 use crate::structure::{ProfileCycle, Structure};
@@ -39,7 +39,7 @@ pub fn lenses(structure: &Structure, analysis: &Analysis, language: Language) ->
         if seconds > 0.0 {
             lenses.push(Lens {
                 range: tool.range.clone(),
-                text: say::lens_tool(clock_in_seconds(seconds)).text(language),
+                text: say::lens_tool(format_whole_seconds(seconds)).text(language),
             });
         }
     }
@@ -50,8 +50,8 @@ pub fn lenses(structure: &Structure, analysis: &Analysis, language: Language) ->
 
 /// Time, extents and tools of the program.
 fn program_summary(analysis: &Analysis, language: Language) -> String {
-    let time = clock_in_seconds(analysis.time_s);
-    let cutting = clock_in_seconds(analysis.cutting_s);
+    let time = format_whole_seconds(analysis.time_s);
+    let cutting = format_whole_seconds(analysis.cutting_s);
     let mut parts = vec![say::lens_time(time, cutting).text(language)];
     match analysis.extents {
         Some(Extents::Lathe(bounds)) => {
@@ -60,14 +60,15 @@ fn program_summary(analysis: &Analysis, language: Language) -> String {
             parts.push(extents.text(language));
         }
         Some(Extents::Mill(bounds, axes)) => {
-            let [least, greatest] = [bounds.least, bounds.greatest].map(|it| it.map(rounded));
+            let [least, greatest] =
+                [bounds.least, bounds.greatest].map(|it| it.map(round_to_millionth));
             let x = (least[0], greatest[0]);
             let (y, z) = ((least[1], greatest[1]), (least[2], greatest[2]));
             let extents = say::lens_extents_mill(x.0, x.1, y.0, y.1, z.0, z.1);
             parts.push(extents.text(language));
             for (axis, further) in axes.all_further() {
                 let (least, greatest) = bounds.further[usize::from(axis == MillAxis::Fifth)];
-                let (least, greatest) = (rounded(least), rounded(greatest));
+                let (least, greatest) = (round_to_millionth(least), round_to_millionth(greatest));
                 let unit = if further.rotary { "°" } else { "" };
                 parts.push(format!("{} {least} … {greatest}{unit}", further.letter));
             }

@@ -1,6 +1,6 @@
 //! Adds up machine time by the lines of a text and by tool.
 
-use gsk_core::command::{ProgramId, Source};
+use gsk_core::command::{ProgramId, SourcePosition};
 
 use crate::structure::Structure;
 
@@ -21,7 +21,7 @@ pub struct LineTimes {
 
 impl LineTimes {
     /// Adds a move or dwell that ends at machine time `end_s`.
-    pub(crate) fn add_move(&mut self, source: Source, end_s: f64) {
+    pub(crate) fn add_move(&mut self, source: SourcePosition, end_s: f64) {
         if source.program == ProgramId::External {
             let line = source.line.saturating_sub(1) as usize;
             self.current = Some(line);

@@ -27,7 +27,7 @@ pub fn locate_alarm<'a>(alarm: &Alarm, line_of: impl Fn(u32) -> &'a str) -> Opti
     let profile = detail.filter(|detail| detail.id().name() == IN_PROFILE);
     let profile = profile.and_then(|detail| detail.plain_value("line")?.parse().ok());
     let line = profile.unwrap_or(source.line);
-    let column = detail.and_then(|detail| detail.value_within("column"));
+    let column = detail.and_then(|detail| detail.find_value("column"));
     let column = column.and_then(|column| column.parse().ok());
     Some(LineSpan {
         line,

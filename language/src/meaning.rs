@@ -22,7 +22,7 @@ pub fn code_meaning(address: char, number: u32, model: ModelId) -> Option<Messag
         'G' => record.g_code(number.into())?.text(),
         'M' => {
             let number = u8::try_from(number).ok()?;
-            record.m_function(number)?.does.text()
+            record.m_function(number)?.meaning.text()
         }
         _ => return None,
     };

@@ -18,7 +18,7 @@ use core::fmt;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use template::{Piece, pieces};
+use template::{TemplatePiece, split_template};
 
 include!(concat!(env!("OUT_DIR"), "/messages.rs"));
 
@@ -94,40 +94,40 @@ impl Message {
 
     /// Like [`Message::plain_value`], but searches nested messages too: the column within the
     /// profile of a cycle, for example.
-    pub fn value_within(&self, name: &str) -> Option<&str> {
+    pub fn find_value(&self, name: &str) -> Option<&str> {
         self.plain_value(name).or_else(|| {
             self.values.iter().find_map(|value| match value {
                 Value::Text(_) => None,
-                Value::Message(message) => message.value_within(name),
-                Value::List(messages) => messages.iter().find_map(|it| it.value_within(name)),
+                Value::Message(message) => message.find_value(name),
+                Value::List(messages) => messages.iter().find_map(|it| it.find_value(name)),
             })
         })
     }
 
     /// The text in a language, with all values filled in.
     pub fn text(&self, language: Language) -> String {
-        self.text_by(language, &str::to_owned)
+        self.text_with(language, &str::to_owned)
     }
 
     /// The text in a language. `written` translates the text of a [`say::as_written`].
-    pub(crate) fn text_by(&self, language: Language, written: &dyn Fn(&str) -> String) -> String {
+    pub(crate) fn text_with(&self, language: Language, written: &dyn Fn(&str) -> String) -> String {
         let row = self.id.row();
         let template = match language {
             Language::Zh => row.zh,
             Language::En => row.en,
         };
         // The build script checks the table, so the text has no error.
-        let pieces = pieces(template).unwrap_or_default();
+        let pieces = split_template(template).unwrap_or_default();
         pieces
             .into_iter()
             .map(|piece| match piece {
-                Piece::Text(text) => text.to_owned(),
-                Piece::Value { name, .. } => self.value(row, name, language, written),
+                TemplatePiece::Text(text) => text.to_owned(),
+                TemplatePiece::Value { name, .. } => self.value_text(row, name, language, written),
             })
             .collect()
     }
 
-    fn value(
+    fn value_text(
         &self,
         row: &Row,
         name: &str,
@@ -138,11 +138,11 @@ impl Message {
         match index.and_then(|index| self.values.get(index)) {
             Some(Value::Text(text)) if self.id == Id::AsWritten => written(text),
             Some(Value::Text(text)) => text.clone(),
-            Some(Value::Message(message)) => message.text_by(language, written),
+            Some(Value::Message(message)) => message.text_with(language, written),
             Some(Value::List(messages)) => {
                 let texts = messages
                     .iter()
-                    .map(|message| message.text_by(language, written));
+                    .map(|message| message.text_with(language, written));
                 texts.collect::<Vec<_>>().join("; ")
             }
             None => String::new(),
@@ -175,7 +175,7 @@ impl Id {
 }
 
 /// Texts of every row, English first, with their placeholders.
-pub fn texts() -> impl Iterator<Item = [&'static str; 2]> {
+pub fn all_texts() -> impl Iterator<Item = [&'static str; 2]> {
     ROWS.iter().map(|row| [row.en, row.zh])
 }
 
@@ -188,9 +188,8 @@ impl Serialize for Id {
 impl<'de> Deserialize<'de> for Id {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let name = String::deserialize(deserializer)?;
-        let found = Self::all().iter().find(|id| id.name() == name);
-        found
-            .copied()
+        let id = Self::all().iter().find(|id| id.name() == name);
+        id.copied()
             .ok_or_else(|| de::Error::custom(format!("no message `{name}`")))
     }
 }
@@ -216,12 +215,12 @@ mod tests {
             let own = row.name == "window_other_language";
             assert!(own || is_english(row.en), "{row:?}");
             for text in [row.en, row.zh] {
-                let mut names: Vec<&str> = pieces(text)
+                let mut names: Vec<&str> = split_template(text)
                     .unwrap()
                     .into_iter()
                     .filter_map(|piece| match piece {
-                        Piece::Value { name, .. } => Some(name),
-                        Piece::Text(_) => None,
+                        TemplatePiece::Value { name, .. } => Some(name),
+                        TemplatePiece::Text(_) => None,
                     })
                     .collect();
                 names.sort_unstable();
@@ -234,12 +233,12 @@ mod tests {
     }
 
     /// Texts quoted from the screen.
-    const OF_THE_SCREEN: [&str; 3] = ["英制编程", "参数开关", "程序开关"];
+    const SCREEN_TEXTS: [&str; 3] = ["英制编程", "参数开关", "程序开关"];
 
     /// The caption of a key is in brackets, as printed on it: `[运行]`.
     fn is_english(text: &str) -> bool {
         let quoted = |text: String, line: &&str| text.replace(line, "");
-        let text = OF_THE_SCREEN.iter().fold(text.to_owned(), quoted);
+        let text = SCREEN_TEXTS.iter().fold(text.to_owned(), quoted);
         let outside = text.split('[').map(|piece| {
             let (key, rest) = piece.split_once(']').unwrap_or(("", piece));
             if key.is_empty() { piece } else { rest }

@@ -20,7 +20,7 @@ pub enum TemplateError {
 
 /// What a placeholder accepts.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum PlaceholderKind {
     /// A value printed with this format specification; empty for the default.
     Plain(String),
     /// Another message.
@@ -31,7 +31,7 @@ pub enum Kind {
 
 /// A piece of a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Piece<'a> {
+pub enum TemplatePiece<'a> {
     /// Literal text between placeholders.
     Text(&'a str),
     /// A placeholder.
@@ -39,7 +39,7 @@ pub enum Piece<'a> {
         /// The name of the parameter.
         name: &'a str,
         /// What the parameter accepts.
-        kind: Kind,
+        kind: PlaceholderKind,
     },
 }
 
@@ -47,7 +47,7 @@ pub enum Piece<'a> {
 ///
 /// # Errors
 /// A placeholder has no closing brace or an invalid name.
-pub fn pieces(text: &str) -> Result<Vec<Piece<'_>>, TemplateError> {
+pub fn split_template(text: &str) -> Result<Vec<TemplatePiece<'_>>, TemplateError> {
     let mut pieces = Vec::new();
     let mut rest = text;
     while let Some((before, after)) = rest.split_once('{') {
@@ -55,7 +55,7 @@ pub fn pieces(text: &str) -> Result<Vec<Piece<'_>>, TemplateError> {
             .split_once('}')
             .ok_or_else(|| TemplateError::Open(text.to_owned()))?;
         if !before.is_empty() {
-            pieces.push(Piece::Text(before));
+            pieces.push(TemplatePiece::Text(before));
         }
         let (name, spec) = inside.split_once(':').unwrap_or((inside, ""));
         let letter = |letter: char| letter.is_ascii_lowercase() || letter == '_';
@@ -63,15 +63,15 @@ pub fn pieces(text: &str) -> Result<Vec<Piece<'_>>, TemplateError> {
             return Err(TemplateError::Name(inside.to_owned()));
         }
         let kind = match spec {
-            "message" => Kind::Message,
-            "messages" => Kind::Messages,
-            spec => Kind::Plain(spec.to_owned()),
+            "message" => PlaceholderKind::Message,
+            "messages" => PlaceholderKind::Messages,
+            spec => PlaceholderKind::Plain(spec.to_owned()),
         };
-        pieces.push(Piece::Value { name, kind });
+        pieces.push(TemplatePiece::Value { name, kind });
         rest = left;
     }
     if !rest.is_empty() {
-        pieces.push(Piece::Text(rest));
+        pieces.push(TemplatePiece::Text(rest));
     }
     Ok(pieces)
 }

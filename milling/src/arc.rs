@@ -66,7 +66,7 @@ pub(crate) fn arc_center(
 }
 
 fn arc_data_alarm(detail: gsk_messages::Message) -> Alarm {
-    Alarm::new(number::ARC_DATA).because(detail)
+    Alarm::new(number::ARC_DATA).with_detail(detail)
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! Executes a block: modal words, then motion, then M codes and the flow of the program.
 
 use gsk_core::alarm::{Alarm, number};
-use gsk_core::compensation::cutter::Side;
+use gsk_core::compensation::cutter::CutterSide;
 use gsk_core::model::MCode;
-use gsk_core::program::{Block, Number};
+use gsk_core::program::{ProgramBlock, WordNumber};
 use gsk_messages::{Message, say};
 
 use crate::codes;
@@ -48,13 +48,13 @@ pub(crate) struct BlockResult {
 }
 
 fn alarm(number: u16, detail: Message) -> Alarm {
-    Alarm::new(number).because(detail)
+    Alarm::new(number).with_detail(detail)
 }
 
 /// Executes a block. Errors: the alarm that refuses it.
 pub(crate) fn execute_block(
     state: &mut MillState,
-    block: &Block,
+    block: &ProgramBlock,
     words: &BlockWords,
     context: &mut RunContext<'_, '_>,
 ) -> Result<BlockResult, Alarm> {
@@ -200,7 +200,7 @@ fn set_modal(
 }
 
 fn set_cutter(state: &mut MillState, words: &BlockWords, memory: &MillMemory) -> Result<(), Alarm> {
-    let beside = matches!(words.cutter, Some(Side::Left | Side::Right));
+    let beside = matches!(words.cutter, Some(CutterSide::Left | CutterSide::Right));
     if beside && !memory.bit(parameter::TOOLS, 1) {
         return Err(alarm(number::BAD_G, say::mill_compensation_off()));
     }
@@ -214,7 +214,7 @@ fn set_cutter(state: &mut MillState, words: &BlockWords, memory: &MillMemory) ->
     Ok(())
 }
 
-fn offset_number(value: Number) -> Result<u16, Alarm> {
+fn offset_number(value: WordNumber) -> Result<u16, Alarm> {
     let number = value.integer();
     match u16::try_from(number) {
         Ok(number @ 0..=400) => Ok(number),
@@ -229,7 +229,7 @@ fn offset_number(value: Number) -> Result<u16, Alarm> {
 fn set_zero(state: &mut MillState, words: &BlockWords, memory: &MillMemory) -> Result<(), Alarm> {
     let zero = match words.zero {
         _ if words.additional => {
-            let p = words.letters.p.map(Number::integer);
+            let p = words.letters.p.map(WordNumber::integer);
             match p.and_then(|p| u8::try_from(p).ok()) {
                 Some(p @ 1..=48) => WorkZero(WorkZero::FIRST_ADDITIONAL + p - 1),
                 _ => {
@@ -323,14 +323,14 @@ fn apply_m_after_motion(
 
 /// What an M code does. `None` for one that calls a program and for one of the ladder.
 fn m_function(code: i64, memory: &MillMemory) -> Result<Option<MCode>, Alarm> {
-    if memory.model.is_macro_of_m(code) || memory.model.subprogram_of_m(code).is_some() {
+    if memory.model.is_macro_m_code(code) || memory.model.m_subprogram(code).is_some() {
         return Ok(None);
     }
     let known = u8::try_from(code)
         .ok()
         .and_then(|it| memory.model.record().m_function(it));
     match known {
-        Some(function) => Ok(Some(function.does)),
+        Some(function) => Ok(Some(function.meaning)),
         None if is_ladder_code(code, memory) => Ok(None),
         None => Err(alarm(number::BAD_M, say::mill_m_unknown(code))),
     }
@@ -343,13 +343,13 @@ pub(crate) fn is_ladder_code(code: i64, memory: &MillMemory) -> bool {
         return false;
     };
     let left = |(first, last): (u8, u8)| (first..=last).contains(&code);
-    let calls = memory.model.subprogram_of_m(code.into()).is_some();
+    let calls = memory.model.m_subprogram(code.into()).is_some();
     !calls && record.m_function(code).is_none() && record.ladder_m.is_some_and(left)
 }
 
 /// Number of runs of a call: L, or the digits before the last four of P.
 fn run_count(words: &BlockWords, by_p: i64) -> Result<u16, Alarm> {
-    let runs = words.letters.l.map_or(by_p.max(1), Number::integer);
+    let runs = words.letters.l.map_or(by_p.max(1), WordNumber::integer);
     match u16::try_from(runs) {
         Ok(runs @ 1..=9999) => Ok(runs),
         _ => Err(alarm(
@@ -361,7 +361,7 @@ fn run_count(words: &BlockWords, by_p: i64) -> Result<u16, Alarm> {
 
 /// Returns the block that runs next.
 pub(crate) fn block_flow(words: &BlockWords, memory: &MillMemory) -> Result<BlockFlow, Alarm> {
-    let Some(code) = words.letters.m.map(Number::integer) else {
+    let Some(code) = words.letters.m.map(WordNumber::integer) else {
         return Ok(BlockFlow::Next);
     };
     // P of a block with G04 is its time.
@@ -369,9 +369,9 @@ pub(crate) fn block_flow(words: &BlockWords, memory: &MillMemory) -> Result<Bloc
         .letters
         .p
         .filter(|_| words.one_shot != Some(OneShotCode::Dwell));
-    let p = p.map(Number::integer);
+    let p = p.map(WordNumber::integer);
     let name = format!("M{code}");
-    if let Some(program) = memory.model.subprogram_of_m(code) {
+    if let Some(program) = memory.model.m_subprogram(code) {
         let runs = run_count(words, 1)?;
         return Ok(BlockFlow::Call {
             program,
@@ -379,7 +379,7 @@ pub(crate) fn block_flow(words: &BlockWords, memory: &MillMemory) -> Result<Bloc
             name,
         });
     }
-    if memory.model.is_macro_of_m(code) {
+    if memory.model.is_macro_m_code(code) {
         let runs = run_count(words, 1)?;
         return Ok(BlockFlow::Macro {
             program: code,
@@ -407,7 +407,7 @@ pub(crate) fn block_flow(words: &BlockWords, memory: &MillMemory) -> Result<Bloc
 }
 
 /// Returns the words of a block that a macro receives as arguments.
-pub(crate) fn arguments(block: &Block) -> impl Iterator<Item = (u8, f64)> {
+pub(crate) fn arguments(block: &ProgramBlock) -> impl Iterator<Item = (u8, f64)> {
     let words = block.words().iter();
     let words = words.filter(|word| !matches!(word.address, b'G' | b'L' | b'M' | b'P'));
     words.map(|word| (word.address, word.value.value()))

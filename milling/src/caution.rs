@@ -1,8 +1,8 @@
 //! Warns about words without effect in their block and about M codes that only the ladder
 //! knows. Neither raises an alarm.
 
-use gsk_core::command::Source;
-use gsk_core::program::Block;
+use gsk_core::command::SourcePosition;
+use gsk_core::program::ProgramBlock;
 use gsk_messages::{Message, say};
 
 use crate::block;
@@ -44,7 +44,7 @@ pub struct MillCaution {
     /// The warning.
     pub slip: MillSlip,
     /// The first block with this warning.
-    pub source: Source,
+    pub source: SourcePosition,
 }
 
 impl MillCaution {
@@ -57,12 +57,12 @@ impl MillCaution {
 /// Returns the warnings about an executed block that is not a macro call. `state` is the state
 /// after the block.
 pub(crate) fn find_slips<'a>(
-    block: &'a Block,
+    block: &'a ProgramBlock,
     words: &'a BlockWords,
     state: &'a MillState,
     memory: &'a MillMemory,
 ) -> impl Iterator<Item = MillSlip> + 'a {
-    let m = words.letters.m.map(gsk_core::program::Number::integer);
+    let m = words.letters.m.map(gsk_core::program::WordNumber::integer);
     let ladder = m
         .filter(|code| block::is_ladder_code(*code, memory))
         .map(MillSlip::LadderCode);
@@ -81,7 +81,7 @@ fn is_used(address: u8, words: &BlockWords, state: &MillState, memory: &MillMemo
     let rotation = words.rotation == Some(OnOff::On);
     let calls = words.letters.m.is_some_and(|code| {
         let code = code.integer();
-        matches!(code, 98 | 99) || memory.model.subprogram_of_m(code).is_some()
+        matches!(code, 98 | 99) || memory.model.m_subprogram(code).is_some()
     });
     match address {
         b'X' => !is(OneShotCode::OffsetInput),

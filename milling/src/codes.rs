@@ -1,7 +1,7 @@
 //! Executes the codes of group 00, scaling and rotation.
 
 use gsk_core::alarm::{Alarm, number};
-use gsk_core::program::{Block, Number};
+use gsk_core::program::{ProgramBlock, WordNumber};
 use gsk_messages::{Message, say};
 
 use crate::memory::{MillOffsetColumn, parameter};
@@ -13,7 +13,7 @@ use crate::travel::{RunContext, StepKind, settle_rotation, target};
 use crate::words::{BlockWords, OneShotCode, length};
 
 fn alarm(number: u16, detail: Message) -> Alarm {
-    Alarm::new(number).because(detail)
+    Alarm::new(number).with_detail(detail)
 }
 
 /// Executes a code of group 00. Returns whether it moves an axis.
@@ -56,7 +56,7 @@ pub(crate) fn execute_one_shot(
         }
         OneShotCode::Reference => return_to_reference(0, state, words, context)?,
         OneShotCode::FurtherReference => {
-            let p = words.letters.p.map_or(2, Number::integer);
+            let p = words.letters.p.map_or(2, WordNumber::integer);
             if !(2..=4).contains(&p) {
                 return Err(alarm(number::OUT_OF_RANGE, say::mill_reference_number(p)));
             }
@@ -179,7 +179,7 @@ fn offset_input(
     context: &mut RunContext<'_, '_>,
 ) -> Result<(), Alarm> {
     let letters = &words.letters;
-    let column = match letters.l.map(Number::integer) {
+    let column = match letters.l.map(WordNumber::integer) {
         Some(10) => MillOffsetColumn::Length,
         Some(11) => MillOffsetColumn::LengthWear,
         Some(12) => MillOffsetColumn::Radius,
@@ -267,7 +267,7 @@ const MAX_ANGLE: f64 = 360.0;
 /// Starts scaling (G51).
 pub(crate) fn start_scaling(
     state: &mut MillState,
-    block: &Block,
+    block: &ProgramBlock,
     words: &BlockWords,
     context: &RunContext<'_, '_>,
 ) -> Result<(), Alarm> {
@@ -293,7 +293,10 @@ pub(crate) fn start_scaling(
                 .value(parameter::axis_parameter(parameter::AXIS_SCALE, axis))
                 .into()
         };
-        letters.center.get(axis).map_or_else(own, Number::integer)
+        letters
+            .center
+            .get(axis)
+            .map_or_else(own, WordNumber::integer)
     };
     let of_all = match letters.p {
         Some(p) if !by_axis => Some(p.integer()),

@@ -4,7 +4,9 @@
 use std::collections::BTreeMap;
 
 use gsk_core::alarm::Alarm;
-use gsk_core::compensation::cutter::{Compensated, CutterCompensation, FlatMove, FlatShape, Side};
+use gsk_core::compensation::cutter::{
+    CutterCompensation, CutterOutput, CutterSide, FlatMove, FlatShape,
+};
 use gsk_core::units::Point;
 
 use crate::moves::{MillArc, MillMoveKind};
@@ -55,17 +57,17 @@ impl CutterStream {
     pub(crate) fn take(
         &mut self,
         step: &PathStep,
-        (side, radius): (Side, f64),
+        (side, radius): (CutterSide, f64),
         (plane, apart): (Plane, bool),
         tracker: &mut Tracker<'_>,
     ) -> Result<(), Alarm> {
         let from = core::mem::replace(&mut self.at, step.to);
-        if !self.is_on() && (side == Side::On || apart) {
+        if !self.is_on() && (side == CutterSide::On || apart) {
             return tracker.make(step);
         }
         self.plane = plane;
         if !self.is_on() {
-            self.stream.stand_at(point(from.flat(plane)));
+            self.stream.set_position(point(from.flat(plane)));
         }
         let number = self.count;
         self.count = (self.count + 1) % STEP_NUMBERS;
@@ -101,14 +103,14 @@ impl CutterStream {
     }
 
     /// Whether a step cancels the compensation. It does so even without motion in the plane.
-    fn cancels(&self, side: Side) -> bool {
-        side == Side::On && self.is_on()
+    fn cancels(&self, side: CutterSide) -> bool {
+        side == CutterSide::On && self.is_on()
     }
 
     /// Takes a block without motion.
     pub(crate) fn skip_block(
         &mut self,
-        side: Side,
+        side: CutterSide,
         tracker: &mut Tracker<'_>,
     ) -> Result<(), Alarm> {
         if self.is_on() {
@@ -137,7 +139,7 @@ impl CutterStream {
                 }
             };
             match ready {
-                Compensated::Other(number) => {
+                CutterOutput::Other(number) => {
                     if let Some(mut step) = self.waiting.remove(&number) {
                         // The step moves across the plane at the position of the cutter centre.
                         let centre = tracker.machine.flat(self.plane);
@@ -145,7 +147,7 @@ impl CutterStream {
                         tracker.make(&step)?;
                     }
                 }
-                Compensated::Move { flat: made, last } => {
+                CutterOutput::Move { flat: made, last } => {
                     let Some(step) = self.waiting.get(&made.number) else {
                         continue;
                     };

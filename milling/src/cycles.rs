@@ -80,7 +80,7 @@ pub(crate) struct Drilling<'a> {
 const MAX_PECKS: i64 = 10_000;
 
 fn too_many_pecks() -> Alarm {
-    Alarm::new(number::CYCLE_DATA).because(say::mill_too_many_pecks(MAX_PECKS))
+    Alarm::new(number::CYCLE_DATA).with_detail(say::mill_too_many_pecks(MAX_PECKS))
 }
 
 impl Drilling<'_> {
@@ -189,7 +189,7 @@ impl Drilling<'_> {
         let shift = self.q.map(Length::abs).filter(|it| *it > Length::ZERO);
         shift.ok_or_else(|| {
             let detail = say::mill_hole_without_q(self.hole.code());
-            Alarm::new(number::CYCLE_DATA).because(detail)
+            Alarm::new(number::CYCLE_DATA).with_detail(detail)
         })
     }
 

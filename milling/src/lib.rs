@@ -48,6 +48,6 @@ pub use modal::{MillModal, SpindleState};
 pub use moves::{MillArc, MillMove, MillMoveKind};
 pub use options::MillWordError;
 pub use parameter_table::{MillParameterRow, mill_parameter_rows};
-pub use preview::{End, MillPreview, MillSetup, Progress, preview_while};
+pub use preview::{MillPreview, MillSetup, PreviewEnd, PreviewProgress, preview_while};
 pub use reference_return::{ParameterValues, describe_reference_returns};
 pub use space::{AxisValues, Length, MillAxis, MillPosition, Plane, PlanePoint};

@@ -235,12 +235,12 @@ impl MillMemory {
             .filter(|it| (1..=OFFSETS).contains(it));
         let Some(offset) = found else {
             let detail = say::mill_offset_number(offset, OFFSETS);
-            return Err(Alarm::new(number::BAD_OFFSET).because(detail));
+            return Err(Alarm::new(number::BAD_OFFSET).with_detail(detail));
         };
         let greatest = if inch { GREATEST_INCHES } else { GREATEST };
         if value.abs() > greatest {
             let detail = say::mill_offset_value(value.mm(), greatest.mm());
-            return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));
+            return Err(Alarm::new(number::OUT_OF_RANGE).with_detail(detail));
         }
         *self.offsets.entry(offset).or_default().column(column) = value;
         Ok(())

@@ -1,6 +1,6 @@
 //! Stores the modal codes and words.
 
-use gsk_core::compensation::cutter::Side;
+use gsk_core::compensation::cutter::CutterSide;
 
 use crate::space::Plane;
 
@@ -138,7 +138,7 @@ pub struct MillModal {
     /// Whether words are in inches (G20, group 06).
     pub inch: bool,
     /// Cutter radius compensation (group 07).
-    pub cutter: Side,
+    pub cutter: CutterSide,
     /// Tool length offset (group 08).
     pub length: LengthOffset,
     /// The hole cycle (group 09). `None` is G80.
@@ -182,7 +182,7 @@ impl Default for MillModal {
             incremental: false,
             per_revolution: false,
             inch: false,
-            cutter: Side::On,
+            cutter: CutterSide::On,
             length: LengthOffset::Off,
             hole: None,
             to_r: false,
@@ -216,9 +216,9 @@ impl MillModal {
     /// Returns the G code of group 07.
     pub(crate) const fn cutter_code(&self) -> u8 {
         match self.cutter {
-            Side::On => 40,
-            Side::Left => 41,
-            Side::Right => 42,
+            CutterSide::On => 40,
+            CutterSide::Left => 41,
+            CutterSide::Right => 42,
         }
     }
 

@@ -1,6 +1,6 @@
 //! Defines the moves that the preview produces.
 
-use gsk_core::command::Source;
+use gsk_core::command::SourcePosition;
 use gsk_core::units::Feed;
 
 use crate::axes::{Axes, FurtherAxis};
@@ -53,7 +53,7 @@ pub struct MillArc {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MillMove {
     /// The block that caused it.
-    pub source: Source,
+    pub source: SourcePosition,
     /// The kind.
     pub kind: MillMoveKind,
     /// Start of the tool tip in work coordinates. With G41 and G42, of the cutter centre.

@@ -1,15 +1,15 @@
 //! Runs a whole program without ticks, for `check` and `plot`.
 
 use gsk_core::alarm::{Alarm, number};
-use gsk_core::command::{ProgramId, Source};
-use gsk_core::compensation::cutter::Side;
-use gsk_core::interpreter::{Back, PlainCall, Read, T_VARIABLE, Walker};
+use gsk_core::command::{ProgramId, SourcePosition};
+use gsk_core::compensation::cutter::CutterSide;
+use gsk_core::interpreter::{PlainCall, ReturnEffect, T_VARIABLE, WalkedBlock, Walker};
 use gsk_core::memory::{Counters, DayTime};
 use gsk_core::model::{ControlModel, ModelId};
-use gsk_core::program::{Block, Number, Program, ProgramMemory, Syntax};
+use gsk_core::program::{Program, ProgramBlock, ProgramMemory, Syntax, WordNumber};
 use gsk_messages::say;
 
-pub use gsk_core::preview::{End, Progress};
+pub use gsk_core::preview::{PreviewEnd, PreviewProgress};
 
 use crate::axes::Axes;
 use crate::block::{self, BlockFlow};
@@ -92,7 +92,7 @@ impl MillSetup {
 #[derive(Clone, Debug, PartialEq)]
 pub struct MillPreview {
     /// How it ended.
-    pub end: End,
+    pub end: PreviewEnd,
     /// The alarm that ended it.
     pub alarm: Option<Alarm>,
     /// Alarms after the first one that do not depend on the position of the tool.
@@ -133,18 +133,18 @@ pub fn preview_while(
     setup: &MillSetup,
     programs: &ProgramMemory,
     on_move: &mut MoveCallback<'_>,
-    on_progress: &mut dyn FnMut(&Progress) -> bool,
+    on_progress: &mut dyn FnMut(&PreviewProgress) -> bool,
 ) -> MillPreview {
-    let Some(program) = programs.current() else {
-        let alarm = Alarm::new(number::PROGRAM_MISSING).because(say::program_not_selected());
+    let Some(program) = programs.selected() else {
+        let alarm = Alarm::new(number::PROGRAM_MISSING).with_detail(say::program_not_selected());
         return Run::new(setup, programs, ProgramId::External, on_move)
-            .result(End::Alarm, Some(alarm));
+            .result(PreviewEnd::Alarm, Some(alarm));
     };
     let mut run = Run::new(setup, programs, program, on_move);
     let (end, alarm) = match run.run_blocks(on_progress) {
         Ok(end) => match run.cutter.flush(&mut run.tracker) {
             Ok(()) => (end, None),
-            Err(alarm) => (End::Alarm, Some(alarm)),
+            Err(alarm) => (PreviewEnd::Alarm, Some(alarm)),
         },
         Err(alarm) => {
             // The blocks before the refused one are executed.
@@ -152,11 +152,11 @@ pub fn preview_while(
                 Ok(()) => alarm,
                 Err(earlier) => earlier,
             };
-            (End::Alarm, Some(alarm))
+            (PreviewEnd::Alarm, Some(alarm))
         }
     };
     let mut preview = run.result(end, alarm);
-    if preview.end == End::Alarm {
+    if preview.end == PreviewEnd::Alarm {
         preview.further = run.find_further_alarms(preview.alarm.as_ref(), on_progress);
     }
     preview
@@ -205,7 +205,7 @@ impl<'a> Run<'a> {
         Self {
             programs,
             main: program,
-            walker: Walker::new(program).with_codes(&memory.model),
+            walker: Walker::new(program).with_code_calls(&memory.model),
             state,
             cutter: CutterStream::new(start),
             tracker: Tracker::new(&memory, start, on_move),
@@ -222,7 +222,10 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn run_blocks(&mut self, on_progress: &mut dyn FnMut(&Progress) -> bool) -> Result<End, Alarm> {
+    fn run_blocks(
+        &mut self,
+        on_progress: &mut dyn FnMut(&PreviewProgress) -> bool,
+    ) -> Result<PreviewEnd, Alarm> {
         for count in 1_u64.. {
             if self.tracker.now >= MAX_TIME_S {
                 break;
@@ -233,17 +236,17 @@ impl<'a> Run<'a> {
             let moves = self.tracker.moves;
             self.work = count;
             let block = match self.read()? {
-                Read::Words(block) => block,
-                Read::Nothing | Read::Returned => {
+                WalkedBlock::Words(block) => block,
+                WalkedBlock::Nothing | WalkedBlock::Returned => {
                     self.motionless += 1;
                     continue;
                 }
-                Read::Ended => return Ok(End::Text),
+                WalkedBlock::Ended => return Ok(PreviewEnd::Text),
             };
             self.blocks += 1;
             let source = self.source();
             let end = self.execute_block(&block, on_progress);
-            let end = end.map_err(|alarm| alarm.at(source))?;
+            let end = end.map_err(|alarm| alarm.with_source(source))?;
             self.motionless = match self.tracker.moves > moves {
                 true => 0,
                 false => self.motionless + 1,
@@ -252,15 +255,15 @@ impl<'a> Run<'a> {
                 return Ok(end);
             }
         }
-        Ok(End::Limit)
+        Ok(PreviewEnd::Limit)
     }
 
-    fn source(&self) -> Source {
+    fn source(&self) -> SourcePosition {
         self.walker.source(self.programs)
     }
 
-    fn progress(&self) -> Progress {
-        Progress {
+    fn progress(&self) -> PreviewProgress {
+        PreviewProgress {
             line: self.source().line,
             blocks: self.blocks,
             moves: self.tracker.moves,
@@ -271,7 +274,7 @@ impl<'a> Run<'a> {
     }
 
     /// Returns the next block after executing macro B statements.
-    fn read(&mut self) -> Result<Read, Alarm> {
+    fn read(&mut self) -> Result<WalkedBlock, Alarm> {
         let syntax = Syntax {
             inch: self.state.modal.inch,
             macro_b: true,
@@ -281,7 +284,7 @@ impl<'a> Run<'a> {
         let program = self.programs.get(self.main).and_then(Program::number);
         let mut known = VariableContext {
             source: self.walker.source(self.programs),
-            program: match self.walker.program() {
+            program: match self.walker.current_program() {
                 ProgramId::Stored(number) => number,
                 _ => program.unwrap_or(0),
             },
@@ -294,14 +297,14 @@ impl<'a> Run<'a> {
         let read = self
             .walker
             .next(self.programs, syntax, self.block_skip, &mut known);
-        read.map_err(|alarm| alarm.at(self.source()))
+        read.map_err(|alarm| alarm.with_source(self.source()))
     }
 
     fn execute_block(
         &mut self,
-        block: &Block,
+        block: &ProgramBlock,
         on_progress: &mut ProgressCallback<'_>,
-    ) -> Result<Option<End>, Alarm> {
+    ) -> Result<Option<PreviewEnd>, Alarm> {
         let mut words = BlockWords::parse(block, self.memory.model.record(), self.state.axes)?;
         let called = self.take_call(&mut words)?;
         let source = self.source();
@@ -320,7 +323,7 @@ impl<'a> Run<'a> {
         };
         let block_result = block::execute_block(&mut self.state, block, &words, &mut context)?;
         if context.progress_check.is_stopped {
-            return Ok(Some(End::Limit));
+            return Ok(Some(PreviewEnd::Limit));
         }
         self.store_cautions(block, &words, &block_result.flow, source);
         let tool = self.state.modal.tool;
@@ -339,16 +342,16 @@ impl<'a> Run<'a> {
             return self.enter_called(&call, &block_result.flow).map(|()| None);
         }
         match block_result.flow {
-            BlockFlow::Next if block_result.moved => self.walker.moved(),
+            BlockFlow::Next if block_result.moved => self.walker.call_modal_macro(),
             BlockFlow::Next => {}
             BlockFlow::Stop => self.stops += 1,
             BlockFlow::End => {
                 self.finish_part();
                 self.walker.end();
                 self.reset();
-                return Ok(Some(match words.letters.m.map(Number::integer) {
-                    Some(2) => End::M02,
-                    _ => End::M30,
+                return Ok(Some(match words.letters.m.map(WordNumber::integer) {
+                    Some(2) => PreviewEnd::M02,
+                    _ => PreviewEnd::M30,
                 }));
             }
             BlockFlow::Call {
@@ -365,11 +368,11 @@ impl<'a> Run<'a> {
                 self.walker
                     .call_macro(self.programs, program, runs, &name, words)?;
             }
-            BlockFlow::Back(p) => match self.walker.back(self.programs, p)? {
-                Back::Returned | Back::Jumped => {}
-                Back::Repeats => {
+            BlockFlow::Back(p) => match self.walker.execute_return(self.programs, p)? {
+                ReturnEffect::Returned | ReturnEffect::Jumped => {}
+                ReturnEffect::Restarted => {
                     self.finish_part();
-                    return Ok(Some(End::M99));
+                    return Ok(Some(PreviewEnd::M99));
                 }
             },
         }
@@ -380,8 +383,8 @@ impl<'a> Run<'a> {
     /// other effect.
     fn take_call(&mut self, words: &mut BlockWords) -> Result<Option<(PlainCall, u16)>, Alarm> {
         let letters = &mut words.letters;
-        let [m, t] = [letters.m, letters.t].map(|it| it.map(Number::integer));
-        let Some(call) = self.walker.called_by(m, t) else {
+        let [m, t] = [letters.m, letters.t].map(|it| it.map(WordNumber::integer));
+        let Some(call) = self.walker.find_called_subprogram(m, t) else {
             return Ok(None);
         };
         if call.address == 'T' {
@@ -391,12 +394,12 @@ impl<'a> Run<'a> {
             return Ok(Some((call, 1)));
         }
         letters.m = None;
-        let runs = letters.l.take().map_or(1, Number::integer);
+        let runs = letters.l.take().map_or(1, WordNumber::integer);
         match u16::try_from(runs) {
             Ok(runs @ 1..=MAX_RUNS) => Ok(Some((call, runs))),
             _ => {
                 let detail = say::macro_runs_out_of_range(runs, MAX_RUNS);
-                Err(Alarm::new(number::OUT_OF_RANGE).because(detail))
+                Err(Alarm::new(number::OUT_OF_RANGE).with_detail(detail))
             }
         }
     }
@@ -409,7 +412,7 @@ impl<'a> Run<'a> {
     ) -> Result<(), Alarm> {
         if *rest != BlockFlow::Next {
             let detail = say::call_twice_in_block(call.address, call.code);
-            return Err(Alarm::new(number::TOO_MANY_WORDS).because(detail));
+            return Err(Alarm::new(number::TOO_MANY_WORDS).with_detail(detail));
         }
         self.walker.call_by_code(self.programs, call, *runs)
     }
@@ -417,10 +420,10 @@ impl<'a> Run<'a> {
     /// Stores the warnings of a block, each once.
     fn store_cautions(
         &mut self,
-        block: &Block,
+        block: &ProgramBlock,
         words: &BlockWords,
         flow: &BlockFlow,
-        source: Source,
+        source: SourcePosition,
     ) {
         if matches!(flow, BlockFlow::Macro { .. }) {
             return;
@@ -435,13 +438,13 @@ impl<'a> Run<'a> {
 
     fn finish_part(&mut self) {
         self.parts += 1;
-        self.variables.parts = (self.variables.parts + 1) % Counters::PARTS;
+        self.variables.parts = (self.variables.parts + 1) % Counters::PART_COUNT_LIMIT;
     }
 
     /// M30: cancels what a reset cancels.
     fn reset(&mut self) {
         self.state.modal.hole = None;
-        self.state.modal.cutter = Side::On;
+        self.state.modal.cutter = CutterSide::On;
         self.state.transform = Transform::default();
         self.state.polar = None;
         if self.memory.bit(parameter::LOCAL, 1) {
@@ -449,7 +452,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn result(&mut self, end: End, alarm: Option<Alarm>) -> MillPreview {
+    fn result(&mut self, end: PreviewEnd, alarm: Option<Alarm>) -> MillPreview {
         self.tracker.stop();
         let frame = self.state.frame(&self.memory);
         MillPreview {
@@ -479,10 +482,11 @@ impl<'a> Run<'a> {
         first: Option<&Alarm>,
         on_progress: &mut ProgressCallback<'_>,
     ) -> Vec<Alarm> {
-        let mut lines: Vec<Source> = first.and_then(|alarm| alarm.source).into_iter().collect();
+        let mut lines: Vec<SourcePosition> =
+            first.and_then(|alarm| alarm.source).into_iter().collect();
         let mut further = Vec::new();
         for count in 1..=MAX_FURTHER_BLOCKS {
-            let progress = || Progress {
+            let progress = || PreviewProgress {
                 blocks: self.blocks + count,
                 ..self.progress()
             };
@@ -490,14 +494,14 @@ impl<'a> Run<'a> {
                 break;
             }
             let alarm = match self.read() {
-                Ok(Read::Ended) => break,
-                Ok(Read::Nothing | Read::Returned) => continue,
-                Ok(Read::Words(block)) => {
+                Ok(WalkedBlock::Ended) => break,
+                Ok(WalkedBlock::Nothing | WalkedBlock::Returned) => continue,
+                Ok(WalkedBlock::Words(block)) => {
                     let source = self.source();
                     match self.check_words(&block) {
                         Ok(true) => break,
                         Ok(false) => continue,
-                        Err(alarm) => alarm.at(source),
+                        Err(alarm) => alarm.with_source(source),
                     }
                 }
                 Err(alarm) => alarm,
@@ -516,7 +520,7 @@ impl<'a> Run<'a> {
     }
 
     /// Checks a block by its words alone. Returns whether the program ends with it.
-    fn check_words(&mut self, block: &Block) -> Result<bool, Alarm> {
+    fn check_words(&mut self, block: &ProgramBlock) -> Result<bool, Alarm> {
         let mut words = BlockWords::parse(block, self.memory.model.record(), self.state.axes)?;
         let called = self.take_call(&mut words)?;
         words.check()?;
@@ -531,8 +535,8 @@ impl<'a> Run<'a> {
         match flow {
             BlockFlow::End => return Ok(true),
             BlockFlow::Back(p) => {
-                let back = self.walker.back(self.programs, p)?;
-                return Ok(back == Back::Repeats);
+                let back = self.walker.execute_return(self.programs, p)?;
+                return Ok(back == ReturnEffect::Restarted);
             }
             BlockFlow::Call {
                 program,

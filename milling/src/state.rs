@@ -1,6 +1,6 @@
 //! Stores the state of a run between blocks: modal codes, offsets and positions.
 
-use gsk_core::program::Number;
+use gsk_core::program::WordNumber;
 
 use crate::axes::Axes;
 use crate::cycles::HoleData;
@@ -82,7 +82,7 @@ impl MillState {
     }
 
     /// Returns the value of an axis word. Inches apply to lengths, not to angles.
-    pub(crate) fn axis_value(&self, axis: MillAxis, value: Number) -> Length {
+    pub(crate) fn axis_value(&self, axis: MillAxis, value: WordNumber) -> Length {
         let rotary = self.axes.is_rotary(axis);
         let value = length(value, self.modal.inch && !rotary);
         if rotary { value.rounded() } else { value }

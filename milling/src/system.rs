@@ -16,8 +16,8 @@
 use std::collections::BTreeMap;
 
 use gsk_core::alarm::{Alarm, number};
-use gsk_core::command::Source;
-use gsk_core::interpreter::System;
+use gsk_core::command::SourcePosition;
+use gsk_core::interpreter::SystemVariables;
 use gsk_core::memory::{Counters, DayTime, Registers};
 use gsk_messages::say;
 
@@ -59,7 +59,7 @@ pub(crate) struct VariableContext<'a> {
     pub(crate) state: &'a mut MillState,
     pub(crate) memory: &'a mut MillMemory,
     pub(crate) variables: &'a mut MillVariables,
-    pub(crate) source: Source,
+    pub(crate) source: SourcePosition,
     /// Number of the running program.
     pub(crate) program: u16,
     /// Machine time, s.
@@ -116,7 +116,7 @@ fn stored_variable(number: u32, axes: Axes) -> Option<StoredVariable> {
 
 fn unknown(variable: u32) -> Alarm {
     let detail = say::variable_of_macro_unknown(variable);
-    Alarm::new(number::BAD_VARIABLE).because(detail)
+    Alarm::new(number::BAD_VARIABLE).with_detail(detail)
 }
 
 /// Whether all programs share a variable.
@@ -241,7 +241,7 @@ impl VariableContext<'_> {
             3001 => variables.registers.timer(now) as f64,
             3002 => {
                 let ms = variables.hours_before.saturating_add(now as i64);
-                ms.rem_euclid(Counters::STARTED_MS as i64) as f64 / HOUR_MS
+                ms.rem_euclid(Counters::STARTED_LIMIT_MS as i64) as f64 / HOUR_MS
             }
             3011 => variables.registers.date(now).into(),
             3012 => variables.registers.time_of_day(now).into(),
@@ -263,18 +263,19 @@ impl VariableContext<'_> {
             }
             3002 => {
                 let hours = value.unwrap_or(0.0);
-                let greatest = (Counters::STARTED_MS - 1) as f64 / HOUR_MS;
+                let greatest = (Counters::STARTED_LIMIT_MS - 1) as f64 / HOUR_MS;
                 if !(0.0..=greatest).contains(&hours) {
                     return Err(out_of_range(variable, hours, greatest));
                 }
                 variables.hours_before = libm::round(hours * HOUR_MS) as i64 - now as i64;
             }
             3901 => {
-                let parts = round_in_range(variable, value, (0, last(Counters::PARTS)))?;
+                let parts = round_in_range(variable, value, (0, last(Counters::PART_COUNT_LIMIT)))?;
                 variables.parts = parts as u32;
             }
             3902 => {
-                let parts = round_in_range(variable, value, (0, last(Counters::REQUIRED)))?;
+                let parts =
+                    round_in_range(variable, value, (0, last(Counters::REQUIRED_PARTS_LIMIT)))?;
                 variables.required = parts as u32;
             }
             _ => return Ok(false),
@@ -285,7 +286,7 @@ impl VariableContext<'_> {
 
 fn out_of_range(variable: u32, value: f64, greatest: impl core::fmt::Display) -> Alarm {
     let detail = say::variable_of_macro_out_of_range(variable, value, greatest);
-    Alarm::new(number::MACRO_RANGE).because(detail)
+    Alarm::new(number::MACRO_RANGE).with_detail(detail)
 }
 
 /// Rounds a value to an integer in a range. Errors: alarm 111 outside it.
@@ -302,7 +303,7 @@ fn round_in_range(
     }
 }
 
-impl System for VariableContext<'_> {
+impl SystemVariables for VariableContext<'_> {
     fn read(&self, variable: u32) -> Result<Option<f64>, Alarm> {
         if is_common(variable) {
             return Ok(self.variables.common.get(&variable).copied());
@@ -348,7 +349,7 @@ impl System for VariableContext<'_> {
             // The variable exists, but is read-only.
             self.read(variable)?;
             let detail = say::variable_of_macro_read_only(variable);
-            return Err(Alarm::new(number::READ_ONLY).because(detail));
+            return Err(Alarm::new(number::READ_ONLY).with_detail(detail));
         };
         let length = Length::from_mm(value.unwrap_or(0.0)).rounded();
         match stored {

@@ -3,7 +3,7 @@
 use gsk_core::program::{Program, ProgramMemory};
 use proptest::prelude::*;
 
-use crate::{End, MillMove, MillMoveKind, MillPreview, MillSetup, preview_while};
+use crate::{MillMove, MillMoveKind, MillPreview, MillSetup, PreviewEnd, preview_while};
 
 /// Runs a program on a setup with subprograms.
 fn run_program(setup: &MillSetup, text: &str, others: &[&str]) -> (MillPreview, Vec<MillMove>) {
@@ -64,7 +64,7 @@ fn three_axes_absolute_and_in_increments() {
         &ends(&moves),
         &[[10., 20., 5.], [11.5, 20., -1.], [11.5, 0., -1.]],
     );
-    assert_eq!((preview.end, preview.parts), (End::M30, 1));
+    assert_eq!((preview.end, preview.parts), (PreviewEnd::M30, 1));
     let bounds = preview.bounds.expect("box");
     assert_eq!(
         (bounds.least, bounds.greatest),
@@ -654,9 +654,9 @@ fn more_alarms_are_listed() {
 #[test]
 fn endless_programs_are_given_up() {
     let (preview, _) = run_program(&MillSetup::default(), "N1 GOTO 1\n", &[]);
-    assert_eq!(preview.end, End::Limit);
+    assert_eq!(preview.end, PreviewEnd::Limit);
     let (preview, _) = run_program(&MillSetup::default(), "G91 G00 X1\nM99\n", &[]);
-    assert_eq!(preview.end, End::M99);
+    assert_eq!(preview.end, PreviewEnd::M99);
 }
 
 fn block() -> impl Strategy<Value = String> {

@@ -1,7 +1,7 @@
 //! Turns steps into moves with their duration, and adds up times, lengths and bounds.
 
 use gsk_core::alarm::{Alarm, number};
-use gsk_core::command::Source;
+use gsk_core::command::SourcePosition;
 use gsk_core::units::Feed;
 use gsk_messages::say;
 
@@ -15,7 +15,7 @@ use crate::time::MillRates;
 /// A step of a program, machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PathStep {
-    pub(crate) source: Source,
+    pub(crate) source: SourcePosition,
     pub(crate) kind: MillMoveKind,
     pub(crate) to: MillPosition,
     pub(crate) arc: Option<MillArc>,
@@ -208,7 +208,9 @@ impl<'a> Tracker<'a> {
                 true => say::mill_beyond_further(name, to, low, high, unit),
                 false => say::mill_beyond_travel(name, to, low, high),
             };
-            return Err(Alarm::new(beyond).because(detail).at(step.source));
+            return Err(Alarm::new(beyond)
+                .with_detail(detail)
+                .with_source(step.source));
         }
         Ok(())
     }

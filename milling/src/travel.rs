@@ -1,10 +1,10 @@
 //! Executes the motion of a block: its end points, and the steps of arcs and holes.
 
 use gsk_core::alarm::{Alarm, number};
-use gsk_core::command::Source;
-use gsk_core::compensation::cutter::Side;
-use gsk_core::preview::Progress;
-use gsk_core::program::Number;
+use gsk_core::command::SourcePosition;
+use gsk_core::compensation::cutter::CutterSide;
+use gsk_core::preview::PreviewProgress;
+use gsk_core::program::WordNumber;
 use gsk_core::units::Feed;
 use gsk_messages::say;
 
@@ -24,7 +24,7 @@ pub(crate) struct RunContext<'a, 'b> {
     pub(crate) memory: &'a mut MillMemory,
     pub(crate) cutter: &'a mut CutterStream,
     pub(crate) tracker: &'a mut Tracker<'b>,
-    pub(crate) source: Source,
+    pub(crate) source: SourcePosition,
     /// Whether every block ends with an exact stop (G09).
     pub(crate) exact: bool,
     /// Whether the run continues, checked before each repeated hole of a block.
@@ -36,13 +36,13 @@ pub(crate) struct ProgressCheck<'a> {
     /// Progress callback, which returns false to stop the run.
     pub(crate) on_progress: &'a mut ProgressCallback<'a>,
     /// Progress before the block.
-    pub(crate) progress: Progress,
+    pub(crate) progress: PreviewProgress,
     /// Set once the caller has stopped the run.
     pub(crate) is_stopped: bool,
 }
 
 /// Progress callback, which returns whether the run continues.
-pub(crate) type ProgressCallback<'a> = dyn FnMut(&Progress) -> bool + 'a;
+pub(crate) type ProgressCallback<'a> = dyn FnMut(&PreviewProgress) -> bool + 'a;
 
 /// How a step is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,7 +107,7 @@ impl RunContext<'_, '_> {
 
     fn push(&mut self, state: &MillState, step: &PathStep, apart: bool) -> Result<(), Alarm> {
         let radius = match state.modal.cutter {
-            Side::On => 0.0,
+            CutterSide::On => 0.0,
             _ => self.memory.cutter_radius(state.modal.d),
         };
         // In a mirrored plane left becomes right.
@@ -115,8 +115,8 @@ impl RunContext<'_, '_> {
             state.modal.cutter,
             state.transform.mirrors(state.modal.plane),
         ) {
-            (Side::Left, true) => Side::Right,
-            (Side::Right, true) => Side::Left,
+            (CutterSide::Left, true) => CutterSide::Right,
+            (CutterSide::Right, true) => CutterSide::Left,
             (side, _) => side,
         };
         let plane_and_apart = (state.modal.plane, apart);
@@ -174,7 +174,7 @@ impl RunContext<'_, '_> {
 /// depends on.
 pub(crate) fn feed(state: &MillState) -> Result<Feed, Alarm> {
     let modal = &state.modal;
-    let none = |detail| Err(Alarm::new(number::NO_FEED).because(detail));
+    let none = |detail| Err(Alarm::new(number::NO_FEED).with_detail(detail));
     if modal.feed <= 0.0 {
         return none(say::mill_no_feed());
     }
@@ -209,14 +209,14 @@ const LEAD_RANGE: core::ops::RangeInclusive<f64> = 0.001..=500.0;
 fn thread_lead(state: &MillState) -> Result<f64, Alarm> {
     let modal = &state.modal;
     if modal.lead == 0.0 {
-        return Err(Alarm::new(number::NO_FEED).because(say::mill_thread_without_lead()));
+        return Err(Alarm::new(number::NO_FEED).with_detail(say::mill_thread_without_lead()));
     }
     if !LEAD_RANGE.contains(&modal.lead) {
         let detail = say::thread_lead_out_of_range(modal.lead);
-        return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));
+        return Err(Alarm::new(number::OUT_OF_RANGE).with_detail(detail));
     }
     if modal.spindle == SpindleState::Stopped || modal.speed <= 0.0 {
-        return Err(Alarm::new(number::THREAD_SPEED).because(say::thread_spindle_stands()));
+        return Err(Alarm::new(number::THREAD_SPEED).with_detail(say::thread_spindle_stands()));
     }
     Ok(modal.lead)
 }
@@ -251,7 +251,7 @@ pub(crate) fn target(state: &mut MillState, words: &BlockWords) -> MillPosition 
     if let Some(radius) = radius {
         polar.radius = length(radius, modal.inch);
     }
-    if let Some(angle) = angle.map(Number::value) {
+    if let Some(angle) = angle.map(WordNumber::value) {
         polar.degrees = angle
             + if modal.incremental {
                 polar.degrees
@@ -333,7 +333,7 @@ fn arc_to(
         }
         None if center_word(first).or(center_word(second)).is_none() => {
             let detail = say::mill_arc_without_center();
-            return Err(Alarm::new(number::ARC_DATA).because(detail));
+            return Err(Alarm::new(number::ARC_DATA).with_detail(detail));
         }
         None => {
             let to_center = PlanePoint::new(
@@ -366,7 +366,7 @@ fn arc_to(
 /// Stores the words of a hole cycle for this and the following holes.
 pub(crate) fn take_hole_data(state: &mut MillState, words: &BlockWords) -> Result<(), Alarm> {
     let (modal, letters) = (&state.modal, &words.letters);
-    let level = |value: Number| HoleLevel {
+    let level = |value: WordNumber| HoleLevel {
         value: length(value, modal.inch),
         incremental: modal.incremental,
     };
@@ -378,7 +378,7 @@ pub(crate) fn take_hole_data(state: &mut MillState, words: &BlockWords) -> Resul
     if let Some(p) = letters.p {
         if p.millionths() < 0 {
             let detail = say::mill_dwell_negative();
-            return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));
+            return Err(Alarm::new(number::OUT_OF_RANGE).with_detail(detail));
         }
         data.dwell_s = p.value() / 1000.0;
     }
@@ -398,10 +398,10 @@ pub(crate) fn execute_holes(
     take_hole_data(state, words)?;
     let is_needed = words.has_axes() || words.letters.r.is_some();
     let count = words.letters.center.get(MillAxis::Z).or(words.letters.l);
-    let count = count.map_or(1, Number::integer);
+    let count = count.map_or(1, WordNumber::integer);
     if !(0..=MAX_HOLES).contains(&count) {
         let detail = say::mill_repeats_out_of_range(count, MAX_HOLES);
-        return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));
+        return Err(Alarm::new(number::OUT_OF_RANGE).with_detail(detail));
     }
     if !is_needed || count == 0 {
         return Ok(false);
@@ -491,7 +491,7 @@ fn hole_levels(
     let r = data.r.map_or(data.initial, |r| level(r, data.initial));
     let Some(bottom) = data.bottom else {
         let detail = say::mill_hole_without_bottom(hole.code(), state.axes.letter(across));
-        return Err(Alarm::new(number::CYCLE_DATA).because(detail));
+        return Err(Alarm::new(number::CYCLE_DATA).with_detail(detail));
     };
     Ok((r, level(bottom, r)))
 }

@@ -1,9 +1,9 @@
 //! Sorts the words of a block by their meaning.
 
 use gsk_core::alarm::{Alarm, number};
-use gsk_core::compensation::cutter::Side;
-use gsk_core::model::{GCode, Record};
-use gsk_core::program::{Block, Number};
+use gsk_core::compensation::cutter::CutterSide;
+use gsk_core::model::{GCode, ModelRecord};
+use gsk_core::program::{ProgramBlock, WordNumber};
 use gsk_messages::say;
 
 use crate::axes::Axes;
@@ -42,7 +42,7 @@ pub(crate) struct BlockWords {
     pub(crate) incremental: Option<bool>,
     pub(crate) per_revolution: Option<bool>,
     pub(crate) inch: Option<bool>,
-    pub(crate) cutter: Option<Side>,
+    pub(crate) cutter: Option<CutterSide>,
     pub(crate) length: Option<LengthOffset>,
     /// `Some(None)` is G80.
     pub(crate) hole: Option<Option<Hole>>,
@@ -64,25 +64,29 @@ pub(crate) struct BlockWords {
 /// The numbers after the letters, as programmed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Letters {
-    pub(crate) axes: AxisValues<Option<Number>>,
-    pub(crate) center: AxisValues<Option<Number>>,
-    pub(crate) r: Option<Number>,
-    pub(crate) q: Option<Number>,
-    pub(crate) p: Option<Number>,
-    pub(crate) l: Option<Number>,
-    pub(crate) f: Option<Number>,
-    pub(crate) s: Option<Number>,
-    pub(crate) t: Option<Number>,
-    pub(crate) m: Option<Number>,
-    pub(crate) d: Option<Number>,
-    pub(crate) h: Option<Number>,
+    pub(crate) axes: AxisValues<Option<WordNumber>>,
+    pub(crate) center: AxisValues<Option<WordNumber>>,
+    pub(crate) r: Option<WordNumber>,
+    pub(crate) q: Option<WordNumber>,
+    pub(crate) p: Option<WordNumber>,
+    pub(crate) l: Option<WordNumber>,
+    pub(crate) f: Option<WordNumber>,
+    pub(crate) s: Option<WordNumber>,
+    pub(crate) t: Option<WordNumber>,
+    pub(crate) m: Option<WordNumber>,
+    pub(crate) d: Option<WordNumber>,
+    pub(crate) h: Option<WordNumber>,
 }
 
 /// The number of G54.1, in millionths.
 const ADDITIONAL: i64 = 54_100_000;
 
 impl BlockWords {
-    pub(crate) fn parse(block: &Block, record: &Record, axes: Axes) -> Result<Self, Alarm> {
+    pub(crate) fn parse(
+        block: &ProgramBlock,
+        record: &ModelRecord,
+        axes: Axes,
+    ) -> Result<Self, Alarm> {
         let mut words = Self::default();
         let mut further = AxisValues::default();
         for word in block.words() {
@@ -127,7 +131,7 @@ impl BlockWords {
         Ok(words)
     }
 
-    fn take_code(&mut self, value: Number, record: &Record) -> Result<(), Alarm> {
+    fn take_code(&mut self, value: WordNumber, record: &ModelRecord) -> Result<(), Alarm> {
         let code = value.integer();
         let known = record
             .g_code(code)
@@ -135,7 +139,7 @@ impl BlockWords {
         let Some(meaning) = known else {
             let written = value.to_string();
             let detail = say::mill_g_unknown(written);
-            return Err(Alarm::new(number::BAD_G).because(detail));
+            return Err(Alarm::new(number::BAD_G).with_detail(detail));
         };
         match meaning {
             GCode::Dwell => self.take_one_shot(OneShotCode::Dwell)?,
@@ -165,9 +169,9 @@ impl BlockWords {
             GCode::FeedPerRevolution => self.per_revolution = Some(true),
             GCode::InchInput => self.inch = Some(true),
             GCode::MetricInput => self.inch = Some(false),
-            GCode::CutterOff => self.cutter = Some(Side::On),
-            GCode::CutterLeft => self.cutter = Some(Side::Left),
-            GCode::CutterRight => self.cutter = Some(Side::Right),
+            GCode::CutterOff => self.cutter = Some(CutterSide::On),
+            GCode::CutterLeft => self.cutter = Some(CutterSide::Left),
+            GCode::CutterRight => self.cutter = Some(CutterSide::Right),
             GCode::LengthPlus => self.length = Some(LengthOffset::Plus),
             GCode::LengthMinus => self.length = Some(LengthOffset::Minus),
             GCode::LengthOff => self.length = Some(LengthOffset::Off),
@@ -204,7 +208,7 @@ impl BlockWords {
             // Codes of lathes.
             _ => {
                 let detail = say::mill_g_not_checked(code, meaning.text());
-                return Err(Alarm::new(number::BAD_G).because(detail));
+                return Err(Alarm::new(number::BAD_G).with_detail(detail));
             }
         }
         Ok(())
@@ -213,7 +217,7 @@ impl BlockWords {
     fn take_one_shot(&mut self, code: OneShotCode) -> Result<(), Alarm> {
         if self.one_shot.is_some_and(|before| before != code) {
             let detail = say::mill_one_shots();
-            return Err(Alarm::new(number::G_CONFLICT).because(detail));
+            return Err(Alarm::new(number::G_CONFLICT).with_detail(detail));
         }
         self.one_shot = Some(code);
         Ok(())
@@ -229,7 +233,7 @@ impl BlockWords {
             Some(letter) => say::mill_axis_missing(letter),
             None => return Ok(()),
         };
-        Err(Alarm::new(number::BAD_ADDRESS).because(detail))
+        Err(Alarm::new(number::BAD_ADDRESS).with_detail(detail))
     }
 
     /// Returns whether a word names an axis.
@@ -252,14 +256,14 @@ impl BlockWords {
         let apart = self.one_shot.is_some() && (motion.is_some() || holes);
         if apart || (holes && self.motion.is_some()) {
             let detail = say::mill_one_shots();
-            return Err(Alarm::new(number::G_CONFLICT).because(detail));
+            return Err(Alarm::new(number::G_CONFLICT).with_detail(detail));
         }
         Ok(())
     }
 }
 
 /// Returns a length from a number in inches or millimetres.
-pub(crate) fn length(value: Number, inch: bool) -> Length {
+pub(crate) fn length(value: WordNumber, inch: bool) -> Length {
     let metric = if inch { value.inches_to_mm() } else { value };
     Length::from_nm(metric.millionths())
 }

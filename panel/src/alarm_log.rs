@@ -41,7 +41,7 @@ impl AlarmLog {
     /// Records new alarms and ladder messages. Call it every tick. Returns whether there is a
     /// new one.
     pub fn update(&mut self, cnc: &Cnc) -> bool {
-        let message = cnc.standing_message();
+        let message = cnc.active_message();
         let active = || cnc.alarms().iter().chain(&message);
         let same = active()
             .map(|alarm| alarm.number)

@@ -3,8 +3,8 @@
 mod serial;
 
 use gsk_core::alarm::Alarm;
-use gsk_core::cnc::Request;
-use gsk_core::machine::{Inputs, Outputs};
+use gsk_core::cnc::ControlRequest;
+use gsk_core::machine::{MachineInputs, MachineOutputs};
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::program::Program;
@@ -95,8 +95,10 @@ impl Emulator {
         } else {
             // Without power the drives hold and everything else stops. The control does not
             // read its inputs.
-            let outputs = Outputs::without_power(self.simulation.cnc.pulses());
-            self.simulation.lathe.tick(&outputs, &mut Inputs::default());
+            let outputs = MachineOutputs::without_power(self.simulation.cnc.pulses());
+            self.simulation
+                .lathe
+                .tick(&outputs, &mut MachineInputs::default());
         }
         let requests = self.panel.tick(&self.simulation.cnc);
         self.send_requests(requests);
@@ -120,7 +122,7 @@ impl Emulator {
             KeyEvent::Up(_) | KeyEvent::ReleaseAll | KeyEvent::Wheel(_) => None,
         };
         let requests = self.panel.key(event, cnc);
-        let by_control = |request| cnc.refuses(request);
+        let by_control = |request| cnc.request_refusal(request);
         let refused = by_page.or_else(|| requests.iter().find_map(by_control));
         self.send_requests(requests);
         let lathe = &mut self.simulation.lathe;
@@ -141,7 +143,7 @@ impl Emulator {
         }
     }
 
-    fn send_requests(&mut self, requests: Vec<Request>) {
+    fn send_requests(&mut self, requests: Vec<ControlRequest>) {
         for request in requests {
             // A refusal is shown on the alarm page.
             let _ = self.simulation.cnc.request(request);
@@ -216,7 +218,9 @@ impl Emulator {
             (None, Some(number)) => program.renumbered(number).text().to_owned(),
             _ => text.to_owned(),
         };
-        self.simulation.cnc.request(Request::StoreProgram(text))
+        self.simulation
+            .cnc
+            .request(ControlRequest::StoreProgram(text))
     }
 
     /// Receives a file through the serial port.
@@ -239,7 +243,9 @@ impl Emulator {
     ///
     /// Returns the alarm with which the control refuses it.
     pub fn load_external(&mut self, program: Program) -> Result<(), Alarm> {
-        self.simulation.cnc.request(Request::OpenExternal(program))
+        self.simulation
+            .cnc
+            .request(ControlRequest::OpenExternal(program))
     }
 
     /// Sets the graphic page to the extents of a program and starts drawing, unless the
@@ -335,7 +341,7 @@ impl Emulator {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ConditionWatch {
     condition: WaitCondition,
-    block: gsk_core::cnc::Cursor,
+    block: gsk_core::cnc::ProgramCursor,
     last_check: Option<u64>,
 }
 
@@ -358,7 +364,7 @@ impl ConditionWatch {
             WaitCondition::SelfTestOver => !emulator.panel.in_self_test(),
             WaitCondition::Stopped => emulator.is_stopped(),
             WaitCondition::BlockEnd => emulator.is_stopped() || cnc.cursor() != self.block,
-            WaitCondition::Alarm => cnc.in_alarm(),
+            WaitCondition::Alarm => cnc.is_in_alarm(),
             WaitCondition::Bit(bit, value) => cnc.plc().memory().bit(*bit) == *value,
             WaitCondition::Text(text) => {
                 let now = emulator.ticks();

@@ -12,9 +12,9 @@ mod transfer;
 mod values;
 
 pub(crate) use entry::is_typable;
-use gsk_core::cnc::{Cnc, Request};
+use gsk_core::cnc::{Cnc, ControlRequest};
 use gsk_core::command::{Frame, ProgramId};
-use gsk_core::operation::Mode;
+use gsk_core::operation::OperatingMode;
 use gsk_core::units::Point;
 use gsk_messages::Language;
 use serde::{Deserialize, Serialize};
@@ -80,7 +80,7 @@ pub struct Panel {
     picture_until: Option<u64>,
     /// Whether the picture stays until a page key is pressed (173.2 SWAT).
     picture_waits: bool,
-    mode: Option<Mode>,
+    mode: Option<OperatingMode>,
     /// Numbers of the active alarms.
     alarms: Vec<u16>,
     /// Numbers of the active ladder messages.
@@ -169,7 +169,7 @@ impl Panel {
     }
 
     /// Returns the requests that store the text in the editor, when the window closes.
-    pub(crate) fn requests_to_store(&mut self) -> Vec<Request> {
+    pub(crate) fn requests_to_store(&mut self) -> Vec<ControlRequest> {
         let mut requests = Vec::new();
         self.store_edited(&mut requests);
         requests
@@ -264,7 +264,7 @@ impl Panel {
 
     /// Handles a key event. Returns the requests to the control. [`Self::is_held`] gives the
     /// contacts of machine keys.
-    pub fn key(&mut self, event: KeyEvent, cnc: &Cnc) -> Vec<Request> {
+    pub fn key(&mut self, event: KeyEvent, cnc: &Cnc) -> Vec<ControlRequest> {
         let mut requests = Vec::new();
         match event {
             KeyEvent::Down(Key::EmergencyStop) => self.emergency_stop = !self.emergency_stop,
@@ -291,12 +291,12 @@ impl Panel {
         self.powered && !self.in_self_test()
     }
 
-    fn press_key(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
+    fn press_key(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         if self.is_held(key) || !(self.powered || key == Key::OvertravelRelease) {
             return;
         }
         let in_key_matrix = |key: &&Key| **key != Key::OvertravelRelease;
-        let most = cnc.parameters().simultaneous_keys();
+        let most = cnc.parameters().simultaneous_key_limit();
         if in_key_matrix(&&key) && self.held.iter().filter(in_key_matrix).count() >= most {
             return;
         }
@@ -315,18 +315,18 @@ impl Panel {
         self.act(key, cnc, requests);
     }
 
-    fn release_key(&mut self, key: Key, requests: &mut Vec<Request>) {
+    fn release_key(&mut self, key: Key, requests: &mut Vec<ControlRequest>) {
         self.held.retain(|held| *held != key);
         if self.repeat.is_some_and(|repeat| repeat.key == key) {
             self.repeat = None;
         }
         if key == Key::Output {
-            requests.push(Request::OutputKey(false));
+            requests.push(ControlRequest::SetOutputKey(false));
         }
     }
 
     /// Acts on the display for a key.
-    fn act(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
+    fn act(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         self.clear_transfer_error();
         let compound = self.compound.take();
         let flashing = self.view.flashing.take();
@@ -343,7 +343,7 @@ impl Panel {
                 self.change_brightness(key == Key::Down);
             }
             (_, Key::Cancel) if flashing.is_some() => {
-                requests.extend(flashing.map(Request::ZeroRelative));
+                requests.extend(flashing.map(ControlRequest::ZeroRelative));
             }
             (_, Key::Up | Key::Down | Key::Left | Key::Right) => {
                 self.cursor_key(key, cnc, requests);
@@ -368,16 +368,16 @@ impl Panel {
         }
     }
 
-    fn reset(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
+    fn reset(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         self.clear_input();
         self.abort_transfer(requests);
         if self.is_held(Key::Cancel) {
-            requests.push(Request::CancelSwitchAlarm);
+            requests.push(ControlRequest::CancelSwitchAlarm);
         }
-        if cnc.mode() == Mode::Edit
+        if cnc.mode() == OperatingMode::Edit
             && let Some(editing) = &mut self.view.editor.editing
         {
-            editing.to_head();
+            editing.move_to_head();
         }
     }
 
@@ -398,7 +398,7 @@ impl Panel {
     }
 
     /// Runs one millisecond, after the control.
-    pub fn tick(&mut self, cnc: &Cnc) -> Vec<Request> {
+    pub fn tick(&mut self, cnc: &Cnc) -> Vec<ControlRequest> {
         self.clock += 1;
         if !self.powered {
             return Vec::new();
@@ -421,7 +421,7 @@ impl Panel {
         requests
     }
 
-    fn repeat_key(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
+    fn repeat_key(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         let Some(repeat) = self.repeat.filter(|repeat| self.clock >= repeat.at) else {
             return;
         };
@@ -434,7 +434,7 @@ impl Panel {
 
     /// A change of mode clears the input line and stores the text in the editor. EDIT has no
     /// MDI page and no directory.
-    fn follow_mode(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
+    fn follow_mode(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         let mode = cnc.mode();
         if self.mode.replace(mode).is_none_or(|before| before == mode) {
             return;
@@ -459,7 +459,7 @@ impl Panel {
         if new {
             self.go_to(PageId::Alm);
         }
-        if !cnc.in_alarm() {
+        if !cnc.is_in_alarm() {
             self.messages.clear();
             return;
         }

@@ -5,7 +5,7 @@
 //! through the ladder. They are checked a little later, by the ladder's reaction.
 
 use gsk_core::cnc::Cnc;
-use gsk_core::operation::{Mode, RunState};
+use gsk_core::operation::{OperatingMode, RunState};
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
@@ -113,8 +113,8 @@ fn machine_key_reason(key: Key, cnc: &Cnc) -> Option<Message> {
     let on = |bit| memory.bit(bit);
     let why = match key {
         Key::CycleStart => return cycle_start_reason(cnc, on(START)),
-        Key::XUp | Key::XDown => return cnc.refuses_axis(Axis::X),
-        Key::ZLeft | Key::ZRight => return cnc.refuses_axis(Axis::Z),
+        Key::XUp | Key::XDown => return cnc.axis_key_refusal(Axis::X),
+        Key::ZLeft | Key::ZRight => return cnc.axis_key_refusal(Axis::Z),
         Key::WheelY | Key::YMinus | Key::YPlus => say::key_no_y_axis(),
         Key::SpindleForward if !on(FORWARD) => spindle_reason(cnc)?,
         Key::SpindleReverse if !on(REVERSE) => spindle_reason(cnc)?,
@@ -123,16 +123,18 @@ fn machine_key_reason(key: Key, cnc: &Cnc) -> Option<Message> {
         Key::ToolChange if !on(NEXT_TOOL) && !on(TOOL_STROBE) => tool_change_reason(cnc)?,
         Key::Lubrication if !is_manual(cnc) => say::key_acts_in_manual_modes(),
         Key::Rapid | Key::RapidOverrideUp | Key::RapidOverrideDown
-            if matches!(cnc.mode(), Mode::Edit | Mode::Handwheel) =>
+            if matches!(cnc.mode(), OperatingMode::Edit | OperatingMode::Handwheel) =>
         {
             say::key_not_in_edit_and_handwheel()
         }
         Key::Increment1 | Key::Increment10 | Key::Increment100
-            if !matches!(cnc.mode(), Mode::Step | Mode::Handwheel) =>
+            if !matches!(cnc.mode(), OperatingMode::Step | OperatingMode::Handwheel) =>
         {
             say::key_step_size_in_step_mode()
         }
-        Key::Increment100 if cnc.parameters().small_steps_only() => say::key_large_steps_locked(),
+        Key::Increment100 if cnc.parameters().has_small_steps_only() => {
+            say::key_large_steps_locked()
+        }
         Key::WheelX if !on(WHEEL_X) => handwheel_reason(cnc),
         Key::WheelZ if !on(WHEEL_Z) => handwheel_reason(cnc),
         _ => return None,
@@ -146,7 +148,7 @@ const fn is_manual(cnc: &Cnc) -> bool {
 }
 
 fn cycle_start_reason(cnc: &Cnc, passed: bool) -> Option<Message> {
-    cnc.refuses_start()
+    cnc.start_refusal()
         .or_else(|| (!passed).then(say::key_ladder_holds_cycle_start))
 }
 
@@ -155,18 +157,18 @@ fn spindle_reason(cnc: &Cnc) -> Option<Message> {
     if !is_manual(cnc) {
         return Some(say::key_acts_in_manual_modes());
     }
-    (!cnc.in_alarm()).then(say::key_ladder_holds_spindle)
+    (!cnc.is_in_alarm()).then(say::key_ladder_holds_spindle)
 }
 
 fn speed_reason(cnc: &Cnc) -> Option<Message> {
-    let is_zero = cnc.parameters().analog_spindle() && cnc.spindle_commanded() == 0.0;
+    let is_zero = cnc.parameters().has_analog_spindle() && cnc.spindle_commanded() == 0.0;
     is_zero.then(say::key_spindle_without_speed)
 }
 
 fn tool_change_reason(cnc: &Cnc) -> Option<Message> {
     if !is_manual(cnc) {
         Some(say::key_acts_in_manual_modes())
-    } else if cnc.parameters().stations() < 2 {
+    } else if cnc.parameters().station_count() < 2 {
         Some(say::key_no_tool_post())
     } else {
         None
@@ -175,7 +177,7 @@ fn tool_change_reason(cnc: &Cnc) -> Option<Message> {
 
 fn handwheel_reason(cnc: &Cnc) -> Message {
     match cnc.mode() {
-        Mode::Step => say::key_handwheel_in_step_mode(),
+        OperatingMode::Step => say::key_handwheel_in_step_mode(),
         _ => say::key_handwheel_axis_in_step_mode(),
     }
 }

@@ -9,7 +9,7 @@ mod parse_error;
 mod run;
 mod state;
 
-use gsk_core::machine::Fault;
+use gsk_core::machine::LatheFault;
 use gsk_core::plc::address::BitAddress;
 use gsk_messages::{Message, say};
 
@@ -96,7 +96,7 @@ pub enum ScriptAction {
     /// Switches the power off (`false`) or on.
     Power(bool),
     /// Sets or clears a fault of the lathe.
-    Fault(Fault, bool),
+    Fault(LatheFault, bool),
     /// Turns the handwheel by a number of graduations in a number of milliseconds, by default
     /// at two turns a second. After `@tick` the default is at once.
     Turn(i32, Option<u64>),

@@ -116,7 +116,8 @@ impl PathTrace {
     /// Ends the path where the board has stopped (machine coordinates), at the pass nearest to
     /// the time of the stop. Drops the rest. Returns false if there was no pending motion.
     pub fn end_at_stop(&mut self, board_position: Point) -> bool {
-        let off = |ahead: &PendingMotion| ahead.piece.distance(ahead.frame.program(board_position));
+        let off =
+            |ahead: &PendingMotion| ahead.piece.distance(ahead.frame.to_program(board_position));
         let Some(nearest) = self.ahead.iter().map(off).min_by(f64::total_cmp) else {
             return false;
         };
@@ -128,7 +129,7 @@ impl PathTrace {
         while let Some(ahead) = self.ahead.pop_front() {
             let PathSegment { from, to, rapid } = ahead.piece;
             if Some(ahead.tick) == last {
-                self.push(from, ahead.frame.program(board_position), rapid);
+                self.push(from, ahead.frame.to_program(board_position), rapid);
                 break;
             }
             self.push(from, to, rapid);

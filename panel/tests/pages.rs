@@ -5,12 +5,12 @@
 
 mod common;
 
-use gsk_core::cnc::Request;
-use gsk_core::operation::Mode;
+use gsk_core::cnc::ControlRequest;
+use gsk_core::operation::OperatingMode;
 use gsk_core::plc::address::{Area, BitAddress};
-use gsk_core::program::{Editing, Program};
+use gsk_core::program::{Program, ProgramEditor};
 use gsk_core::setup::Setup;
-use gsk_core::simulation::{Outcome, Simulation, Until};
+use gsk_core::simulation::{RunUntilResult, Simulation, StopCondition};
 use gsk_core::units::Axis;
 use gsk_panel::pages::{self, GraphicSettings, PAGES, PageId, PageView};
 use gsk_panel::raster;
@@ -59,7 +59,7 @@ fn positions_by_mode() {
     press(&mut simulation, JOG);
     insta::assert_snapshot!("pos-rel-in-jog", shown(PageId::PosRel, &view, &simulation));
     press(&mut simulation, HANDWHEEL);
-    assert_eq!(simulation.cnc.mode(), Mode::Step);
+    assert_eq!(simulation.cnc.mode(), OperatingMode::Step);
     view.spindle_override = true;
     insta::assert_snapshot!("pos-abs-in-step", shown(PageId::PosAbs, &view, &simulation));
     insta::assert_snapshot!("pos-all-by-hand", shown(PageId::PosAll, &view, &simulation));
@@ -74,8 +74,8 @@ fn a_program_block_by_block() {
     while simulation.cnc.cursor().sequence != Some(80) {
         press(&mut simulation, CYCLE_START);
         assert_eq!(
-            simulation.run_until(Until::Stopped, 60_000),
-            Outcome::Reached
+            simulation.run_until(StopCondition::Stopped, 60_000),
+            RunUntilResult::Reached
         );
     }
     ticks(&mut simulation, 2000);
@@ -121,7 +121,7 @@ fn words_keyed_in() {
     let mut simulation = lathe();
     let mut view = PageView::default();
     for word in ["G50", "X50", "Z100"] {
-        let request = Request::MdiWord(word.to_owned());
+        let request = ControlRequest::AddMdiWord(word.to_owned());
         simulation.cnc.request(request).unwrap();
     }
     view.input = "S1".to_owned();
@@ -163,9 +163,9 @@ fn the_editor() {
     let mut view = PageView::default();
     let long = "N0010 G71 U2 R1 (粗车外圆,每刀切深二毫米,退刀一毫米);\n";
     let text = format!("O0001;\n{}M30;\n", long.repeat(14));
-    let mut editing = Editing::new(Program::new(text), 8);
+    let mut editing = ProgramEditor::new(Program::new(text), 8);
     for _ in 0..33 {
-        editing.right();
+        editing.move_right();
     }
     view.editor.editing = Some(editing);
     view.input = "O".to_owned();
@@ -244,7 +244,7 @@ fn anything_in_the_view_can_be_drawn() {
     let mut simulation = lathe();
     simulation
         .cnc
-        .request(Request::StoreProgram(format!(
+        .request(ControlRequest::StoreProgram(format!(
             "O0002;{}",
             "中".repeat(5000)
         )))
@@ -258,10 +258,10 @@ fn anything_in_the_view_can_be_drawn() {
             view.input = "编辑X".repeat(30);
             view.directory_screen = extreme;
             let extreme_line = u32::try_from(extreme).unwrap_or(u32::MAX);
-            let current = simulation.cnc.programs().current();
+            let current = simulation.cnc.programs().selected();
             let program = current.and_then(|id| simulation.cnc.programs().get(id));
             view.editor.editing =
-                program.map(|program| Editing::new(program.clone(), extreme_line));
+                program.map(|program| ProgramEditor::new(program.clone(), extreme_line));
             view.graphic.scale = extreme_line;
             view.graphic.center_x = i32::MIN;
             for row in PAGES {

@@ -6,7 +6,7 @@
     reason = "tests fail by panicking"
 )]
 
-use gsk_core::operation::Mode;
+use gsk_core::operation::OperatingMode;
 use gsk_core::setup::Setup;
 use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::keys::Key;
@@ -41,14 +41,14 @@ fn acts(emulator: &mut Emulator, key: Key) {
     assert_eq!(why, None, "{}", key.id());
 }
 
-const MODES: [(Key, Mode); 7] = [
-    (Key::Edit, Mode::Edit),
-    (Key::Auto, Mode::Auto),
-    (Key::Mdi, Mode::Mdi),
-    (Key::MachineZero, Mode::MachineZero),
-    (Key::Handwheel, Mode::Step),
-    (Key::Jog, Mode::Jog),
-    (Key::ProgramZero, Mode::ProgramZero),
+const MODES: [(Key, OperatingMode); 7] = [
+    (Key::Edit, OperatingMode::Edit),
+    (Key::Auto, OperatingMode::Auto),
+    (Key::Mdi, OperatingMode::Mdi),
+    (Key::MachineZero, OperatingMode::MachineZero),
+    (Key::Handwheel, OperatingMode::Step),
+    (Key::Jog, OperatingMode::Jog),
+    (Key::ProgramZero, OperatingMode::ProgramZero),
 ];
 
 #[test]
@@ -74,7 +74,7 @@ fn keys_of_the_machine_are_refused_where_the_ladder_refuses_them() {
             refused(&mut emulator, Key::CycleStart, "acts in AUTO and MDI");
         }
         match mode {
-            Mode::Step => acts(&mut emulator, Key::Increment10),
+            OperatingMode::Step => acts(&mut emulator, Key::Increment10),
             _ => refused(&mut emulator, Key::Increment10, "the size of a step"),
         }
         refused(&mut emulator, Key::WheelY, "no Y axis");
@@ -177,10 +177,10 @@ fn cycle_start_names_what_holds_it() {
     acts(&mut emulator, Key::CycleStart);
     emulator.run_until(&WaitCondition::Alarm, 60_000);
     refused(&mut emulator, Key::CycleStart, "alarm 1013");
-    let message = emulator.simulation.cnc.standing_message().unwrap();
+    let message = emulator.simulation.cnc.active_message().unwrap();
     assert_eq!((message.number, message.source.unwrap().line), (1013, 3));
     acts(&mut emulator, Key::Reset);
-    assert_eq!(emulator.simulation.cnc.standing_message(), None);
+    assert_eq!(emulator.simulation.cnc.active_message(), None);
     acts(&mut emulator, Key::CycleStart);
 }
 
@@ -197,14 +197,14 @@ fn keys_of_text_and_data_name_page_mode_and_switch() {
     emulator
         .simulation
         .cnc
-        .request(gsk_core::cnc::Request::SetProgramSwitch(false))
+        .request(gsk_core::cnc::ControlRequest::SetProgramSwitch(false))
         .unwrap();
     refused(&mut emulator, Key::G, "program switch is off");
     refused(&mut emulator, Key::Delete, "program switch is off");
     emulator
         .simulation
         .cnc
-        .request(gsk_core::cnc::Request::SetProgramSwitch(true))
+        .request(gsk_core::cnc::ControlRequest::SetProgramSwitch(true))
         .unwrap();
     acts(&mut emulator, Key::G);
     acts(&mut emulator, Key::Parameter);

@@ -3,13 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use gsk_core::battery::Memory;
+use gsk_core::battery::BatteryMemory;
 use gsk_core::command::ProgramId;
 use gsk_core::memory::{
-    Counters, DiskContent, Disks, OFFSETS, Offsets, Parameters, PitchTable, Settings, ToolOffset,
-    Variables, rows,
+    ControlParameters, ControlSettings, Counters, DiskContent, Disks, OFFSET_ROWS, Offsets,
+    PitchTable, ToolOffset, Variables, parameter_rows,
 };
-use gsk_core::model::{ControlModel, ModelId, Record};
+use gsk_core::model::{ControlModel, ModelId, ModelRecord};
 use gsk_core::plc::{Area, ByteAddress, CompileErrors, Ladder, RetainedMemory};
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::standard_ladder;
@@ -140,7 +140,7 @@ impl StateBuilder<'_> {
                 disks.save(disk, content);
             }
         }
-        let memory = Memory {
+        let memory = BatteryMemory {
             parameters: active.parameters,
             offsets: active.offsets,
             pitch: active.pitch,
@@ -150,7 +150,7 @@ impl StateBuilder<'_> {
             programs: self.build_programs(),
             counters: self.build_counters(),
             model,
-            ..Memory::default()
+            ..BatteryMemory::default()
         };
         let retained = self.build_retained();
         let ladder = self.build_ladder();
@@ -169,7 +169,7 @@ impl StateBuilder<'_> {
         state.with_texts(texts)
     }
 
-    fn build_set(&mut self, set: DataSet, record: &Record) -> DiskContent {
+    fn build_set(&mut self, set: DataSet, record: &ModelRecord) -> DiskContent {
         DiskContent {
             parameters: self.build_parameters(set, record),
             offsets: self.build_offsets(set),
@@ -177,9 +177,9 @@ impl StateBuilder<'_> {
         }
     }
 
-    fn build_parameters(&mut self, set: DataSet, record: &Record) -> Parameters {
-        let mut parameters = Parameters::default();
-        for row in rows().iter().filter(|row| row.bit.is_none()) {
+    fn build_parameters(&mut self, set: DataSet, record: &ModelRecord) -> ControlParameters {
+        let mut parameters = ControlParameters::default();
+        for row in parameter_rows().iter().filter(|row| row.bit.is_none()) {
             let number = row.number;
             if row.state {
                 for bit in 0..8 {
@@ -200,7 +200,7 @@ impl StateBuilder<'_> {
                 // own, keep to the common range.
                 Ok(value) => parameters
                     .set(number, value)
-                    .or_else(|_| parameters.set_of(record, number, value))
+                    .or_else(|_| parameters.set_for_model(record, number, value))
                     .map_err(|it| it.message()),
                 Err(_) => Err(say::parameter_out_of_range(number, value, &row.range)),
             };
@@ -212,7 +212,7 @@ impl StateBuilder<'_> {
     }
 
     fn build_offsets(&mut self, set: DataSet) -> Offsets {
-        let mut table = vec![ToolOffset::default(); OFFSETS];
+        let mut table = vec![ToolOffset::default(); OFFSET_ROWS];
         for (number, row) in (0..=u8::MAX).zip(&mut table) {
             for (word, _) in OffsetColumn::ALL {
                 let key = ProjectKey::Offset(set, number, word);
@@ -266,7 +266,7 @@ impl StateBuilder<'_> {
         for number in numbers {
             let key = ProjectKey::Variable(number);
             // A variable that only macro B has may be null (empty): it has no line then.
-            if !Variables::has(number) && !self.remaining.contains_key(&key) {
+            if !Variables::has_integer(number) && !self.remaining.contains_key(&key) {
                 continue;
             }
             if let Some(ProjectValue::Real(value)) = self.take_required(key)
@@ -278,10 +278,10 @@ impl StateBuilder<'_> {
         variables
     }
 
-    fn build_settings(&mut self) -> Settings {
+    fn build_settings(&mut self) -> ControlSettings {
         let [macro_b, parity, iso, inch, numbering] =
             SettingSwitch::ALL.map(|(switch, _)| self.take_switch(ProjectKey::Setting(switch)));
-        Settings {
+        ControlSettings {
             parity,
             iso,
             inch,
@@ -293,10 +293,10 @@ impl StateBuilder<'_> {
     fn build_counters(&mut self) -> Counters {
         let [parts, cutting_ms, required, started_ms] = ProjectCounter::ALL.map(|(count, _)| {
             let end = match count {
-                ProjectCounter::Parts => i64::from(Counters::PARTS),
-                ProjectCounter::CuttingMs => Counters::CUTTING_MS as i64,
-                ProjectCounter::Required => i64::from(Counters::REQUIRED),
-                ProjectCounter::StartedMs => Counters::STARTED_MS as i64,
+                ProjectCounter::Parts => i64::from(Counters::PART_COUNT_LIMIT),
+                ProjectCounter::CuttingMs => Counters::CUTTING_LIMIT_MS as i64,
+                ProjectCounter::Required => i64::from(Counters::REQUIRED_PARTS_LIMIT),
+                ProjectCounter::StartedMs => Counters::STARTED_LIMIT_MS as i64,
             };
             if count.is_optional() && !self.remaining.contains_key(&ProjectKey::Counter(count)) {
                 return 0;

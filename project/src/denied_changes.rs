@@ -1,7 +1,7 @@
 //! Checks which differences the operator may apply, by the rights of a control at standstill.
 
-use gsk_core::memory::{Level, Parameters, Refusal, Rights};
-use gsk_core::mode::Mode;
+use gsk_core::memory::{ControlParameters, OperationLevel, Rights, WriteRefusal};
+use gsk_core::mode::OperatingMode;
 
 use crate::difference::ProjectDifference;
 use crate::key::{ProjectKey, ProjectSection};
@@ -12,7 +12,7 @@ pub struct DeniedChange {
     /// Key of the value.
     pub key: ProjectKey,
     /// The condition that is not met.
-    pub refusal: Refusal,
+    pub refusal: WriteRefusal,
 }
 
 /// Finds the differences that a control with these parameters refuses at this operation level.
@@ -22,13 +22,13 @@ pub struct DeniedChange {
 /// program arrives through the serial port (decision PROJECT-3).
 pub fn find_denied_changes(
     differences: &[ProjectDifference],
-    parameters: &Parameters,
-    level: Level,
+    parameters: &ControlParameters,
+    level: OperationLevel,
 ) -> Vec<DeniedChange> {
     let off = Rights {
         parameters,
         level,
-        mode: Mode::Mdi,
+        mode: OperatingMode::Mdi,
         operating: false,
         running: false,
         moving: false,
@@ -39,29 +39,29 @@ pub fn find_denied_changes(
         protected: false,
     };
     let mdi = Rights {
-        parameter_switch: off.parameter_switch().is_ok(),
-        program_switch: off.program_switch().is_ok(),
+        parameter_switch: off.check_parameter_switch().is_ok(),
+        program_switch: off.check_program_switch().is_ok(),
         ..off
     };
     let edit = Rights {
-        mode: Mode::Edit,
+        mode: OperatingMode::Edit,
         ..mdi
     };
     let allowed = |key: ProjectKey| match ProjectSection::from_key(key) {
-        ProjectSection::Parameters | ProjectSection::Pitch => mdi.parameters(),
-        ProjectSection::Offsets => mdi.offsets(),
-        ProjectSection::Variables => mdi.variables(),
-        ProjectSection::Settings => mdi.settings(),
-        ProjectSection::Disks => mdi.disks(),
-        ProjectSection::Ladder => edit.ladder(),
+        ProjectSection::Parameters | ProjectSection::Pitch => mdi.check_parameters(),
+        ProjectSection::Offsets => mdi.check_offsets(),
+        ProjectSection::Variables => mdi.check_variables(),
+        ProjectSection::Settings => mdi.check_settings(),
+        ProjectSection::Disks => mdi.check_disks(),
+        ProjectSection::Ladder => edit.check_ladder(),
         ProjectSection::Programs => match key {
-            ProjectKey::Program(number) => edit.receive_program(number),
+            ProjectKey::Program(number) => edit.check_receive_program(number),
             _ => Ok(()),
         },
         ProjectSection::Model
         | ProjectSection::Counters
         | ProjectSection::Panel
-        | ProjectSection::Data => mdi.machine_data(),
+        | ProjectSection::Data => mdi.check_machine_data(),
         ProjectSection::Machine | ProjectSection::Jobs => Ok(()),
     };
     differences
@@ -69,8 +69,8 @@ pub fn find_denied_changes(
         .filter_map(|difference| {
             // A switch that is off: report why it cannot be turned on.
             let refusal = match allowed(difference.key).err()? {
-                Refusal::ParameterSwitch => off.parameter_switch().err()?,
-                Refusal::ProgramSwitch => off.program_switch().err()?,
+                WriteRefusal::ParameterSwitch => off.check_parameter_switch().err()?,
+                WriteRefusal::ProgramSwitch => off.check_program_switch().err()?,
                 refusal => refusal,
             };
             Some(DeniedChange {

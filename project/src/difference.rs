@@ -70,7 +70,7 @@ pub fn apply(
     if let Some(ProjectValue::Selected(Some(number))) = entries.get(&ProjectKey::Selected)
         && !entries.contains_key(&ProjectKey::Program(*number))
     {
-        let programs = state.memory().programs.current();
+        let programs = state.memory().programs.selected();
         let before = programs.and_then(|id| match id {
             ProgramId::Stored(number) => Some(number),
             _ => None,

@@ -1,6 +1,6 @@
 //! Keys: name each value of a project and map it to a file and a line name.
 
-use gsk_core::memory::Disk;
+use gsk_core::memory::ElectronicDisk;
 use gsk_core::plc::{Area, ByteAddress};
 use gsk_core::program;
 use gsk_core::units::Axis;
@@ -22,11 +22,11 @@ pub enum DataSet {
 
 impl DataSet {
     /// The writable electronic disks with their names.
-    pub const DISKS: [(Self, Disk, &'static str); 4] = [
-        (Self::N1, Disk::N1, "N1"),
-        (Self::N2, Disk::N2, "N2"),
-        (Self::N3, Disk::N3, "N3"),
-        (Self::N4, Disk::N4, "N4"),
+    pub const DISKS: [(Self, ElectronicDisk, &'static str); 4] = [
+        (Self::N1, ElectronicDisk::N1, "N1"),
+        (Self::N2, ElectronicDisk::N2, "N2"),
+        (Self::N3, ElectronicDisk::N3, "N3"),
+        (Self::N4, ElectronicDisk::N4, "N4"),
     ];
 
     /// Returns the name of the electronic disk (`N1`); `None` for the set in use.
@@ -349,7 +349,7 @@ fn parse_number(digits: &str) -> Option<u16> {
 /// Parses a program name like `O0001`.
 fn parse_program_number(name: &str) -> Option<u16> {
     let digits = name.strip_prefix('O').filter(|digits| digits.len() == 4)?;
-    parse_number(digits).filter(|number| program::RANGE.contains(number))
+    parse_number(digits).filter(|number| program::PROGRAM_NUMBERS.contains(number))
 }
 
 impl ProjectKey {

@@ -1,6 +1,6 @@
 //! Names, units and file comments of project values, in both languages.
 
-use gsk_core::memory::{self, ParameterRow, Refusal};
+use gsk_core::memory::{self, ParameterRow, WriteRefusal};
 use gsk_core::model::ModelId;
 use gsk_core::plc::{Ladder, PlcAddress};
 use gsk_core::units::Axis;
@@ -55,7 +55,7 @@ pub(crate) fn line_comment(key: ProjectKey, state: &ProjectState, language: Lang
 
 fn parameter_row(key: ProjectKey) -> Option<&'static ParameterRow> {
     match key {
-        ProjectKey::Parameter(_, number, bit) => memory::row(number, bit),
+        ProjectKey::Parameter(_, number, bit) => memory::parameter_row(number, bit),
         _ => None,
     }
 }
@@ -174,14 +174,14 @@ fn with_disk_name(key: ProjectKey, name: String, language: Language) -> String {
 }
 
 /// Returns the message for a refusal: why the control does not accept a value now.
-pub fn refusal_message(refusal: Refusal) -> Message {
+pub fn refusal_message(refusal: WriteRefusal) -> Message {
     match refusal {
-        Refusal::Mode => say::request_needs_mdi(),
-        Refusal::Running => say::request_while_running(),
-        Refusal::Alarm => say::request_in_alarm(),
-        Refusal::ParameterSwitch => say::request_parameter_switch_off(),
-        Refusal::ProgramSwitch => say::request_program_switch_off(),
-        Refusal::Level => say::level_too_low(),
-        Refusal::Locked => say::request_locked(),
+        WriteRefusal::Mode => say::request_needs_mdi(),
+        WriteRefusal::Running => say::request_while_running(),
+        WriteRefusal::Alarm => say::request_in_alarm(),
+        WriteRefusal::ParameterSwitch => say::request_parameter_switch_off(),
+        WriteRefusal::ProgramSwitch => say::request_program_switch_off(),
+        WriteRefusal::Level => say::level_too_low(),
+        WriteRefusal::Locked => say::request_locked(),
     }
 }

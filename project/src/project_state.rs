@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use gsk_core::battery::Memory;
+use gsk_core::battery::BatteryMemory;
 use gsk_core::command::ProgramId;
 use gsk_core::memory::{
-    Authority, Counters, OFFSETS, Offsets, Parameters, PitchTable, Variables, rows,
+    Authority, ControlParameters, Counters, OFFSET_ROWS, Offsets, PitchTable, Variables,
+    parameter_rows,
 };
 use gsk_core::model::ControlModel;
 use gsk_core::plc::{Area, ByteAddress, Ladder, Plc, RetainedMemory};
@@ -28,7 +29,7 @@ pub(crate) const RETAINED_MACRO_B_VARIABLES: core::ops::RangeInclusive<u16> = 50
 /// Whether a project stores this macro variable: all of macro A, and those of macro B that are
 /// retained over power-off (500 to 999).
 pub fn is_retained_variable(variable: u16) -> bool {
-    Variables::has(variable) || RETAINED_MACRO_B_VARIABLES.contains(&variable)
+    Variables::has_integer(variable) || RETAINED_MACRO_B_VARIABLES.contains(&variable)
 }
 
 /// The retained data of a control: battery memory, ladder, PLC data, panel settings, and for a
@@ -36,7 +37,7 @@ pub fn is_retained_variable(variable: u16) -> bool {
 /// part of it.
 #[derive(Clone, Debug)]
 pub struct ProjectState {
-    memory: Memory,
+    memory: BatteryMemory,
     retained: RetainedMemory,
     ladder: Arc<Ladder>,
     panel: Option<PanelRetained>,
@@ -56,7 +57,7 @@ impl ProjectState {
     /// ladder. `panel` is `None` if the panel has never been opened. Values that are lost at
     /// power-off, the operation level and the passwords are dropped.
     pub fn new(
-        memory: &Memory,
+        memory: &BatteryMemory,
         retained: Option<&RetainedMemory>,
         ladder: Arc<Ladder>,
         panel: Option<PanelRetained>,
@@ -65,15 +66,15 @@ impl ProjectState {
         memory.authority = Authority::default();
         memory.variables.power_on();
         memory.counters = Counters {
-            parts: memory.counters.parts % Counters::PARTS,
-            cutting_ms: memory.counters.cutting_ms % Counters::CUTTING_MS,
-            required: memory.counters.required % Counters::REQUIRED,
-            started_ms: memory.counters.started_ms % Counters::STARTED_MS,
+            parts: memory.counters.parts % Counters::PART_COUNT_LIMIT,
+            cutting_ms: memory.counters.cutting_ms % Counters::CUTTING_LIMIT_MS,
+            required: memory.counters.required % Counters::REQUIRED_PARTS_LIMIT,
+            started_ms: memory.counters.started_ms % Counters::STARTED_LIMIT_MS,
         };
         memory.model = drop_delivered_values(&memory.model);
         memory.programs = memory.programs.retained();
         let first = memory.programs.iter().next().map(|(number, _)| number);
-        if let (None, Some(first)) = (memory.programs.current(), first) {
+        if let (None, Some(first)) = (memory.programs.selected(), first) {
             memory.programs.select(ProgramId::Stored(first));
         }
         // A directory of an older version may lack some areas.
@@ -122,7 +123,7 @@ impl ProjectState {
     }
 
     /// The battery memory. Its operation level and passwords are those of delivery.
-    pub const fn memory(&self) -> &Memory {
+    pub const fn memory(&self) -> &BatteryMemory {
         &self.memory
     }
 
@@ -174,7 +175,7 @@ impl ProjectState {
             };
             entries.insert(ProjectKey::Setting(switch), ProjectValue::Switch(on));
         }
-        let selected = match memory.programs.current() {
+        let selected = match memory.programs.selected() {
             Some(ProgramId::Stored(number)) => Some(number),
             _ => None,
         };
@@ -194,7 +195,7 @@ impl ProjectState {
             }
         }
         for number in Variables::numbers().chain(RETAINED_MACRO_B_VARIABLES) {
-            if let Some(value) = memory.variables.real(number) {
+            if let Some(value) = memory.variables.real_value(number) {
                 entries.insert(ProjectKey::Variable(number), ProjectValue::Real(value));
             }
         }
@@ -241,9 +242,9 @@ fn drop_delivered_values(model: &ControlModel) -> ControlModel {
 fn insert_set(
     entries: &mut BTreeMap<ProjectKey, ProjectValue>,
     set: DataSet,
-    (parameters, offsets, pitch): (&Parameters, &Offsets, &PitchTable),
+    (parameters, offsets, pitch): (&ControlParameters, &Offsets, &PitchTable),
 ) {
-    for row in rows().iter().filter(|row| row.bit.is_none()) {
+    for row in parameter_rows().iter().filter(|row| row.bit.is_none()) {
         let number = row.number;
         if row.state {
             for bit in 0..8 {
@@ -261,7 +262,7 @@ fn insert_set(
             );
         }
     }
-    for (number, offset) in offsets.iter().take(OFFSETS) {
+    for (number, offset) in offsets.iter().take(OFFSET_ROWS) {
         for (word, _) in OffsetColumn::ALL {
             let value = match word {
                 OffsetColumn::X => ProjectValue::Real(offset.x),

@@ -47,7 +47,7 @@ impl core::fmt::Display for ProjectValue {
             Self::Whole(value) => write!(f, "{value}"),
             Self::Real(value) => f.write_str(&format_shortest(*value)),
             Self::Switch(on) => f.write_str(if *on { "on" } else { "off" }),
-            Self::Model(model) => f.write_str(model.word()),
+            Self::Model(model) => f.write_str(model.command_word()),
             Self::Selected(Some(number)) => write!(f, "O{number:04}"),
             Self::Selected(None) => f.write_str("none"),
             Self::Text(_) => Ok(()),
@@ -105,9 +105,9 @@ pub(crate) fn parse_value(key: ProjectKey, text: &str) -> Result<ProjectValue, M
             say::project_switch(),
         ),
         ValueType::Model => {
-            let words = ModelId::ALL.map(ModelId::word).join(", ");
+            let words = ModelId::ALL.map(ModelId::command_word).join(", ");
             (
-                ModelId::from_word(text).map(ProjectValue::Model),
+                ModelId::from_command_word(text).map(ProjectValue::Model),
                 say::project_one_of(words),
             )
         }

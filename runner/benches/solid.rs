@@ -2,7 +2,10 @@
 //! clamping and a tool, on 900 by 500 pixels.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use gsk_runner::solid::{Canvas, Fineness, Turn, View, clamping, part, tool};
+use gsk_runner::solid::{
+    BodyResolution, SolidCanvas, SolidView, ViewDirection, clamping_bodies, part_bodies,
+    tool_bodies,
+};
 use gsk_workpiece::grid::{GridContour, GridPoint, grid};
 use gsk_workpiece::region::Region;
 use gsk_workpiece::stock::Stock;
@@ -34,27 +37,27 @@ fn shaft(stock: &Region) -> Region {
     stock.difference(&[contour])
 }
 
-fn solid(criterion: &mut Criterion) {
+fn bench_solid(criterion: &mut Criterion) {
     let stock = Stock::bar(50.0, 1.0, 80.0);
     let section = stock.section();
     let shaft = shaft(&section);
-    let view = View::fit(Turn::oblique(true), [&section], SIZE, 30.0);
-    let fineness = Fineness::of(view.scale);
+    let view = SolidView::fit(ViewDirection::oblique(true), [&section], SIZE, 30.0);
+    let fineness = BodyResolution::for_scale(view.pixels_per_mm);
     criterion.bench_function("solid of a shaft built", |bencher| {
-        bencher.iter(|| part(&shaft, &section, fineness));
+        bencher.iter(|| part_bodies(&shaft, &section, fineness));
     });
-    let mut bodies = part(&shaft, &section, fineness).to_vec();
-    bodies.extend(clamping(&stock, false, fineness));
-    bodies.extend(tool(&Tool::turning(), fineness));
-    let mut canvas = Canvas::default();
+    let mut bodies = part_bodies(&shaft, &section, fineness).to_vec();
+    bodies.extend(clamping_bodies(&stock, false, fineness));
+    bodies.extend(tool_bodies(&Tool::turning(), fineness));
+    let mut canvas = SolidCanvas::default();
     for samples in [1, 2] {
         let name = format!("solid of a shaft drawn, {samples} x {samples} samples a pixel");
         criterion.bench_function(&name, |bencher| {
-            let all = || bodies.iter().map(|body| (body, (0.0, 0.0)));
-            bencher.iter(|| canvas.draw(all(), &view, SIZE, samples));
+            let placed_bodies = || bodies.iter().map(|body| (body, (0.0, 0.0)));
+            bencher.iter(|| canvas.draw(placed_bodies(), &view, SIZE, samples));
         });
     }
 }
 
-criterion_group!(benches, solid);
+criterion_group!(benches, bench_solid);
 criterion_main!(benches);

@@ -7,25 +7,25 @@ use gsk_core::simulation::Simulation;
 pub trait PulseBoard {
     /// Blocks until the control may make its next tick. Returns false if the end was requested
     /// (Ctrl-C); the board then moves nothing more.
-    fn wait(&mut self, simulation: &mut Simulation) -> bool;
+    fn wait_for_tick(&mut self, simulation: &mut Simulation) -> bool;
     /// Takes over the motion of a finished tick. Called after every tick of the control.
-    fn after(&mut self, simulation: &mut Simulation);
+    fn finish_tick(&mut self, simulation: &mut Simulation);
     /// Waits until the board has made all motion sent so far, then stops it and closes its
     /// port.
     fn close(self: Box<Self>, simulation: &mut Simulation);
 }
 
 /// The operator at the terminal, who confirms that a stopped program continues.
-pub trait Operator {
+pub trait TerminalOperator {
     /// Discards all input typed so far, so that it does not answer the next question.
-    fn forget(&self);
+    fn discard_input(&self);
     /// The input since the last call. Does not block.
-    fn answer(&self) -> Answer;
+    fn read_answer(&self) -> OperatorAnswer;
 }
 
 /// What the operator typed since the last call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Answer {
+pub enum OperatorAnswer {
     /// Nothing yet.
     None,
     /// Enter alone: continue.
@@ -33,5 +33,5 @@ pub enum Answer {
     /// Any other text.
     Other,
     /// The input has ended: no operator is at the terminal.
-    Gone,
+    EndOfInput,
 }

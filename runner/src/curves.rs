@@ -1,6 +1,6 @@
 //! Computes the shape of moves: the bend of a rapid and the chords of an arc.
 
-use gsk_core::battery::Memory;
+use gsk_core::battery::BatteryMemory;
 use gsk_core::units::{Axis, Point};
 use gsk_workpiece::curve::PlaneArc;
 
@@ -18,11 +18,11 @@ pub struct RapidRates {
 
 impl RapidRates {
     /// The rates in the parameters of a control, and whether its model has straight rapids.
-    pub fn of(memory: &Memory) -> Self {
+    pub fn from_memory(memory: &BatteryMemory) -> Self {
         Self {
             x: memory.parameters.rapid_rate(Axis::X),
             z: memory.parameters.rapid_rate(Axis::Z),
-            straight: memory.model.record().rapids_are_straight(),
+            straight: memory.model.record().are_rapids_straight(),
         }
     }
 }

@@ -7,19 +7,19 @@ mod board;
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Event;
 use gsk_core::command::{ExecutedMove, MoveKind};
-use gsk_core::interpreter::{Explanation, Modal};
-use gsk_core::operation::{Mode, RunState};
+use gsk_core::interpreter::{Explanation, ModalState};
+use gsk_core::operation::{OperatingMode, RunState};
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::simulation::Simulation;
 use gsk_core::units::{Point, TICK_MS};
 use gsk_messages::{Language, Message, say};
 
-pub use board::Board;
-use board::Standing;
+use board::StopState;
+pub use board::SupervisedBoard;
 
-use crate::moves::{counts, rounded};
-use crate::partner::{Partner, Patience};
-use crate::report::{self, AlarmReport, Final, Report};
+use crate::move_output::{is_reported, round_to_millionth};
+use crate::partner::{PartnerWait, ProgramPartner};
+use crate::report::{self, AlarmReport, FinalPositions, ProgramReport};
 
 const AUTO_KEY: BitAddress = BitAddress::new(Area::X, 20, 1);
 const START_KEY: BitAddress = BitAddress::new(Area::X, 25, 0);
@@ -35,21 +35,21 @@ const SETTLE_MS: u32 = 5000;
 #[error("{}", self.message())]
 pub enum ExecutionError {
     /// DNC is requested, but the ladder has no keys to select DNC.
-    NoWayToDnc,
+    NoDncKeys,
 }
 
 impl ExecutionError {
     /// The message for the user.
     pub fn message(self) -> Message {
         match self {
-            Self::NoWayToDnc => say::dnc_no_way(),
+            Self::NoDncKeys => say::dnc_no_way(),
         }
     }
 }
 
 /// When an execution ends, if the program does not end it.
 #[derive(Clone, Copy, Debug)]
-pub struct Limits {
+pub struct ExecutionLimits {
     /// After this number of parts.
     pub parts: u32,
     /// After this machine time, ms.
@@ -57,25 +57,25 @@ pub struct Limits {
 }
 
 /// Receives the progress of an execution.
-pub trait Watcher {
+pub trait ExecutionWatcher {
     /// A move was executed. Its times, s, count from cycle start.
-    fn moved(&mut self, executed: &ExecutedMove);
+    fn on_move(&mut self, executed: &ExecutedMove);
     /// A tick has passed, `time_ms` after cycle start. `machine` is the position of the
     /// slides. Returning true ends the run: a tool hit something.
-    fn ticked(&mut self, time_ms: u64, machine: Point, simulation: &Simulation) -> bool;
+    fn on_tick(&mut self, time_ms: u64, machine: Point, simulation: &Simulation) -> bool;
     /// A block begins. `line` counts from 1, `modal` holds the words in force.
-    fn block(&mut self, line: u32, text: &str, modal: &Modal);
-    /// A pass of a cycle begins. Called only if [`Watcher::wants_explanations`] is true.
-    fn pass(&mut self, explanation: &Explanation);
+    fn on_block(&mut self, line: u32, text: &str, modal: &ModalState);
+    /// A pass of a cycle begins. Called only if [`ExecutionWatcher::wants_explanations`] is true.
+    fn on_pass(&mut self, explanation: &Explanation);
     /// Whether the passes of cycles are to be explained.
     fn wants_explanations(&self) -> bool;
     /// Shows a message to the operator at the terminal.
-    fn tell(&mut self, said: &Message);
+    fn show(&mut self, message: &Message);
 }
 
 /// How a program ended.
 #[derive(Clone, Debug, PartialEq)]
-enum End {
+enum ExecutionEnd {
     M30,
     M02,
     M99,
@@ -87,21 +87,21 @@ enum End {
     /// The program is stopped at a board, and no operator is there to press cycle start.
     Stop(Message),
     /// The end was requested: Ctrl-C, `kill`.
-    Asked,
+    Requested,
     /// A tool hit something, and the watcher ends the run for it.
     Collision,
     Limit,
 }
 
-struct Run<'a> {
+struct ProgramRun<'a> {
     simulation: Simulation,
-    partner: Option<&'a mut dyn Partner>,
-    board: Option<Board>,
-    standing: Standing,
-    watcher: &'a mut dyn Watcher,
+    partner: Option<&'a mut dyn ProgramPartner>,
+    board: Option<SupervisedBoard>,
+    stop_state: StopState,
+    watcher: &'a mut dyn ExecutionWatcher,
     start_ticks: u64,
     /// Whether the run has started.
-    begun: bool,
+    has_begun: bool,
     wanted_parts: u32,
     parts: u32,
     stops: u32,
@@ -110,8 +110,8 @@ struct Run<'a> {
     cutting_s: f64,
     /// End of the last counted move and modal state of the last counted block.
     last_point: Option<Point>,
-    last_modal: Option<Modal>,
-    ended: Option<End>,
+    last_modal: Option<ModalState>,
+    pending_end: Option<ExecutionEnd>,
 }
 
 /// Executes the selected program on the simulated lathe or on a board. With `partner` the
@@ -123,21 +123,21 @@ struct Run<'a> {
 pub fn execute<'a>(
     name: &str,
     simulation: Simulation,
-    limits: Limits,
-    partner: Option<&'a mut dyn Partner>,
-    board: Option<Board>,
-    watcher: &'a mut dyn Watcher,
+    limits: ExecutionLimits,
+    partner: Option<&'a mut dyn ProgramPartner>,
+    board: Option<SupervisedBoard>,
+    watcher: &'a mut dyn ExecutionWatcher,
     language: Option<Language>,
-) -> Result<(Report, Simulation), ExecutionError> {
+) -> Result<(ProgramReport, Simulation), ExecutionError> {
     let before = simulation.cnc.parameters().clone();
-    let mut run = Run {
+    let mut run = ProgramRun {
         simulation,
         partner,
         board,
-        standing: Standing::default(),
+        stop_state: StopState::default(),
         watcher,
         start_ticks: 0,
-        begun: false,
+        has_begun: false,
         wanted_parts: limits.parts,
         parts: 0,
         stops: 0,
@@ -146,67 +146,73 @@ pub fn execute<'a>(
         cutting_s: 0.0,
         last_point: None,
         last_modal: None,
-        ended: None,
+        pending_end: None,
     };
-    run.simulation.cnc.explain(run.watcher.wants_explanations());
+    run.simulation
+        .cnc
+        .set_explaining(run.watcher.wants_explanations());
     run.prepare_board();
     run.press(AUTO_KEY);
     if run.partner.is_some() {
         run.press(AUTO_KEY);
-        if run.ended.is_none() && run.simulation.cnc.mode() != Mode::Dnc {
-            return Err(ExecutionError::NoWayToDnc);
+        if run.pending_end.is_none() && run.simulation.cnc.mode() != OperatingMode::Dnc {
+            return Err(ExecutionError::NoDncKeys);
         }
     }
-    if run.ended.is_none() {
-        run.start();
+    if run.pending_end.is_none() {
+        run.press_cycle_start();
     }
     let end = run.run_to_end(limits);
     let time_ms = run.time_ms();
     let waits_for = match &end {
-        End::Refused(why) | End::Stop(why) => Some(report::said(why, language)),
-        End::Limit => (run.simulation.cnc.waits_for()).map(|what| report::said(&what, language)),
+        ExecutionEnd::Refused(why) | ExecutionEnd::Stop(why) => {
+            Some(report::message_text(why, language))
+        }
+        ExecutionEnd::Limit => {
+            (run.simulation.cnc.wait_reason()).map(|what| report::message_text(&what, language))
+        }
         _ => None,
     };
-    run.come_to_rest();
+    run.stop_motion();
     run.close_board();
     let cnc = &run.simulation.cnc;
     let alarm = match &end {
-        End::Alarm(alarm) => Some(AlarmReport::new(alarm, cnc.programs(), language)),
+        ExecutionEnd::Alarm(alarm) => Some(AlarmReport::new(alarm, cnc.programs(), language)),
         _ => None,
     };
-    let turns = |address| cnc.plc().memory().bit(address);
+    let is_on = |address| cnc.plc().memory().bit(address);
     // After the last requested part an M99 has started another one.
     let (beyond, modal) = match end {
-        End::M99 => (
+        ExecutionEnd::M99 => (
             run.last_point
                 .map_or(Point::default(), |point| cnc.position_absolute() - point),
             run.last_modal.unwrap_or(*cnc.modal()),
         ),
         _ => (Point::default(), *cnc.modal()),
     };
-    let report = Report {
+    let report = ProgramReport {
         file: name.to_owned(),
         end: match end {
-            End::M30 => report::End::M30,
-            End::M02 => report::End::M02,
-            End::M99 => report::End::M99,
-            End::Text => report::End::Text,
-            End::Alarm(_) => report::End::Alarm,
-            End::Refused(_) => report::End::Refused,
-            End::Stop(_) => report::End::Stop,
-            End::Asked => report::End::Asked,
-            End::Collision => report::End::Collision,
-            End::Limit => report::End::Limit,
+            ExecutionEnd::M30 => report::RunEnd::M30,
+            ExecutionEnd::M02 => report::RunEnd::M02,
+            ExecutionEnd::M99 => report::RunEnd::M99,
+            ExecutionEnd::Text => report::RunEnd::Text,
+            ExecutionEnd::Alarm(_) => report::RunEnd::Alarm,
+            ExecutionEnd::Refused(_) => report::RunEnd::Refused,
+            ExecutionEnd::Stop(_) => report::RunEnd::Stop,
+            ExecutionEnd::Requested => report::RunEnd::Requested,
+            ExecutionEnd::Collision => report::RunEnd::Collision,
+            ExecutionEnd::Limit => report::RunEnd::Limit,
         },
         alarm,
         waits_for,
         time_s: time_ms as f64 / 1000.0,
-        cutting_s: rounded(run.cutting_s),
+        cutting_s: round_to_millionth(run.cutting_s),
         blocks: run.blocks,
         moves: run.moves,
         parts: run.parts,
         stops: run.stops,
-        position: Final::new(
+        position: FinalPositions::new(
             cnc.position_absolute() - beyond,
             cnc.position_machine() - beyond,
             cnc.position_relative() - beyond,
@@ -215,15 +221,15 @@ pub fn execute<'a>(
         f: modal.feed,
         s: modal.spindle,
         t: report::tool_word(cnc.tool()),
-        spindle: if turns(M03_OUTPUT) {
+        spindle: if is_on(M03_OUTPUT) {
             "cw"
-        } else if turns(M04_OUTPUT) {
+        } else if is_on(M04_OUTPUT) {
             "ccw"
         } else {
             "stop"
         },
         coolant: cnc.plc().memory().y(5) & 1 != 0,
-        parameters_changed: report::changed(&before, cnc.parameters()),
+        parameters_changed: report::changed_parameters(&before, cnc.parameters()),
         warnings: Vec::new(),
         path: None,
         part: None,
@@ -231,7 +237,7 @@ pub fn execute<'a>(
     Ok((report, run.simulation))
 }
 
-impl Run<'_> {
+impl ProgramRun<'_> {
     fn time_ms(&self) -> u64 {
         if self.start_ticks == 0 {
             return 0;
@@ -241,46 +247,48 @@ impl Run<'_> {
 
     fn press(&mut self, key: BitAddress) {
         self.simulation.cnc.set_panel_key(key, true);
-        self.ticks(PRESS_MS);
+        self.tick_for_ms(PRESS_MS);
         self.simulation.cnc.set_panel_key(key, false);
-        self.ticks(PRESS_MS);
+        self.tick_for_ms(PRESS_MS);
     }
 
-    fn ticks(&mut self, ms: u32) {
+    fn tick_for_ms(&mut self, ms: u32) {
         for _ in 0..ms / TICK_MS {
-            self.tick();
+            self.run_tick();
         }
     }
 
     /// Presses cycle start and waits until the run has started. Machine time counts from
     /// there.
-    fn start(&mut self) {
+    fn press_cycle_start(&mut self) {
         self.simulation.cnc.set_panel_key(START_KEY, true);
-        self.ticks(PRESS_MS);
+        self.tick_for_ms(PRESS_MS);
         self.simulation.cnc.set_panel_key(START_KEY, false);
         let first = self.start_ticks == 0;
         for _ in 0..PRESS_MS {
             if first {
                 self.start_ticks = self.simulation.cnc.ticks();
             }
-            self.tick();
-            if self.simulation.cnc.run_state() == RunState::Run || self.ended.is_some() {
+            self.run_tick();
+            if self.simulation.cnc.run_state() == RunState::Run || self.pending_end.is_some() {
                 return;
             }
         }
     }
 
-    fn run_to_end(&mut self, limits: Limits) -> End {
+    fn run_to_end(&mut self, limits: ExecutionLimits) -> ExecutionEnd {
         loop {
-            if let Some(end) = self.ended.take() {
+            if let Some(end) = self.pending_end.take() {
                 let more = self.parts < limits.parts;
                 match end {
                     // Another part: start the cycle again.
-                    End::M30 | End::M02 | End::Text if more && self.parts > 0 => {
-                        if self.may_begin_another() {
-                            self.press_again();
-                        } else if self.ended.is_none() {
-                            self.ended = Some(End::Stop(say::run_next_part()));
+                    ExecutionEnd::M30 | ExecutionEnd::M02 | ExecutionEnd::Text
+                        if more && self.parts > 0 =>
+                    {
+                        if self.confirm_next_part() {
+                            self.press_cycle_start_again();
+                        } else if self.pending_end.is_none() {
+                            self.pending_end = Some(ExecutionEnd::Stop(say::run_next_part()));
                         }
                         continue;
                     }
@@ -288,126 +296,126 @@ impl Run<'_> {
                 }
             }
             if self.parts >= limits.parts {
-                return End::M99;
+                return ExecutionEnd::M99;
             }
             if self.time_ms() >= limits.time_ms {
-                return End::Limit;
+                return ExecutionEnd::Limit;
             }
-            self.tick();
+            self.run_tick();
             if self.board.is_some() {
-                self.attend();
+                self.supervise_stop();
                 continue;
             }
             let cnc = &self.simulation.cnc;
             let idle = cnc.run_state() == RunState::Stop && !cnc.is_moving();
-            if idle && self.ended.is_none() {
+            if idle && self.pending_end.is_none() {
                 self.stops += 1;
-                self.press_again();
-            } else if cnc.run_state() == RunState::Reset && self.ended.is_none() {
-                self.ended = Some(self.refused().unwrap_or(End::Text));
+                self.press_cycle_start_again();
+            } else if cnc.run_state() == RunState::Reset && self.pending_end.is_none() {
+                self.pending_end = Some(self.start_refusal().unwrap_or(ExecutionEnd::Text));
             }
         }
     }
 
     /// Why nothing runs although cycle start was pressed; `None` if the program runs.
-    fn refused(&self) -> Option<End> {
+    fn start_refusal(&self) -> Option<ExecutionEnd> {
         let cnc = &self.simulation.cnc;
-        let stands = matches!(cnc.run_state(), RunState::Reset | RunState::Stop);
-        let why = cnc.refuses_start().filter(|_| stands);
-        why.filter(|_| !self.begun || cnc.run_state() == RunState::Stop)
-            .map(End::Refused)
+        let is_stopped = matches!(cnc.run_state(), RunState::Reset | RunState::Stop);
+        let why = cnc.start_refusal().filter(|_| is_stopped);
+        why.filter(|_| !self.has_begun || cnc.run_state() == RunState::Stop)
+            .map(ExecutionEnd::Refused)
     }
 
-    fn press_again(&mut self) {
-        self.start();
-        if self.ended.is_none() {
-            self.ended = self.refused();
+    fn press_cycle_start_again(&mut self) {
+        self.press_cycle_start();
+        if self.pending_end.is_none() {
+            self.pending_end = self.start_refusal();
         }
     }
 
     /// Waits until the axes stop.
-    fn settle(&mut self) {
+    fn wait_for_axes(&mut self) {
         for _ in 0..SETTLE_MS {
             if !self.simulation.cnc.is_moving() {
                 break;
             }
-            self.tick();
+            self.run_tick();
         }
     }
 
-    fn tick(&mut self) {
-        if !self.may_tick() {
+    fn run_tick(&mut self) {
+        if !self.wait_for_tick() {
             return;
         }
         if let Some(partner) = &mut self.partner {
             // A board does not wait for the partner.
-            let patience = match self.board {
-                Some(_) => Patience::None,
-                None => Patience::Waits,
+            let wait = match self.board {
+                Some(_) => PartnerWait::Forbidden,
+                None => PartnerWait::Allowed,
             };
-            partner.feed(&mut self.simulation.cnc, patience);
+            partner.send_text(&mut self.simulation.cnc, wait);
         }
         self.simulation.tick();
         if let Some(board) = &mut self.board {
-            board.live.after(&mut self.simulation);
+            board.pulse_board.finish_tick(&mut self.simulation);
         }
-        self.begun |= self.start_ticks != 0 && self.simulation.cnc.run_state() == RunState::Run;
+        self.has_begun |= self.start_ticks != 0 && self.simulation.cnc.run_state() == RunState::Run;
         let cnc = &self.simulation.cnc;
-        if self.ended.is_none() {
+        if self.pending_end.is_none() {
             // The message holds the program, and cycle start does not continue it.
-            self.ended = cnc.standing_message().map(End::Alarm);
+            self.pending_end = cnc.active_message().map(ExecutionEnd::Alarm);
         }
         let start_s = self.start_ticks as f64 / 1000.0;
         for event in cnc.events() {
             // A loop without motion finishes several parts in a tick. Events after the last
             // requested part do not count.
-            let enough = self.parts >= self.wanted_parts;
+            let has_all_parts = self.parts >= self.wanted_parts;
             match event {
-                Event::BlockBegan(..)
+                Event::BlockStarted(..)
                 | Event::BlockEnded(_)
                 | Event::PartFinished
-                | Event::Moved(_)
-                    if enough => {}
-                Event::Moved(executed) => {
+                | Event::MoveEnded(_)
+                    if has_all_parts => {}
+                Event::MoveEnded(executed) => {
                     self.last_point = Some(executed.to);
                     let mut executed = *executed;
                     executed.start_s = (executed.start_s - start_s).max(0.0);
-                    if counts(&executed) {
+                    if is_reported(&executed) {
                         self.moves += 1;
                         if !matches!(executed.kind, MoveKind::Rapid | MoveKind::Dwell) {
                             self.cutting_s += executed.duration_s;
                         }
-                        self.watcher.moved(&executed);
+                        self.watcher.on_move(&executed);
                     }
                 }
                 Event::BlockEnded(_) => self.blocks += 1,
-                Event::Explained(explanation) => self.watcher.pass(explanation),
-                Event::BlockBegan(source, modal) => {
+                Event::Explained(explanation) => self.watcher.on_pass(explanation),
+                Event::BlockStarted(source, modal) => {
                     self.last_modal = Some(*modal);
                     let program = cnc.programs().get(source.program);
                     let text = program.map_or("", |program| program.line(source.line));
-                    self.watcher.block(source.line, text.trim(), modal);
+                    self.watcher.on_block(source.line, text.trim(), modal);
                 }
-                Event::AlarmRaised(alarm) if self.ended.is_none() => {
-                    self.ended = Some(End::Alarm(alarm.clone()));
+                Event::AlarmRaised(alarm) if self.pending_end.is_none() => {
+                    self.pending_end = Some(ExecutionEnd::Alarm(alarm.clone()));
                 }
                 Event::PartFinished => self.parts += 1,
-                Event::ProgramEnded { m30, m02 } if self.ended.is_none() => {
-                    self.ended = Some(match (m30, m02) {
-                        (_, true) => End::M02,
-                        (true, false) => End::M30,
-                        (false, false) => End::Text,
+                Event::ProgramEnded { m30, m02 } if self.pending_end.is_none() => {
+                    self.pending_end = Some(match (m30, m02) {
+                        (_, true) => ExecutionEnd::M02,
+                        (true, false) => ExecutionEnd::M30,
+                        (false, false) => ExecutionEnd::Text,
                     });
                 }
                 Event::AlarmRaised(_) | Event::ProgramEnded { .. } | Event::Advised(_) => {}
             }
         }
-        if self.begun {
+        if self.has_begun {
             let time_ms = self.time_ms();
             let machine = self.simulation.cnc.position_machine();
-            let collided = self.watcher.ticked(time_ms, machine, &self.simulation);
-            if collided && self.ended.is_none() {
-                self.ended = Some(End::Collision);
+            let collided = self.watcher.on_tick(time_ms, machine, &self.simulation);
+            if collided && self.pending_end.is_none() {
+                self.pending_end = Some(ExecutionEnd::Collision);
             }
         }
     }

@@ -4,21 +4,21 @@
 
 pub mod board;
 pub mod curves;
-mod decimal;
 pub mod dialect;
 pub mod execution;
-pub mod first_look;
+mod json_line;
 pub mod lesson;
 pub mod machining;
 pub mod mill;
-pub mod moves;
+pub mod move_output;
 pub mod narration;
 pub mod partner;
 pub mod picture;
+pub mod program_summary;
 pub mod report;
 pub mod script;
 pub mod solid;
+pub mod text_format;
 pub mod times;
-pub mod words;
 
 pub use gsk_messages::Language;

@@ -7,64 +7,64 @@ use gsk_core::program::ProgramMemory;
 use gsk_core::units::Feed;
 use gsk_messages::Language;
 use gsk_milling::{
-    MillAxis, MillMove, MillMoveKind, MillPosition, MillPreview, Progress, preview_while,
+    MillAxis, MillMove, MillMoveKind, MillPosition, MillPreview, PreviewProgress, preview_while,
 };
 
-use crate::decimal::Line;
-use crate::moves::rounded;
+use crate::json_line::JsonLine;
+use crate::move_output::round_to_millionth;
 use crate::report::{
-    AlarmReport, Bounds, Final, MillPlace, PathReport, Place, Report, Seconds, ToolSeconds,
-    WarningReport,
+    AlarmReport, FinalPositions, MillReportPosition, PathReport, ProgramReport, ReportBounds,
+    ReportPosition, TimeReport, ToolTimeReport, WarningReport,
 };
 
 pub use gsk_milling::MillSetup;
 
-/// Previews the selected program. `on_move` receives every move in order. `goes_on` is called
+/// Previews the selected program. `on_move` receives every move in order. `can_continue` is called
 /// with the progress; it returns false to cancel.
-pub fn check(
+pub fn check_program(
     name: &str,
     setup: &MillSetup,
     programs: &ProgramMemory,
     language: Option<Language>,
     on_move: &mut dyn FnMut(&MillMove),
-    goes_on: &mut dyn FnMut(&Progress) -> bool,
-) -> Report {
-    let mut times = Times::default();
-    let mut take = |made: &MillMove| {
-        times.push(made);
+    can_continue: &mut dyn FnMut(&PreviewProgress) -> bool,
+) -> ProgramReport {
+    let mut times = MillTimes::default();
+    let mut add = |made: &MillMove| {
+        times.add_move(made);
         on_move(made);
     };
-    let preview = preview_while(setup, programs, &mut take, goes_on);
-    of(name, &preview, &times, programs, language)
+    let preview = preview_while(setup, programs, &mut add, can_continue);
+    build_report(name, &preview, &times, programs, language)
 }
 
-fn of(
+fn build_report(
     name: &str,
     preview: &MillPreview,
-    times: &Times,
+    times: &MillTimes,
     programs: &ProgramMemory,
     language: Option<Language>,
-) -> Report {
-    let told = |alarm| AlarmReport::new(alarm, programs, language);
+) -> ProgramReport {
+    let alarm_report = |alarm| AlarmReport::new(alarm, programs, language);
     let modal = &preview.modal;
-    Report {
+    ProgramReport {
         file: name.to_owned(),
         end: preview.end.into(),
-        alarm: preview.alarm.as_ref().map(told),
+        alarm: preview.alarm.as_ref().map(alarm_report),
         waits_for: None,
-        time_s: rounded(preview.time_s),
-        cutting_s: rounded(preview.cutting_s),
+        time_s: round_to_millionth(preview.time_s),
+        cutting_s: round_to_millionth(preview.cutting_s),
         blocks: preview.blocks,
         moves: preview.moves,
         parts: preview.parts,
         stops: preview.stops,
-        position: Final {
-            abs: Place::Mill(place(preview, &preview.work)),
-            machine: Place::Mill(place(preview, &preview.machine)),
+        position: FinalPositions {
+            abs: ReportPosition::Mill(report_position(preview, &preview.work)),
+            machine: ReportPosition::Mill(report_position(preview, &preview.machine)),
             rel: None,
         },
         modal: modal.codes(),
-        f: rounded(modal.feed),
+        f: round_to_millionth(modal.feed),
         s: modal.speed,
         t: tool_word(modal.tool),
         spindle: match modal.spindle {
@@ -77,35 +77,40 @@ fn of(
         warnings: preview
             .cautions
             .iter()
-            .map(|it| WarningReport::of_mill(it, language))
+            .map(|it| WarningReport::from_mill_caution(it, language))
             .collect(),
         path: Some(PathReport {
-            more_alarms: preview.further.iter().map(told).collect(),
-            unchecked_behind: None,
+            more_alarms: preview.further.iter().map(alarm_report).collect(),
+            unchecked_after: None,
             lengths: BTreeMap::from([
-                ("rapid", rounded(preview.lengths.rapid)),
-                ("feed", rounded(preview.lengths.feed)),
-                ("cw", rounded(preview.lengths.clockwise)),
-                ("ccw", rounded(preview.lengths.counter_clockwise)),
-                ("tap", rounded(preview.lengths.tap)),
-                ("thread", rounded(preview.lengths.thread)),
+                ("rapid", round_to_millionth(preview.lengths.rapid)),
+                ("feed", round_to_millionth(preview.lengths.feed)),
+                ("cw", round_to_millionth(preview.lengths.clockwise)),
+                ("ccw", round_to_millionth(preview.lengths.counter_clockwise)),
+                ("tap", round_to_millionth(preview.lengths.tap)),
+                ("thread", round_to_millionth(preview.lengths.thread)),
             ]),
             tools: preview.tools.iter().copied().map(tool_word).collect(),
-            bounds: preview.bounds.map(|it| bounds(preview, &it)),
-            times: times.all,
-            tool_times: times.of_tools(),
+            bounds: preview.bounds.map(|it| path_bounds(preview, &it)),
+            times: times.total,
+            tool_times: times.tool_seconds(),
         }),
         part: None,
     }
 }
 
 /// The bounds of the path, with those of the further axes of the machine.
-fn bounds(preview: &MillPreview, found: &gsk_milling::MillBounds) -> Bounds {
-    let side = |axis: usize| (rounded(found.least[axis]), rounded(found.greatest[axis]));
-    let mut bounds = Bounds {
-        x: side(0),
-        y: Some(side(1)),
-        z: side(2),
+fn path_bounds(preview: &MillPreview, bounds_mm: &gsk_milling::MillBounds) -> ReportBounds {
+    let axis_range = |axis: usize| {
+        (
+            round_to_millionth(bounds_mm.least[axis]),
+            round_to_millionth(bounds_mm.greatest[axis]),
+        )
+    };
+    let mut bounds = ReportBounds {
+        x: axis_range(0),
+        y: Some(axis_range(1)),
+        z: axis_range(2),
         further: BTreeMap::new(),
         turning: Vec::new(),
     };
@@ -115,8 +120,8 @@ fn bounds(preview: &MillPreview, found: &gsk_milling::MillBounds) -> Bounds {
             'B' => "b",
             _ => "c",
         };
-        let (least, greatest) = found.further[usize::from(axis == MillAxis::Fifth)];
-        let range = (rounded(least), rounded(greatest));
+        let (least, greatest) = bounds_mm.further[usize::from(axis == MillAxis::Fifth)];
+        let range = (round_to_millionth(least), round_to_millionth(greatest));
         bounds.further.insert(name, range);
         if further.rotary {
             bounds.turning.push(name);
@@ -126,12 +131,12 @@ fn bounds(preview: &MillPreview, found: &gsk_milling::MillBounds) -> Bounds {
 }
 
 /// A point with the further axes of the machine, mm or degrees.
-fn place(preview: &MillPreview, point: &MillPosition) -> MillPlace {
+fn report_position(preview: &MillPreview, point: &MillPosition) -> MillReportPosition {
     let further = preview.axes.all_further();
-    MillPlace {
-        basic: point.mm().map(rounded),
+    MillReportPosition {
+        basic: point.mm().map(round_to_millionth),
         further: further
-            .map(|(axis, it)| (it.letter, rounded(point.get(axis).mm())))
+            .map(|(axis, it)| (it.letter, round_to_millionth(point.get(axis).mm())))
             .collect(),
     }
 }
@@ -143,20 +148,20 @@ pub(crate) fn tool_word(tool: u16) -> String {
 
 /// Machine time of the whole program, and of each tool in the order of their use.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Times {
-    pub(crate) all: Seconds,
-    tools: Vec<(u16, Seconds)>,
+pub(crate) struct MillTimes {
+    pub(crate) total: TimeReport,
+    tools: Vec<(u16, TimeReport)>,
 }
 
-impl Times {
+impl MillTimes {
     /// Adds the time of a move.
-    pub(crate) fn push(&mut self, made: &MillMove) {
+    pub(crate) fn add_move(&mut self, made: &MillMove) {
         let known = self.tools.iter().position(|(tool, _)| *tool == made.tool);
         let index = known.unwrap_or_else(|| {
-            self.tools.push((made.tool, Seconds::default()));
+            self.tools.push((made.tool, TimeReport::default()));
             self.tools.len() - 1
         });
-        for seconds in [&mut self.all, &mut self.tools[index].1] {
+        for seconds in [&mut self.total, &mut self.tools[index].1] {
             *match made.kind {
                 MillMoveKind::Rapid => &mut seconds.rapid,
                 MillMoveKind::Tap | MillMoveKind::Thread => &mut seconds.thread,
@@ -170,19 +175,19 @@ impl Times {
 
     /// The tools that cut, with their cutting time, s.
     pub(crate) fn cutting(&self) -> impl Iterator<Item = (u16, f64)> {
-        let cuts = |(tool, seconds): &(u16, Seconds)| (*tool, seconds.feed + seconds.thread);
+        let cuts = |(tool, seconds): &(u16, TimeReport)| (*tool, seconds.feed + seconds.thread);
         self.tools
             .iter()
             .map(cuts)
             .filter(|(_, seconds)| *seconds > 0.0)
     }
 
-    fn of_tools(&self) -> Vec<ToolSeconds> {
-        let told = |(tool, seconds): &(u16, Seconds)| ToolSeconds {
+    fn tool_seconds(&self) -> Vec<ToolTimeReport> {
+        let row = |(tool, seconds): &(u16, TimeReport)| ToolTimeReport {
             tool: tool_word(*tool),
             seconds: *seconds,
         };
-        self.tools.iter().map(told).collect()
+        self.tools.iter().map(row).collect()
     }
 }
 
@@ -193,29 +198,29 @@ impl Times {
 /// # Errors
 /// Writing to `out` fails.
 pub fn write_move(out: &mut dyn Write, made: &MillMove) -> io::Result<()> {
-    let mut line = Line::default();
-    line.number("{\"line\":", made.source.line.into());
+    let mut line = JsonLine::default();
+    line.push_integer("{\"line\":", made.source.line.into());
     match made.source.sequence {
-        Some(sequence) => line.number(",\"n\":", u32::from(sequence).into()),
-        None => line.text(",\"n\":null"),
+        Some(sequence) => line.push_integer(",\"n\":", u32::from(sequence).into()),
+        None => line.push_text(",\"n\":null"),
     }
-    line.text(",\"kind\":\"");
-    line.text(made.kind.name());
+    line.push_text(",\"kind\":\"");
+    line.push_text(made.kind.name());
     let (from, to) = (made.from.mm(), made.to.mm());
-    line.value("\",\"x0\":", Some(from[0]));
-    line.value(",\"y0\":", Some(from[1]));
-    line.value(",\"z0\":", Some(from[2]));
-    line.value(",\"x\":", Some(to[0]));
-    line.value(",\"y\":", Some(to[1]));
-    line.value(",\"z\":", Some(to[2]));
+    line.push_number("\",\"x0\":", Some(from[0]));
+    line.push_number(",\"y0\":", Some(from[1]));
+    line.push_number(",\"z0\":", Some(from[2]));
+    line.push_number(",\"x\":", Some(to[0]));
+    line.push_number(",\"y\":", Some(to[1]));
+    line.push_number(",\"z\":", Some(to[2]));
     for (further, from, to) in made.further() {
         let (begin, end) = match further.letter {
             'A' => (",\"a0\":", ",\"a\":"),
             'B' => (",\"b0\":", ",\"b\":"),
             _ => (",\"c0\":", ",\"c\":"),
         };
-        line.value(begin, Some(from));
-        line.value(end, Some(to));
+        line.push_number(begin, Some(from));
+        line.push_number(end, Some(to));
     }
     let mut center = [None; 3];
     if let Some(arc) = made.arc {
@@ -223,20 +228,20 @@ pub fn write_move(out: &mut dyn Write, made: &MillMove) -> io::Result<()> {
         center[first as usize] = Some(arc.center.first);
         center[second as usize] = Some(arc.center.second);
     }
-    line.value(",\"cx\":", center[0]);
-    line.value(",\"cy\":", center[1]);
-    line.value(",\"cz\":", center[2]);
+    line.push_number(",\"cx\":", center[0]);
+    line.push_number(",\"cy\":", center[1]);
+    line.push_number(",\"cz\":", center[2]);
     let (feed, per) = match made.feed {
         Some(Feed::PerMinute(feed)) => (Some(feed), "\"min\""),
         Some(Feed::PerRevolution(feed)) => (Some(feed), "\"rev\""),
         None => (None, "null"),
     };
-    line.value(",\"feed\":", feed);
-    line.text(",\"per\":");
-    line.text(per);
-    line.number(",\"tool\":", made.tool.into());
-    line.value(",\"t\":", Some(made.start_s));
-    line.value(",\"dt\":", Some(made.duration_s));
-    line.text("}\n");
+    line.push_number(",\"feed\":", feed);
+    line.push_text(",\"per\":");
+    line.push_text(per);
+    line.push_integer(",\"tool\":", made.tool.into());
+    line.push_number(",\"t\":", Some(made.start_s));
+    line.push_number(",\"dt\":", Some(made.duration_s));
+    line.push_text("}\n");
     out.write_all(&line.bytes)
 }

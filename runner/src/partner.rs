@@ -4,27 +4,27 @@ use gsk_core::cnc::Cnc;
 
 /// Whether the control waits for the partner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Patience {
+pub enum PartnerWait {
     /// Machine time stops until the partner has sent. The same program then takes the same
     /// machine time, however slow the partner is.
-    Waits,
+    Allowed,
     /// Machine time continues without data.
-    None,
+    Forbidden,
 }
 
 /// Sends programs in DNC operation.
-pub trait Partner {
+pub trait ProgramPartner {
     /// Sends as much text as the control's buffer takes. Called before every tick. With
-    /// [`Patience::Waits`] it may block.
-    fn feed(&mut self, cnc: &mut Cnc, patience: Patience);
+    /// [`PartnerWait::Allowed`] it may block.
+    fn send_text(&mut self, cnc: &mut Cnc, wait: PartnerWait);
 }
 
 /// A partner with the whole text, which it sends from its beginning at each call.
 #[derive(Clone, Debug, Default)]
 pub struct TextPartner {
     text: String,
-    sent: usize,
-    call: u32,
+    sent_bytes: usize,
+    call_number: u32,
 }
 
 impl TextPartner {
@@ -37,16 +37,20 @@ impl TextPartner {
     }
 }
 
-impl Partner for TextPartner {
-    fn feed(&mut self, cnc: &mut Cnc, _patience: Patience) {
-        cnc.connect_dnc(true);
-        if self.call != cnc.dnc_calls() {
-            (self.call, self.sent) = (cnc.dnc_calls(), 0);
+impl ProgramPartner for TextPartner {
+    fn send_text(&mut self, cnc: &mut Cnc, _wait: PartnerWait) {
+        cnc.set_dnc_partner(true);
+        if self.call_number != cnc.dnc_request_count() {
+            (self.call_number, self.sent_bytes) = (cnc.dnc_request_count(), 0);
         }
-        let rest = self.text.as_bytes().get(self.sent..).unwrap_or_default();
+        let rest = self
+            .text
+            .as_bytes()
+            .get(self.sent_bytes..)
+            .unwrap_or_default();
         if rest.is_empty() {
-            return cnc.dnc_end();
+            return cnc.end_dnc();
         }
-        self.sent += cnc.dnc_send(rest);
+        self.sent_bytes += cnc.receive_dnc(rest);
     }
 }

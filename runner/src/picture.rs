@@ -1,22 +1,22 @@
 //! Makes picture files in memory: the toolpath as PNG or SVG, the part as a solid, the LCD and
 //! the panel as PNG.
 
+mod block_labels;
 mod canvas;
 mod clip;
 mod coverage;
 mod dimensions;
 mod drawing;
 mod extent;
-mod labels;
 mod layout;
 mod legend;
-mod lit;
 pub mod mill;
-mod numbers;
+mod number_placement;
+mod path_pieces;
 mod pens;
-mod pieces;
 mod png_file;
 mod scenery;
+mod solid_picture;
 mod svg;
 
 use std::path::{Path, PathBuf};
@@ -26,9 +26,9 @@ use gsk_panel::emulator::Emulator;
 use gsk_panel::raster;
 use gsk_panel::screen::Screen;
 
-pub use drawing::{Drawing, Look};
-pub use extent::{NoSize, Size};
-pub use lit::of_solid;
+pub use drawing::{DrawingOptions, PathDrawing};
+pub use extent::{InvalidPictureSize, PictureSize};
+pub use solid_picture::encode_solid;
 
 /// Pixels of an LCD dot in a picture of the LCD.
 const LCD_SCALE: u32 = 2;
@@ -58,9 +58,9 @@ impl PictureError {
 /// A file name without the extension of a picture format.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
-pub struct NoPicture(pub PathBuf);
+pub struct UnknownPictureFormat(pub PathBuf);
 
-impl NoPicture {
+impl UnknownPictureFormat {
     /// The message for the user; it lists the extensions.
     pub fn message(&self) -> Message {
         say::picture_ending(self.0.display())
@@ -69,26 +69,26 @@ impl NoPicture {
 
 /// The file format of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub enum PictureFormat {
     /// PNG: pixels.
     Png,
     /// SVG: lines, as text.
     Svg,
 }
 
-impl Format {
+impl PictureFormat {
     /// The format for the extension of a file name, in upper or lower case.
     ///
     /// # Errors
     /// The extension is not png or svg.
-    pub fn of(name: &Path) -> Result<Self, NoPicture> {
+    pub fn from_file_name(name: &Path) -> Result<Self, UnknownPictureFormat> {
         let ending = name
             .extension()
             .map(|ending| ending.to_string_lossy().to_ascii_lowercase());
         match ending.as_deref() {
             Some("png") => Ok(Self::Png),
             Some("svg") => Ok(Self::Svg),
-            _ => Err(NoPicture(name.to_owned())),
+            _ => Err(UnknownPictureFormat(name.to_owned())),
         }
     }
 }
@@ -98,13 +98,13 @@ impl Format {
 /// # Errors
 /// There is not enough memory.
 pub fn encode(
-    format: Format,
-    drawing: &Drawing,
+    format: PictureFormat,
+    drawing: &PathDrawing,
     language: Language,
 ) -> Result<Vec<u8>, PictureError> {
     match format {
-        Format::Svg => Ok(svg::render(drawing, language).into_bytes()),
-        Format::Png => png_file::render(drawing, language),
+        PictureFormat::Svg => Ok(svg::render(drawing, language).into_bytes()),
+        PictureFormat::Png => png_file::render(drawing, language),
     }
 }
 
@@ -113,7 +113,7 @@ pub fn encode(
 ///
 /// # Errors
 /// There is not enough memory.
-pub fn of_lcd(screen: &Screen, brightness: u8) -> Result<Vec<u8>, PictureError> {
+pub fn encode_lcd(screen: &Screen, brightness: u8) -> Result<Vec<u8>, PictureError> {
     let pixels = raster::render(screen, LCD_SCALE, brightness).ok_or(PictureError::Memory)?;
     png_file::encode(&pixels)
 }
@@ -122,14 +122,14 @@ pub fn of_lcd(screen: &Screen, brightness: u8) -> Result<Vec<u8>, PictureError> 
 ///
 /// # Errors
 /// There is not enough memory.
-pub(crate) fn of_panel(emulator: &Emulator) -> Result<Vec<u8>, PictureError> {
+pub(crate) fn encode_panel(emulator: &Emulator) -> Result<Vec<u8>, PictureError> {
     let pixels = emulator.panel_picture(PANEL_SCALE);
     png_file::encode(&pixels.ok_or(PictureError::Memory)?)
 }
 
 /// The message for a picture that does not show the whole path; `None` if it does.
-pub fn shortfall(drawing: &Drawing) -> Option<Message> {
-    let left_out = drawing.left_out();
+pub fn missing_moves_message(drawing: &PathDrawing) -> Option<Message> {
+    let left_out = drawing.omitted_moves();
     (left_out > 0).then(|| say::picture_not_complete(left_out))
 }
 
@@ -137,7 +137,7 @@ pub fn shortfall(drawing: &Drawing) -> Option<Message> {
 mod tests {
     use super::*;
     use crate::curves::RapidRates;
-    use gsk_core::command::{Conditions, ExecutedMove, MoveKind, ProgramId, Source};
+    use gsk_core::command::{ExecutedMove, MoveConditions, MoveKind, ProgramId, SourcePosition};
     use gsk_core::units::Point;
 
     const RATES: RapidRates = RapidRates {
@@ -148,7 +148,7 @@ mod tests {
 
     fn executed(kind: MoveKind, from: Point, to: Point) -> ExecutedMove {
         ExecutedMove {
-            source: Source {
+            source: SourcePosition {
                 program: ProgramId::External,
                 line: 1,
                 sequence: Some(30.into()),
@@ -160,24 +160,24 @@ mod tests {
             feed: None,
             start_s: 0.0,
             duration_s: 63.5,
-            conditions: Conditions {
+            conditions: MoveConditions {
                 tool: 2,
                 offset: 12,
-                ..Conditions::default()
+                ..MoveConditions::default()
             },
         }
     }
 
     #[test]
     fn both_kinds_of_picture_are_made() {
-        let labels = Look {
+        let labels = DrawingOptions {
             labels: true,
-            ..Look::default()
+            ..DrawingOptions::default()
         };
-        let mut drawing = Drawing::new("O0001 轴", labels);
+        let mut drawing = PathDrawing::new("O0001 轴", labels);
         let (near, end) = (Point::new(25.0, 0.0), Point::new(25.0, -40.0));
-        drawing.push(&executed(MoveKind::Feed, near, end), RATES);
-        drawing.push(&executed(MoveKind::Rapid, end, near), RATES);
+        drawing.add_move(&executed(MoveKind::Feed, near, end), RATES);
+        drawing.add_move(&executed(MoveKind::Rapid, end, near), RATES);
         drawing.end(130.0);
         let svg = svg::render(&drawing, Language::Zh);
         for part in [
@@ -193,7 +193,7 @@ mod tests {
         }
         let png = png_file::render(&drawing, Language::En).expect("picture");
         assert!(png.starts_with(b"\x89PNG"));
-        let empty = Drawing::new("<&>\u{1b}\u{0}", Look::default());
+        let empty = PathDrawing::new("<&>\u{1b}\u{0}", DrawingOptions::default());
         let svg = svg::render(&empty, Language::En);
         assert!(svg.contains("&lt;&amp;&gt;\u{fffd}\u{fffd}<"));
         assert!(png_file::render(&empty, Language::En).is_ok());
@@ -201,13 +201,13 @@ mod tests {
 
     #[test]
     fn rapids_end_at_the_frame() {
-        let mut drawing = Drawing::new("", Look::default());
+        let mut drawing = PathDrawing::new("", DrawingOptions::default());
         let (near, far) = (Point::new(25.0, 0.0), Point::new(25.0, 1e6));
-        drawing.push(
+        drawing.add_move(
             &executed(MoveKind::Feed, near, Point::new(25.0, -40.0)),
             RATES,
         );
-        drawing.push(&executed(MoveKind::Rapid, near, far), RATES);
+        drawing.add_move(&executed(MoveKind::Rapid, near, far), RATES);
         let svg = svg::render(&drawing, Language::En);
         let points = svg.split("points=\"").skip(1);
         let furthest = points

@@ -4,31 +4,31 @@
 //! alarm texts of the screen, which are Chinese.
 
 pub mod annotations;
-mod checked;
-mod end;
-mod part;
-mod spent;
-mod words;
+mod part_report;
+mod program_check;
+mod report_text;
+mod run_end;
+mod time_report;
 
 use std::collections::BTreeMap;
 
 use gsk_core::alarm::{Alarm, AlarmClass};
 use gsk_core::command::ProgramId;
-use gsk_core::interpreter::Modal;
-use gsk_core::memory::Parameters;
+use gsk_core::interpreter::ModalState;
+use gsk_core::memory::ControlParameters;
 use gsk_core::preview::Caution;
 use gsk_core::program::ProgramMemory;
 use gsk_core::units::Point;
 use gsk_messages::{Language, Message};
 use serde::{Serialize, Serializer};
 
-pub use checked::check;
-pub use end::End;
-pub use part::{CollisionReport, PartReport, in_words};
-pub use spent::{Seconds, ToolSeconds};
+pub use part_report::{CollisionReport, PartReport, feature_message};
+pub use program_check::check_program;
+pub use run_end::RunEnd;
+pub use time_report::{TimeReport, ToolTimeReport};
 
-use crate::moves::diameter_z;
-use crate::words::beginning;
+use crate::move_output::diameter_z;
+use crate::text_format::shorten_line;
 
 /// An alarm in a report.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -83,25 +83,28 @@ pub struct WarningReport {
 
 impl WarningReport {
     /// The warning for a probable mistake in a mill program.
-    pub(crate) fn of_mill(caution: &gsk_milling::MillCaution, language: Option<Language>) -> Self {
+    pub(crate) fn from_mill_caution(
+        caution: &gsk_milling::MillCaution,
+        language: Option<Language>,
+    ) -> Self {
         Self {
             rule: caution.slip.id(),
             program: caution.source.program,
             line: caution.source.line,
             columns: None,
-            text: said(&caution.slip.message(), language),
-            sentence: said(&caution.sentence(), language),
+            text: message_text(&caution.slip.message(), language),
+            sentence: message_text(&caution.sentence(), language),
         }
     }
 
     fn new(caution: &Caution, language: Option<Language>) -> Self {
         Self {
-            rule: caution.slip.id(),
+            rule: caution.kind.id(),
             program: caution.source.program,
             line: caution.source.line,
             columns: caution.columns(),
-            text: said(&caution.slip.message(), language),
-            sentence: said(&caution.sentence(), language),
+            text: message_text(&caution.kind.message(), language),
+            sentence: message_text(&caution.message_with_line(), language),
         }
     }
 }
@@ -115,30 +118,30 @@ impl Serialize for WarningReport {
 /// A position. Its JSON is a list of numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
-pub enum Place {
+pub enum ReportPosition {
     /// X as a diameter and Z, mm.
     Lathe(f64, f64),
     /// X, Y, Z and further axes.
-    Mill(MillPlace),
+    Mill(MillReportPosition),
 }
 
 /// A position of a mill: X, Y, Z, and the machine's further axes with their letters.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MillPlace {
+pub struct MillReportPosition {
     /// X, Y and Z, mm.
     pub basic: [f64; 3],
     /// Letter and value of each further axis: mm, or degrees for a rotary axis.
     pub further: Vec<(char, f64)>,
 }
 
-impl Serialize for MillPlace {
+impl Serialize for MillReportPosition {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let further = self.further.iter().map(|(_, value)| *value);
         serializer.collect_seq(self.basic.into_iter().chain(further))
     }
 }
 
-impl From<(f64, f64)> for Place {
+impl From<(f64, f64)> for ReportPosition {
     fn from((x, z): (f64, f64)) -> Self {
         Self::Lathe(x, z)
     }
@@ -146,17 +149,17 @@ impl From<(f64, f64)> for Place {
 
 /// Positions at the end of the program; X of a lathe is a diameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Final {
+pub struct FinalPositions {
     /// Absolute coordinates.
-    pub abs: Place,
+    pub abs: ReportPosition,
     /// Machine coordinates.
-    pub machine: Place,
+    pub machine: ReportPosition,
     /// Relative coordinates; `None` for a mill.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub rel: Option<Place>,
+    pub rel: Option<ReportPosition>,
 }
 
-impl Final {
+impl FinalPositions {
     /// Converts points of the control, with X as a radius.
     pub fn new(absolute: Point, machine: Point, relative: Point) -> Self {
         Self {
@@ -167,13 +170,13 @@ impl Final {
     }
 }
 
-/// The result of `run` and `check`.
+/// The result of `run` and `check_program`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Report {
+pub struct ProgramReport {
     /// Name of the program file.
     pub file: String,
     /// How the program ended.
-    pub end: End,
+    pub end: RunEnd,
     /// The alarm, or the message of the ladder, that ended it.
     pub alarm: Option<AlarmReport>,
     /// Why cycle start was refused, or what the program waited for at the limit or at a stop.
@@ -192,7 +195,7 @@ pub struct Report {
     pub stops: u32,
     /// Final positions.
     #[serde(rename = "final")]
-    pub position: Final,
+    pub position: FinalPositions,
     /// G codes in force at the end.
     pub modal: Vec<String>,
     /// F word in force.
@@ -210,7 +213,7 @@ pub struct Report {
     /// Probable mistakes that raise no alarm.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<WarningReport>,
-    /// Results of `check` alone; `None` from `run`.
+    /// Results of `check_program` alone; `None` from `run`.
     #[serde(flatten)]
     pub path: Option<PathReport>,
     /// The machined part, if the program ran on a part.
@@ -218,30 +221,30 @@ pub struct Report {
     pub part: Option<PartReport>,
 }
 
-/// Lengths, tools and bounds of the path, from `check`.
+/// Lengths, tools and bounds of the path, from `check_program`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct PathReport {
     /// Alarms after the first one.
     pub more_alarms: Vec<AlarmReport>,
     /// Line after which the check for further alarms stopped; `None` if it reached the end.
     #[serde(rename = "unchecked_behind")]
-    pub unchecked_behind: Option<u32>,
+    pub unchecked_after: Option<u32>,
     /// Path length of each kind of move, mm.
     pub lengths: BTreeMap<&'static str, f64>,
     /// Selected tools, as T words.
     pub tools: Vec<String>,
     /// Bounds of the path.
     #[serde(rename = "box")]
-    pub bounds: Option<Bounds>,
+    pub bounds: Option<ReportBounds>,
     /// Machine time by kind of motion.
-    pub times: Seconds,
+    pub times: TimeReport,
     /// Machine time of each tool, in the order of their use.
-    pub tool_times: Vec<ToolSeconds>,
+    pub tool_times: Vec<ToolTimeReport>,
 }
 
 /// Bounds of a path; X of a lathe is a diameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Bounds {
+pub struct ReportBounds {
     /// Least and greatest X, mm.
     pub x: (f64, f64),
     /// Least and greatest Y of a mill, mm.
@@ -258,7 +261,7 @@ pub struct Bounds {
 }
 
 /// The text of a message in the selected language, English if none is selected.
-pub fn said(message: &Message, language: Option<Language>) -> String {
+pub fn message_text(message: &Message, language: Option<Language>) -> String {
     message.text(language.unwrap_or(Language::En))
 }
 
@@ -281,7 +284,7 @@ impl AlarmReport {
         let block = alarm.source.and_then(|source| {
             programs
                 .get(source.program)
-                .map(|program| beginning(program.line(source.line).trim()).into_owned())
+                .map(|program| shorten_line(program.line(source.line).trim()).into_owned())
         });
         Self {
             class: class_name(alarm.class()),
@@ -293,7 +296,7 @@ impl AlarmReport {
             },
             text: alarm.text(language.unwrap_or(Language::Zh)),
             line: alarm.source.map(|source| source.line),
-            column: column_of(alarm),
+            column: own_column(alarm),
             sequence: alarm
                 .source
                 .and_then(|source| source.sequence.map(u32::from)),
@@ -306,8 +309,8 @@ impl AlarmReport {
                 Some(Language::En) | None => alarm.row().map(|row| row.cause_en),
             },
             way_out: alarm.advice().map(|advice| match language {
-                Some(Language::Zh) => advice.way_out_zh,
-                Some(Language::En) | None => advice.way_out_en,
+                Some(Language::Zh) => advice.remedy_zh,
+                Some(Language::En) | None => advice.remedy_en,
             }),
         }
     }
@@ -315,20 +318,20 @@ impl AlarmReport {
 
 /// The column of an alarm in its own line. In the profile of a cycle the column belongs to
 /// another line and is not used.
-fn column_of(alarm: &Alarm) -> Option<u32> {
+fn own_column(alarm: &Alarm) -> Option<u32> {
     let detail = alarm.detail.as_ref()?;
     let own = detail.id() == gsk_messages::Id::AtColumn;
     own.then(|| detail.plain_value("column")?.parse().ok())?
 }
 
-impl Report {
+impl ProgramReport {
     /// Whether the program did not reach its own end.
-    pub const fn failed(&self) -> bool {
-        !self.end.is_own()
+    pub const fn has_failed(&self) -> bool {
+        !self.end.is_program_end()
     }
 
     /// Whether a tool hit something.
-    pub fn collided(&self) -> bool {
+    pub fn has_collision(&self) -> bool {
         self.part
             .as_ref()
             .is_some_and(|part| !part.collisions.is_empty())
@@ -338,13 +341,13 @@ impl Report {
     ///
     /// # Errors
     /// The report cannot be serialized.
-    pub fn json(&self) -> Result<String, serde_json::Error> {
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
         Ok(serde_json::to_string(self)? + "\n")
     }
 }
 
 /// The G codes in force, one of each group.
-pub(crate) fn modal_codes(modal: &Modal) -> Vec<String> {
+pub(crate) fn modal_codes(modal: &ModalState) -> Vec<String> {
     vec![
         format!("G{:02}", modal.motion),
         if modal.surface_speed { "G96" } else { "G97" }.to_owned(),
@@ -364,7 +367,10 @@ pub(crate) fn tool_word((tool, offset): (u8, u8)) -> String {
 }
 
 /// The parameters that differ: three-digit number and value in `after`.
-pub fn changed(before: &Parameters, after: &Parameters) -> BTreeMap<String, i32> {
+pub fn changed_parameters(
+    before: &ControlParameters,
+    after: &ControlParameters,
+) -> BTreeMap<String, i32> {
     (0..1000)
         .filter(|number| before.value(*number) != after.value(*number))
         .map(|number| (format!("{number:03}"), after.value(number)))

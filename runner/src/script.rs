@@ -9,25 +9,25 @@ use gsk_panel::script::{
 };
 
 use crate::board::PulseBoard;
-use crate::partner::{Partner, Patience};
+use crate::partner::{PartnerWait, ProgramPartner};
 use crate::picture::{self, PictureError};
 
 /// Ticks between two calls of a script without a board.
-const SLICE: u64 = 100_000;
+const SLICE_TICKS: u64 = 100_000;
 
 /// What a script needs from the program that runs it: files, output, a serial partner.
-pub trait Surroundings {
+pub trait ScriptHost {
     /// Why an operation failed.
     type Error: Into<Message>;
 
     /// Shows the rows of the LCD.
-    fn show(&mut self, screen: &str);
+    fn show_screen(&mut self, screen: &str);
 
     /// Stores a picture under a file name. `bytes` makes the file.
     ///
     /// # Errors
     /// The file cannot be stored.
-    fn shot(
+    fn store_picture(
         &mut self,
         name: &str,
         bytes: &dyn Fn() -> Result<Vec<u8>, PictureError>,
@@ -37,22 +37,22 @@ pub trait Surroundings {
     ///
     /// # Errors
     /// The file cannot be read.
-    fn program(&mut self, name: &str) -> Result<SerialFile, Self::Error>;
+    fn read_program(&mut self, name: &str) -> Result<SerialFile, Self::Error>;
 
     /// Reads a file for the serial port.
     ///
     /// # Errors
     /// The file cannot be read.
-    fn transfer(&mut self, name: &str) -> Result<SerialFile, Self::Error>;
+    fn read_transfer_file(&mut self, name: &str) -> Result<SerialFile, Self::Error>;
 
     /// Shows why the control refuses a file at its serial port.
-    fn told(&mut self, said: &Message);
+    fn show_refusal(&mut self, message: &Message);
 
     /// Opens a partner that sends this file in DNC mode.
     ///
     /// # Errors
     /// The file cannot be read.
-    fn partner(&mut self, name: &str) -> Result<Box<dyn Partner>, Self::Error>;
+    fn open_partner(&mut self, name: &str) -> Result<Box<dyn ProgramPartner>, Self::Error>;
 }
 
 /// How a script ended.
@@ -63,26 +63,26 @@ pub enum ScriptEnd {
     /// A line failed: an expectation was not met, or an operation was not possible.
     Failed(Failure),
     /// The end was requested.
-    Asked,
+    Requested,
 }
 
 /// A script that runs on an emulator.
-pub struct Session<'a, S> {
+pub struct ScriptSession<'a, S> {
     emulator: &'a mut Emulator,
-    surroundings: &'a mut S,
+    host: &'a mut S,
     /// Moves the slides.
     board: Option<&'a mut dyn PulseBoard>,
-    record: Option<&'a mut Record>,
+    record: Option<&'a mut ScriptRecord>,
     /// Sends programs in DNC operation.
-    partner: Option<Box<dyn Partner>>,
+    partner: Option<Box<dyn ProgramPartner>>,
 }
 
-impl<'a, S: Surroundings> Session<'a, S> {
-    /// Prepares a script run on an emulator; `surroundings` provides files and output.
-    pub fn new(emulator: &'a mut Emulator, surroundings: &'a mut S) -> Self {
+impl<'a, S: ScriptHost> ScriptSession<'a, S> {
+    /// Prepares a script run on an emulator; `host` provides files and output.
+    pub fn new(emulator: &'a mut Emulator, host: &'a mut S) -> Self {
         Self {
             emulator,
-            surroundings,
+            host,
             board: None,
             record: None,
             partner: None,
@@ -91,33 +91,37 @@ impl<'a, S: Surroundings> Session<'a, S> {
 
     /// Connects an opened board that moves the slides; `None` simulates them.
     #[must_use]
-    pub fn at_board(self, board: Option<&'a mut dyn PulseBoard>) -> Self {
+    pub fn with_board(self, board: Option<&'a mut dyn PulseBoard>) -> Self {
         Self { board, ..self }
     }
 
     /// Writes what the script does to `record`, with the ticks.
     #[must_use]
-    pub fn recorded(self, record: Option<&'a mut Record>) -> Self {
+    pub fn with_record(self, record: Option<&'a mut ScriptRecord>) -> Self {
         Self { record, ..self }
     }
 
     /// Runs the script to its end.
     pub fn run(mut self, script: Script) -> ScriptEnd {
         let mut runner = Runner::new(script);
-        let slice = if self.record.is_some() { 1 } else { SLICE };
+        let slice = if self.record.is_some() {
+            1
+        } else {
+            SLICE_TICKS
+        };
         loop {
             let tick = self.emulator.ticks();
             let Some(progress) = self.advance(&mut runner, slice) else {
-                return ScriptEnd::Asked;
+                return ScriptEnd::Requested;
             };
             if let (Some(record), Some(line)) = (&mut self.record, runner.line()) {
-                record.reached(line.number, tick);
+                record.note_line(line.number, tick);
             }
             match progress {
                 ScriptProgress::Running => {}
                 ScriptProgress::Effect(effect) => {
-                    if let Err(seen) = self.carry_out(effect) {
-                        return ScriptEnd::Failed(runner.failure(seen));
+                    if let Err(reason) = self.execute_effect(effect) {
+                        return ScriptEnd::Failed(runner.failure(reason));
                     }
                 }
                 ScriptProgress::Failed(failure) => return ScriptEnd::Failed(failure),
@@ -132,49 +136,51 @@ impl<'a, S: Surroundings> Session<'a, S> {
         let Some(board) = &mut self.board else {
             return Some(runner.advance(self.emulator, slice));
         };
-        if !board.wait(&mut self.emulator.simulation) {
+        if !board.wait_for_tick(&mut self.emulator.simulation) {
             return None;
         }
         let tick = self.emulator.ticks();
         let progress = runner.advance(self.emulator, 1);
         if self.emulator.ticks() != tick {
-            board.after(&mut self.emulator.simulation);
+            board.finish_tick(&mut self.emulator.simulation);
         }
         Some(progress)
     }
 
     /// Executes the effect of a line. Returns the reason if it fails.
-    fn carry_out(&mut self, effect: Effect) -> Result<(), Message> {
+    fn execute_effect(&mut self, effect: Effect) -> Result<(), Message> {
         match effect {
-            Effect::Show(text) => self.surroundings.show(&text),
+            Effect::Show(text) => self.host.show_screen(&text),
             Effect::Shot { path, panel } => {
                 let emulator = &*self.emulator;
                 let bytes = || match panel {
-                    true => picture::of_panel(emulator),
-                    false => picture::of_lcd(&emulator.screen(), emulator.panel.view().brightness),
+                    true => picture::encode_panel(emulator),
+                    false => {
+                        picture::encode_lcd(&emulator.screen(), emulator.panel.view().brightness)
+                    }
                 };
-                let stored = self.surroundings.shot(&path, &bytes);
+                let stored = self.host.store_picture(&path, &bytes);
                 stored.map_err(Into::into)?;
             }
             Effect::Load(name) => {
-                let file = self.surroundings.program(&name).map_err(Into::into)?;
+                let file = self.host.read_program(&name).map_err(Into::into)?;
                 let loaded = self.emulator.load_program(&file.name, &file.text);
                 loaded.map_err(say::as_written)?;
             }
             Effect::Receive(name) => {
-                let file = self.surroundings.transfer(&name).map_err(Into::into)?;
+                let file = self.host.read_transfer_file(&name).map_err(Into::into)?;
                 if let Err(refused) = self.emulator.receive(file) {
-                    self.surroundings.told(&refused.message());
+                    self.host.show_refusal(&refused.message());
                 }
             }
             Effect::Dnc(None) => self.partner = None,
             Effect::Dnc(Some(name)) => {
-                let partner = self.surroundings.partner(&name).map_err(Into::into)?;
+                let partner = self.host.open_partner(&name).map_err(Into::into)?;
                 self.partner = Some(partner);
             }
             Effect::DncRoom => {
                 if let Some(partner) = &mut self.partner {
-                    partner.feed(&mut self.emulator.simulation.cnc, Patience::Waits);
+                    partner.send_text(&mut self.emulator.simulation.cnc, PartnerWait::Allowed);
                 }
             }
         }
@@ -184,18 +190,18 @@ impl<'a, S: Surroundings> Session<'a, S> {
 
 /// A recording of a script, line by line with the tick at which each began.
 #[derive(Clone, Debug)]
-pub struct Record {
+pub struct ScriptRecord {
     lines: Vec<ScriptLine>,
-    written: usize,
+    written_lines: usize,
     text: String,
 }
 
-impl Record {
+impl ScriptRecord {
     /// An empty recording of a script.
     pub fn new(script: &Script) -> Self {
         Self {
             lines: script.lines.clone(),
-            written: 0,
+            written_lines: 0,
             text: String::new(),
         }
     }
@@ -207,13 +213,13 @@ impl Record {
 
     /// Notes that the script has reached a line. This line and those before it began at this
     /// tick.
-    fn reached(&mut self, number: u32, tick: u64) {
+    fn note_line(&mut self, number: u32, tick: u64) {
         let tick = tick.saturating_sub(POWER_ON_TICKS);
-        while let Some(line) = self.lines.get(self.written)
+        while let Some(line) = self.lines.get(self.written_lines)
             && line.number <= number
         {
-            self.written += 1;
-            let acts = !matches!(
+            self.written_lines += 1;
+            let is_action = !matches!(
                 line.action,
                 ScriptAction::Wait(_)
                     | ScriptAction::WaitFor(..)
@@ -221,7 +227,7 @@ impl Record {
                     | ScriptAction::Show
                     | ScriptAction::Shot { .. }
             );
-            if acts {
+            if is_action {
                 let text = match line.at {
                     Some(_) => line
                         .text

@@ -8,7 +8,7 @@ use gsk_messages::{Message, say};
 
 /// The use of machine time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Spending {
+pub enum TimeUse {
     /// Rapids.
     Rapid,
     /// Straight and circular cuts.
@@ -21,7 +21,7 @@ pub enum Spending {
     Other,
 }
 
-impl Spending {
+impl TimeUse {
     /// All kinds, in their display order.
     pub const ALL: [Self; 5] = [
         Self::Rapid,
@@ -32,7 +32,7 @@ impl Spending {
     ];
 
     /// The kind for a kind of move.
-    pub const fn of(kind: MoveKind) -> Self {
+    pub const fn from_move_kind(kind: MoveKind) -> Self {
         match kind {
             MoveKind::Rapid => Self::Rapid,
             MoveKind::Feed | MoveKind::Clockwise | MoveKind::CounterClockwise => Self::Feed,
@@ -53,7 +53,7 @@ impl Spending {
     }
 
     /// The name for the user.
-    pub fn words(self) -> Message {
+    pub fn message(self) -> Message {
         match self {
             Self::Rapid => say::report_kind_rapid(),
             Self::Feed => say::report_kind_feed(),
@@ -66,27 +66,27 @@ impl Spending {
 
 /// Machine time by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Spent {
-    seconds: [f64; Spending::ALL.len()],
+pub struct TimesByUse {
+    seconds: [f64; TimeUse::ALL.len()],
 }
 
-impl Spent {
+impl TimesByUse {
     /// Time of one kind, s.
-    pub const fn on(&self, what: Spending) -> f64 {
-        self.seconds[what as usize]
+    pub const fn seconds_of(&self, time_use: TimeUse) -> f64 {
+        self.seconds[time_use as usize]
     }
 
     /// Time with the tool in the material, s: cuts and threads.
-    pub const fn cutting(&self) -> f64 {
-        self.on(Spending::Feed) + self.on(Spending::Thread)
+    pub const fn cutting_s(&self) -> f64 {
+        self.seconds_of(TimeUse::Feed) + self.seconds_of(TimeUse::Thread)
     }
 
     /// Sum of all kinds, s.
-    pub fn whole(&self) -> f64 {
+    pub fn total_s(&self) -> f64 {
         self.seconds.iter().sum()
     }
 
-    const fn add(&mut self, what: Spending, seconds: f64) {
+    const fn add(&mut self, what: TimeUse, seconds: f64) {
         self.seconds[what as usize] += seconds;
     }
 }
@@ -99,14 +99,14 @@ pub struct ToolTime {
     /// The number of the offset it first cut with; before a cut, the last one it moved with.
     pub offset: u8,
     /// Its time by kind.
-    pub spent: Spent,
+    pub times: TimesByUse,
 }
 
 /// Adds up the times of a program move by move. Its memory grows with the number of tools
 /// only.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Times {
-    spent: Spent,
+pub struct ProgramTimes {
+    spent: TimesByUse,
     tools: Vec<ToolTime>,
     /// Index of the tool in use.
     current: Option<usize>,
@@ -114,30 +114,30 @@ pub struct Times {
     until_s: f64,
 }
 
-impl Times {
+impl ProgramTimes {
     /// Adds a move. Moves must come in the order of execution.
-    pub fn push(&mut self, executed: &ExecutedMove) {
+    pub fn add_move(&mut self, executed: &ExecutedMove) {
         let (tool, offset) = (executed.conditions.tool, executed.conditions.offset);
-        let index = self.change_to(tool, offset);
-        self.wait_until(executed.start_s);
-        let what = Spending::of(executed.kind);
+        let index = self.select_tool(tool, offset);
+        self.add_wait_until(executed.start_s);
+        let what = TimeUse::from_move_kind(executed.kind);
         if let Some(row) = self.tools.get_mut(index) {
-            if row.spent.cutting() == 0.0 {
+            if row.times.cutting_s() == 0.0 {
                 row.offset = offset;
             }
-            row.spent.add(what, executed.duration_s);
+            row.times.add(what, executed.duration_s);
         }
         self.spent.add(what, executed.duration_s);
         self.until_s += executed.duration_s;
     }
 
     /// Ends the program at a machine time, s. The time after its last move counts as other.
-    pub fn end(&mut self, time_s: f64) {
-        self.wait_until(time_s);
+    pub fn end_at(&mut self, time_s: f64) {
+        self.add_wait_until(time_s);
     }
 
     /// The time of the whole program.
-    pub const fn spent(&self) -> &Spent {
+    pub const fn spent(&self) -> &TimesByUse {
         &self.spent
     }
 
@@ -146,7 +146,7 @@ impl Times {
         &self.tools
     }
 
-    fn change_to(&mut self, tool: u8, offset: u8) -> usize {
+    fn select_tool(&mut self, tool: u8, offset: u8) -> usize {
         if let Some(index) = self.current
             && self.tools.get(index).is_some_and(|row| row.tool == tool)
         {
@@ -157,7 +157,7 @@ impl Times {
             self.tools.push(ToolTime {
                 tool,
                 offset,
-                spent: Spent::default(),
+                times: TimesByUse::default(),
             });
             self.tools.len() - 1
         });
@@ -166,16 +166,16 @@ impl Times {
     }
 
     /// Counts the time until a machine time as waiting.
-    fn wait_until(&mut self, time_s: f64) {
+    fn add_wait_until(&mut self, time_s: f64) {
         let waited = time_s - self.until_s;
         // Blended moves overlap by rounding errors.
         if waited <= 0.0 {
             return;
         }
         self.until_s = time_s;
-        self.spent.add(Spending::Other, waited);
+        self.spent.add(TimeUse::Other, waited);
         if let Some(row) = self.current.and_then(|index| self.tools.get_mut(index)) {
-            row.spent.add(Spending::Other, waited);
+            row.times.add(TimeUse::Other, waited);
         }
     }
 }
@@ -183,12 +183,12 @@ impl Times {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gsk_core::command::{Conditions, ProgramId, Source};
+    use gsk_core::command::{MoveConditions, ProgramId, SourcePosition};
     use gsk_core::units::Point;
 
-    fn executed(kind: MoveKind, tool: u8, start_s: f64, duration_s: f64) -> ExecutedMove {
+    fn move_of_kind(kind: MoveKind, tool: u8, start_s: f64, duration_s: f64) -> ExecutedMove {
         ExecutedMove {
-            source: Source {
+            source: SourcePosition {
                 program: ProgramId::External,
                 line: 1,
                 sequence: None,
@@ -200,53 +200,56 @@ mod tests {
             feed: None,
             start_s,
             duration_s,
-            conditions: Conditions {
+            conditions: MoveConditions {
                 tool,
                 offset: tool,
-                ..Conditions::default()
+                ..MoveConditions::default()
             },
         }
     }
 
     #[test]
     fn every_second_has_a_kind_and_a_tool() {
-        let mut times = Times::default();
-        times.push(&executed(MoveKind::Rapid, 1, 0.5, 1.0));
-        times.push(&executed(MoveKind::Feed, 1, 1.5, 4.0));
-        times.push(&executed(MoveKind::Clockwise, 1, 5.5, 2.0));
+        let mut times = ProgramTimes::default();
+        times.add_move(&move_of_kind(MoveKind::Rapid, 1, 0.5, 1.0));
+        times.add_move(&move_of_kind(MoveKind::Feed, 1, 1.5, 4.0));
+        times.add_move(&move_of_kind(MoveKind::Clockwise, 1, 5.5, 2.0));
         // The turret takes 3 s.
-        times.push(&executed(MoveKind::Thread, 2, 10.5, 8.0));
-        times.push(&executed(MoveKind::RunOut, 2, 18.5, 0.5));
-        times.push(&executed(MoveKind::Dwell, 2, 19.0, 1.0));
-        times.push(&executed(MoveKind::Rapid, 1, 20.0, 1.0));
-        times.end(22.0);
+        times.add_move(&move_of_kind(MoveKind::Thread, 2, 10.5, 8.0));
+        times.add_move(&move_of_kind(MoveKind::RunOut, 2, 18.5, 0.5));
+        times.add_move(&move_of_kind(MoveKind::Dwell, 2, 19.0, 1.0));
+        times.add_move(&move_of_kind(MoveKind::Rapid, 1, 20.0, 1.0));
+        times.end_at(22.0);
 
         let all = times.spent();
-        assert_eq!(all.on(Spending::Rapid), 2.0);
-        assert_eq!(all.on(Spending::Feed), 6.0);
-        assert_eq!(all.on(Spending::Thread), 8.5);
-        assert_eq!(all.on(Spending::Dwell), 1.0);
-        assert_eq!(all.on(Spending::Other), 4.5);
-        assert_eq!(all.whole(), 22.0);
+        assert_eq!(all.seconds_of(TimeUse::Rapid), 2.0);
+        assert_eq!(all.seconds_of(TimeUse::Feed), 6.0);
+        assert_eq!(all.seconds_of(TimeUse::Thread), 8.5);
+        assert_eq!(all.seconds_of(TimeUse::Dwell), 1.0);
+        assert_eq!(all.seconds_of(TimeUse::Other), 4.5);
+        assert_eq!(all.total_s(), 22.0);
         let tools: Vec<_> = times.tools().iter().map(|row| row.tool).collect();
         assert_eq!(tools, [1, 2]);
         let [first, second] = times.tools() else {
             panic!("two tools");
         };
-        assert_eq!((first.spent.cutting(), second.spent.cutting()), (6.0, 8.5));
-        assert_eq!(second.spent.on(Spending::Other), 3.0);
-        assert_eq!(first.spent.whole() + second.spent.whole(), 22.0);
+        assert_eq!(
+            (first.times.cutting_s(), second.times.cutting_s()),
+            (6.0, 8.5)
+        );
+        assert_eq!(second.times.seconds_of(TimeUse::Other), 3.0);
+        assert_eq!(first.times.total_s() + second.times.total_s(), 22.0);
     }
 
     #[test]
     fn a_tool_is_called_by_the_offset_it_cuts_with() {
-        let mut times = Times::default();
-        let mut cancelled = executed(MoveKind::Rapid, 3, 0.0, 1.0);
+        let mut times = ProgramTimes::default();
+        let mut cancelled = move_of_kind(MoveKind::Rapid, 3, 0.0, 1.0);
         cancelled.conditions.offset = 0;
-        times.push(&cancelled);
-        times.push(&executed(MoveKind::Feed, 3, 1.0, 1.0));
+        times.add_move(&cancelled);
+        times.add_move(&move_of_kind(MoveKind::Feed, 3, 1.0, 1.0));
         cancelled.start_s = 2.0;
-        times.push(&cancelled);
+        times.add_move(&cancelled);
         assert_eq!(times.tools()[0].offset, 3);
     }
 }

@@ -9,7 +9,7 @@ use crate::setup::SetupWords;
 /// A case as defined by its `case.ron`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Case {
+pub struct TestCase {
     /// Part programs; the first one is executed, the others are subprograms.
     pub programs: Vec<String>,
     /// An operator script instead of programs.
@@ -45,7 +45,7 @@ impl ProgramPath {
     }
 }
 
-impl Default for Case {
+impl Default for TestCase {
     fn default() -> Self {
         Self {
             programs: Vec::new(),
@@ -59,13 +59,13 @@ impl Default for Case {
     }
 }
 
-impl Case {
+impl TestCase {
     /// Reads the `case.ron` of a folder.
     ///
     /// # Errors
     /// The file is missing or invalid.
     pub fn read(folder: &Path) -> Result<Self, String> {
-        let text = crate::read(folder, "case.ron")?;
+        let text = crate::read_case_file(folder, "case.ron")?;
         let options = ron::Options::default()
             .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
         let case: Self = options

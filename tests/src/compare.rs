@@ -3,41 +3,45 @@
 use serde_json::Value;
 
 /// Tolerance of coordinates, mm: they are equal when displayed alike.
-const COORDINATE: f64 = 0.000_6;
+const COORDINATE_TOLERANCE_MM: f64 = 0.000_6;
 
 /// Lists the differences between an expectation and a result, a line each. Only the fields in
 /// the expectation are compared. `time_tolerance`, s, applies to fields of time.
-pub fn differences(
-    place: &str,
+pub fn list_differences(
+    path: &str,
     expected: &Value,
-    seen: &Value,
+    actual: &Value,
     time_tolerance: f64,
 ) -> Vec<String> {
-    match (expected, seen) {
+    match (expected, actual) {
         (Value::Object(expected), Value::Object(seen)) => expected
             .iter()
             .flat_map(|(name, value)| {
-                let place = format!("{place}.{name}");
+                let place = format!("{path}.{name}");
                 let seen = seen.get(name).unwrap_or(&Value::Null);
-                differences(&place, value, seen, time_tolerance)
+                list_differences(&place, value, seen, time_tolerance)
             })
             .collect(),
-        (Value::Array(expected), Value::Array(seen)) if place.ends_with(".modal") => expected
+        (Value::Array(expected), Value::Array(seen)) if path.ends_with(".modal") => expected
             .iter()
             .filter(|code| !seen.contains(code))
-            .map(|code| format!("{place}: {code} expected among {seen:?}"))
+            .map(|code| format!("{path}: {code} expected among {seen:?}"))
             .collect(),
         (Value::Array(expected), Value::Array(seen)) if expected.len() == seen.len() => expected
             .iter()
             .zip(seen)
             .enumerate()
             .flat_map(|(index, (expected, seen))| {
-                differences(&format!("{place}[{index}]"), expected, seen, time_tolerance)
+                list_differences(&format!("{path}[{index}]"), expected, seen, time_tolerance)
             })
             .collect(),
         (Value::Number(expected), Value::Number(seen)) => {
-            let time = place.ends_with("dt") || place.ends_with("time_s");
-            let tolerance = if time { time_tolerance } else { COORDINATE };
+            let time = path.ends_with("dt") || path.ends_with("time_s");
+            let tolerance = if time {
+                time_tolerance
+            } else {
+                COORDINATE_TOLERANCE_MM
+            };
             let (a, b) = (
                 expected.as_f64().unwrap_or(f64::NAN),
                 seen.as_f64().unwrap_or(f64::NAN),
@@ -45,23 +49,23 @@ pub fn differences(
             if (a - b).abs() <= tolerance {
                 Vec::new()
             } else {
-                vec![format!("{place}: {expected} expected, {seen} seen")]
+                vec![format!("{path}: {expected} expected, {seen} seen")]
             }
         }
         (expected, seen) if expected == seen => Vec::new(),
-        (expected, seen) => vec![format!("{place}: {expected} expected, {seen} seen")],
+        (expected, seen) => vec![format!("{path}: {expected} expected, {seen} seen")],
     }
 }
 
 /// The expectation with the values of the result in its fields.
-pub fn updated(expected: &Value, seen: &Value) -> Value {
-    match (expected, seen) {
+pub fn update_expectation(expected: &Value, actual: &Value) -> Value {
+    match (expected, actual) {
         (Value::Object(expected), Value::Object(seen)) => Value::Object(
             expected
                 .iter()
                 .map(|(name, value)| {
                     let seen = seen.get(name).unwrap_or(&Value::Null);
-                    (name.clone(), updated(value, seen))
+                    (name.clone(), update_expectation(value, seen))
                 })
                 .collect(),
         ),
@@ -77,13 +81,16 @@ mod tests {
     #[test]
     fn only_named_fields_count() {
         let seen = json!({"x": 10.0003, "z": 5, "dt": 1.5});
-        assert!(differences("", &json!({"x": 10}), &seen, 0.0).is_empty());
+        assert!(list_differences("", &json!({"x": 10}), &seen, 0.0).is_empty());
         assert_eq!(
-            differences("", &json!({"x": 10.01, "q": 1}), &seen, 0.0).len(),
+            list_differences("", &json!({"x": 10.01, "q": 1}), &seen, 0.0).len(),
             2
         );
-        assert!(differences("", &json!({"dt": 1.4}), &seen, 0.2).is_empty());
-        assert_eq!(differences("", &json!({"dt": 1.4}), &seen, 0.05).len(), 1);
+        assert!(list_differences("", &json!({"dt": 1.4}), &seen, 0.2).is_empty());
+        assert_eq!(
+            list_differences("", &json!({"dt": 1.4}), &seen, 0.05).len(),
+            1
+        );
     }
 
     #[test]
@@ -91,6 +98,6 @@ mod tests {
         let seen = json!({"x": 10.5, "z": 5, "final": {"abs": [1, 2], "rel": [3, 4]}});
         let expected = json!({"x": 0, "final": {"abs": [0, 0]}});
         let wanted = json!({"x": 10.5, "final": {"abs": [1, 2]}});
-        assert_eq!(updated(&expected, &seen), wanted);
+        assert_eq!(update_expectation(&expected, &seen), wanted);
     }
 }

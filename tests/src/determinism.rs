@@ -68,7 +68,7 @@ expect alarm none
 
 /// The hashes of a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Trace {
+pub struct SessionTrace {
     /// Hash of the machine positions of every tick.
     pub positions: u64,
     /// Hash of the LCD, four times a second.
@@ -80,7 +80,7 @@ pub struct Trace {
 }
 
 /// Adds bytes to a hash (FNV-1a).
-fn hash(state: &mut u64, bytes: impl IntoIterator<Item = u8>) {
+fn add_to_hash(state: &mut u64, bytes: impl IntoIterator<Item = u8>) {
     for byte in bytes {
         *state = (*state ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     }
@@ -91,9 +91,9 @@ fn hash(state: &mut u64, bytes: impl IntoIterator<Item = u8>) {
 ///
 /// # Errors
 /// A line of the session fails, or a restored state differs.
-pub fn trace(saves: &[u64]) -> Result<Trace, String> {
+pub fn trace_session(saves: &[u64]) -> Result<SessionTrace, String> {
     const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
-    let mut trace = Trace {
+    let mut trace = SessionTrace {
         positions: BASIS,
         screens: BASIS,
         plc: BASIS,
@@ -119,11 +119,11 @@ pub fn trace(saves: &[u64]) -> Result<Trace, String> {
         let cnc = &emulator.simulation.cnc;
         let machine = cnc.position_machine();
         for axis in [machine.x, machine.z] {
-            hash(&mut trace.positions, axis.to_bits().to_le_bytes());
+            add_to_hash(&mut trace.positions, axis.to_bits().to_le_bytes());
         }
         if trace.ticks.is_multiple_of(250) {
-            hash(&mut trace.screens, emulator.screen().text().bytes());
-            hash(&mut trace.plc, format!("{:?}", cnc.plc().memory()).bytes());
+            add_to_hash(&mut trace.screens, emulator.screen().text().bytes());
+            add_to_hash(&mut trace.plc, format!("{:?}", cnc.plc().memory()).bytes());
         }
         if saves.contains(&trace.ticks) {
             let saved = ron::to_string(&emulator).map_err(|error| error.to_string())?;

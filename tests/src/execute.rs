@@ -1,20 +1,20 @@
 //! Executes programs on both paths, with results as the command line writes them.
 
 use gsk_core::command::{ExecutedMove, ProgramId};
-use gsk_core::interpreter::{Explanation, Modal};
+use gsk_core::interpreter::{Explanation, ModalState};
 use gsk_core::program::ProgramMemory;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
 use gsk_messages::Message;
 use gsk_milling::MillSetup;
-use gsk_runner::execution::{self, Limits, Watcher};
-use gsk_runner::moves;
-use gsk_runner::report::{self, AlarmReport, Report};
+use gsk_runner::execution::{self, ExecutionLimits, ExecutionWatcher};
+use gsk_runner::move_output;
+use gsk_runner::report::{self, AlarmReport, ProgramReport};
 use serde_json::{Value, json};
 
 /// One part, within half an hour of machine time.
-const LIMITS: Limits = Limits {
+const RUN_LIMITS: ExecutionLimits = ExecutionLimits {
     parts: 1,
     time_ms: 1_800_000,
 };
@@ -23,19 +23,19 @@ const MOTIONLESS_BLOCKS: u64 = 1_500_000;
 
 /// The results of a path.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Seen {
+pub struct PathResult {
     /// The moves in the order of execution.
     pub moves: Vec<Value>,
     /// The result, without the fields that the path does not compute.
     pub result: Value,
 }
 
-impl Seen {
+impl PathResult {
     /// Parses the written output, as a reader of the file does.
-    fn read(moves: &[u8], report: &Report) -> Self {
+    fn parse(moves: &[u8], report: &ProgramReport) -> Self {
         let lines = moves.split(|byte| *byte == b'\n');
         let lines = lines.filter(|line| !line.is_empty());
-        let written = report.json().unwrap_or_default();
+        let written = report.to_json().unwrap_or_default();
         let mut result: Value = serde_json::from_str(&written).unwrap_or_default();
         if let Some(alarm) = &report.alarm {
             result["alarm"]["n"] = json!(alarm.sequence);
@@ -68,49 +68,49 @@ fn program_name(program: ProgramId) -> String {
 
 /// Writes the moves as the command line does.
 #[derive(Default)]
-struct Moves {
+struct MoveWriter {
     written: Vec<u8>,
 }
 
-impl Moves {
-    fn take(&mut self, executed: &ExecutedMove) {
+impl MoveWriter {
+    fn write(&mut self, executed: &ExecutedMove) {
         // Writing to memory cannot fail.
-        let _ = moves::write_move(&mut self.written, executed);
+        let _ = move_output::write_move(&mut self.written, executed);
     }
 }
 
-impl Watcher for Moves {
-    fn moved(&mut self, executed: &ExecutedMove) {
-        self.take(executed);
+impl ExecutionWatcher for MoveWriter {
+    fn on_move(&mut self, executed: &ExecutedMove) {
+        self.write(executed);
     }
-    fn ticked(&mut self, _time_ms: u64, _machine: Point, _simulation: &Simulation) -> bool {
+    fn on_tick(&mut self, _time_ms: u64, _machine: Point, _simulation: &Simulation) -> bool {
         false
     }
-    fn block(&mut self, _line: u32, _text: &str, _modal: &Modal) {}
-    fn pass(&mut self, _explanation: &Explanation) {}
+    fn on_block(&mut self, _line: u32, _text: &str, _modal: &ModalState) {}
+    fn on_pass(&mut self, _explanation: &Explanation) {}
     fn wants_explanations(&self) -> bool {
         false
     }
-    fn tell(&mut self, _said: &Message) {}
+    fn show(&mut self, _message: &Message) {}
 }
 
 /// Executes the path of `check`.
-pub fn check(setup: &Setup) -> Seen {
-    let mut moves = Moves::default();
-    let report = report::check(
+pub fn run_check(setup: &Setup) -> PathResult {
+    let mut moves = MoveWriter::default();
+    let report = report::check_program(
         "",
         setup,
         None,
-        &mut |executed| moves.take(executed),
+        &mut |executed| moves.write(executed),
         &mut |progress| progress.motionless < MOTIONLESS_BLOCKS,
     );
-    Seen::read(&moves.written, &report)
+    PathResult::parse(&moves.written, &report)
 }
 
 /// Executes the path of `check` with a mill.
-pub fn check_mill(setup: &MillSetup, programs: &ProgramMemory) -> Seen {
+pub fn run_mill_check(setup: &MillSetup, programs: &ProgramMemory) -> PathResult {
     let mut written = Vec::new();
-    let report = gsk_runner::mill::check(
+    let report = gsk_runner::mill::check_program(
         "",
         setup,
         programs,
@@ -121,16 +121,16 @@ pub fn check_mill(setup: &MillSetup, programs: &ProgramMemory) -> Seen {
         },
         &mut |progress| progress.motionless < MOTIONLESS_BLOCKS,
     );
-    Seen::read(&written, &report)
+    PathResult::parse(&written, &report)
 }
 
-/// Executes the path of `run`.
-pub fn run(setup: &Setup) -> Seen {
-    let mut moves = Moves::default();
+/// Executes the path of `run_kernel`.
+pub fn run_kernel(setup: &Setup) -> PathResult {
+    let mut moves = MoveWriter::default();
     let simulation = Simulation::new(setup.clone());
-    match execution::execute("", simulation, LIMITS, None, None, &mut moves, None) {
-        Ok((report, _)) => Seen::read(&moves.written, &report),
-        Err(error) => Seen {
+    match execution::execute("", simulation, RUN_LIMITS, None, None, &mut moves, None) {
+        Ok((report, _)) => PathResult::parse(&moves.written, &report),
+        Err(error) => PathResult {
             moves: Vec::new(),
             result: json!({ "end": error.to_string() }),
         },

@@ -19,7 +19,7 @@ mod program;
 
 use std::path::{Path, PathBuf};
 
-pub use case::{Case, ProgramPath};
+pub use case::{ProgramPath, TestCase};
 pub use tree::case_dir;
 
 /// The root folder of the repository.
@@ -35,8 +35,8 @@ pub fn repository() -> PathBuf {
 /// The differences, a line each; or that the case cannot be read; or that a case marked as a
 /// known failure passes.
 pub fn run_case(folder: &Path, update: bool) -> Result<(), String> {
-    let case = Case::read(folder)?;
-    let outcome = run_as_written(&case, folder, update);
+    let case = TestCase::read(folder)?;
+    let outcome = run_loaded_case(&case, folder, update);
     match (&case.known_failure, outcome) {
         (None, outcome) => outcome,
         (Some(_), Err(_)) => Ok(()),
@@ -50,28 +50,28 @@ pub fn run_case(folder: &Path, update: bool) -> Result<(), String> {
 ///
 /// # Errors
 /// The differences, a line each.
-pub fn run_as_written(case: &Case, folder: &Path, update: bool) -> Result<(), String> {
+pub fn run_loaded_case(case: &TestCase, folder: &Path, update: bool) -> Result<(), String> {
     match &case.script {
-        Some(script) => operate::run(case, folder, script, update),
-        None => program::run(case, folder, update),
+        Some(script) => operate::run_script_case(case, folder, script, update),
+        None => program::run_program_case(case, folder, update),
     }
 }
 
 /// Reads a file of a case.
-fn read(folder: &Path, name: &str) -> Result<String, String> {
+fn read_case_file(folder: &Path, name: &str) -> Result<String, String> {
     std::fs::read_to_string(folder.join(name)).map_err(|error| format!("{name}: {error}"))
 }
 
 /// Reads an optional file of a case.
-fn read_if_there(folder: &Path, name: &str) -> Result<Option<String>, String> {
+fn read_optional_file(folder: &Path, name: &str) -> Result<Option<String>, String> {
     if folder.join(name).exists() {
-        read(folder, name).map(Some)
+        read_case_file(folder, name).map(Some)
     } else {
         Ok(None)
     }
 }
 
 /// Rewrites an expectation.
-fn write(folder: &Path, name: &str, text: &str) -> Result<(), String> {
+fn write_expectation(folder: &Path, name: &str, text: &str) -> Result<(), String> {
     std::fs::write(folder.join(name), text).map_err(|error| format!("{name}: {error}"))
 }

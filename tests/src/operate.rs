@@ -6,20 +6,25 @@ use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::SerialFile;
 use gsk_panel::script::Script;
-use gsk_runner::partner::{Partner, TextPartner};
+use gsk_runner::partner::{ProgramPartner, TextPartner};
 use gsk_runner::picture::PictureError;
-use gsk_runner::script::{ScriptEnd, Session, Surroundings};
+use gsk_runner::script::{ScriptEnd, ScriptHost, ScriptSession};
 
-use crate::case::Case;
+use crate::case::TestCase;
 use crate::picture;
 
-const SCREEN: &str = "screen.txt";
-const SENT: &str = "sent.txt";
-const PICTURE: &str = "screen.png";
+const SCREEN_FILE: &str = "screen.txt";
+const SENT_FILE: &str = "sent.txt";
+const PICTURE_FILE: &str = "screen.png";
 
 /// Runs the script and compares the LCD at its end, as text and as a picture.
-pub(crate) fn run(case: &Case, folder: &Path, name: &str, update: bool) -> Result<(), String> {
-    let text = crate::read(folder, name)?;
+pub(crate) fn run_script_case(
+    case: &TestCase,
+    folder: &Path,
+    name: &str,
+    update: bool,
+) -> Result<(), String> {
+    let text = crate::read_case_file(folder, name)?;
     let script = Script::parse(&text).map_err(|errors| {
         let lines: Vec<String> = errors
             .iter()
@@ -27,10 +32,10 @@ pub(crate) fn run(case: &Case, folder: &Path, name: &str, update: bool) -> Resul
             .collect();
         lines.join("\n")
     })?;
-    let mut emulator = Emulator::new(case.setup.at_the_panel()?);
+    let mut emulator = Emulator::new(case.setup.script_setup()?);
     emulator.panel.connect(case.partner);
-    let mut files = Files { folder };
-    let end = Session::new(&mut emulator, &mut files).run(script);
+    let mut files = CaseFiles { folder };
+    let end = ScriptSession::new(&mut emulator, &mut files).run(script);
     if let ScriptEnd::Failed(failure) = end {
         return Err(format!("{name}: {failure}\n{}", screen_text(&emulator)));
     }
@@ -40,27 +45,27 @@ pub(crate) fn run(case: &Case, folder: &Path, name: &str, update: bool) -> Resul
 }
 
 /// The files of a case, by the names in its script.
-struct Files<'a> {
+struct CaseFiles<'a> {
     folder: &'a Path,
 }
 
-impl Files<'_> {
-    fn file(&self, name: &str) -> Result<SerialFile, String> {
+impl CaseFiles<'_> {
+    fn read(&self, name: &str) -> Result<SerialFile, String> {
         Ok(SerialFile {
             name: name.to_owned(),
-            text: crate::read(self.folder, name)?,
+            text: crate::read_case_file(self.folder, name)?,
         })
     }
 }
 
-impl Surroundings for Files<'_> {
+impl ScriptHost for CaseFiles<'_> {
     type Error = Message;
 
-    fn show(&mut self, screen: &str) {
+    fn show_screen(&mut self, screen: &str) {
         println!("{screen}");
     }
 
-    fn shot(
+    fn store_picture(
         &mut self,
         _name: &str,
         _bytes: &dyn Fn() -> Result<Vec<u8>, PictureError>,
@@ -68,27 +73,27 @@ impl Surroundings for Files<'_> {
         Ok(())
     }
 
-    fn program(&mut self, name: &str) -> Result<SerialFile, Message> {
-        self.file(name).map_err(say::as_written)
+    fn read_program(&mut self, name: &str) -> Result<SerialFile, Message> {
+        self.read(name).map_err(say::as_written)
     }
 
-    fn transfer(&mut self, name: &str) -> Result<SerialFile, Message> {
-        self.file(name).map_err(say::as_written)
+    fn read_transfer_file(&mut self, name: &str) -> Result<SerialFile, Message> {
+        self.read(name).map_err(say::as_written)
     }
 
-    fn told(&mut self, said: &Message) {
-        println!("{said}");
+    fn show_refusal(&mut self, message: &Message) {
+        println!("{message}");
     }
 
-    fn partner(&mut self, name: &str) -> Result<Box<dyn Partner>, Message> {
-        Ok(Box::new(TextPartner::new(self.program(name)?.text)))
+    fn open_partner(&mut self, name: &str) -> Result<Box<dyn ProgramPartner>, Message> {
+        Ok(Box::new(TextPartner::new(self.read_program(name)?.text)))
     }
 }
 
 /// Compares the files that the partner at the serial port received, in their order. A last
 /// line `…` matches everything that follows.
 fn compare_sent(folder: &Path, emulator: &mut Emulator, update: bool) -> Result<(), String> {
-    let Some(expected) = crate::read_if_there(folder, SENT)? else {
+    let Some(expected) = crate::read_optional_file(folder, SENT_FILE)? else {
         return Ok(());
     };
     let files = emulator.panel.take_sent().into_iter();
@@ -100,13 +105,13 @@ fn compare_sent(folder: &Path, emulator: &mut Emulator, update: bool) -> Result<
         return Ok(());
     }
     if update {
-        return crate::write(folder, SENT, &seen);
+        return crate::write_expectation(folder, SENT_FILE, &seen);
     }
-    Err(format!("{SENT} differs, sent was\n{seen}"))
+    Err(format!("{SENT_FILE} differs, sent was\n{seen}"))
 }
 
 fn compare_text(folder: &Path, emulator: &Emulator, update: bool) -> Result<(), String> {
-    let Some(expected) = crate::read_if_there(folder, SCREEN)? else {
+    let Some(expected) = crate::read_optional_file(folder, SCREEN_FILE)? else {
         return Ok(());
     };
     let seen = screen_text(emulator);
@@ -114,10 +119,14 @@ fn compare_text(folder: &Path, emulator: &Emulator, update: bool) -> Result<(), 
         return Ok(());
     }
     if update {
-        return crate::write(folder, SCREEN, &seen);
+        return crate::write_expectation(folder, SCREEN_FILE, &seen);
     }
-    let mut lines = vec![format!("{SCREEN} differs:")];
-    for (row, (expected, seen)) in padded(&expected).zip(padded(&seen)).take(15).enumerate() {
+    let mut lines = vec![format!("{SCREEN_FILE} differs:")];
+    for (row, (expected, seen)) in screen_lines(&expected)
+        .zip(screen_lines(&seen))
+        .take(15)
+        .enumerate()
+    {
         if expected != seen {
             lines.push(format!("R{row:<2} expected |{expected}"));
             lines.push(format!("    seen     |{seen}"));
@@ -128,24 +137,24 @@ fn compare_text(folder: &Path, emulator: &Emulator, update: bool) -> Result<(), 
 
 /// The picture shows more than the text: character styles, large figures, the graphic.
 fn compare_picture(folder: &Path, emulator: &Emulator, update: bool) -> Result<(), String> {
-    let path = folder.join(PICTURE);
+    let path = folder.join(PICTURE_FILE);
     if !path.exists() {
         return Ok(());
     }
-    let wrong = |error: std::io::Error| format!("{PICTURE}: {error}");
-    let stored = std::fs::read(&path).map_err(wrong)?;
+    let file_error = |error: std::io::Error| format!("{PICTURE_FILE}: {error}");
+    let stored = std::fs::read(&path).map_err(file_error)?;
     let (screen, brightness) = (emulator.screen(), emulator.panel.view().brightness);
-    if picture::shows(&stored, &screen, brightness) {
+    if picture::is_same_picture(&stored, &screen, brightness) {
         return Ok(());
     }
     if update {
         let file = picture::encode(&screen, brightness)?;
-        return std::fs::write(&path, file).map_err(wrong);
+        return std::fs::write(&path, file).map_err(file_error);
     }
-    Err(format!("{PICTURE} differs from what the LCD shows"))
+    Err(format!("{PICTURE_FILE} differs from what the LCD shows"))
 }
 
-fn padded(text: &str) -> impl Iterator<Item = &str> {
+fn screen_lines(text: &str) -> impl Iterator<Item = &str> {
     text.lines().chain(core::iter::repeat(""))
 }
 

@@ -5,15 +5,19 @@ use gsk_panel::screen::{HEIGHT, Screen, WIDTH};
 use png::{BitDepth, ColorType, Compression, Decoder, Encoder};
 
 /// Pixels of a dot.
-const SCALE: usize = 2;
+const DOT_PIXELS: usize = 2;
 
 /// One bit a pixel, rows of whole bytes.
-fn pixels(screen: &Screen) -> Vec<u8> {
+fn pack_pixels(screen: &Screen) -> Vec<u8> {
     let dots = raster::bitmap(screen);
-    let mut pixels = Vec::with_capacity(WIDTH * HEIGHT * SCALE * SCALE / 8);
+    let mut pixels = Vec::with_capacity(WIDTH * HEIGHT * DOT_PIXELS * DOT_PIXELS / 8);
     for y in 0..HEIGHT {
-        let row: Vec<u8> = dots.row(y).iter().flat_map(|byte| wide(*byte)).collect();
-        for _ in 0..SCALE {
+        let row: Vec<u8> = dots
+            .row(y)
+            .iter()
+            .flat_map(|byte| double_bits(*byte))
+            .collect();
+        for _ in 0..DOT_PIXELS {
             pixels.extend_from_slice(&row);
         }
     }
@@ -21,14 +25,14 @@ fn pixels(screen: &Screen) -> Vec<u8> {
 }
 
 /// Doubles every bit.
-fn wide(byte: u8) -> [u8; 2] {
+fn double_bits(byte: u8) -> [u8; 2] {
     let wide = (0..8)
         .filter(|bit| byte >> bit & 1 == 1)
         .fold(0u16, |wide, bit| wide | 0b11 << (2 * bit));
     wide.to_be_bytes()
 }
 
-fn colours(palette: Palette) -> Vec<u8> {
+fn palette_bytes(palette: Palette) -> Vec<u8> {
     [palette.background, palette.text].concat()
 }
 
@@ -38,29 +42,29 @@ fn colours(palette: Palette) -> Vec<u8> {
 /// The error of the encoder.
 pub(crate) fn encode(screen: &Screen, brightness: u8) -> Result<Vec<u8>, String> {
     let mut file = Vec::new();
-    let (width, height) = ((WIDTH * SCALE) as u32, (HEIGHT * SCALE) as u32);
+    let (width, height) = ((WIDTH * DOT_PIXELS) as u32, (HEIGHT * DOT_PIXELS) as u32);
     let mut encoder = Encoder::new(&mut file, width, height);
     encoder.set_color(ColorType::Indexed);
     encoder.set_depth(BitDepth::One);
-    encoder.set_palette(colours(raster::palette(brightness)));
+    encoder.set_palette(palette_bytes(raster::palette(brightness)));
     encoder.set_compression(Compression::High);
     let mut writer = encoder.write_header().map_err(|error| error.to_string())?;
     writer
-        .write_image_data(&pixels(screen))
+        .write_image_data(&pack_pixels(screen))
         .map_err(|error| error.to_string())?;
     writer.finish().map_err(|error| error.to_string())?;
     Ok(file)
 }
 
 /// Whether a PNG file shows this screen, with the same dots and colours.
-pub(crate) fn shows(file: &[u8], screen: &Screen, brightness: u8) -> bool {
-    decoded(file).is_some_and(|(palette, stored)| {
-        palette == colours(raster::palette(brightness)) && stored == pixels(screen)
+pub(crate) fn is_same_picture(file: &[u8], screen: &Screen, brightness: u8) -> bool {
+    decode(file).is_some_and(|(palette, stored)| {
+        palette == palette_bytes(raster::palette(brightness)) && stored == pack_pixels(screen)
     })
 }
 
 /// Palette and pixels of a file.
-fn decoded(file: &[u8]) -> Option<(Vec<u8>, Vec<u8>)> {
+fn decode(file: &[u8]) -> Option<(Vec<u8>, Vec<u8>)> {
     let mut reader = Decoder::new(std::io::Cursor::new(file)).read_info().ok()?;
     let mut pixels = vec![0; reader.output_buffer_size()?];
     reader.next_frame(&mut pixels).ok()?;
@@ -77,10 +81,10 @@ mod tests {
         let mut screen = Screen::new();
         screen.put(3, 7, "余移动量 U");
         let file = encode(&screen, 8).unwrap_or_default();
-        assert!(shows(&file, &screen, 8));
-        assert!(!shows(&file, &screen, 9));
+        assert!(is_same_picture(&file, &screen, 8));
+        assert!(!is_same_picture(&file, &screen, 9));
         screen.put(14, 39, ".");
-        assert!(!shows(&file, &screen, 8));
-        assert!(!shows(b"no picture", &screen, 8));
+        assert!(!is_same_picture(&file, &screen, 8));
+        assert!(!is_same_picture(b"no picture", &screen, 8));
     }
 }

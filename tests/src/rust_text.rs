@@ -2,7 +2,7 @@
 
 /// A token of a source with its line, from 1.
 #[derive(Debug, PartialEq, Eq)]
-pub enum Token {
+pub enum RustToken {
     /// A name or a keyword.
     Identifier {
         /// The name as written, without `r#`.
@@ -21,35 +21,35 @@ pub enum Token {
 
 /// All identifiers and line comments of a source, in their order. Strings, characters,
 /// numbers and block comments are left out.
-pub fn tokens(source: &str) -> Vec<Token> {
-    let mut reader = Reader {
+pub fn split_tokens(source: &str) -> Vec<RustToken> {
+    let mut reader = TokenReader {
         rest: source,
         line: 1,
         tokens: Vec::new(),
     };
-    while reader.step() {}
+    while reader.read_token() {}
     reader.tokens
 }
 
-struct Reader<'a> {
+struct TokenReader<'a> {
     rest: &'a str,
     line: usize,
-    tokens: Vec<Token>,
+    tokens: Vec<RustToken>,
 }
 
-impl Reader<'_> {
+impl TokenReader<'_> {
     /// Reads one piece; false at the end.
-    fn step(&mut self) -> bool {
+    fn read_token(&mut self) -> bool {
         let Some(first) = self.rest.chars().next() else {
             return false;
         };
         let literal = literal_prefix(self.rest);
         let length = match (first, literal) {
-            ('/', _) if self.rest.starts_with("//") => self.comment(),
+            ('/', _) if self.rest.starts_with("//") => self.read_comment(),
             ('/', _) if self.rest.starts_with("/*") => length_to(self.rest, 2, "*/"),
             (_, Some(at)) => literal_length(self.rest, at),
             ('\'', _) => character_length(self.rest),
-            (letter, _) if letter == '_' || letter.is_alphabetic() => self.identifier(),
+            (letter, _) if letter == '_' || letter.is_alphabetic() => self.read_identifier(),
             (digit, _) if digit.is_ascii_digit() => word_length(self.rest),
             (other, _) => other.len_utf8(),
         };
@@ -58,19 +58,19 @@ impl Reader<'_> {
         true
     }
 
-    fn comment(&mut self) -> usize {
+    fn read_comment(&mut self) -> usize {
         let length = self.rest.find('\n').unwrap_or(self.rest.len());
         let text = self.rest[..length].trim_start_matches(['/', '!']);
-        self.tokens.push(Token::Comment {
+        self.tokens.push(RustToken::Comment {
             text: text.to_owned(),
             line: self.line,
         });
         length
     }
 
-    fn identifier(&mut self) -> usize {
+    fn read_identifier(&mut self) -> usize {
         let length = word_length(self.rest);
-        self.tokens.push(Token::Identifier {
+        self.tokens.push(RustToken::Identifier {
             name: self.rest[..length].to_owned(),
             line: self.line,
         });
@@ -131,7 +131,7 @@ fn character_length(text: &str) -> usize {
 
 /// The words of an identifier in lower case: `FollowingError` and `following_error` have
 /// the words `following` and `error`.
-pub fn words_of(identifier: &str) -> Vec<String> {
+pub fn split_words(identifier: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut after_small = false;
     for letter in identifier.chars() {
@@ -154,10 +154,12 @@ mod tests {
     use super::*;
 
     fn names(source: &str) -> Vec<(String, usize)> {
-        let identifiers = tokens(source).into_iter().filter_map(|token| match token {
-            Token::Identifier { name, line } => Some((name, line)),
-            Token::Comment { .. } => None,
-        });
+        let identifiers = split_tokens(source)
+            .into_iter()
+            .filter_map(|token| match token {
+                RustToken::Identifier { name, line } => Some((name, line)),
+                RustToken::Comment { .. } => None,
+            });
         identifiers.collect()
     }
 
@@ -172,34 +174,34 @@ mod tests {
     fn comments_and_lines_are_counted() {
         let source = "/// One.\n/* told\n */ fn two() {} // three\n\"\n\" four";
         let expected = [
-            Token::Comment {
+            RustToken::Comment {
                 text: " One.".to_owned(),
                 line: 1,
             },
-            Token::Identifier {
+            RustToken::Identifier {
                 name: "fn".to_owned(),
                 line: 3,
             },
-            Token::Identifier {
+            RustToken::Identifier {
                 name: "two".to_owned(),
                 line: 3,
             },
-            Token::Comment {
+            RustToken::Comment {
                 text: " three".to_owned(),
                 line: 3,
             },
-            Token::Identifier {
+            RustToken::Identifier {
                 name: "four".to_owned(),
                 line: 5,
             },
         ];
-        assert_eq!(tokens(source), expected);
+        assert_eq!(split_tokens(source), expected);
     }
 
     #[test]
     fn identifiers_split_into_words() {
-        assert_eq!(words_of("FollowingError"), ["following", "error"]);
-        assert_eq!(words_of("X2_TOLD"), ["x2", "told"]);
-        assert_eq!(words_of("_goes_on"), ["goes", "on"]);
+        assert_eq!(split_words("FollowingError"), ["following", "error"]);
+        assert_eq!(split_words("X2_TOLD"), ["x2", "told"]);
+        assert_eq!(split_words("_goes_on"), ["goes", "on"]);
     }
 }

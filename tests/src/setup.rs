@@ -15,7 +15,7 @@ use gsk_milling::{MillSetup, MillWordError};
 use serde::Deserialize;
 
 /// Head of the program that fills the memory.
-const FILLING: &str = "O9999;\n(";
+const FILLER_HEAD: &str = "O9999;\n(";
 
 /// The differences of a case from the dry-run set-up.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -82,22 +82,22 @@ impl SetupWords {
     ///
     /// # Errors
     /// A word is invalid.
-    pub fn mill(&self, setup: &Setup) -> Result<Option<MillSetup>, String> {
+    pub fn mill_setup(&self, setup: &Setup) -> Result<Option<MillSetup>, String> {
         let model = &setup.memory.model;
         if !model.id().is_mill() {
             return Ok(None);
         }
         let mut mill = MillSetup::default().with(model);
         mill.day_time = setup.day_time;
-        let said = |error: MillWordError| error.0.to_string();
+        let word_error = |error: MillWordError| error.0.to_string();
         if let Some(start) = &self.mill.start {
-            mill.take_start(start).map_err(said)?;
+            mill.take_start(start).map_err(word_error)?;
         }
         for zero in &self.mill.zeros {
-            mill.memory.take_zero(zero).map_err(said)?;
+            mill.memory.take_zero(zero).map_err(word_error)?;
         }
         for offset in &self.mill.offsets {
-            mill.memory.take_offset(offset).map_err(said)?;
+            mill.memory.take_offset(offset).map_err(word_error)?;
         }
         Ok(Some(mill))
     }
@@ -106,19 +106,19 @@ impl SetupWords {
     ///
     /// # Errors
     /// A word is invalid or refused.
-    pub fn setup(&self) -> Result<Setup, String> {
-        self.over(Setup::default())
+    pub fn program_setup(&self) -> Result<Setup, String> {
+        self.apply_to(Setup::default())
     }
 
     /// The set-up of an operator script.
     ///
     /// # Errors
     /// As for [`Self::setup`].
-    pub fn at_the_panel(&self) -> Result<Setup, String> {
-        self.over(Setup::at_the_panel())
+    pub fn script_setup(&self) -> Result<Setup, String> {
+        self.apply_to(Setup::for_operator_script())
     }
 
-    fn over(&self, setup: Setup) -> Result<Setup, String> {
+    fn apply_to(&self, setup: Setup) -> Result<Setup, String> {
         let mut setup = if self.delivered {
             Setup::delivered()
         } else {
@@ -128,10 +128,10 @@ impl SetupWords {
             setup.start = Some(Point::from_diameter(Diameter(x), z));
         }
         if let Some(name) = &self.ladder {
-            setup.ladder = ladder(name)?.into();
+            setup.ladder = read_ladder(name)?.into();
         }
         if let Some(name) = &self.machine {
-            setup.lathe = machine(name)?;
+            setup.lathe = read_machine(name)?;
             if setup.start == Setup::default().start {
                 setup.start = Some(setup.lathe.start());
             }
@@ -145,15 +145,15 @@ impl SetupWords {
         setup.memory.settings.inch = self.inch;
         setup.memory.settings.macro_b = self.macro_b;
         if let Some(word) = &self.model {
-            let id = ModelId::from_word(word).ok_or_else(|| format!("no model {word}"))?;
+            let id = ModelId::from_command_word(word).ok_or_else(|| format!("no model {word}"))?;
             setup.memory.set_model(ControlModel::new(id));
         }
         for word in &self.model_params {
-            let (number, value) = parts(word)?;
+            let (number, value) = split_assignment(word)?;
             let number = number.parse().map_err(|_| format!("{word}: number"))?;
             let value = value.parse().map_err(|_| format!("{word}: value"))?;
             let set = setup.memory.model.set_parameter(number, value);
-            set.map_err(|said| said.to_string())?;
+            set.map_err(|error| error.to_string())?;
         }
         if self.as_built {
             setup.wired = Some(setup.memory.parameters.clone());
@@ -164,25 +164,26 @@ impl SetupWords {
         }
         setup.memory.counters.parts = self.parts;
         if let Some(clock) = &self.cutting {
-            setup.memory.counters.cutting_ms = milliseconds(clock)?;
+            setup.memory.counters.cutting_ms = parse_clock_ms(clock)?;
         }
         for word in &self.params {
-            parameter(&mut setup, word).map_err(|error| format!("parameter {word}: {error}"))?;
+            set_parameter(&mut setup, word)
+                .map_err(|error| format!("parameter {word}: {error}"))?;
         }
         for word in &self.offsets {
-            offset(&mut setup, word).map_err(|error| format!("offset {word}: {error}"))?;
+            set_offset(&mut setup, word).map_err(|error| format!("offset {word}: {error}"))?;
         }
         if self.filled > 0 {
-            let comment = "X".repeat(self.filled.saturating_sub(FILLING.len() + 1));
-            let text = format!("{FILLING}{comment})");
+            let comment = "X".repeat(self.filled.saturating_sub(FILLER_HEAD.len() + 1));
+            let text = format!("{FILLER_HEAD}{comment})");
             let stored = setup.memory.programs.store(text);
             stored.map_err(|alarm| alarm.line_text())?;
         }
         for word in &self.pitch {
-            pitch(&mut setup, word).map_err(|error| format!("pitch {word}: {error}"))?;
+            set_pitch_point(&mut setup, word).map_err(|error| format!("pitch {word}: {error}"))?;
         }
         for word in &self.inputs {
-            let (address, state) = parts(word)?;
+            let (address, state) = split_assignment(word)?;
             let address = address
                 .parse()
                 .map_err(|error| format!("input {word}: {error}"))?;
@@ -193,22 +194,22 @@ impl SetupWords {
 }
 
 /// Reads a file of `assets/`.
-fn asset(folder: &str, name: &str) -> Result<String, String> {
+fn read_asset(folder: &str, name: &str) -> Result<String, String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
-    crate::read(&root.join(folder), name)
+    crate::read_case_file(&root.join(folder), name)
 }
 
-fn ladder(name: &str) -> Result<Arc<Ladder>, String> {
-    let text = asset("ladder", name)?;
+fn read_ladder(name: &str) -> Result<Arc<Ladder>, String> {
+    let text = read_asset("ladder", name)?;
     let ladder = Ladder::compile(&text).map_err(|errors| format!("{name}: {errors}"))?;
     Ok(Arc::new(ladder))
 }
 
-fn machine(name: &str) -> Result<LatheConfig, String> {
+fn read_machine(name: &str) -> Result<LatheConfig, String> {
     let options =
         ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
     let config: LatheConfig = options
-        .from_str(&asset("machines", name)?)
+        .from_str(&read_asset("machines", name)?)
         .map_err(|error| format!("{name}: {error}"))?;
     match config.check() {
         Ok(()) => Ok(config),
@@ -216,58 +217,64 @@ fn machine(name: &str) -> Result<LatheConfig, String> {
     }
 }
 
-fn parts(word: &str) -> Result<(&str, &str), String> {
+fn split_assignment(word: &str) -> Result<(&str, &str), String> {
     word.split_once('=')
         .ok_or_else(|| format!("{word}: write it as NAME=VALUE"))
 }
 
 /// Hours, minutes and seconds as milliseconds.
-fn milliseconds(clock: &str) -> Result<u64, String> {
-    let parts: Vec<u64> = clock.split(':').map(number).collect::<Result<_, _>>()?;
+fn parse_clock_ms(clock: &str) -> Result<u64, String> {
+    let parts: Vec<u64> = clock
+        .split(':')
+        .map(parse_number)
+        .collect::<Result<_, _>>()?;
     match parts[..] {
         [hours, minutes, seconds] => Ok(((hours * 60 + minutes) * 60 + seconds) * 1000),
         _ => Err(format!("{clock}: write it as HH:MM:SS")),
     }
 }
 
-fn number<T: core::str::FromStr>(text: &str) -> Result<T, String> {
+fn parse_number<T: core::str::FromStr>(text: &str) -> Result<T, String> {
     text.trim()
         .parse()
         .map_err(|_| format!("{text} is not a number of this kind"))
 }
 
-fn parameter(setup: &mut Setup, word: &str) -> Result<(), String> {
-    let (name, value) = parts(word)?;
-    let refused = |error| format!("{error:?}");
+fn set_parameter(setup: &mut Setup, word: &str) -> Result<(), String> {
+    let (name, value) = split_assignment(word)?;
+    let refusal = |error| format!("{error:?}");
     match name.split_once('.') {
         Some((name, bit)) => setup
             .memory
             .parameters
-            .set_bit(number(name)?, number(bit)?, value == "1")
-            .map_err(refused),
+            .set_bit(parse_number(name)?, parse_number(bit)?, value == "1")
+            .map_err(refusal),
         None => setup
             .memory
             .parameters
-            .set(number(name)?, number(value)?)
-            .map_err(refused),
+            .set(parse_number(name)?, parse_number(value)?)
+            .map_err(refusal),
     }
 }
 
-fn pitch(setup: &mut Setup, word: &str) -> Result<(), String> {
-    let (place, value) = parts(word)?;
+fn set_pitch_point(setup: &mut Setup, word: &str) -> Result<(), String> {
+    let (place, value) = split_assignment(word)?;
     let (axis, point) = match place.split_once(' ') {
         Some(("X", point)) => (Axis::X, point),
         Some(("Z", point)) => (Axis::Z, point),
         _ => return Err("write the axis, a blank and the point".to_owned()),
     };
-    let (point, value) = (number(point)?, number(value)?);
+    let (point, value) = (parse_number(point)?, parse_number(value)?);
     let written = setup.memory.pitch.set(axis, point, value);
     written.map_err(|error| format!("{error:?}"))
 }
 
-fn offset(setup: &mut Setup, word: &str) -> Result<(), String> {
-    let (name, values) = parts(word)?;
-    let values: Vec<f64> = values.split(',').map(number).collect::<Result<_, _>>()?;
+fn set_offset(setup: &mut Setup, word: &str) -> Result<(), String> {
+    let (name, values) = split_assignment(word)?;
+    let values: Vec<f64> = values
+        .split(',')
+        .map(parse_number)
+        .collect::<Result<_, _>>()?;
     let value = |index: usize| values.get(index).copied().unwrap_or_default();
     let row = ToolOffset {
         x: value(0),
@@ -275,12 +282,12 @@ fn offset(setup: &mut Setup, word: &str) -> Result<(), String> {
         r: value(2),
         t: value(3) as u8,
     };
-    let refused = |alarm: gsk_core::alarm::Alarm| alarm.line_text();
+    let refusal = |alarm: gsk_core::alarm::Alarm| alarm.line_text();
     setup
         .memory
         .offsets
-        .set(number(name)?, row)
-        .map_err(refused)
+        .set(parse_number(name)?, row)
+        .map_err(refusal)
 }
 
 /// Program memory with these texts; the first one is selected. A text without an O word is
@@ -288,7 +295,7 @@ fn offset(setup: &mut Setup, word: &str) -> Result<(), String> {
 ///
 /// # Errors
 /// The alarm with which the memory refuses a text.
-pub fn memory(texts: &[String]) -> Result<ProgramMemory, String> {
+pub fn build_memory(texts: &[String]) -> Result<ProgramMemory, String> {
     let mut memory = ProgramMemory::default();
     let mut first = None;
     for text in texts {

@@ -7,23 +7,23 @@ use std::path::{Path, PathBuf};
 use crate::repository;
 
 /// The packages whose tests a table may name.
-const PACKAGES: [&str; 6] = ["core", "milling", "panel", "app", "twins", "tests"];
+const TESTED_PACKAGES: [&str; 6] = ["core", "milling", "panel", "app", "twins", "tests"];
 
 /// Whether a Rust test function with this name exists.
 pub fn has_test(name: &str) -> bool {
     let wanted = format!("fn {name}()");
-    PACKAGES
+    TESTED_PACKAGES
         .iter()
-        .any(|package| contains(&repository().join(package), &wanted))
+        .any(|package| contains_text(&repository().join(package), &wanted))
 }
 
-fn contains(folder: &Path, wanted: &str) -> bool {
+fn contains_text(folder: &Path, wanted: &str) -> bool {
     let Ok(entries) = fs::read_dir(folder) else {
         return false;
     };
     entries.flatten().map(|entry| entry.path()).any(|path| {
         if path.is_dir() {
-            return contains(&path, wanted);
+            return contains_text(&path, wanted);
         }
         let rust = path.extension().is_some_and(|extension| extension == "rs");
         rust && fs::read_to_string(&path).is_ok_and(|text| text.contains(wanted))
@@ -31,7 +31,7 @@ fn contains(folder: &Path, wanted: &str) -> bool {
 }
 
 /// A source file without its tests.
-pub struct Source {
+pub struct SourceFile {
     /// Path in the repository.
     pub path: PathBuf,
     /// The text without its tests.
@@ -39,12 +39,12 @@ pub struct Source {
 }
 
 /// The sources of control, link, panel and program, without their tests.
-pub fn control_sources() -> Vec<Source> {
-    sources_of(&["core", "link", "milling", "panel", "app"])
+pub fn control_sources() -> Vec<SourceFile> {
+    package_sources(&["core", "link", "milling", "panel", "app"])
 }
 
 /// The sources of packages, by their folders.
-pub fn sources_of(packages: &[&str]) -> Vec<Source> {
+pub fn package_sources(packages: &[&str]) -> Vec<SourceFile> {
     let mut sources = Vec::new();
     for package in packages {
         collect(&repository().join(package).join("src"), &mut sources);
@@ -52,7 +52,7 @@ pub fn sources_of(packages: &[&str]) -> Vec<Source> {
     sources
 }
 
-fn collect(folder: &Path, sources: &mut Vec<Source>) {
+fn collect(folder: &Path, sources: &mut Vec<SourceFile>) {
     let Ok(entries) = fs::read_dir(folder) else {
         return;
     };
@@ -66,7 +66,7 @@ fn collect(folder: &Path, sources: &mut Vec<Source>) {
             let text = fs::read_to_string(&path).unwrap_or_default();
             let own = text.split("#[cfg(test)]\nmod tests {").next();
             let text = own.unwrap_or_default().to_owned();
-            sources.push(Source { path, text });
+            sources.push(SourceFile { path, text });
         }
     }
 }

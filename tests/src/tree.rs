@@ -5,13 +5,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Number of folders above a case: its subject and its code.
-const ABOVE: usize = 2;
+const FOLDERS_ABOVE: usize = 2;
 /// The file that makes a folder a case.
-const CASE: &str = "case.ron";
+const CASE_FILE: &str = "case.ron";
 
 /// A case folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct CaseFolder {
     /// Its name, which is unique.
     pub name: String,
     /// Its path as the runner shows it: `cycles/G71/roughing-turn-arc`.
@@ -21,7 +21,7 @@ pub struct Place {
 }
 
 /// The folder of the cases.
-fn root() -> PathBuf {
+fn cases_root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("cases")
 }
 
@@ -29,18 +29,18 @@ fn root() -> PathBuf {
 ///
 /// # Errors
 /// The faults of the folders, a line each.
-pub fn cases() -> Result<Vec<Place>, String> {
-    cases_in(&root())
+pub fn list_cases() -> Result<Vec<CaseFolder>, String> {
+    list_cases_in(&cases_root())
 }
 
 /// All cases below a folder.
 ///
 /// # Errors
 /// A folder without a case, a case at the wrong depth, a name of two cases.
-pub fn cases_in(root: &Path) -> Result<Vec<Place>, String> {
-    let mut seen = Seen::default();
+pub fn list_cases_in(root: &Path) -> Result<Vec<CaseFolder>, String> {
+    let mut seen = CaseWalk::default();
     seen.walk(root, &mut Vec::new());
-    seen.two_of_a_name();
+    seen.check_unique_names();
     if seen.faults.is_empty() {
         Ok(seen.cases)
     } else {
@@ -50,16 +50,16 @@ pub fn cases_in(root: &Path) -> Result<Vec<Place>, String> {
 
 /// The folder of the case with a name.
 pub fn case_dir(name: &str) -> Option<PathBuf> {
-    let codes = folders(&root())
+    let codes = sorted_folders(&cases_root())
         .into_iter()
-        .flat_map(|subject| folders(&subject));
+        .flat_map(|subject| sorted_folders(&subject));
     codes
         .map(|code| code.join(name))
-        .find(|folder| folder.join(CASE).exists())
+        .find(|folder| folder.join(CASE_FILE).exists())
 }
 
 /// The folders in a folder, sorted.
-fn folders(folder: &Path) -> Vec<PathBuf> {
+fn sorted_folders(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let mut folders: Vec<PathBuf> = entries
         .map(|entry| entry.path())
@@ -71,29 +71,29 @@ fn folders(folder: &Path) -> Vec<PathBuf> {
 
 /// The result of a walk over the folders.
 #[derive(Default)]
-struct Seen {
-    cases: Vec<Place>,
+struct CaseWalk {
+    cases: Vec<CaseFolder>,
     faults: Vec<String>,
 }
 
-impl Seen {
+impl CaseWalk {
     fn walk(&mut self, folder: &Path, above: &mut Vec<String>) {
-        let below = folders(folder);
+        let below = sorted_folders(folder);
         let path = above.join("/");
-        let is_case = folder.join(CASE).exists();
-        if is_case && above.len() == ABOVE + 1 {
-            self.cases.push(Place {
+        let is_case = folder.join(CASE_FILE).exists();
+        if is_case && above.len() == FOLDERS_ABOVE + 1 {
+            self.cases.push(CaseFolder {
                 name: above.last().cloned().unwrap_or_default(),
                 path: path.clone(),
                 folder: folder.to_path_buf(),
             });
         } else if is_case {
-            self.fault(
+            self.add_fault(
                 &path,
                 "a case lies in cases/<subject>/<code>/<case>/ and nowhere else",
             );
         } else if below.is_empty() {
-            self.fault(&path, "the folder holds neither a case.ron nor folders");
+            self.add_fault(&path, "the folder holds neither a case.ron nor folders");
         }
         for folder in below {
             let name = folder.file_name().unwrap_or_default();
@@ -103,7 +103,7 @@ impl Seen {
         }
     }
 
-    fn two_of_a_name(&mut self) {
+    fn check_unique_names(&mut self) {
         let mut paths: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
         for case in &self.cases {
             paths.entry(&case.name).or_default().push(&case.path);
@@ -116,7 +116,7 @@ impl Seen {
         self.faults.extend(faults);
     }
 
-    fn fault(&mut self, path: &str, what: &str) {
+    fn add_fault(&mut self, path: &str, what: &str) {
         self.faults.push(format!("cases/{path}: {what}"));
     }
 }

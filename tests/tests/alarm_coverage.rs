@@ -11,19 +11,19 @@ use std::path::Path;
 
 use gsk_core::alarm::{self, AlarmRow};
 use gsk_tests::sources::has_test;
-use gsk_tests::tree::Place;
-use gsk_tests::{Case, repository, tree};
+use gsk_tests::tree::CaseFolder;
+use gsk_tests::{TestCase, repository, tree};
 use serde_json::Value;
 
 /// The cases of an alarm.
 #[derive(Default)]
-struct Cases {
+struct AlarmCases {
     pass: Vec<String>,
     known_failures: Vec<String>,
 }
 
 /// Cases by the first number of the table row they raise.
-type Covered = BTreeMap<u16, Cases>;
+type CasesByAlarm = BTreeMap<u16, AlarmCases>;
 
 /// The alarm that the result of a program case expects.
 fn expected_alarm(folder: &Path) -> Option<Value> {
@@ -43,10 +43,10 @@ fn alarms_of_script(text: &str) -> Vec<u16> {
         .collect()
 }
 
-fn covered() -> Covered {
-    let mut covered = Covered::new();
-    for Place { name, folder, .. } in tree::cases().expect("cases") {
-        let case = Case::read(&folder).expect("case.ron");
+fn read_cases() -> CasesByAlarm {
+    let mut covered = CasesByAlarm::new();
+    for CaseFolder { name, folder, .. } in tree::list_cases().expect("cases") {
+        let case = TestCase::read(&folder).expect("case.ron");
         let numbers = match &case.script {
             Some(script) => {
                 alarms_of_script(&fs::read_to_string(folder.join(script)).expect("script"))
@@ -71,12 +71,12 @@ fn covered() -> Covered {
 }
 
 /// Why an alarm has no case.
-struct Reason {
+struct CoverageReason {
     open: bool,
     why: String,
 }
 
-fn reasons() -> BTreeMap<u16, Reason> {
+fn read_reasons() -> BTreeMap<u16, CoverageReason> {
     let path = repository().join("tests/alarm-coverage.tsv");
     let text = fs::read_to_string(path).expect("alarm-coverage.tsv");
     let mut reasons = BTreeMap::new();
@@ -94,7 +94,7 @@ fn reasons() -> BTreeMap<u16, Reason> {
             }
             other => panic!("alarm-coverage.tsv: {other} is neither never, test nor open"),
         };
-        let reason = Reason {
+        let reason = CoverageReason {
             open,
             why: why.to_owned(),
         };
@@ -106,7 +106,11 @@ fn reasons() -> BTreeMap<u16, Reason> {
 }
 
 /// The fault of one row of the alarm table.
-fn fault(row: &AlarmRow, cases: &Cases, reason: Option<&Reason>) -> Option<String> {
+fn row_fault(
+    row: &AlarmRow,
+    cases: &AlarmCases,
+    reason: Option<&CoverageReason>,
+) -> Option<String> {
     let of_program = row.advice.is_some();
     let text = match (cases.pass.first(), reason) {
         (None, None) => "neither a case nor a line in alarm-coverage.tsv".to_owned(),
@@ -126,12 +130,12 @@ fn fault(row: &AlarmRow, cases: &Cases, reason: Option<&Reason>) -> Option<Strin
 
 #[test]
 fn every_alarm_has_a_case_or_a_reason() {
-    let (mut covered, reasons) = (covered(), reasons());
+    let (mut covered, reasons) = (read_cases(), read_reasons());
     let mut faults: Vec<String> = alarm::rows()
         .iter()
         .filter_map(|row| {
             let cases = covered.remove(&row.number).unwrap_or_default();
-            fault(row, &cases, reasons.get(&row.number))
+            row_fault(row, &cases, reasons.get(&row.number))
         })
         .collect();
     let unknown = reasons
@@ -143,7 +147,7 @@ fn every_alarm_has_a_case_or_a_reason() {
 
 #[test]
 fn every_alarm_of_a_program_case_is_expected_at_a_line() {
-    let cases = tree::cases().expect("cases").into_iter();
+    let cases = tree::list_cases().expect("cases").into_iter();
     let without: Vec<String> = cases
         .filter(|case| expected_alarm(&case.folder).is_some_and(|alarm| alarm["line"].is_null()))
         .map(|case| case.name)

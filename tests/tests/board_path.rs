@@ -1,5 +1,5 @@
 //! Checks that the plotted path ends where the board stopped: the motion that the board has
-//! not made is not drawn.
+//! not made_pulses is not drawn.
 
 #[allow(dead_code, reason = "the whole bench of the link")]
 #[path = "control/bench/board.rs"]
@@ -9,8 +9,8 @@ mod keys;
 
 use std::time::Duration;
 
-use board::{Board, Machine, Timed};
-use gsk_core::linked::Linked;
+use board::{BenchBoard, LinkedMachine, TimedBoard};
+use gsk_core::linked::LinkedControl;
 use gsk_core::units::Point;
 use gsk_link::LinkState;
 use gsk_panel::emulator::Emulator;
@@ -21,18 +21,18 @@ use gsk_twins::grbl::{GrblTwin, Variant};
 
 /// 10 mm/s along Z, then along X. The control is past the corner long before the board reaches
 /// it.
-const CORNER: &str = "O1\nG98 G01 W-10 F600\nU-40\nM30\n";
+const CORNER_PROGRAM: &str = "O1\nG98 G01 W-10 F600\nU-40\nM30\n";
 
 /// A panel at a control with a board.
 #[derive(Clone)]
-struct Lathe<T> {
+struct PlottedLathe<T> {
     emulator: Emulator,
-    linked: Linked,
+    linked: LinkedControl,
     twin: T,
 }
 
-impl<T: Board> Lathe<T> {
-    fn new(machine: Machine<T>) -> Self {
+impl<T: BenchBoard> PlottedLathe<T> {
+    fn new(machine: LinkedMachine<T>) -> Self {
         let mut lathe = Self {
             emulator: Emulator {
                 simulation: machine.simulation,
@@ -41,35 +41,35 @@ impl<T: Board> Lathe<T> {
             linked: machine.linked,
             twin: machine.twin,
         };
-        lathe.pass(4000);
+        lathe.run_ms(4000);
         lathe
     }
 
-    fn pass(&mut self, ms: u32) {
+    fn run_ms(&mut self, ms: u32) {
         for _ in 0..ms {
             self.twin.advance(1_000_000);
             let bytes = self.twin.read();
             let now = Duration::from_nanos(self.twin.now());
             self.linked.pump(&bytes, now);
-            while self.linked.may_tick() {
-                self.linked.before(&mut self.emulator.simulation);
+            while self.linked.can_tick() {
+                self.linked.before_tick(&mut self.emulator.simulation);
                 self.emulator.tick();
-                self.linked.after(&mut self.emulator.simulation);
+                self.linked.after_tick(&mut self.emulator.simulation);
             }
             let bytes = self.linked.tx().to_vec();
             self.twin.write(&bytes);
-            self.linked.consumed(bytes.len());
+            self.linked.mark_written(bytes.len());
         }
     }
 
     fn press(&mut self, key: Key) {
         self.emulator.key_down(key);
-        self.pass(100);
+        self.run_ms(100);
         self.emulator.key_up(key);
-        self.pass(100);
+        self.run_ms(100);
     }
 
-    fn place(&self) -> Point {
+    fn position(&self) -> Point {
         self.emulator.simulation.cnc.position_absolute()
     }
 
@@ -84,18 +84,18 @@ impl<T: Board> Lathe<T> {
     }
 
     /// Draws until the control is past the corner and the board is not.
-    fn cuts_the_corner(&mut self) -> Point {
+    fn draw_past_corner(&mut self) -> Point {
         self.press(Key::Auto);
-        let program = gsk_core::program::Program::new(CORNER);
+        let program = gsk_core::program::Program::new(CORNER_PROGRAM);
         self.emulator.load_external(program).unwrap();
         let far = Point::new(100.0, 100.0);
         self.emulator.fit_graphic(far * -1.0, far);
-        let begins = self.place();
+        let begins = self.position();
         let from = self.twin.pulses();
         self.press(Key::CycleStart);
         for _ in 0..5000 {
-            self.pass(1);
-            if self.place().x < begins.x {
+            self.run_ms(1);
+            if self.position().x < begins.x {
                 break;
             }
         }
@@ -104,19 +104,19 @@ impl<T: Board> Lathe<T> {
             x == from[0] && z != from[1],
             "the board is before the corner"
         );
-        assert!(self.place().x < begins.x, "the control is behind it");
+        assert!(self.position().x < begins.x, "the control is behind it");
         begins
     }
 }
 
 /// After a stop before the corner nothing of the path after it is drawn.
 #[track_caller]
-fn ends_where_it_stopped<T: Board>(ready: &Lathe<T>, stop: impl Fn(&mut Lathe<T>)) {
+fn check_path_end<T: BenchBoard>(ready: &PlottedLathe<T>, stop: impl Fn(&mut PlottedLathe<T>)) {
     let mut lathe = ready.clone();
-    let begins = lathe.cuts_the_corner();
+    let begins = lathe.draw_past_corner();
     stop(&mut lathe);
-    lathe.pass(2500);
-    let (path, stands) = (lathe.path(), lathe.place());
+    lathe.run_ms(2500);
+    let (path, stands) = (lathe.path(), lathe.position());
     assert!(
         stands.z < begins.z - 5.0 && stands.z > begins.z - 9.999,
         "{stands:?}"
@@ -132,12 +132,12 @@ fn ends_where_it_stopped<T: Board>(ready: &Lathe<T>, stop: impl Fn(&mut Lathe<T>
     assert!(path.len() < 5, "one line, but for its last bits: {path:?}");
 }
 
-fn common<T: Board>(ready: &Lathe<T>) {
-    ends_where_it_stopped(ready, |lathe| lathe.press(Key::Reset));
-    ends_where_it_stopped(ready, |lathe| lathe.press(Key::EmergencyStop));
-    ends_where_it_stopped(ready, |lathe| lathe.twin.press_limit(true));
-    ends_where_it_stopped(ready, |lathe| lathe.twin.fail());
-    ends_where_it_stopped(ready, |lathe| {
+fn check_board<T: BenchBoard>(ready: &PlottedLathe<T>) {
+    check_path_end(ready, |lathe| lathe.press(Key::Reset));
+    check_path_end(ready, |lathe| lathe.press(Key::EmergencyStop));
+    check_path_end(ready, |lathe| lathe.twin.press_limit(true));
+    check_path_end(ready, |lathe| lathe.twin.fail());
+    check_path_end(ready, |lathe| {
         for wire in lathe.twin.wires() {
             wire.set_cut(true);
         }
@@ -146,20 +146,20 @@ fn common<T: Board>(ready: &Lathe<T>) {
 
 #[test]
 fn the_path_of_a_line_board_ends_where_it_stopped() {
-    common::<GrblTwin>(&Lathe::new(Machine::referenced(Variant::Grbl)));
+    check_board::<GrblTwin>(&PlottedLathe::new(LinkedMachine::referenced(Variant::Grbl)));
 }
 
 #[test]
 fn the_path_of_a_board_of_timed_steps_ends_where_it_stopped() {
-    common::<Timed>(&Lathe::new(Machine::timed_referenced()));
+    check_board::<TimedBoard>(&PlottedLathe::new(LinkedMachine::timed_referenced()));
 }
 
 /// Without a stop the whole path is drawn, with as few segments as otherwise.
 #[test]
 fn a_path_that_was_made_is_drawn_to_its_end() {
-    let mut lathe = Lathe::new(Machine::referenced(Variant::Grbl));
-    let begins = lathe.cuts_the_corner();
-    lathe.pass(6000);
+    let mut lathe = PlottedLathe::new(LinkedMachine::referenced(Variant::Grbl));
+    let begins = lathe.draw_past_corner();
+    lathe.run_ms(6000);
     assert_eq!(lathe.linked.state(), LinkState::Ready);
     let corner = begins + Point::new(0.0, -10.0);
     let end = corner + Point::new(-20.0, 0.0);

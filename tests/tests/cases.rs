@@ -7,25 +7,28 @@
 use std::process::ExitCode;
 
 use gsk_tests::run_case;
-use gsk_tests::tree::{self, Place};
+use gsk_tests::tree::{self, CaseFolder};
 use libtest_mimic::{Arguments, Failed, Trial};
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
     let update = std::env::var_os("UPDATE_CASES").is_some_and(|value| value != "0");
-    let cases = match tree::cases() {
+    let cases = match tree::list_cases() {
         Ok(cases) => cases,
         Err(faults) => {
             eprintln!("{faults}");
             return ExitCode::FAILURE;
         }
     };
-    let trials = cases.into_iter().map(|case| trial(case, update)).collect();
+    let trials = cases
+        .into_iter()
+        .map(|case| build_trial(case, update))
+        .collect();
     libtest_mimic::run(&arguments, trials).exit_code()
 }
 
-fn trial(case: Place, update: bool) -> Trial {
-    let Place { path, folder, .. } = case;
+fn build_trial(case: CaseFolder, update: bool) -> Trial {
+    let CaseFolder { path, folder, .. } = case;
     Trial::test(path, move || {
         run_case(&folder, update).map_err(Failed::from)
     })

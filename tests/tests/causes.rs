@@ -18,8 +18,8 @@
 //!
 //! `CAUSES_PRESSES=100000` runs the full number of presses; a tenth without it.
 
-use gsk_core::machine::Fault;
-use gsk_core::operation::{Mode, RunState};
+use gsk_core::machine::LatheFault;
+use gsk_core::operation::{OperatingMode, RunState};
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::setup::Setup;
 use gsk_core::units::{Axis, PerAxis};
@@ -27,16 +27,16 @@ use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::{KEYS, Key, KeyRole};
 
 /// Number of presses in one run of an emulator.
-const PRESSES: u32 = 200;
+const PRESSES_PER_RUN: u32 = 200;
 /// The longest braking time: rapid with 024, 025, ms.
-const BRAKING: u64 = 500;
+const MAX_BRAKING_MS: u64 = 500;
 /// Seeds that once found a fault.
-const FOUND: [u64; 2] = [218, 492];
+const REGRESSION_SEEDS: [u64; 2] = [218, 492];
 /// Time from a contact to an output through the ladder, ms: filter, slots of level 2, and the
 /// output itself.
-const LADDER: u64 = 120;
+const LADDER_DELAY_MS: u64 = 120;
 /// Time from a contact to an output of the control itself, ms.
-const DIRECT: u64 = 24;
+const DIRECT_DELAY_MS: u64 = 24;
 /// Pulses of the largest increment of a key, 0.1 mm on the display: X counts
 /// diameter in pulses of 0.0005 mm of radius, Z has pulses of 0.001 mm.
 const INCREMENT: i64 = 100;
@@ -58,9 +58,9 @@ const PHRASES: [&[Key]; 7] = [
 ];
 
 /// A generator of random numbers.
-struct Dice(u64);
+struct CauseRandom(u64);
 
-impl Dice {
+impl CauseRandom {
     fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -78,49 +78,56 @@ impl Dice {
     }
 }
 
-const fn x(byte: u16, bit: u8) -> BitAddress {
+const fn input_bit(byte: u16, bit: u8) -> BitAddress {
     BitAddress::new(Area::X, byte, bit)
 }
 
-const fn y(byte: u16, bit: u8) -> BitAddress {
+const fn output_bit(byte: u16, bit: u8) -> BitAddress {
     BitAddress::new(Area::Y, byte, bit)
 }
 
 /// An output, the key that may switch it on (and whether only in manual modes), and the M
 /// functions that may.
 const BY_KEY_OR_M: [(&str, BitAddress, BitAddress, bool, &[u8]); 4] = [
-    ("M03", y(1, 2), x(23, 3), true, &[3]),
-    ("M04", y(0, 4), x(23, 7), true, &[4]),
-    ("M08", y(0, 3), x(23, 4), false, &[8]),
-    ("M32", y(1, 1), x(23, 6), true, &[32]),
+    ("M03", output_bit(1, 2), input_bit(23, 3), true, &[3]),
+    ("M04", output_bit(0, 4), input_bit(23, 7), true, &[4]),
+    ("M08", output_bit(0, 3), input_bit(23, 4), false, &[8]),
+    ("M32", output_bit(1, 1), input_bit(23, 6), true, &[32]),
 ];
 /// Outputs that follow an input or an M function.
 const BY_INPUT_OR_M: [(&str, BitAddress, BitAddress, &[u8]); 4] = [
-    ("chuck", y(0, 6), x(0, 6), &[12, 13]),
-    ("chuck", y(1, 5), x(0, 6), &[12, 13]),
-    ("tailstock", y(0, 2), x(0, 2), &[10, 11]),
-    ("tailstock", y(1, 4), x(0, 2), &[10, 11]),
+    ("chuck", output_bit(0, 6), input_bit(0, 6), &[12, 13]),
+    ("chuck", output_bit(1, 5), input_bit(0, 6), &[12, 13]),
+    ("tailstock", output_bit(0, 2), input_bit(0, 2), &[10, 11]),
+    ("tailstock", output_bit(1, 4), input_bit(0, 2), &[10, 11]),
 ];
-const GEARS: [BitAddress; 4] = [y(1, 0), y(0, 0), y(0, 1), y(1, 3)];
-const TURRET: [BitAddress; 2] = [y(1, 6), y(1, 7)];
-const BRAKE: BitAddress = y(0, 7);
+const GEARS: [BitAddress; 4] = [
+    output_bit(1, 0),
+    output_bit(0, 0),
+    output_bit(0, 1),
+    output_bit(1, 3),
+];
+const TURRET: [BitAddress; 2] = [output_bit(1, 6), output_bit(1, 7)];
+const BRAKE: BitAddress = output_bit(0, 7);
 /// The direction keys of each axis; 175 selects which one is +.
-const DIRECTIONS: PerAxis<[BitAddress; 2]> =
-    PerAxis::new([x(22, 3), x(23, 1)], [x(22, 5), x(22, 7)]);
-const CYCLE_START: BitAddress = x(25, 0);
+const DIRECTIONS: PerAxis<[BitAddress; 2]> = PerAxis::new(
+    [input_bit(22, 3), input_bit(23, 1)],
+    [input_bit(22, 5), input_bit(22, 7)],
+);
+const CYCLE_START: BitAddress = input_bit(25, 0);
 
 /// The last time of an event; `None` if it never happened.
 #[derive(Clone, Copy, Default)]
-struct Last(Option<u64>);
+struct LastTime(Option<u64>);
 
-impl Last {
+impl LastTime {
     fn note(&mut self, now: u64, holds: bool) {
         if holds {
             self.0 = Some(now);
         }
     }
 
-    fn within(self, now: u64, time: u64) -> bool {
+    fn is_within(self, now: u64, time: u64) -> bool {
         self.0.is_some_and(|at| now <= at + time)
     }
 }
@@ -133,31 +140,31 @@ struct Observer {
     pulses: PerAxis<i64>,
     rpm: f64,
     running: bool,
-    mode: Mode,
-    ran: Last,
-    jogged: PerAxis<Last>,
-    returned: PerAxis<Last>,
+    mode: OperatingMode,
+    ran: LastTime,
+    jogged: PerAxis<LastTime>,
+    returned: PerAxis<LastTime>,
     /// A press in a zero mode whose return has not ended.
     returning: PerAxis<bool>,
     /// Pulses of steps and graduations that are not used up yet.
     credit: PerAxis<i64>,
     /// Whether the mode is step or handwheel.
-    by_hand: Last,
-    start_let_go: Last,
-    loop_closed: Last,
-    unlocked: Last,
-    spindle_on: Last,
-    tool: Last,
+    by_hand: LastTime,
+    start_let_go: LastTime,
+    loop_closed: LastTime,
+    unlocked: LastTime,
+    spindle_on: LastTime,
+    tool: LastTime,
     /// The last time each key of the panel was down, and each M function was on.
-    down: [[Last; 8]; 30],
-    m: [Last; 100],
-    manual: Last,
-    seen: Seen,
+    down: [[LastTime; 8]; 30],
+    m: [LastTime; 100],
+    manual: LastTime,
+    seen: ExplainedEvents,
 }
 
 /// The explained events: ticks with pulses by their cause, outputs.
 #[derive(Clone, Copy, Debug, Default)]
-struct Seen {
+struct ExplainedEvents {
     by_program: u64,
     by_key: u64,
     by_return: u64,
@@ -165,8 +172,8 @@ struct Seen {
     rises: u64,
 }
 
-impl Seen {
-    const fn plus(self, other: Self) -> Self {
+impl ExplainedEvents {
+    const fn add(self, other: Self) -> Self {
         Self {
             by_program: self.by_program + other.by_program,
             by_key: self.by_key + other.by_key,
@@ -189,21 +196,21 @@ impl Observer {
             rpm: 0.0,
             running: false,
             mode: cnc.mode(),
-            ran: Last::default(),
+            ran: LastTime::default(),
             jogged: PerAxis::default(),
             returned: PerAxis::default(),
             returning: PerAxis::default(),
             credit: PerAxis::default(),
-            by_hand: Last::default(),
-            start_let_go: Last::default(),
-            loop_closed: Last::default(),
-            unlocked: Last::default(),
-            spindle_on: Last::default(),
-            tool: Last::default(),
-            down: [[Last::default(); 8]; 30],
-            m: [Last::default(); 100],
-            manual: Last::default(),
-            seen: Seen::default(),
+            by_hand: LastTime::default(),
+            start_let_go: LastTime::default(),
+            loop_closed: LastTime::default(),
+            unlocked: LastTime::default(),
+            spindle_on: LastTime::default(),
+            tool: LastTime::default(),
+            down: [[LastTime::default(); 8]; 30],
+            m: [LastTime::default(); 100],
+            manual: LastTime::default(),
+            seen: ExplainedEvents::default(),
         }
     }
 
@@ -215,13 +222,13 @@ impl Observer {
             2 => Axis::Z,
             _ => return,
         };
-        if emulator.simulation.cnc.mode() == Mode::Handwheel {
+        if emulator.simulation.cnc.mode() == OperatingMode::Handwheel {
             *self.credit.get_mut(axis) += i64::from(graduations.abs()) * INCREMENT;
         }
     }
 
     /// Checks the machine after a tick; the error names the event without a cause.
-    fn look(&mut self, emulator: &Emulator) -> Result<(), String> {
+    fn check_tick(&mut self, emulator: &Emulator) -> Result<(), String> {
         self.now += 1;
         let now = self.now;
         let cnc = &emulator.simulation.cnc;
@@ -230,8 +237,13 @@ impl Observer {
         let was = |keys: &[u8; 30], at: BitAddress| keys[usize::from(at.byte)] >> at.bit & 1 == 1;
         let mode = cnc.mode();
 
-        self.manual
-            .note(now, !matches!(mode, Mode::Edit | Mode::Auto | Mode::Mdi));
+        self.manual.note(
+            now,
+            !matches!(
+                mode,
+                OperatingMode::Edit | OperatingMode::Auto | OperatingMode::Mdi
+            ),
+        );
         for (byte, bits) in self.down.iter_mut().enumerate() {
             let contacts = memory.x(byte as u16);
             if contacts != 0 {
@@ -244,7 +256,7 @@ impl Observer {
             last.note(now, memory.f(7) & 1 != 0);
         }
         self.tool.note(now, memory.f(7) & 0b1000 != 0);
-        self.loop_closed.note(now, contact(x(0, 5)));
+        self.loop_closed.note(now, contact(input_bit(0, 5)));
         self.unlocked.note(now, memory.g(44) & 0b10 == 0);
         let powered = emulator.panel.powered();
         let let_go = was(&self.keys, CYCLE_START) && !contact(CYCLE_START);
@@ -253,14 +265,14 @@ impl Observer {
         // A program runs.
         let running = powered && cnc.run_state() == RunState::Run;
         if running && !self.running {
-            let may = self.start_let_go.within(now, DIRECT) && mode.runs_programs();
-            check(may, || format!("a program runs in {mode:?}"))?;
+            let may = self.start_let_go.is_within(now, DIRECT_DELAY_MS) && mode.runs_programs();
+            require(may, || format!("a program runs in {mode:?}"))?;
         }
         self.running = running;
         self.ran.note(now, running);
 
         // Pulses.
-        let by_hand = matches!(mode, Mode::Step | Mode::Handwheel);
+        let by_hand = matches!(mode, OperatingMode::Step | OperatingMode::Handwheel);
         self.by_hand.note(now, by_hand);
         let reset = memory.f(1) & 0b10 != 0;
         let pulses = cnc.pulses();
@@ -272,13 +284,16 @@ impl Observer {
                 .any(|key| contact(*key) && !was(&self.keys, *key));
             self.jogged
                 .get_mut(axis)
-                .note(now, held && mode == Mode::Jog);
-            let zero = matches!(mode, Mode::MachineZero | Mode::ProgramZero);
+                .note(now, held && mode == OperatingMode::Jog);
+            let zero = matches!(
+                mode,
+                OperatingMode::MachineZero | OperatingMode::ProgramZero
+            );
             let returning = self.returning.get_mut(axis);
             *returning = (*returning || held) && zero && mode == self.mode && !reset;
             let goes = *returning;
             self.returned.get_mut(axis).note(now, goes);
-            if pressed && mode == Mode::Step {
+            if pressed && mode == OperatingMode::Step {
                 *self.credit.get_mut(axis) += INCREMENT;
             }
             let before = core::mem::replace(self.pulses.get_mut(axis), count);
@@ -286,16 +301,22 @@ impl Observer {
             if way == 0 {
                 continue;
             }
-            let loop_closed = self.loop_closed.within(now, DIRECT);
-            check(loop_closed && powered, || {
+            let loop_closed = self.loop_closed.is_within(now, DIRECT_DELAY_MS);
+            require(loop_closed && powered, || {
                 format!("{axis:?} moves with the emergency-stop loop open")
             })?;
-            check(self.unlocked.within(now, DIRECT), || {
+            require(self.unlocked.is_within(now, DIRECT_DELAY_MS), || {
                 format!("{axis:?} moves under machine lock")
             })?;
-            let by_program = self.ran.within(now, BRAKING);
-            let by_key = self.jogged.get(axis).within(now, BRAKING + LADDER);
-            let by_return = self.returned.get(axis).within(now, BRAKING + LADDER);
+            let by_program = self.ran.is_within(now, MAX_BRAKING_MS);
+            let by_key = self
+                .jogged
+                .get(axis)
+                .is_within(now, MAX_BRAKING_MS + LADDER_DELAY_MS);
+            let by_return = self
+                .returned
+                .get(axis)
+                .is_within(now, MAX_BRAKING_MS + LADDER_DELAY_MS);
             self.seen.by_program += u64::from(by_program);
             self.seen.by_key += u64::from(by_key && !by_program);
             self.seen.by_return += u64::from(by_return && !by_program && !by_key);
@@ -306,15 +327,15 @@ impl Observer {
             // Steps and the wheel: in their mode, and no farther than requested.
             let credit = self.credit.get_mut(axis);
             *credit -= way;
-            let by_step = self.by_hand.within(now, BRAKING);
-            check(by_step && *self.credit.get(axis) >= 0, || {
+            let by_step = self.by_hand.is_within(now, MAX_BRAKING_MS);
+            require(by_step && *self.credit.get(axis) >= 0, || {
                 format!(
                     "{axis:?} moves by {way} in {mode:?} (left {})",
                     self.credit.get(axis)
                 )
             })?;
         }
-        if !self.by_hand.within(now, BRAKING) {
+        if !self.by_hand.is_within(now, MAX_BRAKING_MS) {
             self.credit = PerAxis::default();
         }
 
@@ -325,45 +346,55 @@ impl Observer {
         let by_m = |codes: &[u8]| {
             codes
                 .iter()
-                .any(|code| self.m[usize::from(*code)].within(now, LADDER))
+                .any(|code| self.m[usize::from(*code)].is_within(now, LADDER_DELAY_MS))
         };
         let touched = |at: BitAddress| {
-            self.down[usize::from(at.byte)][usize::from(at.bit)].within(now, LADDER)
+            self.down[usize::from(at.byte)][usize::from(at.bit)].is_within(now, LADDER_DELAY_MS)
         };
         for (name, output, key, in_manual, codes) in BY_KEY_OR_M {
-            let by_key = touched(key) && (!in_manual || self.manual.within(now, LADDER));
-            check(!rises(output) || by_key || by_m(codes), || {
+            let by_key =
+                touched(key) && (!in_manual || self.manual.is_within(now, LADDER_DELAY_MS));
+            require(!rises(output) || by_key || by_m(codes), || {
                 format!("{name} rises in {mode:?}")
             })?;
         }
         for (name, output, input, codes) in BY_INPUT_OR_M {
-            check(!rises(output) || touched(input) || by_m(codes), || {
+            require(!rises(output) || touched(input) || by_m(codes), || {
                 format!("{name} rises in {mode:?}")
             })?;
         }
         for output in GEARS {
-            check(!rises(output) || by_m(&[41, 42, 43, 44]), || {
+            require(!rises(output) || by_m(&[41, 42, 43, 44]), || {
                 "a gear output rises".to_owned()
             })?;
         }
         for output in TURRET {
-            check(!rises(output) || self.tool.within(now, LADDER), || {
-                "the turret turns without a T function".to_owned()
-            })?;
+            require(
+                !rises(output) || self.tool.is_within(now, LADDER_DELAY_MS),
+                || "the turret turns without a T function".to_owned(),
+            )?;
         }
-        let spindle = on(y(1, 2)) || on(y(0, 4));
-        check(!rises(BRAKE) || self.spindle_on.within(now, 200), || {
+        let spindle = on(output_bit(1, 2)) || on(output_bit(0, 4));
+        require(!rises(BRAKE) || self.spindle_on.is_within(now, 200), || {
             "the brake closes on a spindle that was off".to_owned()
         })?;
-        for output in [y(1, 2), y(0, 4), y(0, 3), y(1, 1), TURRET[0], BRAKE] {
+        for output in [
+            output_bit(1, 2),
+            output_bit(0, 4),
+            output_bit(0, 3),
+            output_bit(1, 1),
+            TURRET[0],
+            BRAKE,
+        ] {
             self.seen.rises += u64::from(rises(output));
         }
         self.spindle_on.note(now, spindle);
         let rpm = emulator.simulation.lathe.spindle_rpm().abs();
         let gains = rpm > self.rpm + 1e-9;
-        check(!gains || self.spindle_on.within(now, DIRECT), || {
-            format!("the spindle gains speed: {rpm} r/min")
-        })?;
+        require(
+            !gains || self.spindle_on.is_within(now, DIRECT_DELAY_MS),
+            || format!("the spindle gains speed: {rpm} r/min"),
+        )?;
         self.rpm = rpm;
         self.y = new_y;
         for (byte, keys) in self.keys.iter_mut().enumerate() {
@@ -374,12 +405,12 @@ impl Observer {
     }
 }
 
-fn check(may: bool, what: impl FnOnce() -> String) -> Result<(), String> {
+fn require(may: bool, what: impl FnOnce() -> String) -> Result<(), String> {
     if may { Ok(()) } else { Err(what()) }
 }
 
 /// A random key: mostly of the machine panel, rarely the emergency button.
-fn random_key(dice: &mut Dice) -> Key {
+fn random_key(dice: &mut CauseRandom) -> Key {
     loop {
         let row = &KEYS[dice.below(KEYS.len() as u64) as usize];
         let take = match row.role {
@@ -394,8 +425,8 @@ fn random_key(dice: &mut Dice) -> Key {
 }
 
 /// Runs one emulator. The error lists the actions for a failure report.
-fn live(seed: u64) -> Result<Seen, String> {
-    let mut dice = Dice(seed);
+fn run_random_keys(seed: u64) -> Result<ExplainedEvents, String> {
+    let mut dice = CauseRandom(seed);
     let mut setup = Setup::delivered();
     for (number, bit) in [
         (1, 3),
@@ -438,12 +469,12 @@ fn live(seed: u64) -> Result<Seen, String> {
                 keep
             });
             emulator.tick();
-            observer.look(emulator)?;
+            observer.check_tick(emulator)?;
         }
         Ok(())
     };
     let mut outcome = pass(&mut emulator, &mut observer, &mut held, 3300);
-    for _ in 0..PRESSES {
+    for _ in 0..PRESSES_PER_RUN {
         match dice.below(12) {
             0 | 3 => {
                 let turn = dice.below(80) as i32 - 40;
@@ -453,10 +484,10 @@ fn live(seed: u64) -> Result<Seen, String> {
             }
             1 if dice.one_in(3) => {
                 // An input that fails, or one that is repaired.
-                let at = x(dice.below(2) as u16, dice.below(8) as u8);
+                let at = input_bit(dice.below(2) as u16, dice.below(8) as u8);
                 let state = (!dice.one_in(3)).then(|| dice.one_in(2));
                 // The emergency-stop loop itself fails rarely, or nothing else would happen.
-                let state = if at == x(0, 5) && !dice.one_in(4) {
+                let state = if at == input_bit(0, 5) && !dice.one_in(4) {
                     None
                 } else {
                     state
@@ -465,7 +496,8 @@ fn live(seed: u64) -> Result<Seen, String> {
                 emulator.simulation.lathe.force_input(at, state);
             }
             2 if dice.one_in(4) => {
-                let (name, fault) = Fault::ALL[dice.below(Fault::ALL.len() as u64) as usize];
+                let (name, fault) =
+                    LatheFault::ALL[dice.below(LatheFault::ALL.len() as u64) as usize];
                 let on = dice.one_in(4);
                 done.push(format!("{}: fault {name} {on}", observer.now));
                 emulator.simulation.lathe.set_fault(fault, on);
@@ -523,11 +555,11 @@ fn random_keys_and_faults_move_nothing_without_a_cause() {
         .ok()
         .and_then(|count| count.parse().ok())
         .unwrap_or(10_000u32);
-    let lives = presses.div_ceil(PRESSES);
-    let mut seen = Seen::default();
-    for seed in FOUND.into_iter().chain(1..=u64::from(lives)) {
-        match live(seed) {
-            Ok(more) => seen = seen.plus(more),
+    let lives = presses.div_ceil(PRESSES_PER_RUN);
+    let mut seen = ExplainedEvents::default();
+    for seed in REGRESSION_SEEDS.into_iter().chain(1..=u64::from(lives)) {
+        match run_random_keys(seed) {
+            Ok(more) => seen = seen.add(more),
             Err(found) => panic!("{found}"),
         }
     }

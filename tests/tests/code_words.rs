@@ -8,7 +8,7 @@ use std::fs;
 
 use gsk_core::command::ProgramId;
 use gsk_core::model::ModelId;
-use gsk_core::preview::{Slip, preview};
+use gsk_core::preview::{CautionKind, preview};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_tests::repository;
@@ -25,19 +25,19 @@ const HEAD: &str = "O0001\nM03 S500\nT0101\nG98 G00 X60 Z10 F100\n";
 
 /// What happened to a word that was added to a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Fate {
+enum WordFate {
     Used,
     Refused,
     Warned,
 }
 
-struct Row {
+struct CodeRow {
     code: String,
     lines: Vec<String>,
     reads: BTreeSet<char>,
 }
 
-fn rows() -> Vec<Row> {
+fn read_rows() -> Vec<CodeRow> {
     let text = fs::read_to_string(repository().join("tests/code-words.tsv")).unwrap();
     let row = |line: &str| {
         let cells: Vec<&str> = line.split('\t').collect();
@@ -45,7 +45,7 @@ fn rows() -> Vec<Row> {
             panic!("code-words.tsv: four cells: {line}");
         };
         assert!(!manual.is_empty(), "{line}");
-        Row {
+        CodeRow {
             code: code.to_owned(),
             lines: program.split('|').map(str::to_owned).collect(),
             reads: reads
@@ -63,7 +63,7 @@ fn own_letters(block: &str) -> BTreeSet<char> {
 }
 
 /// The fate of a word added to the tested block, or of no word.
-fn fate(row: &Row, word: &str) -> Fate {
+fn word_fate(row: &CodeRow, word: &str) -> WordFate {
     let mut text = HEAD.to_owned();
     for line in &row.lines {
         match line.strip_prefix('@') {
@@ -79,29 +79,29 @@ fn fate(row: &Row, word: &str) -> Fate {
     programs.select(ProgramId::External);
     let seen = preview(&setup, &setup.memory.programs, &mut |_| {});
     if seen.alarm.is_some() {
-        return Fate::Refused;
+        return WordFate::Refused;
     }
     // The word itself, or the one of the block that it replaces.
-    let is_ignored = |slip: &Slip| matches!(slip, Slip::IgnoredWord(_));
+    let is_ignored = |slip: &CautionKind| matches!(slip, CautionKind::IgnoredWord(_));
     if seen
         .cautions
         .iter()
-        .any(|caution| is_ignored(&caution.slip))
+        .any(|caution| is_ignored(&caution.kind))
     {
-        Fate::Warned
+        WordFate::Warned
     } else {
-        Fate::Used
+        WordFate::Used
     }
 }
 
 #[test]
 fn no_word_is_silently_lost() {
     let mut wrong = Vec::new();
-    for row in rows() {
+    for row in read_rows() {
         let block = row.lines.iter().find_map(|line| line.strip_prefix('@'));
         let block = block.expect("a block in question");
-        if fate(&row, "") != Fate::Used {
-            wrong.push(format!("{block}: {:?} by itself", fate(&row, "")));
+        if word_fate(&row, "") != WordFate::Used {
+            wrong.push(format!("{block}: {:?} by itself", word_fate(&row, "")));
         }
         let own = own_letters(block);
         for word in WORDS {
@@ -109,14 +109,14 @@ fn no_word_is_silently_lost() {
             if own.contains(&letter) {
                 continue;
             }
-            let found = fate(&row, word);
+            let found = word_fate(&row, word);
             let right = match row.reads.contains(&letter) {
-                true => found == Fate::Used,
-                false if MODAL.contains(&letter) => found != Fate::Refused,
-                false => found != Fate::Used,
+                true => found == WordFate::Used,
+                false if MODAL.contains(&letter) => found != WordFate::Refused,
+                false => found != WordFate::Used,
             };
             // An arithmetic block refuses all words except those of its operation.
-            let refused = row.code == "G65" && found == Fate::Refused;
+            let refused = row.code == "G65" && found == WordFate::Refused;
             if !right && !refused {
                 wrong.push(format!("{block} {word}: {found:?}"));
             }
@@ -129,7 +129,7 @@ fn no_word_is_silently_lost() {
 fn every_code_has_a_row() {
     let record = ModelId::Gsk980td.record();
     let g = (0..100).filter(|code| record.g_code(*code).is_some());
-    let known: BTreeSet<String> = rows().into_iter().map(|row| row.code).collect();
+    let known: BTreeSet<String> = read_rows().into_iter().map(|row| row.code).collect();
     // Nose radius compensation needs the option 002.1 and a contour after it.
     let elsewhere = ["G41", "G42"];
     let missing: Vec<String> = g

@@ -13,7 +13,7 @@ use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_core::{command::ProgramId, units::Diameter};
 use gsk_runner::curves::RapidRates;
-use gsk_runner::machining::{Finding, Machining};
+use gsk_runner::machining::{CollisionFinding, Machining};
 use gsk_workpiece::collision::{Obstacle, TouchingPart};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::stock::{Form, Stock, Tailstock};
@@ -21,7 +21,7 @@ use gsk_workpiece::tool::{BodyPart, Holder, Tool};
 
 const TURRET: TouchingPart = TouchingPart::Body(BodyPart::Turret);
 const HOLDER: TouchingPart = TouchingPart::Body(BodyPart::Holder);
-const BACK: TouchingPart = TouchingPart::Body(BodyPart::InsertBack);
+const INSERT_BACK: TouchingPart = TouchingPart::Body(BodyPart::InsertBack);
 
 /// Program head: the spindle turns.
 const HEAD: &str = "G50 X100 Z50\nG97 M03 S500\nG98\n";
@@ -40,7 +40,7 @@ fn job() -> Job {
 }
 
 /// The same with a bore of 20, and with a tailstock.
-fn tube() -> Job {
+fn tube_job() -> Job {
     let mut job = job();
     job.stock.form = Form::Tube {
         diameter: Diameter(50.0),
@@ -50,8 +50,8 @@ fn tube() -> Job {
 }
 
 /// A bore in which the bar touches the opposite wall.
-fn narrow() -> Job {
-    let mut job = tube();
+fn narrow_bore_job() -> Job {
+    let mut job = tube_job();
     job.stock.form = Form::Tube {
         diameter: Diameter(50.0),
         bore: Diameter(12.0),
@@ -59,7 +59,7 @@ fn narrow() -> Job {
     job
 }
 
-fn with_tailstock() -> Job {
+fn tailstock_job() -> Job {
     let mut job = job();
     job.stock.tailstock = Some(Tailstock {
         quill: Diameter(40.0),
@@ -68,7 +68,7 @@ fn with_tailstock() -> Job {
     job
 }
 
-fn findings(job: Job, head: &str, text: &str) -> Vec<Finding> {
+fn find_collisions(job: Job, head: &str, text: &str) -> Vec<CollisionFinding> {
     let mut setup = Setup::default();
     let mut programs = ProgramMemory::default();
     programs.open_external(Program::new(format!("{head}{text}\nM30\n")));
@@ -77,9 +77,9 @@ fn findings(job: Job, head: &str, text: &str) -> Vec<Finding> {
     setup.memory.parameters.set(84, 8).unwrap();
     job.check().unwrap();
     let mut machining = Machining::new(job);
-    let rates = RapidRates::of(&setup.memory);
+    let rates = RapidRates::from_memory(&setup.memory);
     let result = preview(&setup, &setup.memory.programs, &mut |executed| {
-        machining.moved(executed, rates);
+        machining.execute_move(executed, rates);
     });
     assert_eq!(result.alarm, None, "{text}");
     machining.findings().to_vec()
@@ -87,9 +87,9 @@ fn findings(job: Job, head: &str, text: &str) -> Vec<Finding> {
 
 /// The program, the block of its first collision (the line after the head, from 1), and the
 /// parts that touch.
-type Case = (fn() -> Job, &'static str, u32, TouchingPart, Obstacle);
+type CrashCase = (fn() -> Job, &'static str, u32, TouchingPart, Obstacle);
 
-const CRASHES: [Case; 20] = [
+const CRASHES: [CrashCase; 20] = [
     // Rapids through the stock: along, in from the front, across, into a shoulder.
     (
         job,
@@ -127,7 +127,7 @@ const CRASHES: [Case; 20] = [
         Obstacle::Stock,
     ),
     (
-        tube,
+        tube_job,
         "T0202\nG00 X18 Z2\nG00 X22 Z-5",
         3,
         TouchingPart::RapidInsert,
@@ -196,11 +196,11 @@ const CRASHES: [Case; 20] = [
         job,
         "T0101\nG00 X52 Z-30\nG01 X20 F50",
         3,
-        BACK,
+        INSERT_BACK,
         Obstacle::Stock,
     ),
     (
-        narrow,
+        narrow_bore_job,
         "T0202\nG00 X11 Z2\nG01 X12.6 F50\nG01 Z-10",
         4,
         HOLDER,
@@ -217,19 +217,19 @@ const CRASHES: [Case; 20] = [
         job,
         "T0101\nG00 X0 Z1\nG01 Z-40 F100",
         3,
-        BACK,
+        INSERT_BACK,
         Obstacle::Stock,
     ),
     // The tailstock.
     (
-        with_tailstock,
+        tailstock_job,
         "T0101\nG00 X30 Z30\nG01 X20 F100",
         2,
         TouchingPart::RapidInsert,
         Obstacle::Tailstock,
     ),
     (
-        with_tailstock,
+        tailstock_job,
         "T0101\nG00 X52 Z2\nG01 X4 F100",
         3,
         TouchingPart::Insert,
@@ -238,9 +238,9 @@ const CRASHES: [Case; 20] = [
 ];
 
 /// A program without a collision.
-type Clean = (fn() -> Job, &'static str);
+type CleanCase = (fn() -> Job, &'static str);
 
-const CLEAN: [Clean; 20] = [
+const CLEAN: [CleanCase; 20] = [
     (job, "T0101\nG00 X46 Z2\nG01 Z-30 F100\nG01 X52\nG00 Z2"),
     (
         job,
@@ -287,19 +287,19 @@ const CLEAN: [Clean; 20] = [
         job,
         "T0505\nG00 X0 Z3\nG74 R1\nG74 Z-30 Q5000 F50\nG00 X100 Z50",
     ),
-    (tube, "T0202\nG00 X21 Z2\nG01 Z-40 F80\nG01 X20\nG00 Z2"),
+    (tube_job, "T0202\nG00 X21 Z2\nG01 Z-40 F80\nG01 X20\nG00 Z2"),
     (
-        tube,
+        tube_job,
         "T0202\nG00 X20 Z2\nG90 X22 Z-40 F80\nX24\nX25\nG00 Z50",
     ),
-    (tube, "T0101\nG00 X54 Z0\nG01 X18 F80\nG00 Z2"),
+    (tube_job, "T0101\nG00 X54 Z0\nG01 X18 F80\nG00 Z2"),
     (
         job,
         "T0101\nG00 X40 Z2\nG01 Z0 F100\nG03 X50 Z-5 R5\nG01 Z-20\nG00 X60 Z2",
     ),
     (job, "T0101\nG00 X54 Z-40\nG00 X50\nG00 Z2\nG00 X100 Z50"),
     (
-        with_tailstock,
+        tailstock_job,
         "T0101\nG00 X54 Z2\nG00 X52\nG90 X46 Z-30 F100\nG00 X100 Z50",
     ),
     (job, "M05\nT0101\nG00 X52 Z2\nG01 Z-30 F200\nG00 X100 Z50"),
@@ -309,7 +309,7 @@ const CLEAN: [Clean; 20] = [
 fn twenty_crashes_are_found_at_their_blocks() {
     let head = u32::try_from(HEAD.lines().count()).unwrap();
     for (job, text, line, touching_part, obstacle) in CRASHES {
-        let findings = findings(job(), HEAD, text);
+        let findings = find_collisions(job(), HEAD, text);
         let Some(first) = findings.first() else {
             panic!("nothing is found in\n{text}");
         };
@@ -332,7 +332,7 @@ fn twenty_crashes_are_found_at_their_blocks() {
         length: 20.0,
     };
     short.tools.get_mut(&1).unwrap().holder = holder;
-    let found = findings(short, HEAD, "T0101\nG00 X46 Z2\nG01 Z-60 F200");
+    let found = find_collisions(short, HEAD, "T0101\nG00 X46 Z2\nG01 Z-60 F200");
     assert!(
         found
             .iter()
@@ -344,6 +344,6 @@ fn twenty_crashes_are_found_at_their_blocks() {
 #[test]
 fn twenty_clean_programs_hit_nothing() {
     for (job, text) in CLEAN {
-        assert_eq!(findings(job(), HEAD, text), [], "{text}");
+        assert_eq!(find_collisions(job(), HEAD, text), [], "{text}");
     }
 }

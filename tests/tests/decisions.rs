@@ -10,7 +10,7 @@ use gsk_tests::repository;
 /// The register.
 const REGISTER: &str = "docs/decisions.md";
 /// Where decisions are cited: the packages, the documents, the tables.
-const PLACES: [&str; 10] = [
+const CITING_PATHS: [&str; 10] = [
     "app",
     "assets",
     "commission",
@@ -23,10 +23,10 @@ const PLACES: [&str; 10] = [
     "twins",
 ];
 /// Extensions of hand-written files.
-const TEXTS: [&str; 7] = ["il", "md", "nc", "ron", "rs", "tsv", "txt"];
+const TEXT_EXTENSIONS: [&str; 7] = ["il", "md", "nc", "ron", "rs", "tsv", "txt"];
 
 /// The key in a heading: `## Zero return (ZERO)`.
-fn key(heading: &str) -> Option<&str> {
+fn heading_key(heading: &str) -> Option<&str> {
     heading
         .strip_prefix("## ")?
         .strip_suffix(')')?
@@ -41,13 +41,13 @@ fn is_key(word: &str) -> bool {
 }
 
 /// The ids of the register in their order, and its faults.
-fn ids(register: &str) -> (Vec<String>, Vec<String>) {
+fn register_ids(register: &str) -> (Vec<String>, Vec<String>) {
     let (mut ids, mut faults) = (Vec::new(), Vec::new());
     let mut chapters = BTreeSet::new();
     let (mut chapter, mut count) = ("", 0);
     for line in register.lines() {
         if line.starts_with("## ") {
-            (chapter, count) = (key(line).unwrap_or_default(), 0);
+            (chapter, count) = (heading_key(line).unwrap_or_default(), 0);
             if !is_key(chapter) || !chapters.insert(chapter) {
                 faults.push(format!("{line}: needs a key that no other chapter has"));
             }
@@ -75,13 +75,13 @@ fn ids(register: &str) -> (Vec<String>, Vec<String>) {
 }
 
 /// The ids that a text cites: the word `decision`, a space, the id.
-fn cited(text: &str) -> Vec<&str> {
+fn cited_ids(text: &str) -> Vec<&str> {
     let after = text.split("ecision ").skip(1);
-    after.filter_map(id_at_the_start).collect()
+    after.filter_map(leading_id).collect()
 }
 
 /// The id at the beginning of a text.
-fn id_at_the_start(text: &str) -> Option<&str> {
+fn leading_id(text: &str) -> Option<&str> {
     let (key, rest) = text.split_once('-')?;
     let end = rest
         .find(|letter: char| !letter.is_ascii_digit())
@@ -90,13 +90,13 @@ fn id_at_the_start(text: &str) -> Option<&str> {
 }
 
 /// The texts of a folder, and with `deep` of its subfolders.
-fn texts(folder: &Path, deep: bool, found: &mut Vec<PathBuf>) {
+fn collect_texts(folder: &Path, deep: bool, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).expect("folder") {
         let path = entry.expect("entry").path();
         let ending = path.extension().unwrap_or_default();
         if path.is_dir() && deep {
-            texts(&path, deep, found);
-        } else if path.is_file() && TEXTS.iter().any(|text| ending == *text) {
+            collect_texts(&path, deep, found);
+        } else if path.is_file() && TEXT_EXTENSIONS.iter().any(|text| ending == *text) {
             found.push(path);
         }
     }
@@ -105,18 +105,18 @@ fn texts(folder: &Path, deep: bool, found: &mut Vec<PathBuf>) {
 #[test]
 fn every_decision_has_an_id_and_every_citation_a_decision() {
     let register = fs::read_to_string(repository().join(REGISTER)).expect(REGISTER);
-    let (ids, mut faults) = ids(&register);
+    let (ids, mut faults) = register_ids(&register);
     assert!(ids.len() > 300, "{} decisions", ids.len());
     let ids: BTreeSet<String> = ids.into_iter().collect();
     let mut files = Vec::new();
-    texts(&repository(), false, &mut files);
-    for place in PLACES {
-        texts(&repository().join(place), true, &mut files);
+    collect_texts(&repository(), false, &mut files);
+    for place in CITING_PATHS {
+        collect_texts(&repository().join(place), true, &mut files);
     }
     for path in files {
         let bytes = fs::read(&path).expect("file");
         let text = String::from_utf8_lossy(&bytes);
-        let strange = cited(&text).into_iter().filter(|id| !ids.contains(*id));
+        let strange = cited_ids(&text).into_iter().filter(|id| !ids.contains(*id));
         faults.extend(strange.map(|id| format!("{}: there is no {id}", path.display())));
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
@@ -126,7 +126,7 @@ fn every_decision_has_an_id_and_every_citation_a_decision() {
 fn a_gap_a_wrong_chapter_and_a_key_twice_are_seen() {
     let register = "## Arcs (ARC)\n| Id | a | b | c |\n|---|\n| ARC-1 | a | b | c |\n\
                     | ARC-3 | a | b | c |\n## Bows (ARC)\n| LINE-1 | a | b |\n";
-    let (ids, faults) = ids(register);
+    let (ids, faults) = register_ids(register);
     assert_eq!(ids, ["ARC-1", "ARC-3", "LINE-1"]);
     assert_eq!(
         faults,
@@ -143,5 +143,5 @@ fn a_gap_a_wrong_chapter_and_a_key_twice_are_seen() {
 fn a_citation_is_the_word_and_an_id() {
     let word = "decision";
     let text = format!("by {word} ARC-12, {word} G71-3. no {word} yet-1; a {word} X- and");
-    assert_eq!(cited(&text), ["ARC-12", "G71-3"]);
+    assert_eq!(cited_ids(&text), ["ARC-12", "G71-3"]);
 }

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 
 use gsk_tests::repository;
-use paths::{Source, sources};
+use paths::{ModuleSource, sources};
 
 /// The modules of `core`, from leaf to root, and what each uses.
 const CORE_MODULES: &str = "tests/core-modules.tsv";
@@ -34,24 +34,24 @@ const PACKAGES: [&str; 18] = [
     "tests",
 ];
 /// Libraries that `core` re-exports.
-const HANDED_ON: [&str; 2] = ["plc", "units"];
+const RE_EXPORTED: [&str; 2] = ["plc", "units"];
 
 /// Where one module uses another: file and line.
-type Places = Vec<String>;
+type UsePositions = Vec<String>;
 /// Uses between neighbours: `(folder, user, used)`.
-type Uses = BTreeMap<(String, String, String), Places>;
+type ModuleUses = BTreeMap<(String, String, String), UsePositions>;
 
 /// The uses between the modules of each folder of a package, including its root.
-fn uses(package: &str) -> Uses {
+fn package_uses(package: &str) -> ModuleUses {
     let sources = sources(&repository().join(package).join("src"));
     let modules: BTreeSet<&[String]> = sources
         .iter()
         .flat_map(|source| (1..=source.module.len()).map(|depth| &source.module[..depth]))
         .collect();
-    let mut uses = Uses::new();
+    let mut uses = ModuleUses::new();
     for source in &sources {
         for named in &source.names {
-            let Some(target) = target(&source.module, &named.segments) else {
+            let Some(target) = resolve_path(&source.module, &named.segments) else {
                 continue;
             };
             let shared = source.module.iter().zip(&target);
@@ -72,7 +72,7 @@ fn uses(package: &str) -> Uses {
 }
 
 /// A path from the root of its package; `None` for a path into another package.
-fn target(module: &[String], segments: &[String]) -> Option<Vec<String>> {
+fn resolve_path(module: &[String], segments: &[String]) -> Option<Vec<String>> {
     let ups = segments.iter().take_while(|word| *word == "super").count();
     let (above, rest) = match segments[0].as_str() {
         "crate" => (0, &segments[1..]),
@@ -93,7 +93,7 @@ fn modules_of_core_use_what_the_table_says() {
         .map(|line| line.split_once('\t').unwrap_or((line, "")))
         .map(|(module, uses)| (module, uses.split_whitespace().collect()))
         .collect();
-    let found = uses("core");
+    let found = package_uses("core");
     let mut faults = Vec::new();
     let mut unused: BTreeSet<(&str, &str)> = BTreeSet::new();
     let mut above = BTreeSet::new();
@@ -122,7 +122,7 @@ fn modules_of_core_use_what_the_table_says() {
 
 #[test]
 fn neighbours_use_each_other_one_way() {
-    let packages = PACKAGES.map(uses);
+    let packages = PACKAGES.map(package_uses);
     let mut faults = Vec::new();
     for uses in &packages {
         for ((folder, one, other), there) in uses {
@@ -141,7 +141,7 @@ fn neighbours_use_each_other_one_way() {
 }
 
 /// The allowed uses of each package, according to the table in ARCHITECTURE.md.
-fn allowed() -> BTreeMap<String, BTreeSet<String>> {
+fn allowed_uses() -> BTreeMap<String, BTreeSet<String>> {
     let text = fs::read_to_string(repository().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");
     let mut allowed = BTreeMap::new();
     for line in text.lines() {
@@ -167,7 +167,7 @@ fn allowed() -> BTreeMap<String, BTreeSet<String>> {
 }
 
 /// The libraries of the workspace that the sources of a package use, with the position.
-fn named(package: &str, sources: &[Source]) -> BTreeMap<String, String> {
+fn named_libraries(package: &str, sources: &[ModuleSource]) -> BTreeMap<String, String> {
     let mut used = BTreeMap::new();
     for source in sources {
         for named in &source.names {
@@ -175,7 +175,7 @@ fn named(package: &str, sources: &[Source]) -> BTreeMap<String, String> {
                 continue;
             };
             let next = named.segments.get(1).map_or("", String::as_str);
-            let handed_on = library == "core" && HANDED_ON.contains(&next);
+            let handed_on = library == "core" && RE_EXPORTED.contains(&next);
             let library = if handed_on { next } else { library };
             if library != package {
                 let place = format!("{}:{}", source.file, named.line);
@@ -187,7 +187,7 @@ fn named(package: &str, sources: &[Source]) -> BTreeMap<String, String> {
 }
 
 /// The workspace's libraries among the dependencies of a package, without those of its tests.
-fn depended_on(package: &str) -> Vec<String> {
+fn package_dependencies(package: &str) -> Vec<String> {
     let manifest = repository().join(package).join("Cargo.toml");
     let manifest = fs::read_to_string(manifest).expect("Cargo.toml");
     let sections = manifest.split("\n[").filter(|section| {
@@ -204,20 +204,20 @@ fn depended_on(package: &str) -> Vec<String> {
 
 #[test]
 fn packages_use_what_the_architecture_says() {
-    let allowed = allowed();
+    let allowed = allowed_uses();
     let mut faults = Vec::new();
     for package in PACKAGES {
         let Some(may) = allowed.get(package) else {
             faults.push(format!("ARCHITECTURE.md has no row for {package}"));
             continue;
         };
-        let used = named(package, &sources(&repository().join(package).join("src")));
+        let used = named_libraries(package, &sources(&repository().join(package).join("src")));
         for (library, place) in &used {
             if !may.contains(library) {
                 faults.push(format!("{place}: {package} must not use {library}"));
             }
         }
-        for library in depended_on(package) {
+        for library in package_dependencies(package) {
             if !may.contains(&library) {
                 faults.push(format!(
                     "{package}/Cargo.toml: {package} must not use {library}"
@@ -238,11 +238,11 @@ fn packages_use_what_the_architecture_says() {
 }
 
 /// The folder of the code that differs by system.
-const PLATFORM: &str = "app/src/platform/";
+const PLATFORM_FOLDER: &str = "app/src/platform/";
 /// Besides it: the entry point for a browser, and the comparison with other systems.
-const OF_A_PAGE: [&str; 2] = ["tests/src/bin/golden.rs", "web/src/main.rs"];
+const PAGE_FILES: [&str; 2] = ["tests/src/bin/golden.rs", "web/src/main.rs"];
 /// How a source queries the system, or uses functions of one system alone.
-const OF_ONE_SYSTEM: [&str; 18] = [
+const SYSTEM_QUERIES: [&str; 18] = [
     "cfg(unix",
     "cfg(windows",
     "(all(unix",
@@ -264,7 +264,7 @@ const OF_ONE_SYSTEM: [&str; 18] = [
 ];
 
 #[test]
-fn one_room_alone_asks_what_system_it_is() {
+fn only_the_platform_folder_queries_the_system() {
     let mut faults = Vec::new();
     let mut in_room = false;
     for source in PACKAGES.map(|package| sources(&repository().join(package).join("src"))) {
@@ -272,28 +272,28 @@ fn one_room_alone_asks_what_system_it_is() {
             let text = fs::read_to_string(repository().join(&file)).expect("a source");
             let asking = text.lines().enumerate().filter(|(_, line)| {
                 let code = line.split("//").next().unwrap_or_default();
-                OF_ONE_SYSTEM.iter().any(|word| code.contains(word))
+                SYSTEM_QUERIES.iter().any(|word| code.contains(word))
             });
             let places: Vec<_> = asking
                 .map(|(index, line)| format!("{file}:{}: {}", index + 1, line.trim()))
                 .collect();
             let file = file.replace('\\', "/");
-            match file.starts_with(PLATFORM) || OF_A_PAGE.contains(&file.as_str()) {
+            match file.starts_with(PLATFORM_FOLDER) || PAGE_FILES.contains(&file.as_str()) {
                 true => in_room |= !places.is_empty(),
                 false => faults.extend(places),
             }
         }
     }
-    assert!(in_room, "{PLATFORM} asks nothing: has it moved?");
+    assert!(in_room, "{PLATFORM_FOLDER} asks nothing: has it moved?");
     assert!(
         faults.is_empty(),
-        "belongs into {PLATFORM}:\n{}",
+        "belongs into {PLATFORM_FOLDER}:\n{}",
         faults.join("\n")
     );
 }
 
 /// Folders of `app` that also run on a page in a browser.
-const ON_A_PAGE: [&str; 11] = [
+const PAGE_FOLDERS: [&str; 11] = [
     "app/src/files/",
     "app/src/input_watch.rs",
     "app/src/job.rs",
@@ -307,9 +307,9 @@ const ON_A_PAGE: [&str; 11] = [
     "app/src/work_limit.rs",
 ];
 /// Except boards, which a page does not have.
-const OF_BOARDS: [&str; 2] = ["app/src/kernel/drive.rs", "app/src/kernel/live.rs"];
+const BOARD_FILES: [&str; 2] = ["app/src/kernel/drive.rs", "app/src/kernel/live.rs"];
 /// Functions that fail on a page at run time.
-const NOT_ON_A_PAGE: [&str; 6] = [
+const UNAVAILABLE_ON_A_PAGE: [&str; 6] = [
     "std::fs",
     "std::thread",
     "std::process::id",
@@ -324,12 +324,12 @@ fn what_runs_on_a_page_has_files_threads_and_clock_from_the_platform() {
     let mut seen = BTreeSet::new();
     for source in sources(&repository().join("app/src")) {
         let file = source.file.replace('\\', "/");
-        let Some(room) = ON_A_PAGE.iter().find(|room| file.starts_with(*room)) else {
+        let Some(room) = PAGE_FOLDERS.iter().find(|room| file.starts_with(*room)) else {
             continue;
         };
         seen.insert(room);
         // `files/time.rs` formats moments for the log of a board.
-        if OF_BOARDS.contains(&file.as_str())
+        if BOARD_FILES.contains(&file.as_str())
             || file.ends_with("/tests.rs")
             || file.ends_with("/time.rs")
         {
@@ -340,10 +340,10 @@ fn what_runs_on_a_page_has_files_threads_and_clock_from_the_platform() {
         let asking = code.lines().enumerate().filter(|(_, line)| {
             let code = line.split("//").next().unwrap_or_default();
             let web = code.replace("web_time::Instant", "");
-            NOT_ON_A_PAGE.iter().any(|word| web.contains(word))
+            UNAVAILABLE_ON_A_PAGE.iter().any(|word| web.contains(word))
         });
         faults.extend(asking.map(|(at, line)| format!("{file}:{}: {}", at + 1, line.trim())));
     }
-    assert_eq!(seen.len(), ON_A_PAGE.len(), "a room has moved: {seen:?}");
+    assert_eq!(seen.len(), PAGE_FOLDERS.len(), "a room has moved: {seen:?}");
     assert!(faults.is_empty(), "fails on a page:\n{}", faults.join("\n"));
 }

@@ -3,7 +3,7 @@
 use gsk_panel::keys::KEYS;
 use gsk_tests::repository;
 
-fn text(name: &str) -> String {
+fn read_document(name: &str) -> String {
     std::fs::read_to_string(repository().join(name)).expect(name)
 }
 
@@ -13,7 +13,7 @@ fn both_key_maps_are_those_of_the_key_table() {
         ("README.md", "Ctrl+arrow"),
         ("README.zh-CN.md", "Ctrl+方向键"),
     ] {
-        let readme = text(name);
+        let readme = read_document(name);
         let fitted = KEYS
             .iter()
             .filter(|row| !row.name_en.contains("not fitted"));
@@ -33,7 +33,7 @@ fn both_key_maps_are_those_of_the_key_table() {
 #[test]
 fn both_readmes_name_the_same_commands_files_and_keys() {
     let quoted = |name: &str| {
-        let text = text(name);
+        let text = read_document(name);
         let mut quoted: Vec<String> = text
             .split('`')
             .skip(1)
@@ -50,7 +50,7 @@ fn both_readmes_name_the_same_commands_files_and_keys() {
 
 #[test]
 fn samples_named_in_the_readme_exist() {
-    let readme = text("README.md");
+    let readme = read_document("README.md");
     for entry in std::fs::read_dir(repository().join("assets/programs")).expect("samples") {
         let path = entry.expect("entry").path();
         let name = path
@@ -71,12 +71,12 @@ fn command_after<'a>(text: &'a str, heading: &str) -> &'a str {
 
 #[test]
 fn ci_runs_the_test_command_of_both_readmes() {
-    let ci = text(".ci/run");
+    let ci = read_document(".ci/run");
     for (name, heading) in [
         ("README.md", "Run all tests:"),
         ("README.zh-CN.md", "运行全部测试:"),
     ] {
-        let readme = text(name);
+        let readme = read_document(name);
         let command = command_after(&readme, heading);
         let runs = ci.lines().any(|line| line == command);
         assert!(runs, ".ci/run has no line `{command}`, which {name} prints");
@@ -95,7 +95,7 @@ fn printed_commands() -> Vec<(&'static str, String)> {
     ];
     let mut commands = Vec::new();
     for name in names {
-        for piece in text(name).split(['`', '\n']) {
+        for piece in read_document(name).split(['`', '\n']) {
             let at = piece.find("cargo ");
             let command = at.map_or("", |at| &piece[at..]);
             let verb = command.split_whitespace().nth(1);
@@ -108,7 +108,7 @@ fn printed_commands() -> Vec<(&'static str, String)> {
 }
 
 /// The folder and the manifest of a package of this workspace.
-fn package(name: &str) -> Option<(std::path::PathBuf, String)> {
+fn find_package(name: &str) -> Option<(std::path::PathBuf, String)> {
     let folders = std::fs::read_dir(repository()).expect("the repository");
     folders.flatten().find_map(|entry| {
         let manifest = std::fs::read_to_string(entry.path().join("Cargo.toml")).ok()?;
@@ -129,8 +129,8 @@ fn packages_and_targets_of_printed_commands_exist() {
             words.get(at + 1).copied()
         };
         let name = value("-p").unwrap_or("gsk980td");
-        let (folder, manifest) =
-            package(name).unwrap_or_else(|| panic!("{document}: `{command}`: no package {name}"));
+        let (folder, manifest) = find_package(name)
+            .unwrap_or_else(|| panic!("{document}: `{command}`: no package {name}"));
         for (option, targets) in [("--test", "tests"), ("--bench", "benches")] {
             let Some(target) = value(option) else {
                 continue;

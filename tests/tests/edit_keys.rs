@@ -3,8 +3,10 @@
 //!
 //! `EDIT_KEYS=100000 cargo test -p gsk980td-tests --test subjects edit_keys` presses more.
 
-use gsk_core::cnc::{Cnc, Request};
-use gsk_core::memory::{Authority, Counters, Disks, Offsets, Parameters, Settings, Variables};
+use gsk_core::cnc::{Cnc, ControlRequest};
+use gsk_core::memory::{
+    Authority, ControlParameters, ControlSettings, Counters, Disks, Offsets, Variables,
+};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_panel::emulator::{Emulator, WaitCondition};
@@ -14,11 +16,11 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// Number of keys without a setting in the environment.
-const KEYS: u64 = 10_000;
+const DEFAULT_KEYS: u64 = 10_000;
 /// Number of keys between two checks of the whole memory and the LCD.
-const LOOK: u64 = 250;
+const CHECK_INTERVAL: u64 = 250;
 /// Number of keys of one session.
-const SESSION: u64 = 2500;
+const SESSION_KEYS: u64 = 2500;
 
 const PROGRAMS: [&str; 3] = [
     "O0012;\nN10 G00 X50 Z2;\nN20 G01 Z-20 F100;\nN30 X60;\nM30;\n",
@@ -91,9 +93,9 @@ const PHRASES: [&str; 24] = [
 ];
 
 /// A random number generator that gives the same keys on every system.
-struct Random(u64);
+struct KeyRandom(u64);
 
-impl Random {
+impl KeyRandom {
     fn next(&mut self) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -105,12 +107,12 @@ impl Random {
         (self.next() >> 16) as usize % end
     }
 
-    fn of<T: Copy>(&mut self, choices: &[T]) -> T {
+    fn pick<T: Copy>(&mut self, choices: &[T]) -> T {
         choices[self.below(choices.len())]
     }
 }
 
-fn begin(random: &mut Random) -> Emulator {
+fn start_session(random: &mut KeyRandom) -> Emulator {
     let mut setup = Setup::default();
     for (number, bit) in [
         (12, 3),
@@ -128,7 +130,7 @@ fn begin(random: &mut Random) -> Emulator {
     }
     setup.memory.settings.numbering = random.below(3) == 0;
     match random.below(6) {
-        0 => setup.memory.authority.leave(),
+        0 => setup.memory.authority.log_off(),
         1 => assert!(setup.memory.authority.enter("1234")),
         _ => {}
     }
@@ -140,14 +142,15 @@ fn begin(random: &mut Random) -> Emulator {
     emulator.panel.connect(random.below(2) == 0);
     if random.below(2) == 0 {
         let cnc = &mut emulator.simulation.cnc;
-        cnc.request(Request::SetParameterSwitch(true)).unwrap();
-        cnc.request(Request::CancelSwitchAlarm).unwrap();
+        cnc.request(ControlRequest::SetParameterSwitch(true))
+            .unwrap();
+        cnc.request(ControlRequest::CancelSwitchAlarm).unwrap();
     }
     emulator
 }
 
 /// Presses one key, or a few that belong together.
-fn press(emulator: &mut Emulator, random: &mut Random) {
+fn press(emulator: &mut Emulator, random: &mut KeyRandom) {
     let tap = |emulator: &mut Emulator, key: Key| {
         emulator.key_down(key);
         emulator.key_up(key);
@@ -155,27 +158,27 @@ fn press(emulator: &mut Emulator, random: &mut Random) {
     };
     match random.below(100) {
         0..=34 => {
-            let character = char::from(random.of(CHARACTERS));
+            let character = char::from(random.pick(CHARACTERS));
             emulator.key(KeyEvent::Type(character));
             emulator.tick();
         }
         35..=44 => {
-            for character in random.of(&PHRASES).chars() {
+            for character in random.pick(&PHRASES).chars() {
                 emulator.key(KeyEvent::Type(character));
             }
             emulator.tick();
             tap(
                 emulator,
-                random.of(&[Key::Input, Key::Down, Key::Delete, Key::Change]),
+                random.pick(&[Key::Input, Key::Down, Key::Delete, Key::Change]),
             );
         }
-        45..=82 => tap(emulator, random.of(&EDIT_KEYS)),
-        83..=92 => tap(emulator, random.of(&PAGES)),
+        45..=82 => tap(emulator, random.pick(&EDIT_KEYS)),
+        83..=92 => tap(emulator, random.pick(&PAGES)),
         // Machine keys act through the ladder, which needs them for a while.
-        93..=96 => emulator.press(random.of(&MODES)),
+        93..=96 => emulator.press(random.pick(&MODES)),
         97 => emulator.press(Key::Reset),
         98 => {
-            let key = random.of(&[Key::U, Key::P, Key::J, Key::H, Key::Slash]);
+            let key = random.pick(&[Key::U, Key::P, Key::J, Key::H, Key::Slash]);
             tap(emulator, key);
             tap(emulator, key);
         }
@@ -183,7 +186,7 @@ fn press(emulator: &mut Emulator, random: &mut Random) {
             emulator.key_down(Key::Cancel);
             tap(
                 emulator,
-                random.of(&[Key::N, Key::T, Key::U, Key::X, Key::Reset]),
+                random.pick(&[Key::N, Key::T, Key::U, Key::X, Key::Reset]),
             );
             emulator.key_up(Key::Cancel);
         }
@@ -192,47 +195,50 @@ fn press(emulator: &mut Emulator, random: &mut Random) {
 
 /// The data that protections guard, and whether they are active.
 #[derive(Clone)]
-struct Guarded {
-    parameters: Option<Parameters>,
+struct GuardedData {
+    parameters: Option<ControlParameters>,
     disks: Option<Disks>,
-    settings: Option<Settings>,
+    settings: Option<ControlSettings>,
     offsets: Option<Offsets>,
     variables: Option<Variables>,
     programs: Vec<(u16, Program)>,
 }
 
-impl Guarded {
-    fn of(cnc: &Cnc) -> Self {
+impl GuardedData {
+    fn from_cnc(cnc: &Cnc) -> Self {
         let rights = cnc.rights();
-        let free = rights.parameters().is_ok() || rights.disks().is_ok();
+        let free = rights.check_parameters().is_ok() || rights.check_disks().is_ok();
         Self {
             parameters: (!free).then(|| cnc.parameters().clone()),
-            disks: rights.disks().is_err().then(|| cnc.disks().clone()),
-            settings: rights.settings().is_err().then(|| cnc.settings()),
+            disks: rights.check_disks().is_err().then(|| cnc.disks().clone()),
+            settings: rights.check_settings().is_err().then(|| cnc.settings()),
             // A disk loads offsets as well.
-            offsets: (rights.offsets().is_err() && rights.disks().is_err())
+            offsets: (rights.check_offsets().is_err() && rights.check_disks().is_err())
                 .then(|| cnc.offsets().clone()),
-            variables: rights.variables().is_err().then(|| cnc.variables().clone()),
+            variables: rights
+                .check_variables()
+                .is_err()
+                .then(|| cnc.variables().clone()),
             programs: cnc
                 .programs()
                 .iter()
-                .filter(|(number, _)| rights.program_memory(*number).is_err())
+                .filter(|(number, _)| rights.check_program_store(*number).is_err())
                 .map(|(number, program)| (number, program.clone()))
                 .collect(),
         }
     }
 
     fn check(&self, cnc: &Cnc) {
-        fn same<T: PartialEq + core::fmt::Debug>(kept: Option<&T>, now: &T) {
+        fn assert_same<T: PartialEq + core::fmt::Debug>(kept: Option<&T>, now: &T) {
             if let Some(kept) = kept {
                 assert_eq!(kept, now, "a guarded value has changed");
             }
         }
-        same(self.parameters.as_ref(), cnc.parameters());
-        same(self.disks.as_ref(), cnc.disks());
-        same(self.settings.as_ref(), &cnc.settings());
-        same(self.offsets.as_ref(), cnc.offsets());
-        same(self.variables.as_ref(), cnc.variables());
+        assert_same(self.parameters.as_ref(), cnc.parameters());
+        assert_same(self.disks.as_ref(), cnc.disks());
+        assert_same(self.settings.as_ref(), &cnc.settings());
+        assert_same(self.offsets.as_ref(), cnc.offsets());
+        assert_same(self.variables.as_ref(), cnc.variables());
         for (number, program) in &self.programs {
             let now = cnc.programs().stored(*number);
             assert_eq!(now, Some(program), "O{number:04} was guarded");
@@ -242,17 +248,19 @@ impl Guarded {
 
 /// Saves the memory and reads it back; it must be equal.
 fn reload(cnc: &Cnc) {
-    fn again<T: Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(value: &T) {
+    fn assert_round_trip<T: Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(
+        value: &T,
+    ) {
         let text = ron::to_string(value).unwrap();
         assert_eq!(&ron::from_str::<T>(&text).unwrap(), value);
     }
-    again::<Parameters>(cnc.parameters());
-    again::<Offsets>(cnc.offsets());
-    again::<Variables>(cnc.variables());
-    again::<Counters>(&cnc.counters());
-    again::<Settings>(&cnc.settings());
-    again::<Authority>(cnc.authority());
-    again::<Disks>(cnc.disks());
+    assert_round_trip::<ControlParameters>(cnc.parameters());
+    assert_round_trip::<Offsets>(cnc.offsets());
+    assert_round_trip::<Variables>(cnc.variables());
+    assert_round_trip::<Counters>(&cnc.counters());
+    assert_round_trip::<ControlSettings>(&cnc.settings());
+    assert_round_trip::<Authority>(cnc.authority());
+    assert_round_trip::<Disks>(cnc.disks());
     for (number, program) in cnc.programs().iter() {
         let read = Program::new(program.text());
         assert_eq!(&read, program);
@@ -262,18 +270,18 @@ fn reload(cnc: &Cnc) {
 
 #[test]
 fn no_key_panics_corrupts_the_memory_or_passes_a_protection() {
-    let keys = std::env::var("EDIT_KEYS").map_or(KEYS, |keys| keys.parse().unwrap());
-    let mut random = Random(0x9E37_79B9_7F4A_7C15);
-    let mut emulator = begin(&mut random);
+    let keys = std::env::var("EDIT_KEYS").map_or(DEFAULT_KEYS, |keys| keys.parse().unwrap());
+    let mut random = KeyRandom(0x9E37_79B9_7F4A_7C15);
+    let mut emulator = start_session(&mut random);
     let (mut changes, mut files) = (0, 0);
     // Whether the machine builder's password was entered in this session.
     let mut builder = false;
     for key in 0..keys {
-        if key % SESSION == SESSION - 1 {
-            emulator = begin(&mut random);
+        if key % SESSION_KEYS == SESSION_KEYS - 1 {
+            emulator = start_session(&mut random);
             builder = false;
         }
-        let guarded = Guarded::of(&emulator.simulation.cnc);
+        let guarded = GuardedData::from_cnc(&emulator.simulation.cnc);
         let before = emulator.simulation.cnc.programs().clone();
         press(&mut emulator, &mut random);
         let sent = emulator.panel.take_sent();
@@ -286,7 +294,7 @@ fn no_key_panics_corrupts_the_memory_or_passes_a_protection() {
         let cnc = &emulator.simulation.cnc;
         guarded.check(cnc);
         changes += u64::from(*cnc.programs() != before);
-        if key % LOOK == 0 {
+        if key % CHECK_INTERVAL == 0 {
             reload(cnc);
             emulator.screen();
         }
@@ -299,15 +307,15 @@ fn no_key_panics_corrupts_the_memory_or_passes_a_protection() {
 }
 
 #[test]
-fn a_restored_session_goes_on_alike() {
-    let mut random = Random(7);
-    let mut emulator = begin(&mut random);
+fn a_restored_session_continues_alike() {
+    let mut random = KeyRandom(7);
+    let mut emulator = start_session(&mut random);
     for _ in 0..500 {
         press(&mut emulator, &mut random);
     }
     let text = ron::to_string(&emulator).unwrap();
     let mut restored: Emulator = ron::from_str(&text).unwrap();
-    let mut again = Random(random.0);
+    let mut again = KeyRandom(random.0);
     for _ in 0..200 {
         press(&mut emulator, &mut random);
         press(&mut restored, &mut again);

@@ -9,7 +9,7 @@ use gsk_tests::tree;
 #[test]
 fn every_fault_has_a_case_that_shows_its_cause() {
     let mut scripts = Vec::new();
-    for case in tree::cases().unwrap() {
+    for case in tree::list_cases().unwrap() {
         let script = case.folder.join("operate.txt");
         scripts.extend(fs::read_to_string(script));
     }

@@ -25,7 +25,7 @@ fn every_symbol_has_a_text_of_its_own() {
     let fitted = STRIP.iter().filter(|row| row.fitted);
     subjects.extend(fitted.map(|row| Subject::Lamp(row.id)));
     subjects.extend(PAGES.iter().map(|row| Subject::Page(row.name)));
-    subjects.extend(memory::rows().iter().map(|row| match row.bit {
+    subjects.extend(memory::parameter_rows().iter().map(|row| match row.bit {
         Some(bit) => Subject::Bit(row.number, bit),
         None => Subject::Parameter(row.number),
     }));
@@ -43,28 +43,28 @@ fn every_symbol_has_a_text_of_its_own() {
 }
 
 #[test]
-fn what_the_tables_know_stands_beside_the_text() {
-    for row in memory::rows() {
+fn facts_of_the_tables_are_shown_with_the_text() {
+    for row in memory::parameter_rows() {
         let subject = match row.bit {
             Some(bit) => Subject::Bit(row.number, bit),
             None => Subject::Parameter(row.number),
         };
         for language in LANGUAGES {
-            let said = article(topic(subject).expect("a topic"), language).to_string();
-            assert!(row.state || said.contains(&row.range.to_string()), "{said}");
+            let text = article(topic(subject).expect("a topic"), language).to_string();
+            assert!(row.state || text.contains(&row.range.to_string()), "{text}");
         }
     }
     for row in alarm::rows() {
         let topic = topic(Subject::Alarm(row.number)).expect("a topic");
-        let said = article(topic, Language::En).to_string();
-        assert!(said.contains(row.cause_en), "{said}");
+        let text = article(topic, Language::En).to_string();
+        assert!(text.contains(row.cause_en), "{text}");
     }
     for row in signals::rows() {
         let topic = topic(Subject::Signal(row.address)).expect("a topic");
-        let said = article(topic, Language::Zh).to_string();
-        assert!(said.contains(row.text_zh), "{said}");
+        let text = article(topic, Language::Zh).to_string();
+        assert!(text.contains(row.text_zh), "{text}");
         // Its source and destination have no English word in the Chinese text.
-        let ways = said.lines().filter(|line| line.starts_with("方向: "));
+        let ways = text.lines().filter(|line| line.starts_with("方向: "));
         for way in ways {
             let small = way.chars().any(|it| it.is_ascii_lowercase());
             assert!(!small, "{way}");
@@ -136,7 +136,7 @@ fn every_line_of_a_text_is_a_topic() {
 }
 
 #[test]
-fn no_topic_is_there_twice() {
+fn no_topic_exists_twice() {
     for pair in topics().windows(2) {
         assert_ne!(pair[0].subject, pair[1].subject);
     }
@@ -172,7 +172,7 @@ fn questions_find_what_they_mean() {
 }
 
 #[test]
-fn what_is_pointed_at_on_the_lcd_is_found() {
+fn words_under_the_pointer_on_the_lcd_are_found() {
     let mut emulator = Emulator::new(gsk_core::setup::Setup::default());
     emulator.run_until(&WaitCondition::SelfTestOver, 10_000);
     for (page, row, column, subject) in [
@@ -242,8 +242,8 @@ fn every_field_of_every_page_has_its_topic() {
                     words += 1;
                     let found = topic_at(ModelId::default(), row.page, &screen, at, column);
                     if found.is_none_or(|it| matches!(it.subject, Subject::Page(_))) {
-                        let said = screen.row(at);
-                        silent.push(format!("{} {at}:{column} {said}", row.name));
+                        let row_text = screen.row(at);
+                        silent.push(format!("{} {at}:{column} {row_text}", row.name));
                     }
                 }
             }
@@ -254,7 +254,7 @@ fn every_field_of_every_page_has_its_topic() {
 }
 
 #[test]
-fn what_the_nc_b08_teaches_and_macro_b_are_explained_where_they_stand() {
+fn teach_in_of_the_nc_b08_and_macro_b_are_explained() {
     let mut setup = gsk_core::setup::Setup::default();
     setup.memory.model = gsk_core::model::ControlModel::new(ModelId::Ncb08);
     let mut emulator = Emulator::new(setup);

@@ -1,15 +1,17 @@
 //! Checks that no text panics the program or hangs it.
 
-use gsk_core::preview::{End, Further, MOST_FURTHER, preview, preview_beyond_alarms};
+use gsk_core::preview::{
+    FurtherAlarms, MAX_FURTHER_ALARMS, PreviewEnd, preview, preview_beyond_alarms,
+};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
-use gsk_core::simulation::{Simulation, Until};
+use gsk_core::simulation::{Simulation, StopCondition};
 use gsk_panel::script::Script;
 use gsk_tests::setup;
 use proptest::prelude::*;
 
 /// Words that look like a program, and words that break one.
-fn word() -> impl Strategy<Value = String> {
+fn any_word() -> impl Strategy<Value = String> {
     prop_oneof![
         6 => "[GMTSNXZUWRIKFPQLO][0-9]{1,3}",
         4 => "[XZUWRIKF]-?[0-9]{1,3}\\.[0-9]{0,3}",
@@ -22,8 +24,8 @@ fn word() -> impl Strategy<Value = String> {
     ]
 }
 
-fn text() -> impl Strategy<Value = String> {
-    let line = proptest::collection::vec(word(), 0..6).prop_map(|words| words.join(" "));
+fn any_text() -> impl Strategy<Value = String> {
+    let line = proptest::collection::vec(any_word(), 0..6).prop_map(|words| words.join(" "));
     proptest::collection::vec(line, 0..12).prop_map(|lines| lines.join("\n"))
 }
 
@@ -41,38 +43,38 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_text_can_be_checked(text in text()) {
+    fn any_text_can_be_checked(text in any_text()) {
         let start = start(&text);
         let seen = preview(&start, &start.memory.programs, &mut |executed| {
             assert!(executed.to.x.is_finite() && executed.to.z.is_finite());
         });
         prop_assert!(seen.time_s.is_finite());
-        prop_assert_eq!(seen.end == End::Alarm, seen.alarm.is_some());
+        prop_assert_eq!(seen.end == PreviewEnd::Alarm, seen.alarm.is_some());
         let mut beyond = preview_beyond_alarms(&start, &start.memory.programs, &mut |_| {}, &mut |at| {
             at.motionless < 100_000
         });
         let further = core::mem::take(&mut beyond.further);
-        prop_assert!(further.alarms.len() <= MOST_FURTHER);
-        prop_assert!(seen.alarm.is_some() || further == Further::default());
+        prop_assert!(further.alarms.len() <= MAX_FURTHER_ALARMS);
+        prop_assert!(seen.alarm.is_some() || further == FurtherAlarms::default());
         prop_assert_eq!(&beyond.cautions[..seen.cautions.len()], &seen.cautions[..]);
         beyond.cautions.truncate(seen.cautions.len());
-        if seen.end != End::Limit {
+        if seen.end != PreviewEnd::Limit {
             prop_assert_eq!(beyond, seen, "what is up to the alarm stays");
         }
     }
 
     #[test]
-    fn any_text_can_be_executed(text in text()) {
+    fn any_text_can_be_executed(text in any_text()) {
         let mut simulation = Simulation::new(start(&text));
         simulation.start_automatic();
-        simulation.run_until(Until::Stopped, 300);
+        simulation.run_until(StopCondition::Stopped, 300);
         let position = simulation.cnc.position_machine();
         prop_assert!(position.x.is_finite() && position.z.is_finite());
     }
 
     #[test]
     fn any_text_can_be_stored_or_is_refused(text in "\\PC{0,200}") {
-        let _ = setup::memory(&[text]);
+        let _ = setup::build_memory(&[text]);
     }
 
     #[test]
@@ -82,7 +84,7 @@ proptest! {
 }
 
 #[test]
-fn files_that_are_no_programs() {
+fn files_without_a_program_are_refused() {
     let lines = "X".repeat(100_000);
     for text in [
         "",
@@ -100,7 +102,7 @@ fn files_that_are_no_programs() {
         let start = start(text);
         let seen = preview(&start, &start.memory.programs, &mut |_| {});
         assert!(
-            matches!(seen.end, End::Text | End::Alarm),
+            matches!(seen.end, PreviewEnd::Text | PreviewEnd::Alarm),
             "{:.20?}: {:?}",
             text,
             seen.end
@@ -114,7 +116,7 @@ fn loops_without_motion_end() {
         let start = start(text);
         let seen = preview(&start, &start.memory.programs, &mut |_| {});
         assert!(
-            matches!(seen.end, End::M99 | End::Limit),
+            matches!(seen.end, PreviewEnd::M99 | PreviewEnd::Limit),
             "{text}: {:?}",
             seen.end
         );
@@ -125,7 +127,7 @@ fn loops_without_motion_end() {
         "O3\nG98\nM99".to_owned(),
     ];
     let mut start = Setup::default();
-    start.memory.programs = setup::memory(&texts).expect("programs");
+    start.memory.programs = setup::build_memory(&texts).expect("programs");
     let seen = preview(&start, &start.memory.programs, &mut |_| {});
-    assert_eq!(seen.end, End::Limit);
+    assert_eq!(seen.end, PreviewEnd::Limit);
 }

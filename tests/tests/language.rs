@@ -6,8 +6,8 @@ use std::path::Path;
 
 use gsk_core::command::{ExecutedMove, ProgramId};
 use gsk_core::model::ModelId;
-use gsk_core::preview::{End, Preview, preview_while};
-use gsk_core::program::{Program, split};
+use gsk_core::preview::{Preview, PreviewEnd, preview_with_progress};
+use gsk_core::program::{Program, split_programs};
 use gsk_core::setup::Setup;
 use gsk_language::{
     Numbering, Position, ReadingContext, Spacing, Structure, Style, TextChange, TextDocument,
@@ -18,10 +18,10 @@ use gsk_tests::repository;
 use proptest::prelude::*;
 
 /// Number of moves after which a preview is cancelled.
-const MOST_MOVES: u64 = 20_000;
+const MAX_MOVES: u64 = 20_000;
 
 /// All part programs of the repository: samples and cases.
-fn programs() -> Vec<(String, String)> {
+fn all_programs() -> Vec<(String, String)> {
     let mut found = Vec::new();
     for folder in ["assets/programs", "tests/cases"] {
         collect(&repository().join(folder), &mut found);
@@ -48,7 +48,7 @@ fn collect(folder: &Path, found: &mut Vec<(String, String)>) {
 }
 
 /// A move without the line and the number of its block.
-fn motion(executed: &ExecutedMove) -> String {
+fn motion_text(executed: &ExecutedMove) -> String {
     let ExecutedMove { source, .. } = executed;
     let mut same = *executed;
     same.source.line = 0;
@@ -58,13 +58,13 @@ fn motion(executed: &ExecutedMove) -> String {
 
 /// The moves and the end of a text under two sets of options. With `alarms` the number of the
 /// alarm counts, otherwise only its presence.
-fn done(text: &str, alarms: bool) -> Vec<(Vec<String>, String)> {
+fn run_text(text: &str, alarms: bool) -> Vec<(Vec<String>, String)> {
     let all = [false, true].map(|macro_b| {
         let mut setup = Setup::default();
         setup.memory.settings.macro_b = macro_b;
         let bits = setup.memory.parameters.set_bit(2, 1, true);
         assert!(bits.is_ok());
-        let mut parts = split(text).into_iter();
+        let mut parts = split_programs(text).into_iter();
         setup
             .memory
             .programs
@@ -75,28 +75,32 @@ fn done(text: &str, alarms: bool) -> Vec<(Vec<String>, String)> {
         setup.memory.programs.select(ProgramId::External);
         let mut moves = Vec::new();
         let programs = &setup.memory.programs;
-        let mut take = |executed: &ExecutedMove| moves.push(motion(executed));
-        let seen = preview_while(&setup, programs, &mut take, &mut |it| {
-            it.moves < MOST_MOVES && it.motionless < MOST_MOVES
+        let mut take = |executed: &ExecutedMove| moves.push(motion_text(executed));
+        let seen = preview_with_progress(&setup, programs, &mut take, &mut |it| {
+            it.moves < MAX_MOVES && it.motionless < MAX_MOVES
         });
-        (moves, ended(&seen, alarms))
+        (moves, end_text(&seen, alarms))
     });
     all.into()
 }
 
 /// The end, the number of its alarm, and the final state.
-fn ended(seen: &Preview, alarms: bool) -> String {
-    let alarm = seen
+fn end_text(preview: &Preview, alarms: bool) -> String {
+    let alarm = preview
         .alarm
         .as_ref()
         .filter(|_| alarms)
         .map(|alarm| alarm.number);
     // The step at which a watcher cancels depends only on the moves.
-    let place = (seen.end != End::Limit).then_some((seen.machine, seen.time_s, seen.parts));
-    format!("{:?} {alarm:?} {place:?} {:?}", seen.end, seen.modal)
+    let place = (preview.end != PreviewEnd::Limit).then_some((
+        preview.machine,
+        preview.time_s,
+        preview.parts,
+    ));
+    format!("{:?} {alarm:?} {place:?} {:?}", preview.end, preview.modal)
 }
 
-fn formatted(text: &str, style: Style) -> (String, bool) {
+fn format_program(text: &str, style: Style) -> (String, bool) {
     let mut text = TextDocument::new(text);
     let structure = Structure::read(&text);
     let lines = 0..text.line_count();
@@ -123,28 +127,28 @@ fn styles() -> [Style; 3] {
 
 /// Whether a refused block is refused with the same alarm: an invalid word at the beginning is
 /// an invalid word within the block once it has a number.
-fn same_alarms(style: Style) -> bool {
+fn keeps_alarms(style: Style) -> bool {
     !matches!(style.numbering, Numbering::All { .. })
 }
 
 #[test]
 fn a_program_does_the_same_however_it_is_written() {
     let mut renumbered = 0;
-    for (name, text) in programs() {
-        let before = [false, true].map(|alarms| done(&text, alarms));
+    for (name, text) in all_programs() {
+        let before = [false, true].map(|alarms| run_text(&text, alarms));
         for style in styles() {
-            let (written, taken) = formatted(&text, style);
+            let (written, taken) = format_program(&text, style);
             renumbered += usize::from(taken && style.numbering != Numbering::Unchanged);
             if written != text {
-                let alarms = same_alarms(style);
+                let alarms = keeps_alarms(style);
                 let before = &before[usize::from(alarms)];
                 assert_eq!(
-                    &done(&written, alarms),
+                    &run_text(&written, alarms),
                     before,
                     "{name} under {style:?}:\n{written}"
                 );
             }
-            let (again, _) = formatted(&written, style);
+            let (again, _) = format_program(&written, style);
             assert_eq!(
                 again, written,
                 "{name} under {style:?}: not the same a second time"
@@ -157,7 +161,7 @@ fn a_program_does_the_same_however_it_is_written() {
 #[test]
 fn a_program_does_the_same_under_other_numbers() {
     let mut renamed = 0;
-    for (name, text) in programs() {
+    for (name, text) in all_programs() {
         let read = TextDocument::new(text.as_str());
         let structure = Structure::read(&read);
         let mut changed = TextDocument::new(text.as_str());
@@ -183,8 +187,8 @@ fn a_program_does_the_same_under_other_numbers() {
             // P of M99 names a block of the calling program. A caller in another file is
             // missing here.
             assert_eq!(
-                done(changed.as_str(), true),
-                done(&text, true),
+                run_text(changed.as_str(), true),
+                run_text(&text, true),
                 "{name}:\n{}",
                 changed.as_str()
             );
@@ -194,7 +198,7 @@ fn a_program_does_the_same_under_other_numbers() {
 }
 
 /// Words that look like a program, and words that break one.
-fn word() -> impl Strategy<Value = String> {
+fn any_word() -> impl Strategy<Value = String> {
     prop_oneof![
         6 => "[GMTSNXZUWRIKFPQLOH][0-9]{1,4}",
         3 => "[xzuwXZ] ?-? ?[0-9]{1,3}\\.[0-9]{0,3}",
@@ -207,15 +211,15 @@ fn word() -> impl Strategy<Value = String> {
     ]
 }
 
-fn text() -> impl Strategy<Value = String> {
-    let line = proptest::collection::vec(word(), 0..6).prop_map(|words| words.join(" "));
+fn any_text() -> impl Strategy<Value = String> {
+    let line = proptest::collection::vec(any_word(), 0..6).prop_map(|words| words.join(" "));
     let end = prop_oneof![Just("\n"), Just("\r\n"), Just("\r"), Just(";\n")];
     let lines = proptest::collection::vec((line, end), 0..12);
     lines.prop_map(|lines| lines.into_iter().map(|(line, end)| line + end).collect())
 }
 
 /// Whether an edit is within a text, from its beginning to its end.
-fn lies_in(text: &TextDocument, edit: &TextChange) -> bool {
+fn is_within(text: &TextDocument, edit: &TextChange) -> bool {
     let in_line = |at: Position| {
         let line = text.line(at.line);
         at.line < text.line_count() && line.is_char_boundary(at.byte as usize)
@@ -227,8 +231,8 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_text_can_be_asked_about(
-        text in text(), line in 0..14_u32, byte in 0..30_u32, macro_b: bool, model in 0..4_usize,
+    fn any_text_can_be_queried(
+        text in any_text(), line in 0..14_u32, byte in 0..30_u32, macro_b: bool, model in 0..4_usize,
     ) {
         let read = TextDocument::new(text);
         let structure = Structure::read(&read);
@@ -241,7 +245,7 @@ proptest! {
             }
         }
         for place in definition(&structure, at).blocks {
-            prop_assert!(lies_in(&read, &TextChange::replace(&place, "")));
+            prop_assert!(is_within(&read, &TextChange::replace(&place, "")));
         }
         references(&structure, at, true);
         symbols(&read, &structure);
@@ -250,7 +254,7 @@ proptest! {
         }
         let site: (&[u16], ModelId) = (&[], ModelId::ALL[model]);
         for edit in rename(&read, &structure, at, "N7", site).unwrap_or_default() {
-            prop_assert!(lies_in(&read, &edit));
+            prop_assert!(is_within(&read, &edit));
         }
         let mut setup = Setup::default();
         setup.memory.programs.open_external(Program::new(read.as_str()));
@@ -267,11 +271,11 @@ proptest! {
     }
 
     #[test]
-    fn any_text_does_the_same_however_it_is_written(text in text()) {
+    fn any_text_does_the_same_however_it_is_written(text in any_text()) {
         for style in styles() {
-            let (written, _) = formatted(&text, style);
-            let alarms = same_alarms(style);
-            prop_assert_eq!(done(&written, alarms), done(&text, alarms), "under {:?}: {:?}", style, written);
+            let (written, _) = format_program(&text, style);
+            let alarms = keeps_alarms(style);
+            prop_assert_eq!(run_text(&written, alarms), run_text(&text, alarms), "under {:?}: {:?}", style, written);
         }
     }
 }

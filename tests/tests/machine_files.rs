@@ -1,8 +1,8 @@
 //! Checks machine files: the examples are lathes, the documents name every field, and
 //! impossible values are refused with field and rule.
 
-use gsk_core::machine::{Inputs, Lathe, LatheConfig, Outputs};
-use gsk_core::memory::Parameters;
+use gsk_core::machine::{LatheConfig, MachineInputs, MachineOutputs, SimulatedLathe};
+use gsk_core::memory::ControlParameters;
 use gsk_core::units::{PerAxis, Point, Pulses};
 
 const EXAMPLES: [&str; 6] = [
@@ -20,7 +20,7 @@ const DOCUMENTS: [(&str, &str); 2] = [
     ("zh", include_str!("../../docs/machine-file.zh-CN.md")),
 ];
 
-fn read(text: &str) -> Result<LatheConfig, String> {
+fn read_machine(text: &str) -> Result<LatheConfig, String> {
     let options =
         ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
     options.from_str(text).map_err(|error| error.to_string())
@@ -28,29 +28,29 @@ fn read(text: &str) -> Result<LatheConfig, String> {
 
 #[test]
 fn the_example_is_another_lathe() {
-    let config = read(EXAMPLE).unwrap();
+    let config = read_machine(EXAMPLE).unwrap();
     config.check().unwrap();
     assert!(!config.rear_tool_post);
-    let mut parameters = Parameters::default();
+    let mut parameters = ControlParameters::default();
     parameters.set(84, 6).unwrap();
-    let mut lathe = Lathe::new(config, &parameters);
+    let mut lathe = SimulatedLathe::new(config, &parameters);
     assert_eq!(lathe.station(), Some(2));
-    let at = lathe.slides();
+    let at = lathe.slide_position();
     assert!(
         (at.x + 20.0).abs() < 1e-3 && (at.z + 80.0).abs() < 1e-3,
         "{at:?}"
     );
     // TL+ for one station: 900 ms less the window of 45 ms.
-    let mut forward = Outputs::default();
+    let mut forward = MachineOutputs::default();
     forward.y[1] = 1 << 6;
     let ticks = (1..2000).find(|_| {
-        lathe.tick(&forward, &mut Inputs::default());
+        lathe.tick(&forward, &mut MachineInputs::default());
         lathe.station() == Some(3)
     });
     assert_eq!(ticks, Some(855));
     // Its drives give no one-turn signal.
     for place in 0..100 {
-        lathe.put_slides(Point::new(0.0, f64::from(place) * -0.5));
+        lathe.move_slides(Point::new(0.0, f64::from(place) * -0.5));
         let inputs = lathe.inputs();
         assert!(!inputs.index_pulse.z);
     }
@@ -59,7 +59,7 @@ fn the_example_is_another_lathe() {
 #[test]
 fn every_example_is_a_lathe() {
     for text in EXAMPLES {
-        let config = read(text).unwrap();
+        let config = read_machine(text).unwrap();
         config.check().unwrap();
     }
 }
@@ -68,8 +68,11 @@ fn every_example_is_a_lathe() {
 /// of the way from 4 to -9 µm on the diameter.
 #[test]
 fn a_slide_is_off_by_the_errors_of_its_screw() {
-    let mut lathe = Lathe::new(read(BADLY_SET).unwrap(), &Parameters::default());
-    for (said, stands) in [
+    let mut lathe = SimulatedLathe::new(
+        read_machine(BADLY_SET).unwrap(),
+        &ControlParameters::default(),
+    );
+    for (reported, true_position) in [
         (
             Point::new(-50.0, -240.0),
             Point::new(-50.0 + 0.000_375, -240.0 + 0.0155),
@@ -81,23 +84,26 @@ fn a_slide_is_off_by_the_errors_of_its_screw() {
         ),
     ] {
         // The position is that of the slide; the pulse count is where the screw puts it.
-        lathe.put_slides(stands);
-        let at = lathe.slides();
-        assert!((at.x - stands.x).abs() < 0.0002 + 1e-9, "{at:?}");
-        assert!((at.z - stands.z).abs() < 0.0004 + 1e-9, "{at:?}");
-        lathe.stand_at(PerAxis::default());
+        lathe.move_slides(true_position);
+        let at = lathe.slide_position();
+        assert!((at.x - true_position.x).abs() < 0.0002 + 1e-9, "{at:?}");
+        assert!((at.z - true_position.z).abs() < 0.0004 + 1e-9, "{at:?}");
+        lathe.set_count(PerAxis::default());
         // From there to the machine zero by the pulses that the screw needs.
         let pulses = PerAxis::new(
-            Pulses((-said.x / 0.0004).round() as i64),
-            Pulses((-said.z / 0.0008).round() as i64),
+            Pulses((-reported.x / 0.0004).round() as i64),
+            Pulses((-reported.z / 0.0008).round() as i64),
         );
-        let mut outputs = Outputs::default();
+        let mut outputs = MachineOutputs::default();
         outputs.enable = PerAxis::new(true, true);
         outputs.pulses = pulses;
-        lathe.tick(&outputs, &mut Inputs::default());
-        let zero = lathe.slides();
+        lathe.tick(&outputs, &mut MachineInputs::default());
+        let zero = lathe.slide_position();
         assert!(zero.x.abs() < 0.0005 && zero.z.abs() < 0.0009, "{zero:?}");
-        lathe = Lathe::new(read(BADLY_SET).unwrap(), &Parameters::default());
+        lathe = SimulatedLathe::new(
+            read_machine(BADLY_SET).unwrap(),
+            &ControlParameters::default(),
+        );
     }
 }
 
@@ -125,7 +131,7 @@ fn the_documents_name_every_field() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_by_field_and_rule() {
+fn impossible_values_are_refused_by_field_and_rule() {
     let table = [
         ("(name: \"\")", "name: must not be empty"),
         (
@@ -219,14 +225,14 @@ fn what_cannot_be_is_refused_by_field_and_rule() {
         ),
     ];
     for (text, expected) in table {
-        let errors = read(text).unwrap().check().unwrap_err();
+        let errors = read_machine(text).unwrap().check().unwrap_err();
         let seen: Vec<String> = errors.iter().map(ToString::to_string).collect();
         assert!(seen.contains(&expected.to_owned()), "{text}: {seen:?}");
     }
     for text in ["(nmae: \"x\")", "(x: (start: \"left\"))", "(turret: 4)"] {
-        assert!(read(text).is_err(), "{text}");
+        assert!(read_machine(text).is_err(), "{text}");
     }
     LatheConfig::default().check().unwrap();
-    LatheConfig::free().check().unwrap();
-    LatheConfig::roomy().check().unwrap();
+    LatheConfig::without_limits().check().unwrap();
+    LatheConfig::with_long_slides().check().unwrap();
 }

@@ -4,19 +4,19 @@
 use std::collections::BTreeSet;
 use std::fs;
 
-use gsk_tests::case::Case;
+use gsk_tests::case::TestCase;
 use gsk_tests::sources::has_test;
 use gsk_tests::{case_dir, repository};
 
 /// Number of facts; they count from 1.
-const FACTS: u32 = 58;
+const FACT_COUNT: u32 = 58;
 
 /// The fault of a case as a proof.
-fn fault_of_case(name: &str) -> Option<String> {
+fn case_fault(name: &str) -> Option<String> {
     let Some(folder) = case_dir(name) else {
         return Some(format!("there is no case {name}"));
     };
-    match Case::read(&folder) {
+    match TestCase::read(&folder) {
         Ok(case) if case.known_failure.is_some() => Some(format!("{name} is a known failure")),
         Ok(_) => None,
         Err(error) => Some(format!("{name}: {error}")),
@@ -24,9 +24,9 @@ fn fault_of_case(name: &str) -> Option<String> {
 }
 
 /// The faults of a table of facts.
-fn faults(table: &str) -> Vec<String> {
+fn table_faults(table: &str) -> Vec<String> {
     let mut faults = Vec::new();
-    let mut missing: BTreeSet<u32> = (1..=FACTS).collect();
+    let mut missing: BTreeSet<u32> = (1..=FACT_COUNT).collect();
     for line in table.lines().skip(1) {
         let fields: Vec<&str> = line.split('\t').collect();
         let [fact, what, cases, tests] = fields[..] else {
@@ -41,7 +41,7 @@ fn faults(table: &str) -> Vec<String> {
             faults.push(format!("{fact}: without text or proof"));
         }
         let cases = cases.split(' ').filter(|name| !name.is_empty());
-        faults.extend(cases.filter_map(fault_of_case));
+        faults.extend(cases.filter_map(case_fault));
         let tests = tests.split(' ').filter(|name| !name.is_empty());
         let unknown = tests.filter(|name| !has_test(name));
         faults.extend(unknown.map(|name| format!("{fact}: there is no test {name}")));
@@ -50,24 +50,24 @@ fn faults(table: &str) -> Vec<String> {
     faults
 }
 
-fn table() -> String {
+fn read_table() -> String {
     let path = repository().join("tests/model-facts.tsv");
     fs::read_to_string(path).expect("model-facts.tsv")
 }
 
 #[test]
 fn every_fact_is_proven() {
-    let faults = faults(&table());
+    let faults = table_faults(&read_table());
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
 #[test]
 fn a_fact_that_is_not_proven_is_found() {
-    let table = table();
+    let table = read_table();
     let twice = table.replace("\nC2\t", "\nC1\t");
-    assert_eq!(faults(&twice).len(), 2);
+    assert_eq!(table_faults(&twice).len(), 2);
     let unknown = table.replace("c10-word", "c10-wrd");
-    assert_eq!(faults(&unknown), ["there is no case c10-wrd"]);
+    assert_eq!(table_faults(&unknown), ["there is no case c10-wrd"]);
     let gone = table.replace("gears_of_the_manual", "gears");
-    assert_eq!(faults(&gone).len(), 2);
+    assert_eq!(table_faults(&gone).len(), 2);
 }

@@ -11,9 +11,9 @@ use gsk_milling::{MillSetup, preview_while};
 use gsk_runner::curves::RapidRates;
 use gsk_runner::machining::Machining;
 use gsk_runner::report::PartReport;
-use gsk_tests::case::Case;
-use gsk_tests::execute::{Seen, check, check_mill, run};
-use gsk_tests::tree::{self, Place};
+use gsk_tests::case::TestCase;
+use gsk_tests::execute::{PathResult, run_check, run_kernel, run_mill_check};
+use gsk_tests::tree::{self, CaseFolder};
 use gsk_tests::{repository, setup};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::measure::Feature;
@@ -44,7 +44,7 @@ const LATHES: [(ModelId, &[i64]); 3] = [
 ];
 
 /// The alarm of a program, if it ends with one.
-fn alarm(model: ModelId, text: &str) -> Option<(u16, String)> {
+fn alarm_of_program(model: ModelId, text: &str) -> Option<(u16, String)> {
     let mut setup = Setup::default();
     setup.memory.model = ControlModel::new(model);
     // The option of nose radius compensation.
@@ -58,11 +58,11 @@ fn alarm(model: ModelId, text: &str) -> Option<(u16, String)> {
 
 /// Codes are tried without other words: if they need some, the alarm is not 010.
 #[test]
-fn every_g_code_is_there_or_alarm_010() {
+fn every_g_code_exists_or_is_alarm_010() {
     for (model, codes) in LATHES {
         for code in 0..100 {
             let text = format!("G{code:02};\nM30;\n");
-            let unknown = alarm(model, &text).is_some_and(|(number, _)| number == 10);
+            let unknown = alarm_of_program(model, &text).is_some_and(|(number, _)| number == 10);
             assert_eq!(unknown, !codes.contains(&code), "{model:?} G{code:02}");
         }
     }
@@ -71,7 +71,7 @@ fn every_g_code_is_there_or_alarm_010() {
 #[test]
 fn alarms_are_written_as_the_model_writes_them() {
     let shown = |model| {
-        alarm(model, "G91;\n")
+        alarm_of_program(model, "G91;\n")
             .map(|(_, text)| text)
             .unwrap_or_default()
     };
@@ -151,7 +151,7 @@ const MILL: [i64; 58] = [
 ];
 
 #[test]
-fn every_g_code_of_the_mill_is_there_or_alarm_010() {
+fn every_g_code_of_the_mill_exists_or_is_alarm_010() {
     let beyond = [91, 92, 94, 95, 98, 99];
     for code in 0..200 {
         let mut programs = Setup::default().memory.programs;
@@ -194,10 +194,12 @@ fn codes_are_found_in_programs() {
 #[test]
 fn every_g_code_of_a_model_has_a_case() {
     let mut seen: BTreeMap<&str, BTreeSet<u8>> = BTreeMap::new();
-    for Place { folder, .. } in tree::cases().expect("cases") {
-        let case = Case::read(&folder).expect("case.ron");
-        let setup = case.setup.setup().expect("set-up");
-        let codes = seen.entry(setup.memory.model.id().word()).or_default();
+    for CaseFolder { folder, .. } in tree::list_cases().expect("cases") {
+        let case = TestCase::read(&folder).expect("case.ron");
+        let setup = case.setup.program_setup().expect("set-up");
+        let codes = seen
+            .entry(setup.memory.model.id().command_word())
+            .or_default();
         for name in case.programs.iter().chain(&case.script) {
             codes.extend(g_codes(
                 &std::fs::read_to_string(folder.join(name)).expect("text"),
@@ -212,7 +214,7 @@ fn every_g_code_of_a_model_has_a_case() {
     ] {
         let codes = ControlModel::new(model).record().g.keys();
         let missing: Vec<&u8> = codes
-            .filter(|code| !seen[model.word()].contains(code))
+            .filter(|code| !seen[model.command_word()].contains(code))
             .collect();
         assert!(missing.is_empty(), "{model:?}: {missing:?}");
     }
@@ -229,13 +231,17 @@ fn the_shop_program_of_the_mill_takes_its_time() {
         ("05", 16.5),
     ];
     let folder = repository().join("tests/cases/models/gsk980mdi/shop-program-of-a-mill");
-    let case = Case::read(&folder).expect("case.ron");
-    let start = case.setup.setup().expect("set-up");
-    let mill = case.setup.mill(&start).expect("set-up").expect("a mill");
+    let case = TestCase::read(&folder).expect("case.ron");
+    let start = case.setup.program_setup().expect("set-up");
+    let mill = case
+        .setup
+        .mill_setup(&start)
+        .expect("set-up")
+        .expect("a mill");
     let text = |name: &String| std::fs::read_to_string(folder.join(name)).expect("program");
     let texts: Vec<String> = case.programs.iter().map(text).collect();
-    let programs = setup::memory(&texts).expect("programs");
-    let seen = check_mill(&mill, &programs);
+    let programs = setup::build_memory(&texts).expect("programs");
+    let seen = run_mill_check(&mill, &programs);
     let times = seen.result["tool_times"].as_array().expect("tools");
     // T0 is the tool in the spindle before the first change: it cuts nothing.
     let cutting = |time: &serde_json::Value| {
@@ -252,22 +258,22 @@ fn the_shop_program_of_the_mill_takes_its_time() {
 }
 
 /// The set-up of a case with these programs.
-fn program_of(case: &str, names: &[&str]) -> Setup {
+fn case_setup(case: &str, names: &[&str]) -> Setup {
     let folder = repository().join("tests/cases").join(case);
     let text = |name: &&str| std::fs::read_to_string(folder.join(name)).expect("text");
     let texts: Vec<String> = names.iter().map(text).collect();
-    let case = Case::read(&folder).expect("case.ron");
-    let mut start = case.setup.setup().expect("set-up");
-    start.memory.programs = setup::memory(&texts).expect("program");
+    let case = TestCase::read(&folder).expect("case.ron");
+    let mut start = case.setup.program_setup().expect("set-up");
+    start.memory.programs = setup::build_memory(&texts).expect("program");
     start
 }
 
 /// Compares times by tool at feed and in threads, s, with those computed in the program. Every
 /// cut takes 0.25 s more at most for its start and end, every pass of a thread a turn and its
 /// ends. The preview and the control agree.
-fn takes_its_time(start: &Setup, by_hand: &[(&str, f64, f64, u8)], a_pass: f64) {
-    const A_CUT: f64 = 0.25;
-    let [checked, executed] = [check(start), run(start)];
+fn assert_tool_times(start: &Setup, by_hand: &[(&str, f64, f64, u8)], a_pass: f64) {
+    const CUT_ALLOWANCE_S: f64 = 0.25;
+    let [checked, executed] = [run_check(start), run_kernel(start)];
     for seen in [&checked, &executed] {
         assert!(seen.result["end"] == "M02" || seen.result["end"] == "M30");
         assert!(seen.result["alarm"].is_null());
@@ -279,19 +285,19 @@ fn takes_its_time(start: &Setup, by_hand: &[(&str, f64, f64, u8)], a_pass: f64) 
         assert_eq!(time["tool"], *tool);
         let seconds = |kind: &str| time[kind].as_f64().expect("seconds");
         let (seen_feed, seen_thread) = (seconds("feed"), seconds("thread"));
-        let feeds = *feed - 0.001..feed + strokes * A_CUT + 0.001;
+        let feeds = *feed - 0.001..feed + strokes * CUT_ALLOWANCE_S + 0.001;
         let threads = *thread - 0.001..thread + strokes * a_pass + 0.001;
         assert!(feeds.contains(&seen_feed), "{time}: by hand {feed}");
         assert!(threads.contains(&seen_thread), "{time}: by hand {thread}");
     }
-    let whole = |seen: &Seen| seen.result["time_s"].as_f64().expect("time");
+    let whole = |seen: &PathResult| seen.result["time_s"].as_f64().expect("time");
     let (one, other) = (whole(&checked), whole(&executed));
     assert!((one / other - 1.0).abs() < 0.01, "{one} s, {other} s");
 }
 
 #[test]
 fn the_shop_program_of_the_ncb08_takes_its_time() {
-    let start = program_of("models/ncb08/flanged-pin", &["main.nc", "o0002.nc"]);
+    let start = case_setup("models/ncb08/flanged-pin", &["main.nc", "o0002.nc"]);
     let by_hand = [
         ("0101", 18.9 + 103.5 + 46.25 + 58.478, 0.0, 1 + 10 + 7),
         ("0202", 31.2 + 30.133, 0.0, 6 + 2),
@@ -299,26 +305,26 @@ fn the_shop_program_of_the_ncb08_takes_its_time() {
         ("0404", 34.8, 0.0, 3),
     ];
     // At 600 r/min.
-    takes_its_time(&start, &by_hand, 0.1 + 0.05);
+    assert_tool_times(&start, &by_hand, 0.1 + 0.05);
 }
 
 #[test]
 fn the_shop_program_in_macro_b_takes_its_time() {
     let programs = ["main.nc", "o9100.nc", "o9110.nc", "o9010.nc"];
-    let start = program_of("macros/macro-b/family-of-parts", &programs);
+    let start = case_setup("macros/macro-b/family-of-parts", &programs);
     let by_hand = [
         ("0101", 110.375 + 20.026 + 22.5, 0.0, 8 + 10 + 1),
         ("0202", 4.0 * 7.2 + 3.0 * 1.2, 0.0, 8 + 3),
         ("0303", 0.0, 8.8, 4),
     ];
     // At 300 r/min.
-    takes_its_time(&start, &by_hand, 0.2 + 0.05);
+    assert_tool_times(&start, &by_hand, 0.2 + 0.05);
 }
 
 /// The shop program from its case, and its job.
 fn shop_program() -> (Setup, Job) {
     let folder = repository().join("tests/cases/models/hx31/shop-program");
-    let start = program_of("models/hx31/shop-program", &["main.nc"]);
+    let start = case_setup("models/hx31/shop-program", &["main.nc"]);
     let text = |name: &str| std::fs::read_to_string(folder.join(name)).expect(name);
     let job: Job = ron::from_str(&text("main.job.ron")).expect("job");
     job.check().expect("job");
@@ -337,7 +343,7 @@ fn the_shop_program_takes_its_time() {
         ("0404", 40.8, 0.0),
     ];
     let (start, _) = shop_program();
-    let [checked, executed] = [check(&start), run(&start)];
+    let [checked, executed] = [run_check(&start), run_kernel(&start)];
     let times = checked.result["tool_times"].as_array().expect("tools");
     assert_eq!(times.len(), BY_HAND.len());
     for (time, (tool, feed, thread)) in times.iter().zip(BY_HAND) {
@@ -352,7 +358,7 @@ fn the_shop_program_takes_its_time() {
             "{time}"
         );
     }
-    let whole = |seen: &Seen| seen.result["time_s"].as_f64().expect("time");
+    let whole = |seen: &PathResult| seen.result["time_s"].as_f64().expect("time");
     let (one, other) = (whole(&checked), whole(&executed));
     assert!((one / other - 1.0).abs() < 0.01, "{one} s, {other} s");
 }
@@ -362,9 +368,9 @@ fn the_shop_program_takes_its_time() {
 fn the_shop_program_makes_its_part() {
     let (start, job) = shop_program();
     let mut machining = Machining::new(job);
-    let rates = RapidRates::of(&start.memory);
+    let rates = RapidRates::from_memory(&start.memory);
     let end = preview(&start, &start.memory.programs, &mut |executed| {
-        machining.moved(executed, rates);
+        machining.execute_move(executed, rates);
     });
     assert_eq!(end.alarm, None);
     let part = PartReport::new(&machining, None, true, None);

@@ -5,10 +5,10 @@
 use std::fs;
 
 use gsk_tests::repository;
-use gsk_tests::sources::{Source, control_sources, sources_of};
+use gsk_tests::sources::{SourceFile, control_sources, package_sources};
 
 /// Code before the number of an alarm.
-const ALARM_AT: [&str; 9] = [
+const ALARM_PREFIXES: [&str; 9] = [
     "Alarm::new(",
     "Alarm::message(",
     "BlockError::at(",
@@ -21,19 +21,19 @@ const ALARM_AT: [&str; 9] = [
 ];
 
 /// Code before the number of a parameter.
-const PARAMETER_AT: [&str; 5] = [".bit(", ".set_bit(", ".value(", ".timer_ms(", ".byte("];
+const PARAMETER_PREFIXES: [&str; 5] = [".bit(", ".set_bit(", ".value(", ".timer_ms(", ".byte("];
 
 /// The folder of the parameter table, with the named methods.
-const MEMORY: &str = "core/src/memory";
+const MEMORY_FOLDER: &str = "core/src/memory";
 
 /// Positions where a digit follows one of these beginnings, as `file:line`.
-fn bare_numbers(sources: &[Source], beginnings: &[&str]) -> Vec<String> {
+fn find_bare_numbers(sources: &[SourceFile], beginnings: &[&str]) -> Vec<String> {
     let mut places = Vec::new();
     for source in sources {
         for beginning in beginnings {
             for (at, _) in source.text.match_indices(beginning) {
-                let behind = source.text[at + beginning.len()..].trim_start();
-                if behind.starts_with(|letter: char| letter.is_ascii_digit()) {
+                let text_after = source.text[at + beginning.len()..].trim_start();
+                if text_after.starts_with(|letter: char| letter.is_ascii_digit()) {
                     let line = source.text[..at].lines().count();
                     places.push(format!("{}:{line}: {beginning}", source.path.display()));
                 }
@@ -45,16 +45,16 @@ fn bare_numbers(sources: &[Source], beginnings: &[&str]) -> Vec<String> {
 
 #[test]
 fn alarms_are_raised_by_name() {
-    let places = bare_numbers(&control_sources(), &ALARM_AT);
+    let places = find_bare_numbers(&control_sources(), &ALARM_PREFIXES);
     assert!(places.is_empty(), "{}", places.join("\n"));
 }
 
 #[test]
-fn parameters_are_asked_by_name() {
+fn parameters_are_read_by_name() {
     let mut sources = control_sources();
-    let memory = repository().join(MEMORY);
+    let memory = repository().join(MEMORY_FOLDER);
     sources.retain(|source| !source.path.starts_with(&memory));
-    let places = bare_numbers(&sources, &PARAMETER_AT);
+    let places = find_bare_numbers(&sources, &PARAMETER_PREFIXES);
     assert!(places.is_empty(), "{}", places.join("\n"));
 }
 
@@ -62,22 +62,23 @@ fn parameters_are_asked_by_name() {
 fn every_name_of_the_tables_is_used() {
     let mut sources = control_sources();
     // The set-up of a lathe.
-    sources.extend(sources_of(&["commission"]));
+    sources.extend(package_sources(&["commission"]));
     for (name, column) in [("alarms.tsv", 2), ("parameters.tsv", 3)] {
         let path = repository().join("assets/tables").join(name);
         let table = fs::read_to_string(path).expect("table");
-        every_id_is_used(&table, column, &sources);
+        assert_ids_are_used(&table, column, &sources);
     }
 }
 
-fn every_id_is_used(table: &str, column: usize, sources: &[Source]) {
+fn assert_ids_are_used(table: &str, column: usize, sources: &[SourceFile]) {
     for line in table.lines().skip(1) {
         let id = line.split('\t').nth(column).expect("id");
         let wanted = format!("::{id}");
-        let names = |source: &Source| {
+        let names = |source: &SourceFile| {
             source.text.match_indices(&wanted).any(|(at, _)| {
-                let behind = source.text[at + wanted.len()..].chars().next();
-                !behind.is_some_and(|letter| letter == '_' || letter.is_ascii_alphanumeric())
+                let next_character = source.text[at + wanted.len()..].chars().next();
+                !next_character
+                    .is_some_and(|letter| letter == '_' || letter.is_ascii_alphanumeric())
             })
         };
         assert!(

@@ -12,14 +12,14 @@ use std::fs;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use gsk_core::memory::{self, ParameterRow, Parameters};
-use gsk_tests::case::Case;
+use gsk_core::memory::{self, ControlParameters, ParameterRow};
+use gsk_tests::case::TestCase;
 use gsk_tests::sources::has_test;
-use gsk_tests::{case_dir, repository, run_as_written};
+use gsk_tests::{case_dir, repository, run_loaded_case};
 
 /// What covers a parameter.
 #[derive(Clone, Debug, PartialEq)]
-enum Cover {
+enum ParameterCover {
     Cases(Vec<String>),
     Tests(Vec<String>),
     Reserved,
@@ -30,16 +30,16 @@ enum Cover {
 }
 
 /// A bit of a state parameter, or a data parameter as a whole.
-type Place = (u16, Option<u8>);
+type ParameterBit = (u16, Option<u8>);
 
-fn written(place: Place) -> String {
-    match place {
+fn parameter_text(parameter: ParameterBit) -> String {
+    match parameter {
         (number, Some(bit)) => format!("{number:03}.{bit}"),
         (number, None) => format!("{number:03}"),
     }
 }
 
-fn place(text: &str) -> Option<Place> {
+fn parse_parameter(text: &str) -> Option<ParameterBit> {
     let (number, bit) = match text.split_once('.') {
         Some((number, bit)) => (number, Some(bit.parse().ok()?)),
         None => (text, None),
@@ -49,8 +49,8 @@ fn place(text: &str) -> Option<Place> {
 
 /// The rows that need a line: bits, data parameters, and state parameters of which the manual
 /// names no bit.
-fn rows() -> impl Iterator<Item = &'static ParameterRow> {
-    let rows = memory::rows();
+fn required_rows() -> impl Iterator<Item = &'static ParameterRow> {
+    let rows = memory::parameter_rows();
     rows.iter().filter(move |row| {
         let bits = || {
             rows.iter()
@@ -60,7 +60,7 @@ fn rows() -> impl Iterator<Item = &'static ParameterRow> {
     })
 }
 
-fn covers() -> BTreeMap<Place, Cover> {
+fn read_covers() -> BTreeMap<ParameterBit, ParameterCover> {
     let path = repository().join("tests/parameter-coverage.tsv");
     let text = fs::read_to_string(path).expect("parameter-coverage.tsv");
     let mut covers = BTreeMap::new();
@@ -68,14 +68,16 @@ fn covers() -> BTreeMap<Place, Cover> {
         let fields: Vec<&str> = line.split('\t').collect();
         let names = |names: &str| names.split(' ').map(str::to_owned).collect();
         let cover = match fields[1..] {
-            ["case", cases] => Cover::Cases(names(cases)),
-            ["test", tests] => Cover::Tests(names(tests)),
-            ["reserved"] => Cover::Reserved,
-            ["open"] => Cover::Open,
-            ["without effect", en, zh] => Cover::WithoutEffect(en.to_owned(), zh.to_owned()),
+            ["case", cases] => ParameterCover::Cases(names(cases)),
+            ["test", tests] => ParameterCover::Tests(names(tests)),
+            ["reserved"] => ParameterCover::Reserved,
+            ["open"] => ParameterCover::Open,
+            ["without effect", en, zh] => {
+                ParameterCover::WithoutEffect(en.to_owned(), zh.to_owned())
+            }
             _ => panic!("parameter-coverage.tsv: not understood: {line}"),
         };
-        let place = place(fields[0]).unwrap_or_else(|| panic!("no parameter: {line}"));
+        let place = parse_parameter(fields[0]).unwrap_or_else(|| panic!("no parameter: {line}"));
         assert!(covers.insert(place, cover).is_none(), "twice: {line}");
     }
     covers
@@ -83,18 +85,18 @@ fn covers() -> BTreeMap<Place, Cover> {
 
 #[test]
 fn every_bit_and_value_has_its_line() {
-    let mut covers = covers();
+    let mut covers = read_covers();
     let mut faults = Vec::new();
-    for row in rows() {
+    for row in required_rows() {
         let place = (row.number, row.bit);
         let undescribed = ["reserved", "not described"];
         let reserved = undescribed
             .iter()
             .any(|word| row.meaning_en.starts_with(word));
         match covers.remove(&place) {
-            None => faults.push(format!("{}: has no line", written(place))),
-            Some(cover) if (cover == Cover::Reserved) != reserved => {
-                faults.push(format!("{}: {}", written(place), row.meaning_en));
+            None => faults.push(format!("{}: has no line", parameter_text(place))),
+            Some(cover) if (cover == ParameterCover::Reserved) != reserved => {
+                faults.push(format!("{}: {}", parameter_text(place), row.meaning_en));
             }
             Some(_) => {}
         }
@@ -102,23 +104,23 @@ fn every_bit_and_value_has_its_line() {
     faults.extend(
         covers
             .keys()
-            .map(|place| format!("{}: not in the table", written(*place))),
+            .map(|place| format!("{}: not in the table", parameter_text(*place))),
     );
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
 /// Removes the words of a case that set a parameter. Returns them.
-fn take_words(case: &mut Case, wanted: Place) -> Vec<String> {
+fn take_words(case: &mut TestCase, wanted: ParameterBit) -> Vec<String> {
     let of_it = |word: &String| {
         let name = word.split('=').next().unwrap_or_default();
-        place(name) == Some(wanted)
+        parse_parameter(name) == Some(wanted)
     };
     let (words, others) = case.setup.params.drain(..).partition(of_it);
     case.setup.params = others;
     words
 }
 
-fn value(parameters: &Parameters, (number, bit): Place) -> i32 {
+fn parameter_value(parameters: &ControlParameters, (number, bit): ParameterBit) -> i32 {
     match bit {
         Some(bit) => parameters.bit(number, bit).into(),
         None => parameters.value(number),
@@ -126,36 +128,46 @@ fn value(parameters: &Parameters, (number, bit): Place) -> i32 {
 }
 
 /// The fault of a case as a proof for a parameter.
-fn fault(wanted: Place, name: &str) -> Option<String> {
+fn case_fault(wanted: ParameterBit, name: &str) -> Option<String> {
     let Some(folder) = case_dir(name) else {
         return Some("is no case".to_owned());
     };
-    let mut case = match Case::read(&folder) {
+    let mut case = match TestCase::read(&folder) {
         Ok(case) => case,
         Err(error) => return Some(error),
     };
     if case.known_failure.is_some() {
         return Some("is a known failure".to_owned());
     }
-    let set = case.setup.setup().expect("set-up").memory.parameters;
+    let set = case
+        .setup
+        .program_setup()
+        .expect("set-up")
+        .memory
+        .parameters;
     if take_words(&mut case, wanted).is_empty() {
         return Some("its case.ron does not set it".to_owned());
     }
-    let unset = case.setup.setup().expect("set-up").memory.parameters;
-    if value(&set, wanted) == value(&unset, wanted) {
+    let unset = case
+        .setup
+        .program_setup()
+        .expect("set-up")
+        .memory
+        .parameters;
+    if parameter_value(&set, wanted) == parameter_value(&unset, wanted) {
         return Some("sets it to what it is anyway".to_owned());
     }
-    run_as_written(&case, &folder, false)
+    run_loaded_case(&case, &folder, false)
         .is_ok()
         .then(|| "passes without it too".to_owned())
 }
 
 #[test]
 fn every_case_shows_the_difference() {
-    let witnesses: Vec<(Place, String)> = covers()
+    let witnesses: Vec<(ParameterBit, String)> = read_covers()
         .into_iter()
         .filter_map(|(place, cover)| match cover {
-            Cover::Cases(cases) => Some((place, cases)),
+            ParameterCover::Cases(cases) => Some((place, cases)),
             _ => None,
         })
         .flat_map(|(place, cases)| cases.into_iter().map(move |case| (place, case)))
@@ -168,8 +180,8 @@ fn every_case_shows_the_difference() {
             scope.spawn(|| {
                 while let Some((place, case)) = witnesses.get(next.fetch_add(1, Ordering::Relaxed))
                 {
-                    if let Some(fault) = fault(*place, case) {
-                        let fault = format!("{}: {case}: {fault}", written(*place));
+                    if let Some(fault) = case_fault(*place, case) {
+                        let fault = format!("{}: {case}: {fault}", parameter_text(*place));
                         faults.lock().expect("faults").push(fault);
                     }
                 }
@@ -183,11 +195,13 @@ fn every_case_shows_the_difference() {
 
 #[test]
 fn every_test_named_exists() {
-    for (place, cover) in covers() {
-        let Cover::Tests(tests) = cover else { continue };
+    for (place, cover) in read_covers() {
+        let ParameterCover::Tests(tests) = cover else {
+            continue;
+        };
         for test in tests {
             let exists = has_test(&test);
-            assert!(exists, "{}: there is no test {test}", written(place));
+            assert!(exists, "{}: there is no test {test}", parameter_text(place));
         }
     }
 }
@@ -203,12 +217,12 @@ fn table_under<'a>(document: &'a str, heading: &str) -> Vec<&'a str> {
 #[test]
 fn the_readmes_list_what_is_without_effect() {
     let (mut english, mut chinese) = (Vec::new(), Vec::new());
-    for (place, cover) in covers() {
-        let Cover::WithoutEffect(en, zh) = cover else {
+    for (place, cover) in read_covers() {
+        let ParameterCover::WithoutEffect(en, zh) = cover else {
             continue;
         };
-        let row = memory::row(place.0, place.1).expect("row");
-        let name = format!("{} {}", written(place), row.symbol);
+        let row = memory::parameter_row(place.0, place.1).expect("row");
+        let name = format!("{} {}", parameter_text(place), row.symbol);
         english.push(format!("| {} | {en} |", name.trim_end()));
         chinese.push(format!("| {} | {zh} |", name.trim_end()));
     }

@@ -6,9 +6,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use gsk_core::battery::Memory;
+use gsk_core::battery::BatteryMemory;
 use gsk_core::command::ProgramId;
-use gsk_core::memory::{Counters, Disk, DiskContent, Level, ToolOffset, rows};
+use gsk_core::memory::{
+    Counters, DiskContent, ElectronicDisk, OperationLevel, ToolOffset, parameter_rows,
+};
 use gsk_core::model::{ControlModel, ModelId};
 use gsk_core::plc::{Area, ByteAddress, Ladder, Plc, RetainedMemory};
 use gsk_core::setup::{STANDARD_LADDER, Setup, standard_ladder};
@@ -34,9 +36,9 @@ fn config() -> ProptestConfig {
 }
 
 /// Random numbers from a seed.
-struct Numbers(u64);
+struct ProjectRandom(u64);
 
-impl Numbers {
+impl ProjectRandom {
     fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
@@ -49,33 +51,33 @@ impl Numbers {
         self.next() % end
     }
 
-    fn of<T: Copy>(&mut self, all: &[T]) -> T {
+    fn pick<T: Copy>(&mut self, all: &[T]) -> T {
         all[self.below(all.len() as u64) as usize]
     }
 }
 
 /// A control that is changed through its own functions.
 #[derive(Clone)]
-struct Control {
-    memory: Memory,
+struct ProjectControl {
+    memory: BatteryMemory,
     plc: Plc,
     panel: Option<PanelRetained>,
 }
 
 /// A key with its values before and after.
-type Change = (ProjectKey, Option<ProjectValue>, Option<ProjectValue>);
+type KeyChange = (ProjectKey, Option<ProjectValue>, Option<ProjectValue>);
 
-impl Control {
+impl ProjectControl {
     fn new() -> Self {
         Self {
-            memory: Memory::default(),
+            memory: BatteryMemory::default(),
             plc: Plc::new(standard_ladder()),
             panel: None,
         }
     }
 
-    fn of(seed: u64) -> Self {
-        let numbers = &mut Numbers(seed);
+    fn from_seed(seed: u64) -> Self {
+        let numbers = &mut ProjectRandom(seed);
         let mut control = Self::new();
         if numbers.below(4) == 0 {
             control.memory.model = ControlModel::new(ModelId::Ncb08);
@@ -93,7 +95,7 @@ impl Control {
         for _ in 0..numbers.below(120) {
             control.change(numbers);
         }
-        for disk in [Disk::N1, Disk::N3] {
+        for disk in [ElectronicDisk::N1, ElectronicDisk::N3] {
             if numbers.below(3) == 0 {
                 let content = DiskContent {
                     parameters: control.memory.parameters.clone(),
@@ -121,7 +123,7 @@ impl Control {
     }
 
     fn selected(&self) -> Option<ProjectValue> {
-        let number = match self.memory.programs.current() {
+        let number = match self.memory.programs.selected() {
             Some(ProgramId::Stored(number)) => Some(number),
             _ => None,
         };
@@ -129,30 +131,30 @@ impl Control {
     }
 
     /// Changes one value.
-    fn change(&mut self, numbers: &mut Numbers) -> Vec<Change> {
+    fn change(&mut self, numbers: &mut ProjectRandom) -> Vec<KeyChange> {
         let memory = &mut self.memory;
         let whole = |value: i64| Some(ProjectValue::Whole(value));
         match numbers.below(11) {
             0 | 1 => {
-                let data: Vec<_> = rows()
+                let data: Vec<_> = parameter_rows()
                     .iter()
                     .filter(|it| it.bit.is_none() && !it.state)
                     .collect();
-                let row = numbers.of(&data);
+                let row = numbers.pick(&data);
                 let old = memory.parameters.value(row.number);
                 let value = match &row.range {
-                    gsk_core::memory::Range::Span(low, high) => {
+                    gsk_core::memory::ParameterRange::Span(low, high) => {
                         low + numbers.below((high - low) as u64 + 1) as i32
                     }
-                    gsk_core::memory::Range::List(values) => numbers.of(values),
+                    gsk_core::memory::ParameterRange::List(values) => numbers.pick(values),
                 };
                 memory.parameters.set(row.number, value).unwrap();
                 let key = ProjectKey::Parameter(DataSet::Control, row.number, None);
                 vec![(key, whole(old.into()), whole(value.into()))]
             }
             2 => {
-                let states: Vec<_> = rows().iter().filter(|it| it.state).collect();
-                let number = numbers.of(&states).number;
+                let states: Vec<_> = parameter_rows().iter().filter(|it| it.state).collect();
+                let number = numbers.pick(&states).number;
                 let bit = numbers.below(8) as u8;
                 let old = memory.parameters.bit(number, bit);
                 memory.parameters.set_bit(number, bit, !old).unwrap();
@@ -162,7 +164,7 @@ impl Control {
             3 => {
                 let number = 1 + numbers.below(32) as u8;
                 let length =
-                    |numbers: &mut Numbers| (numbers.below(20_000_000) as f64 - 1e7) / 1000.0;
+                    |numbers: &mut ProjectRandom| (numbers.below(20_000_000) as f64 - 1e7) / 1000.0;
                 let old = memory.offsets.get(number);
                 let new = ToolOffset {
                     x: length(numbers),
@@ -190,7 +192,7 @@ impl Control {
                     0 => 200 + numbers.below(32) as u16,
                     _ => 500 + numbers.below(500) as u16,
                 };
-                let old = memory.variables.real(number);
+                let old = memory.variables.real_value(number);
                 let value = match numbers.below(4) {
                     0 => None,
                     1 => Some(numbers.below(1 << 33) as f64 - 4_294_967_296.0),
@@ -200,12 +202,12 @@ impl Control {
                 };
                 let value = value.filter(|value| value.abs() <= 1e47);
                 memory.variables.set_real(number, value).unwrap();
-                let new = memory.variables.real(number);
+                let new = memory.variables.real_value(number);
                 let (old, new) = (old.map(ProjectValue::Real), new.map(ProjectValue::Real));
                 vec![(ProjectKey::Variable(number), old, new)]
             }
             5 => {
-                let (point, axis) = (numbers.next() as u8, numbers.of(&[Axis::X, Axis::Z]));
+                let (point, axis) = (numbers.next() as u8, numbers.pick(&[Axis::X, Axis::Z]));
                 let value = numbers.below(511) as i16 - 255;
                 let old = memory.pitch.value(axis, point);
                 memory.pitch.set(axis, point, value).unwrap();
@@ -224,7 +226,7 @@ impl Control {
             }
             7 => {
                 let old = memory.counters.parts;
-                memory.counters.parts = numbers.below(Counters::PARTS.into()) as u32;
+                memory.counters.parts = numbers.below(Counters::PART_COUNT_LIMIT.into()) as u32;
                 let key = ProjectKey::Counter(gsk_project::ProjectCounter::Parts);
                 vec![(key, whole(old.into()), whole(memory.counters.parts.into()))]
             }
@@ -237,7 +239,7 @@ impl Control {
                     (Area::C, 0),
                     (Area::Dt, 0),
                 ];
-                let (area, first) = numbers.of(&areas);
+                let (area, first) = numbers.pick(&areas);
                 let byte = first + numbers.below((area.count() - first).into()) as u16;
                 let address = ByteAddress::new(area, byte);
                 let plc = self.plc.memory_mut();
@@ -269,7 +271,7 @@ impl Control {
         }
     }
 
-    fn change_programs(&mut self, numbers: &mut Numbers) -> Vec<Change> {
+    fn change_programs(&mut self, numbers: &mut ProjectRandom) -> Vec<KeyChange> {
         let number = numbers.below(6) as u16 * 1999;
         let selected = self.selected();
         let programs = &mut self.memory.programs;
@@ -281,13 +283,13 @@ impl Control {
         if numbers.below(3) == 0 && old.is_some() {
             programs.delete(number).unwrap();
         } else {
-            let end = numbers.of(&["\n", "\r\n", ";\n"]);
+            let end = numbers.pick(&["\n", "\r\n", ";\n"]);
             let mut new = format!("O{number:04}{end}(车 {}){end}", numbers.next());
             for _ in 0..numbers.below(5) {
                 new.push_str(&format!("G01 X{} F0.2{end}", numbers.below(99)));
             }
             programs
-                .store(new + numbers.of(&["M30", "M30;\n%\n", "M99\r"]))
+                .store(new + numbers.pick(&["M30", "M30;\n%\n", "M99\r"]))
                 .unwrap();
         }
         let new = text(programs);
@@ -303,7 +305,7 @@ proptest! {
 
     #[test]
     fn what_is_written_is_read_again_bit_for_bit(seed: u64) {
-        let state = Control::of(seed).state();
+        let state = ProjectControl::from_seed(seed).state();
         for language in [Language::En, Language::Zh] {
             let files = export(&state, language);
             let read = import(&files);
@@ -329,10 +331,10 @@ proptest! {
 
     #[test]
     fn differences_are_exactly_what_was_changed(seed: u64, changes in 0..60u64) {
-        let mut control = Control::of(seed);
+        let mut control = ProjectControl::from_seed(seed);
         let before = control.state();
         let mut planted: BTreeMap<ProjectKey, (Option<ProjectValue>, Option<ProjectValue>)> = BTreeMap::new();
-        let numbers = &mut Numbers(seed ^ 1);
+        let numbers = &mut ProjectRandom(seed ^ 1);
         for _ in 0..changes {
             for (key, old, new) in control.change(numbers) {
                 planted.entry(key).or_insert((old, None)).1 = new;
@@ -357,7 +359,7 @@ proptest! {
             prop_assert_eq!(describe_text_changes(difference).is_empty(), !is_text);
         }
         // Two random ones as well: applying the differences makes them equal.
-        let other = Control::of(seed ^ 2).state();
+        let other = ProjectControl::from_seed(seed ^ 2).state();
         let found = diff(&before, &other);
         let panel = other.panel().or(before.panel());
         prop_assert_eq!(apply(&before, &found).unwrap(), other.with_panel(panel));
@@ -365,12 +367,12 @@ proptest! {
 
     #[test]
     fn no_damaged_line_passes_unnoticed(seed: u64, garbage in "\\PC{0,12}") {
-        let state = Control::of(seed).state();
+        let state = ProjectControl::from_seed(seed).state();
         let files = export(&state, Language::En);
-        let numbers = &mut Numbers(seed);
+        let numbers = &mut ProjectRandom(seed);
         let names: Vec<&String> = files.keys().filter(|name| is_table(name)).collect();
         for _ in 0..8 {
-            let name = numbers.of(&names).clone();
+            let name = numbers.pick(&names).clone();
             let lines: Vec<&str> = files[&name].lines().collect();
             let at = 1 + numbers.below(lines.len() as u64 - 1) as usize;
             let mut damaged = lines.clone();
@@ -419,33 +421,33 @@ fn is_table(name: &str) -> bool {
     name.ends_with(".txt") || name.ends_with(".gpr")
 }
 
-fn exported() -> ProjectFiles {
+fn exported_files() -> ProjectFiles {
     export(&ProjectState::from_setup(&Setup::delivered()), Language::En)
 }
 
 /// The problems of a folder in which one file is replaced.
 fn problems_with(name: &str, text: &str) -> Vec<String> {
-    let mut files = exported();
+    let mut files = exported_files();
     files.insert(name.to_owned(), text.to_owned());
     let problems = import(&files).expect_err(name);
     problems.iter().map(ToString::to_string).collect()
 }
 
-fn edited(name: &str, old: &str, new: &str) -> Vec<String> {
-    let text = exported()[name].clone();
+fn problems_after_edit(name: &str, old: &str, new: &str) -> Vec<String> {
+    let text = exported_files()[name].clone();
     assert!(text.contains(old), "{name}: {old}");
     problems_with(name, &text.replacen(old, new, 1))
 }
 
 #[test]
-fn every_rule_is_said_with_file_and_line() {
+fn every_rule_is_reported_with_file_and_line() {
     let line_of = |name: &str, text: &str| {
-        let files = exported();
+        let files = exported_files();
         let at = files[name].lines().position(|line| line.starts_with(text));
         at.unwrap() + 1
     };
     let at = line_of("parameters.txt", "022 ");
-    for (name, old, new, said) in [
+    for (name, old, new, message) in [
         (
             "parameters.txt",
             "022 = 3800",
@@ -561,13 +563,13 @@ fn every_rule_is_said_with_file_and_line() {
             "ladder/main.il:".to_owned(),
         ),
     ] {
-        let problems = edited(name, old, new);
+        let problems = problems_after_edit(name, old, new);
         assert!(
-            problems.iter().any(|it| it.contains(&said)),
-            "{said}\n{problems:#?}"
+            problems.iter().any(|it| it.contains(&message)),
+            "{message}\n{problems:#?}"
         );
     }
-    for (name, text, said) in [
+    for (name, text, message) in [
         (
             "programs/O0001.CNC",
             "O0002;\nM30;\n",
@@ -596,12 +598,12 @@ fn every_rule_is_said_with_file_and_line() {
     ] {
         let problems = problems_with(name, text);
         assert!(
-            problems.iter().any(|it| it.contains(said)),
-            "{said}\n{problems:#?}"
+            problems.iter().any(|it| it.contains(message)),
+            "{message}\n{problems:#?}"
         );
     }
-    for name in exported().into_keys() {
-        let mut files = exported();
+    for name in exported_files().into_keys() {
+        let mut files = exported_files();
         files.remove(&name);
         let problems = import(&files).expect_err(&name);
         assert_eq!(problems.len(), 1, "{problems:?}");
@@ -613,8 +615,8 @@ fn every_rule_is_said_with_file_and_line() {
 }
 
 #[test]
-fn all_problems_are_said_at_once_up_to_a_bound() {
-    let mut files = exported();
+fn all_problems_are_reported_at_once_up_to_a_limit() {
+    let mut files = exported_files();
     for name in ["parameters.txt", "pitch.txt"] {
         let text = files[name].replace(" = ", " is ");
         files.insert(name.to_owned(), text);
@@ -626,7 +628,7 @@ fn all_problems_are_said_at_once_up_to_a_bound() {
 }
 
 #[test]
-fn names_stand_as_remarks_in_both_languages_and_are_not_read() {
+fn names_are_remarks_in_both_languages_and_are_not_read() {
     let state = ProjectState::from_setup(&Setup::delivered());
     let [en, zh] = [Language::En, Language::Zh].map(|language| export(&state, language));
     for (files, wanted) in [(&en, "rapid"), (&zh, "快速")] {
@@ -650,7 +652,7 @@ fn names_stand_as_remarks_in_both_languages_and_are_not_read() {
 fn a_ladder_is_compared_by_meaning() {
     let with = |from: &str, to: &str| {
         assert!(STANDARD_LADDER.contains(from), "{from}");
-        let mut files = exported();
+        let mut files = exported_files();
         files.insert(
             "ladder/main.il".to_owned(),
             STANDARD_LADDER.replacen(from, to, 1),
@@ -661,8 +663,11 @@ fn a_ladder_is_compared_by_meaning() {
         );
         assert_eq!(found.len(), 1, "{found:?}");
         assert_eq!(found[0].section(), ProjectSection::Ladder);
-        let said = describe_text_changes(&found[0]);
-        said.iter().map(ToString::to_string).collect::<Vec<_>>()
+        let description = describe_text_changes(&found[0]);
+        description
+            .iter()
+            .map(ToString::to_string)
+            .collect::<Vec<_>>()
     };
     assert_eq!(
         with("压力低报警", "油压低"),
@@ -705,7 +710,7 @@ fn machine_and_jobs_are_compared_between_folders_alone() {
 /// Manual III-2.5.1: levels 3 and up for parameters and ladder, 4 for offsets and programs.
 #[test]
 fn rights_are_those_of_the_control() {
-    let mut after = Control::new();
+    let mut after = ProjectControl::new();
     after.memory.parameters.set(22, 4000).unwrap();
     let offset = ToolOffset {
         x: 1.0,
@@ -715,13 +720,13 @@ fn rights_are_those_of_the_control() {
     after.memory.variables.set(200, 1).unwrap();
     after.memory.programs.store("O0001;\nM30;\n").unwrap();
     after.memory.programs.store("O9001;\nM30;\n").unwrap();
-    let before = Control::new();
+    let before = ProjectControl::new();
     let found = diff(&before.state(), &after.state());
-    let refused = |parameters: &_, level: Level| -> Vec<ProjectKey> {
+    let refused = |parameters: &_, level: OperationLevel| -> Vec<ProjectKey> {
         let denied = find_denied_changes(&found, parameters, level);
         denied.into_iter().map(|it| it.key).collect()
     };
-    let level = |password: &str| before.memory.authority.level_of(password).unwrap();
+    let level = |password: &str| before.memory.authority.level_for(password).unwrap();
     let parameter = ProjectKey::Parameter(DataSet::Control, 22, None);
     let offset = ProjectKey::Offset(DataSet::Control, 1, OffsetColumn::X);
     let (low, high) = (ProjectKey::Program(1), ProjectKey::Program(9001));
@@ -730,6 +735,6 @@ fn rights_are_those_of_the_control() {
     assert_eq!(refused(parameters, level("12345")), [high]);
     // Without 参数开关 parameters are refused; the level does not enable them.
     assert_eq!(refused(parameters, level("1234")), [parameter, high]);
-    let nobody = [parameter, offset, ProjectKey::Variable(200), low, high];
-    assert_eq!(refused(parameters, Level::NONE), nobody);
+    let refused_for_all = [parameter, offset, ProjectKey::Variable(200), low, high];
+    assert_eq!(refused(parameters, OperationLevel::NONE), refused_for_all);
 }

@@ -27,7 +27,7 @@ const RAPID_DOWN: BitAddress = BitAddress::new(Area::X, 24, 5);
 
 /// One block or two, in thousandths of a millimetre; X as a diameter.
 #[derive(Clone, Debug)]
-enum Step {
+enum ProgramStep {
     Go {
         x: Option<i64>,
         z: Option<i64>,
@@ -67,7 +67,7 @@ enum Step {
     },
 }
 
-fn step() -> impl Strategy<Value = Step> {
+fn any_step() -> impl Strategy<Value = ProgramStep> {
     let feed = || 300..9000i64;
     let go = (
         proptest::option::of(-100_000..300_000i64),
@@ -77,22 +77,22 @@ fn step() -> impl Strategy<Value = Step> {
         feed(),
     );
     prop_oneof![
-        4 => go.prop_map(|(x, z, incremental, rapid, feed)| Step::Go { x, z, incremental, rapid, feed }),
+        4 => go.prop_map(|(x, z, incremental, rapid, feed)| ProgramStep::Go { x, z, incremental, rapid, feed }),
         2 => (-40_000..40_000i64, -40_000..40_000i64, 0..30_000i64, any::<bool>(), feed())
-            .prop_map(|(du, dw, slack, clockwise, feed)| Step::ArcByR { du, dw, slack, clockwise, feed }),
+            .prop_map(|(du, dw, slack, clockwise, feed)| ProgramStep::ArcByR { du, dw, slack, clockwise, feed }),
         1 => (-15_000..15_000i64, -15_000..15_000i64, any::<bool>(), feed())
-            .prop_map(|(i, k, clockwise, feed)| Step::Circle { i, k, clockwise, feed }),
+            .prop_map(|(i, k, clockwise, feed)| ProgramStep::Circle { i, k, clockwise, feed }),
         1 => (1..40_000i64, 1..40_000i64, -20_000..20_000i64, any::<bool>(), feed())
-            .prop_map(|(u, w, r, facing, feed)| Step::Turning { u, w, r, facing, feed }),
-        1 => (0..400i64).prop_map(|ms| Step::Dwell { ms }),
-        1 => (-200_000..200_000i64, -200_000..200_000i64).prop_map(|(x, z)| Step::Zero { x, z }),
-        1 => (0..3i64).prop_map(|number| Step::Offset { number }),
+            .prop_map(|(u, w, r, facing, feed)| ProgramStep::Turning { u, w, r, facing, feed }),
+        1 => (0..400i64).prop_map(|ms| ProgramStep::Dwell { ms }),
+        1 => (-200_000..200_000i64, -200_000..200_000i64).prop_map(|(x, z)| ProgramStep::Zero { x, z }),
+        1 => (0..3i64).prop_map(|number| ProgramStep::Offset { number }),
     ]
 }
 
 /// A program with its expected end point.
 #[derive(Debug)]
-struct Part {
+struct ExpectedPart {
     text: String,
     /// Absolute end point: X as a diameter, Z, thousandths.
     end: (i64, i64),
@@ -103,20 +103,20 @@ struct Part {
 /// Offsets 01 and 02: X, Z, thousandths.
 const OFFSETS: [(i64, i64); 3] = [(0, 0), (1_200, -3_400), (-20_000, 15_500)];
 
-fn mm(thousandths: i64) -> String {
+fn format_mm(thousandths: i64) -> String {
     let sign = if thousandths < 0 { "-" } else { "" };
     let value = thousandths.unsigned_abs();
     format!("{sign}{}.{:03}", value / 1000, value % 1000)
 }
 
-fn part(steps: &[Step]) -> Part {
+fn build_part(steps: &[ProgramStep]) -> ExpectedPart {
     let start = (300_000, 300_000);
     let mut text = "O0001;\n".to_owned();
     // `shift` = machine minus absolute.
     let (mut at, mut shift, mut offset) = (start, (0, 0), 0usize);
     for step in steps {
         match *step {
-            Step::Go {
+            ProgramStep::Go {
                 x,
                 z,
                 incremental,
@@ -126,17 +126,17 @@ fn part(steps: &[Step]) -> Part {
                 text += if rapid { "G00" } else { "G01" };
                 if let Some(x) = x {
                     let (letter, value) = if incremental { ("U", x / 2) } else { ("X", x) };
-                    let _ = write!(text, " {letter}{}", mm(value));
+                    let _ = write!(text, " {letter}{}", format_mm(value));
                     at.0 = if incremental { at.0 + x / 2 } else { x };
                 }
                 if let Some(z) = z {
                     let (letter, value) = if incremental { ("W", z / 2) } else { ("Z", z) };
-                    let _ = write!(text, " {letter}{}", mm(value));
+                    let _ = write!(text, " {letter}{}", format_mm(value));
                     at.1 = if incremental { at.1 + z / 2 } else { z };
                 }
                 let _ = writeln!(text, " F{feed};");
             }
-            Step::ArcByR {
+            ProgramStep::ArcByR {
                 du,
                 dw,
                 slack,
@@ -149,13 +149,13 @@ fn part(steps: &[Step]) -> Part {
                 let _ = writeln!(
                     text,
                     "{code} U{} W{} R{} F{feed};",
-                    mm(du),
-                    mm(dw),
-                    mm(radius)
+                    format_mm(du),
+                    format_mm(dw),
+                    format_mm(radius)
                 );
                 at = (at.0 + du, at.1 + dw);
             }
-            Step::Circle {
+            ProgramStep::Circle {
                 i,
                 k,
                 clockwise,
@@ -164,9 +164,9 @@ fn part(steps: &[Step]) -> Part {
                 let code = if clockwise { "G02" } else { "G03" };
                 // A circle without radius is invalid.
                 let i = if i == 0 && k == 0 { 1000 } else { i };
-                let _ = writeln!(text, "{code} I{} K{} F{feed};", mm(i), mm(k));
+                let _ = writeln!(text, "{code} I{} K{} F{feed};", format_mm(i), format_mm(k));
             }
-            Step::Turning {
+            ProgramStep::Turning {
                 u,
                 w,
                 r,
@@ -176,19 +176,19 @@ fn part(steps: &[Step]) -> Part {
                 // |R| within the limit for either sign.
                 let r = if facing { r % w } else { r % (u / 2).max(1) };
                 let code = if facing { "G94" } else { "G90" };
-                let (u, w, r) = (mm(-u), mm(-w), mm(r));
+                let (u, w, r) = (format_mm(-u), format_mm(-w), format_mm(r));
                 let _ = writeln!(text, "{code} U{u} W{w} R{r} F{feed};\nG01;");
             }
-            Step::Dwell { ms } => {
+            ProgramStep::Dwell { ms } => {
                 let _ = writeln!(text, "G04 P{ms};");
             }
-            Step::Zero { x, z } => {
+            ProgramStep::Zero { x, z } => {
                 let machine = (at.0 + shift.0, at.1 + shift.1);
                 shift = (machine.0 - x, machine.1 - z);
                 at = (x, z);
-                let _ = writeln!(text, "G50 X{} Z{};", mm(x), mm(z));
+                let _ = writeln!(text, "G50 X{} Z{};", format_mm(x), format_mm(z));
             }
-            Step::Offset { number } => {
+            ProgramStep::Offset { number } => {
                 let new = number as usize;
                 let change = (
                     OFFSETS[new].0 - OFFSETS[offset].0,
@@ -197,22 +197,27 @@ fn part(steps: &[Step]) -> Part {
                 offset = new;
                 // The offset is executed with the motion of its block, to the same absolute
                 // point.
-                let _ = writeln!(text, "T01{number:02} G00 X{} Z{};", mm(at.0), mm(at.1));
+                let _ = writeln!(
+                    text,
+                    "T01{number:02} G00 X{} Z{};",
+                    format_mm(at.0),
+                    format_mm(at.1)
+                );
                 shift = (shift.0 + change.0, shift.1 + change.1);
             }
         }
     }
     text += "M30;\n";
-    Part {
+    ExpectedPart {
         text,
         end: at,
         machine: (at.0 + shift.0, at.1 + shift.1),
     }
 }
 
-fn start(part: &Part) -> Setup {
+fn start(part: &ExpectedPart) -> Setup {
     let mut start = Setup::default();
-    start.memory.programs = setup::memory(std::slice::from_ref(&part.text)).expect("program");
+    start.memory.programs = setup::build_memory(std::slice::from_ref(&part.text)).expect("program");
     for (number, (x, z)) in OFFSETS.into_iter().enumerate().skip(1) {
         let row = gsk_core::memory::ToolOffset {
             x: x as f64 / 1000.0,
@@ -224,19 +229,19 @@ fn start(part: &Part) -> Setup {
     start
 }
 
-fn at(point: Point) -> (f64, f64) {
+fn diameter_z(point: Point) -> (f64, f64) {
     (point.diameter().0 * 1000.0, point.z * 1000.0)
 }
 
 fn assert_at(name: &str, seen: Point, expected: (i64, i64)) -> Result<(), TestCaseError> {
-    let (x, z) = at(seen);
+    let (x, z) = diameter_z(seen);
     let near = (x - expected.0 as f64).abs() < 0.01 && (z - expected.1 as f64).abs() < 0.01;
     prop_assert!(near, "{name}: {expected:?} expected, ({x}, {z}) seen");
     Ok(())
 }
 
 /// Length of a move, mm of path.
-fn length(executed: &ExecutedMove) -> f64 {
+fn path_length(executed: &ExecutedMove) -> f64 {
     let chord = executed.to - executed.from;
     let Some(center) = executed.center else {
         return chord.length();
@@ -260,7 +265,9 @@ fn assert_rate(executed: &ExecutedMove, feed: f64, rapid: f64) -> Result<(), Tes
             (way.x.abs() / (RAPID.0 * rapid)).max(way.z.abs() / (RAPID.1 * rapid)) * 60.0
         }
         (MoveKind::Dwell, _) => 0.0,
-        (_, Some(Feed::PerMinute(rate))) => length(executed) / (rate * feed).min(FEED_LIMIT) * 60.0,
+        (_, Some(Feed::PerMinute(rate))) => {
+            path_length(executed) / (rate * feed).min(FEED_LIMIT) * 60.0
+        }
         (kind, feed) => panic!("{kind:?} with {feed:?}"),
     };
     prop_assert!(
@@ -300,19 +307,19 @@ fn assert_same(
     Ok(())
 }
 
-struct Watched {
+struct RunRecord {
     simulation: Simulation,
     moves: Vec<ExecutedMove>,
     blocks: u64,
 }
 
 /// Runs a program to its end with overrides turned down and records every tick.
-fn watched(
+fn run_recorded(
     start: &Setup,
     feed_down: u32,
     rapid_down: u32,
     limits: (f64, f64),
-) -> Result<Watched, TestCaseError> {
+) -> Result<RunRecord, TestCaseError> {
     let mut simulation = Simulation::new(start.clone());
     // The ladder sees the edge of a key only after its first scan.
     (0..100).for_each(|_| simulation.tick());
@@ -355,7 +362,7 @@ fn watched(
         before = now;
         for event in cnc.events() {
             match event {
-                Event::Moved(executed) => moves.push(*executed),
+                Event::MoveEnded(executed) => moves.push(*executed),
                 Event::BlockEnded(_) => blocks += 1,
                 Event::AlarmRaised(alarm) => prop_assert!(false, "{}", alarm.line_text()),
                 _ => {}
@@ -366,7 +373,7 @@ fn watched(
             .iter()
             .any(|event| matches!(event, Event::ProgramEnded { .. }));
         if ended && !cnc.is_moving() {
-            return Ok(Watched {
+            return Ok(RunRecord {
                 simulation,
                 moves,
                 blocks,
@@ -394,22 +401,22 @@ proptest! {
 
     #[test]
     fn programs_end_where_the_words_say(
-        steps in proptest::collection::vec(step(), 1..14),
+        steps in proptest::collection::vec(any_step(), 1..14),
         feed_down in 0..6u32,
         rapid_down in 0..3u32,
     ) {
-        let part = part(&steps);
+        let part = build_part(&steps);
         let start = start(&part);
         let feed = 1.0 - 0.1 * f64::from(feed_down);
         let rapid = [1.0, 0.5, 0.25][rapid_down as usize];
         let cut = (9000.0 * feed).min(FEED_LIMIT);
         let limits = ((RAPID.0 * rapid).max(cut), (RAPID.1 * rapid).max(cut));
-        let watched = watched(&start, feed_down, rapid_down, limits)
+        let watched = run_recorded(&start, feed_down, rapid_down, limits)
             .map_err(|error| TestCaseError::fail(format!("{error}\n{}", part.text)))?;
         let cnc = &watched.simulation.cnc;
         assert_at("absolute", cnc.position_absolute(), part.end)?;
         assert_at("machine", cnc.position_machine(), part.machine)?;
-        for executed in watched.moves.iter().filter(|executed| length(executed) > 0.0) {
+        for executed in watched.moves.iter().filter(|executed| path_length(executed) > 0.0) {
             assert_rate(executed, feed, rapid)?;
         }
         let mut previewed = Vec::new();
@@ -428,10 +435,10 @@ proptest! {
     ) {
         let mut text = format!("O0001;\nG50 X30 Z0;\nG01 F{feed};\n");
         for (x, z) in &ends {
-            let _ = writeln!(text, "X{} Z{};", mm(*x), mm(*z));
+            let _ = writeln!(text, "X{} Z{};", format_mm(*x), format_mm(*z));
         }
         text += "M30;\n";
-        let part = Part { text, end: ends[ends.len() - 1], machine: (0, 0) };
+        let part = ExpectedPart { text, end: ends[ends.len() - 1], machine: (0, 0) };
         let start = start(&part);
         let mut simulation = Simulation::new(start);
         simulation.start_automatic();
@@ -455,8 +462,8 @@ proptest! {
     ) {
         prop_assume!(i != 0 || k != 0);
         let code = if clockwise { "G02" } else { "G03" };
-        let text = format!("O0001;\n{code} I{} K{} F{feed};\nM30;\n", mm(i), mm(k));
-        let part = Part { text, end: (300_000, 300_000), machine: (300_000, 300_000) };
+        let text = format!("O0001;\n{code} I{} K{} F{feed};\nM30;\n", format_mm(i), format_mm(k));
+        let part = ExpectedPart { text, end: (300_000, 300_000), machine: (300_000, 300_000) };
         let mut simulation = Simulation::new(start(&part));
         simulation.start_automatic();
         let center = Point::new(150.0 + i as f64 / 1000.0, 300.0 + k as f64 / 1000.0);

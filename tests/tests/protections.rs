@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use gsk_core::cnc::{Cnc, Request};
+use gsk_core::cnc::{Cnc, ControlRequest};
 use gsk_core::operation::SoftSwitch;
 use gsk_core::plc::address::{Area, ByteAddress};
 use gsk_core::program::Program;
@@ -17,39 +17,44 @@ use gsk_tests::repository;
 const PROGRAM: &str = "\nG04 X9000;\nM30;\n";
 
 /// The data that a page writes, as text, for a comparison before and after.
-type Seen = fn(&Emulator) -> String;
+type PageData = fn(&Emulator) -> String;
 
-struct Place {
+struct WritingPage {
     name: &'static str,
     /// The key of the mode it needs; empty for any mode.
     mode: &'static str,
     /// The keys that write.
     keys: &'static str,
-    seen: Seen,
+    seen: PageData,
 }
 
-const fn place(name: &'static str, mode: &'static str, keys: &'static str, seen: Seen) -> Place {
-    Place {
+const fn writing_page(
+    name: &'static str,
+    mode: &'static str,
+    keys: &'static str,
+    data: PageData,
+) -> WritingPage {
+    WritingPage {
         name,
         mode,
         keys,
-        seen,
+        seen: data,
     }
 }
 
-const PLACES: [Place; 29] = [
-    place(
+const WRITING_PAGES: [WritingPage; 29] = [
+    writing_page(
         "prg-text",
         "EDIT",
         "press DOWN\ntype G4\npress POS",
         programs,
     ),
-    place("prg-create", "EDIT", "type O55\npress EOB", programs),
-    place("prg-delete", "EDIT", "type O7\npress DEL", programs),
-    place("prg-delete-all", "EDIT", "type O-999\npress DEL", programs),
-    place("prg-rename", "EDIT", "type O56\npress INS", programs),
-    place("prg-save-as", "EDIT", "type O57\npress CHG", programs),
-    place(
+    writing_page("prg-create", "EDIT", "type O55\npress EOB", programs),
+    writing_page("prg-delete", "EDIT", "type O7\npress DEL", programs),
+    writing_page("prg-delete-all", "EDIT", "type O-999\npress DEL", programs),
+    writing_page("prg-rename", "EDIT", "type O56\npress INS", programs),
+    writing_page("prg-save-as", "EDIT", "type O57\npress CHG", programs),
+    writing_page(
         "prg-9000-text",
         "EDIT",
         "press DOWN\ntype G4\npress POS",
@@ -58,99 +63,99 @@ const PLACES: [Place; 29] = [
             format!("{:?}", program.map(Program::text))
         },
     ),
-    place("prg-9000-create", "EDIT", "type O9002\npress EOB", programs),
-    place("prg-9000-delete", "EDIT", "type O9001\npress DEL", programs),
-    place(
+    writing_page("prg-9000-create", "EDIT", "type O9002\npress EOB", programs),
+    writing_page("prg-9000-delete", "EDIT", "type O9001\npress DEL", programs),
+    writing_page(
         "mdi",
         "MDI",
         "press PRG\npress PGDN\ntype G1\npress IN",
         |emulator| cnc(emulator).mdi_block().text(),
     ),
-    place(
+    writing_page(
         "oft",
         "",
         "press OFT\ntype P1\npress IN\ntype R1.5\npress IN",
         offsets,
     ),
-    place(
+    writing_page(
         "macro",
         "MDI",
         "press OFT\npress PGUP\ntype 5\npress IN",
         |emulator| format!("{:?}", cnc(emulator).variables()),
     ),
-    place(
+    writing_page(
         "set-code",
         "MDI",
         "press SET\npress UP\ntype 1\npress IN",
         |emulator| format!("{:?}", cnc(emulator).settings()),
     ),
-    place(
+    writing_page(
         "set-switch",
         "",
         "press SET\npress PGDN\ntype D",
-        |emulator| cnc(emulator).parameter_switch().to_string(),
+        |emulator| cnc(emulator).is_parameter_switch_on().to_string(),
     ),
-    place(
+    writing_page(
         "set-switch-prg",
         "",
         "press SET\npress PGDN\npress DOWN\ntype W",
-        |emulator| cnc(emulator).program_switch().to_string(),
+        |emulator| cnc(emulator).is_program_switch_on().to_string(),
     ),
-    place(
+    writing_page(
         "edisk-save",
         "MDI",
         "press SET\npress PGDN\npress PGDN\ntype 5",
         |emulator| format!("{:?}", cnc(emulator).disks()),
     ),
-    place(
+    writing_page(
         "edisk-read",
         "MDI",
         "press SET\npress PGDN\npress PGDN\ntype 3",
         parameters,
     ),
-    place(
+    writing_page(
         "password",
         "",
         "press SET\npress PGUP\ntype 123456\npress IN",
         |emulator| cnc(emulator).authority().level().number().to_string(),
     ),
-    place(
+    writing_page(
         "graph-plane",
         "MDI",
         "press SET\npress SET\ntype 1\npress IN",
         graphic,
     ),
-    place(
+    writing_page(
         "graph-extent",
         "MDI",
         "press SET\npress SET\npress UP\ntype 50\npress IN",
         graphic,
     ),
-    place(
+    writing_page(
         "par-bit",
         "MDI",
         "press PAR\ntype P5\npress IN\ntype 00010001\npress IN",
         parameters,
     ),
-    place(
+    writing_page(
         "par-data",
         "MDI",
         "press PAR\npress PAR\ntype P24\npress IN\ntype 333\npress IN",
         parameters,
     ),
-    place(
+    writing_page(
         "pitch",
         "MDI",
         "press PAR\npress PAR\npress PAR\ntype X5\npress IN",
         |emulator| format!("{:?}", cnc(emulator).pitch()),
     ),
-    place(
+    writing_page(
         "dgn-075",
         "MDI",
         "press DGN\ntype P75\npress IN\ntype 3\npress IN",
         |emulator| cnc(emulator).plc().memory().k(12).to_string(),
     ),
-    place(
+    writing_page(
         "plc-preset",
         "MDI",
         "press DGN\npress DGN\npress DGN\ntype 7\npress IN",
@@ -159,31 +164,31 @@ const PLACES: [Place; 29] = [
             cnc(emulator).plc().memory().byte(d0).to_string()
         },
     ),
-    place(
+    writing_page(
         "rel-zero",
         "",
         "press POS\npress U\npress CAN",
         |emulator| format!("{:?}", cnc(emulator).position_relative()),
     ),
-    place(
+    writing_page(
         "parts",
         "",
         "press POS\ndown CAN\npress N\nup CAN",
         |emulator| cnc(emulator).counters().parts.to_string(),
     ),
-    place(
+    writing_page(
         "cutting-time",
         "",
         "press POS\ndown CAN\npress T\nup CAN",
         |emulator| (cnc(emulator).counters().cutting_ms / 3_600_000).to_string(),
     ),
-    place(
+    writing_page(
         "softpanel",
         "",
         "press DGN\npress DGN\npress DGN\npress DGN\ntype 1\nwait 300ms",
         |emulator| {
             cnc(emulator)
-                .soft_switch_state(SoftSwitch::ALL[0])
+                .is_soft_switch_active(SoftSwitch::ALL[0])
                 .to_string()
         },
     ),
@@ -211,7 +216,7 @@ fn graphic(emulator: &Emulator) -> String {
     format!("{:?}", emulator.panel.view().graphic)
 }
 
-fn operate(emulator: &mut Emulator, text: &str, why: &str) {
+fn run_script(emulator: &mut Emulator, text: &str, why: &str) {
     let script = Script::parse(text).unwrap();
     let done = script::run(script, emulator, &mut |_, _| {
         Ok::<(), core::convert::Infallible>(())
@@ -220,7 +225,7 @@ fn operate(emulator: &mut Emulator, text: &str, why: &str) {
 }
 
 /// The machine on a page, with a protection active.
-fn prepared(place: &Place, protection: &str) -> Emulator {
+fn prepare_machine(page: &WritingPage, protection: &str) -> Emulator {
     let mut setup = Setup::default();
     let bit = match protection {
         "EAL" => Some((12, 3, false)),
@@ -234,7 +239,7 @@ fn prepared(place: &Place, protection: &str) -> Emulator {
     }
     match protection {
         "L4" => assert!(setup.memory.authority.enter("1234")),
-        "L5" => setup.memory.authority.leave(),
+        "L5" => setup.memory.authority.log_off(),
         _ => {}
     }
     for number in [7, 12, 9001] {
@@ -251,21 +256,21 @@ fn prepared(place: &Place, protection: &str) -> Emulator {
     emulator.panel.show(PageId::PosRel);
     emulator.run(100);
     let cnc = &mut emulator.simulation.cnc;
-    let selected = if place.name.starts_with("prg-9000") {
+    let selected = if page.name.starts_with("prg-9000") {
         9001
     } else {
         12
     };
     // Hidden programs cannot be selected; that is their protection.
-    let _ = cnc.request(Request::SelectProgram(selected));
+    let _ = cnc.request(ControlRequest::SelectProgram(selected));
     emulator.press(gsk_panel::keys::Key::Reset);
     // The page sets the switches, unless a protection prevents it: then they were set before.
-    let switch = protection != "PSW" && place.name != "set-switch";
+    let switch = protection != "PSW" && page.name != "set-switch";
     if switch {
         force_switch(&mut emulator);
     }
     if protection == "PRG" {
-        operate(
+        run_script(
             &mut emulator,
             "press SET\npress PGDN\npress DOWN\ntype W\npress UP\npress POS",
             "switch",
@@ -280,7 +285,7 @@ fn prepared(place: &Place, protection: &str) -> Emulator {
         "KEY1" => "force G46.3 1",
         _ => "",
     };
-    operate(&mut emulator, keys, protection);
+    run_script(&mut emulator, keys, protection);
     emulator
 }
 
@@ -289,12 +294,12 @@ fn prepared(place: &Place, protection: &str) -> Emulator {
 fn force_switch(emulator: &mut Emulator) {
     let cnc = &mut emulator.simulation.cnc;
     for request in [
-        Request::SetParameterSwitch(true),
-        Request::CancelSwitchAlarm,
+        ControlRequest::SetParameterSwitch(true),
+        ControlRequest::CancelSwitchAlarm,
     ] {
         cnc.request(request).unwrap_or_default();
     }
-    if cnc.parameter_switch() {
+    if cnc.is_parameter_switch_on() {
         return;
     }
     let text = ron::to_string(emulator).unwrap();
@@ -304,17 +309,17 @@ fn force_switch(emulator: &mut Emulator) {
 }
 
 /// The result of the keys: `ok`, `-`, or the alarm.
-fn outcome(place: &Place, protection: &str) -> String {
-    let mut emulator = prepared(place, protection);
+fn key_result(page: &WritingPage, protection: &str) -> String {
+    let mut emulator = prepare_machine(page, protection);
     let mode = match protection {
         "jog" | "estop" => "JOG",
-        _ => place.mode,
+        _ => page.mode,
     };
     if !mode.is_empty() {
-        operate(&mut emulator, &format!("press {mode}"), "mode");
+        run_script(&mut emulator, &format!("press {mode}"), "mode");
     }
-    if place.name.starts_with("prg") {
-        operate(&mut emulator, "press PRG", "page");
+    if page.name.starts_with("prg") {
+        run_script(&mut emulator, "press PRG", "page");
     }
     let numbers = |emulator: &Emulator| -> BTreeSet<u16> {
         cnc(emulator)
@@ -323,9 +328,9 @@ fn outcome(place: &Place, protection: &str) -> String {
             .map(|alarm| alarm.number)
             .collect()
     };
-    let (before, alarms) = ((place.seen)(&emulator), numbers(&emulator));
-    operate(&mut emulator, place.keys, place.name);
-    let changed = (place.seen)(&emulator) != before;
+    let (before, alarms) = ((page.seen)(&emulator), numbers(&emulator));
+    run_script(&mut emulator, page.keys, page.name);
+    let changed = (page.seen)(&emulator) != before;
     let new: Vec<u16> = numbers(&emulator).difference(&alarms).copied().collect();
     match (changed, new.first()) {
         (true, _) => "ok".to_owned(),
@@ -347,17 +352,17 @@ fn every_page_that_writes_against_every_protection() {
     let listed: Vec<&str> = rows.iter().map(|row| row[0]).collect();
     assert_eq!(
         listed,
-        PLACES.map(|place| place.name),
+        WRITING_PAGES.map(|place| place.name),
         "the places of the table"
     );
     let mut wrong = Vec::new();
-    for (row, place) in rows.iter().zip(&PLACES) {
+    for (row, place) in rows.iter().zip(&WRITING_PAGES) {
         assert_eq!(row.len(), head.len(), "{}: columns", place.name);
         for (protection, expected) in head.iter().zip(row).skip(1) {
             if *expected == "." {
                 continue;
             }
-            let seen = outcome(place, protection);
+            let seen = key_result(place, protection);
             if seen != *expected {
                 wrong.push(format!(
                     "{} {protection}: {expected} expected, {seen} seen",

@@ -7,9 +7,9 @@ use std::path::PathBuf;
 use gsk_tests::{case_dir, run_case, tree};
 
 /// A case in a temporary folder, removed at the end.
-struct Folder(PathBuf);
+struct TemporaryCase(PathBuf);
 
-impl Folder {
+impl TemporaryCase {
     fn new(name: &str, files: &[(&str, &str)]) -> Self {
         let path = std::env::temp_dir().join(format!("gsk980td-{name}-{}", std::process::id()));
         fs::create_dir_all(&path).expect("folder");
@@ -20,7 +20,7 @@ impl Folder {
     }
 }
 
-impl Drop for Folder {
+impl Drop for TemporaryCase {
     fn drop(&mut self) {
         // A failure leaves a few bytes in the temporary folder.
         let _ = fs::remove_dir_all(&self.0);
@@ -31,12 +31,12 @@ const PART: (&str, &str) = ("part.nc", "O1;\nG00 X100 Z50;\nM30;\n");
 const CASE: (&str, &str) = ("case.ron", "(programs: [\"part.nc\"])");
 
 #[test]
-fn a_wrong_move_is_seen_on_both_paths() {
+fn a_wrong_move_is_detected_on_both_paths() {
     let wrong = (
         "moves.ndjson",
         "{\"line\":2,\"kind\":\"rapid\",\"x\":100.01,\"z\":50}\n",
     );
-    let folder = Folder::new("wrong", &[PART, CASE, wrong]);
+    let folder = TemporaryCase::new("wrong", &[PART, CASE, wrong]);
     let failure = run_case(&folder.0, false).expect_err("a difference");
     assert!(failure.contains("check: move 1.x"), "{failure}");
     assert!(failure.contains("run: move 1.x"), "{failure}");
@@ -44,7 +44,7 @@ fn a_wrong_move_is_seen_on_both_paths() {
 
 #[test]
 fn a_missing_move_is_seen() {
-    let folder = Folder::new("missing", &[PART, CASE, ("moves.ndjson", "")]);
+    let folder = TemporaryCase::new("missing", &[PART, CASE, ("moves.ndjson", "")]);
     let failure = run_case(&folder.0, false).expect_err("a difference");
     assert!(failure.contains("0 moves expected, 1 seen"), "{failure}");
 }
@@ -52,14 +52,14 @@ fn a_missing_move_is_seen() {
 #[test]
 fn a_wrong_result_is_seen() {
     let wrong = ("result.json", "{\"end\":\"M30\",\"alarm\":{\"number\":11}}");
-    let folder = Folder::new("result", &[PART, CASE, wrong]);
+    let folder = TemporaryCase::new("result", &[PART, CASE, wrong]);
     let failure = run_case(&folder.0, false).expect_err("a difference");
     assert!(failure.contains("check.alarm"), "{failure}");
 }
 
 #[test]
 fn a_case_without_expectation_fails() {
-    let folder = Folder::new("nothing", &[PART, CASE]);
+    let folder = TemporaryCase::new("nothing", &[PART, CASE]);
     assert!(run_case(&folder.0, false).is_err());
 }
 
@@ -67,7 +67,7 @@ fn a_case_without_expectation_fails() {
 fn a_failed_expect_shows_its_line_and_the_screen() {
     let case = ("case.ron", "(script: \"operate.txt\")");
     let script = ("operate.txt", "press AUTO\nexpect mode 手动方式\n");
-    let folder = Folder::new("script", &[case, script]);
+    let folder = TemporaryCase::new("script", &[case, script]);
     let failure = run_case(&folder.0, false).expect_err("a difference");
     assert!(failure.contains("line 2"), "{failure}");
     assert!(failure.contains("自动方式"), "{failure}");
@@ -77,19 +77,19 @@ fn a_failed_expect_shows_its_line_and_the_screen() {
 fn a_wrong_screen_is_seen() {
     let case = ("case.ron", "(script: \"operate.txt\")");
     let script = ("operate.txt", "press AUTO\n");
-    let folder = Folder::new("screen", &[case, script, ("screen.txt", "程序\n")]);
+    let folder = TemporaryCase::new("screen", &[case, script, ("screen.txt", "程序\n")]);
     let failure = run_case(&folder.0, false).expect_err("a difference");
     assert!(failure.contains("R0  expected |程序"), "{failure}");
 }
 
 #[test]
-fn a_known_failure_passes_until_it_is_none() {
+fn a_known_failure_passes_until_it_is_fixed() {
     let known = (
         "case.ron",
         "(programs: [\"part.nc\"], known_failure: \"why\")",
     );
     let wrong = ("result.json", "{\"end\":\"M99\"}");
-    let folder = Folder::new("known", &[PART, known, wrong]);
+    let folder = TemporaryCase::new("known", &[PART, known, wrong]);
     assert_eq!(run_case(&folder.0, false), Ok(()));
     fs::write(folder.0.join("result.json"), "{\"end\":\"M30\"}").expect("result");
     let failure = run_case(&folder.0, false).expect_err("it passes now");
@@ -99,7 +99,7 @@ fn a_known_failure_passes_until_it_is_none() {
 #[test]
 fn an_update_rewrites_named_fields_only() {
     let wrong = ("moves.ndjson", "{\"line\":2,\"x\":1}\n");
-    let folder = Folder::new("update", &[PART, CASE, wrong]);
+    let folder = TemporaryCase::new("update", &[PART, CASE, wrong]);
     run_case(&folder.0, true).expect("update");
     let text = fs::read_to_string(folder.0.join("moves.ndjson")).expect("moves");
     assert_eq!(text, "{\"line\":2,\"x\":100.0}\n");
@@ -107,15 +107,15 @@ fn an_update_rewrites_named_fields_only() {
 }
 
 #[test]
-fn a_case_that_cannot_be_read_says_so() {
-    let folder = Folder::new("unreadable", &[("case.ron", "(program: [])")]);
+fn an_unreadable_case_is_reported() {
+    let folder = TemporaryCase::new("unreadable", &[("case.ron", "(program: [])")]);
     let failure = run_case(&folder.0, false).expect_err("no case");
     assert!(failure.starts_with("case.ron:"), "{failure}");
 }
 
 #[test]
-fn the_cases_lie_in_their_places_and_no_two_share_a_name() {
-    let cases = tree::cases().expect("the folders of tests/cases");
+fn the_cases_are_in_their_folders_and_no_two_share_a_name() {
+    let cases = tree::list_cases().expect("the folders of tests/cases");
     let last = cases.last().expect("cases");
     assert_eq!(case_dir(&last.name).as_ref(), Some(&last.folder));
     assert_eq!(case_dir("no-such-case"), None);
@@ -123,7 +123,7 @@ fn the_cases_lie_in_their_places_and_no_two_share_a_name() {
 
 #[test]
 fn a_folder_at_the_wrong_depth_or_without_a_case_is_named() {
-    let folder = Folder::new("tree", &[]);
+    let folder = TemporaryCase::new("tree", &[]);
     for path in ["cycles/G71/deep/deeper", "cycles/shallow", "threads/G32/a"] {
         fs::create_dir_all(folder.0.join(path)).expect("folder");
         fs::write(folder.0.join(path).join("case.ron"), "").expect("case");
@@ -132,7 +132,7 @@ fn a_folder_at_the_wrong_depth_or_without_a_case_is_named() {
         fs::create_dir_all(folder.0.join(path)).expect("folder");
     }
     fs::write(folder.0.join("motion/G01/a/case.ron"), "").expect("case");
-    let faults = tree::cases_in(&folder.0).expect_err("faults");
+    let faults = tree::list_cases_in(&folder.0).expect_err("faults");
     let seen: Vec<&str> = faults.lines().collect();
     let depth = "a case lies in cases/<subject>/<code>/<case>/ and nowhere else";
     let nothing = "the folder holds neither a case.ron nor folders";

@@ -1,23 +1,23 @@
 //! Checks that the sample programs do what their comments describe, on both paths.
 
 use gsk_core::setup::Setup;
-use gsk_tests::execute::{Seen, check, run};
+use gsk_tests::execute::{PathResult, run_check, run_kernel};
 use gsk_tests::{repository, setup};
 
-fn start(names: &[&str]) -> Setup {
+fn start_setup(names: &[&str]) -> Setup {
     let folder = repository().join("assets/programs");
     let texts: Vec<String> = names
         .iter()
         .map(|name| std::fs::read_to_string(folder.join(name)).expect(name))
         .collect();
     let mut start = Setup::default();
-    start.memory.programs = setup::memory(&texts).expect("programs");
+    start.memory.programs = setup::build_memory(&texts).expect("programs");
     start
 }
 
-fn both(names: &[&str]) -> [Seen; 2] {
-    let start = start(names);
-    [check(&start), run(&start)]
+fn run_both_paths(names: &[&str]) -> [PathResult; 2] {
+    let start = start_setup(names);
+    [run_check(&start), run_kernel(&start)]
 }
 
 #[test]
@@ -27,7 +27,7 @@ fn clean_samples_end_at_their_start_point() {
         (&["02-bushing.CNC"], 0),
         (&["03-grooved-pin.CNC", "O1031.CNC"], 1),
     ] {
-        for seen in both(names) {
+        for seen in run_both_paths(names) {
             assert_eq!(seen.result["end"], "M30", "{names:?}: {}", seen.result);
             assert_eq!(seen.result["parts"], 1, "{names:?}");
             assert_eq!(seen.result["stops"], stops, "{names:?}");
@@ -45,13 +45,13 @@ fn clean_samples_end_at_their_start_point() {
 
 #[test]
 fn the_example_of_the_manual_clamps_turns_and_releases() {
-    let start = start(&["04-manual-example.CNC"]);
-    for seen in [check(&start), run(&start)] {
+    let start = start_setup(&["04-manual-example.CNC"]);
+    for seen in [run_check(&start), run_kernel(&start)] {
         assert_eq!(seen.result["alarm"]["number"], 1013, "no chuck");
         assert_eq!(seen.result["alarm"]["line"], 4);
     }
     let start = start.with_chuck();
-    for seen in [check(&start), run(&start)] {
+    for seen in [run_check(&start), run_kernel(&start)] {
         assert_eq!(seen.result["end"], "M30", "{}", seen.result);
         assert_eq!(
             seen.result["final"]["abs"],
@@ -69,8 +69,8 @@ fn check_and_run_see_the_same_moves() {
         &["01-stepped-shaft.CNC"][..],
         &["03-grooved-pin.CNC", "O1031.CNC"],
     ] {
-        let [checked, executed] = both(names);
-        let without_time = |seen: &Seen| {
+        let [checked, executed] = run_both_paths(names);
+        let without_time = |seen: &PathResult| {
             let moves = seen.moves.iter().cloned().map(|mut executed| {
                 executed["t"] = serde_json::Value::Null;
                 executed["dt"] = serde_json::Value::Null;
@@ -84,7 +84,7 @@ fn check_and_run_see_the_same_moves() {
 
 #[test]
 fn the_stepped_shaft_has_two_arcs_and_no_cut_below_the_contour() {
-    let [checked, _] = both(&["01-stepped-shaft.CNC"]);
+    let [checked, _] = run_both_paths(&["01-stepped-shaft.CNC"]);
     let kind = |wanted: &str| checked.moves.iter().filter(|m| m["kind"] == wanted).count();
     assert_eq!((kind("cw"), kind("ccw")), (1, 1));
     // Roughing stays outside the finished contour: no cut ends below it.
@@ -94,7 +94,7 @@ fn the_stepped_shaft_has_two_arcs_and_no_cut_below_the_contour() {
             executed["z"].as_f64().expect("z"),
         );
         if z < -0.001 {
-            let finished = contour(z);
+            let finished = contour_diameter(z);
             assert!(
                 x > finished - 0.001,
                 "X{x} Z{z} is below the contour {finished}"
@@ -104,7 +104,7 @@ fn the_stepped_shaft_has_two_arcs_and_no_cut_below_the_contour() {
 }
 
 /// Finished diameter of the stepped shaft at a Z; the smaller one at a step.
-fn contour(z: f64) -> f64 {
+fn contour_diameter(z: f64) -> f64 {
     match z {
         z if z > -2.0 => 16.0 - 2.0 * z,
         z if z >= -20.0 => 20.0,
@@ -123,7 +123,7 @@ fn faulty_samples_raise_the_alarm_they_name() {
         ("faulty/02-no-feed.CNC", 11, 6),
         ("faulty/03-missing-subprogram.CNC", 78, 6),
     ] {
-        for seen in both(&[name]) {
+        for seen in run_both_paths(&[name]) {
             assert_eq!(seen.result["end"], "alarm", "{name}");
             assert_eq!(seen.result["alarm"]["number"], number, "{name}");
             assert_eq!(seen.result["alarm"]["line"], line, "{name}");

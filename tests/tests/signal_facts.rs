@@ -12,12 +12,12 @@ use gsk_tests::{case_dir, repository};
 const SIGNALS: &str = include_str!("../../assets/tables/plc-signals.tsv");
 
 /// A line of the table.
-struct Fact {
+struct SignalFact {
     address: String,
     cases: Vec<String>,
 }
 
-fn facts() -> Vec<Fact> {
+fn read_facts() -> Vec<SignalFact> {
     let path = repository().join("tests/signal-facts.tsv");
     let text = fs::read_to_string(path).expect("signal-facts.tsv");
     let fact = |line: &str| {
@@ -29,7 +29,7 @@ fn facts() -> Vec<Fact> {
             .iter()
             .any(|cell| cell.is_empty());
         assert!(!is_empty, "signal-facts.tsv: an empty cell: {line}");
-        Fact {
+        SignalFact {
             address: address.to_owned(),
             cases: cases.split(' ').map(str::to_owned).collect(),
         }
@@ -38,7 +38,7 @@ fn facts() -> Vec<Fact> {
 }
 
 /// Signals that the control sends and the standard ladder does not read.
-fn unread() -> impl Iterator<Item = &'static str> {
+fn unread_signals() -> impl Iterator<Item = &'static str> {
     SIGNALS.lines().filter_map(|line| {
         let cells: Vec<&str> = line.split('\t').collect();
         let [address, .., acts] = cells[..] else {
@@ -50,7 +50,7 @@ fn unread() -> impl Iterator<Item = &'static str> {
 }
 
 /// The values that a script expects of an address or of its bits.
-fn expected(script: &str, address: &str) -> BTreeSet<String> {
+fn expected_values(script: &str, address: &str) -> BTreeSet<String> {
     let lines = script.lines().map(|line| line.split_whitespace());
     lines
         .filter_map(|mut words| {
@@ -67,10 +67,10 @@ fn expected(script: &str, address: &str) -> BTreeSet<String> {
 
 #[test]
 fn signals_that_no_standard_rung_reads_have_their_facts() {
-    let facts = facts();
+    let facts = read_facts();
     let named: BTreeSet<&str> = facts.iter().map(|fact| fact.address.as_str()).collect();
     let mut faults = Vec::new();
-    for address in unread() {
+    for address in unread_signals() {
         let byte = address.split('.').next().unwrap();
         if !named.contains(address) && !named.contains(byte) {
             faults.push(format!("{address}: has no line"));
@@ -83,7 +83,7 @@ fn signals_that_no_standard_rung_reads_have_their_facts() {
             match case_dir(name) {
                 Some(folder) => {
                     let script = fs::read_to_string(folder.join("operate.txt"));
-                    values.extend(expected(&script.unwrap_or_default(), &fact.address));
+                    values.extend(expected_values(&script.unwrap_or_default(), &fact.address));
                 }
                 None if has_test(name) => by_test = true,
                 None => faults.push(format!("{}: no case {name}", fact.address)),

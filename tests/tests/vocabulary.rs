@@ -5,21 +5,27 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use gsk_tests::repository;
-use gsk_tests::rust_text::{Token, tokens, words_of};
+use gsk_tests::rust_text::{RustToken, split_tokens, split_words};
 
 /// The packages that are held to the list; the others still have to be rewritten.
 const REWRITTEN: [&str; 7] = [
-    "help", "language", "link", "milling", "panel", "workpiece", "xtask",
+    "help",
+    "language",
+    "link",
+    "milling",
+    "panel",
+    "workpiece",
+    "xtask",
 ];
 
 /// A word or phrase that the sources avoid.
-struct Entry {
+struct VocabularyEntry {
     in_names: bool,
     words: Vec<String>,
     better: String,
 }
 
-fn vocabulary() -> Vec<Entry> {
+fn read_vocabulary() -> Vec<VocabularyEntry> {
     let path = repository().join("tests/vocabulary.tsv");
     let table = fs::read_to_string(path).expect("the vocabulary");
     let rows = table.lines().skip(1).map(|row| {
@@ -29,7 +35,7 @@ fn vocabulary() -> Vec<Entry> {
         };
         assert!(!reason.is_empty(), "a reason: {row}");
         assert!(matches!(kind, "name" | "prose"), "name or prose: {row}");
-        Entry {
+        VocabularyEntry {
             in_names: kind == "name",
             words: words.split(' ').map(str::to_owned).collect(),
             better: better.to_owned(),
@@ -38,11 +44,11 @@ fn vocabulary() -> Vec<Entry> {
     rows.collect()
 }
 
-fn rust_files(folder: &Path, files: &mut Vec<PathBuf>) {
+fn collect_rust_files(folder: &Path, files: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();
         if path.is_dir() {
-            rust_files(&path, files);
+            collect_rust_files(&path, files);
         } else if path.extension().is_some_and(|extension| extension == "rs") {
             files.push(path);
         }
@@ -64,12 +70,12 @@ struct Passage {
     last_line: usize,
 }
 
-fn passages(source: &str) -> Vec<Passage> {
+fn split_passages(source: &str) -> Vec<Passage> {
     let mut passages: Vec<Passage> = Vec::new();
-    for token in tokens(source) {
+    for token in split_tokens(source) {
         let (line, in_names, words) = match token {
-            Token::Identifier { name, line } => (line, true, words_of(&name)),
-            Token::Comment { text, line } => (line, false, prose_words(&text)),
+            RustToken::Identifier { name, line } => (line, true, split_words(&name)),
+            RustToken::Comment { text, line } => (line, false, prose_words(&text)),
         };
         let words = words.into_iter().map(|word| (word, line));
         match passages.last_mut() {
@@ -87,9 +93,9 @@ fn passages(source: &str) -> Vec<Passage> {
     passages
 }
 
-fn complaints(vocabulary: &[Entry], source: &str) -> Vec<(usize, String)> {
+fn find_forbidden_words(vocabulary: &[VocabularyEntry], source: &str) -> Vec<(usize, String)> {
     let mut complaints = Vec::new();
-    for passage in passages(source) {
+    for passage in split_passages(source) {
         let entries = vocabulary.iter();
         for entry in entries.filter(|entry| entry.in_names == passage.in_names) {
             for window in passage.words.windows(entry.words.len()) {
@@ -105,17 +111,17 @@ fn complaints(vocabulary: &[Entry], source: &str) -> Vec<(usize, String)> {
 
 #[test]
 fn sources_use_the_words_of_the_field() {
-    let vocabulary = vocabulary();
+    let vocabulary = read_vocabulary();
     let mut all = Vec::new();
     for package in REWRITTEN {
         let mut files = Vec::new();
-        rust_files(&repository().join(package), &mut files);
+        collect_rust_files(&repository().join(package), &mut files);
         assert!(!files.is_empty(), "{package} has sources");
         files.sort();
         for path in files {
             let source = fs::read_to_string(&path).expect("a source");
             let name = path.strip_prefix(repository()).expect("in the repository");
-            for (line, complaint) in complaints(&vocabulary, &source) {
+            for (line, complaint) in find_forbidden_words(&vocabulary, &source) {
                 all.push(format!("{}:{line}: {complaint}", name.display()));
             }
         }
@@ -125,9 +131,9 @@ fn sources_use_the_words_of_the_field() {
 
 #[test]
 fn words_are_found_in_names_and_comments_only() {
-    let vocabulary = vocabulary();
+    let vocabulary = read_vocabulary();
     let lines = |source: &str| -> Vec<usize> {
-        let complaints = complaints(&vocabulary, source);
+        let complaints = find_forbidden_words(&vocabulary, source);
         complaints.into_iter().map(|(line, _)| line).collect()
     };
     assert_eq!(lines("fn told() {}\n/// Nobody.\n"), [1, 2]);

@@ -7,22 +7,22 @@ use std::path::{Path, PathBuf};
 use gsk_tests::repository;
 
 /// The folder of the window's sources.
-const WINDOW: &str = "app/src/window";
+const WINDOW_FOLDER: &str = "app/src/window";
 /// Literals with this number of words count as a sentence.
-const SENTENCE: usize = 3;
+const SENTENCE_WORDS: usize = 3;
 
 /// Literals that are not shown as a sentence, and the reason.
 const NOT_SHOWN: [(&str, &str); 1] = [("asked for files", "the key of a value that egui keeps")];
 
 /// A string literal of a source and its line.
 #[derive(Debug, PartialEq, Eq)]
-struct Literal {
+struct StringLiteral {
     line: usize,
     text: String,
 }
 
 /// The string literals of a source without its tests and comments.
-fn literals(source: &str) -> Vec<Literal> {
+fn find_literals(source: &str) -> Vec<StringLiteral> {
     let code = source.split("#[cfg(test)]").next().unwrap_or(source);
     let mut found = Vec::new();
     let mut rest = code;
@@ -33,14 +33,14 @@ fn literals(source: &str) -> Vec<Literal> {
             [b'"', ..] => {
                 let raw = before.ends_with('r') || before.ends_with('#');
                 assert!(!raw, "a raw string: {}", &here[..here.len().min(40)]);
-                let length = length_of_string(here);
-                found.push(Literal {
-                    line: line_of(code, here),
+                let length = string_length(here);
+                found.push(StringLiteral {
+                    line: line_number(code, here),
                     text: here[1..length - 1].replace("\\\n", " "),
                 });
                 length
             }
-            [b'\'', ..] => length_of_character(here),
+            [b'\'', ..] => character_length(here),
             _ => 1,
         };
         rest = &here[passed..];
@@ -49,7 +49,7 @@ fn literals(source: &str) -> Vec<Literal> {
 }
 
 /// Length in bytes of the string at the beginning of a text, with its quotation marks.
-fn length_of_string(text: &str) -> usize {
+fn string_length(text: &str) -> usize {
     let mut escaped = false;
     for (at, character) in text.char_indices().skip(1) {
         match character {
@@ -62,7 +62,7 @@ fn length_of_string(text: &str) -> usize {
 }
 
 /// Length in bytes of the character literal at the beginning of a text; 1 for a lifetime.
-fn length_of_character(text: &str) -> usize {
+fn character_length(text: &str) -> usize {
     let mut characters = text.char_indices().skip(1);
     match (characters.next(), characters.next(), characters.next()) {
         // '\u{4e00}', '\'', '\n'
@@ -74,7 +74,7 @@ fn length_of_character(text: &str) -> usize {
     }
 }
 
-fn line_of(code: &str, rest: &str) -> usize {
+fn line_number(code: &str, rest: &str) -> usize {
     code[..code.len() - rest.len()].matches('\n').count() + 1
 }
 
@@ -84,7 +84,7 @@ fn is_chinese(text: &str) -> bool {
 }
 
 /// Number of words of a literal: letters between spaces, without placeholders.
-fn words(text: &str) -> usize {
+fn word_count(text: &str) -> usize {
     let mut outside = String::new();
     let mut depth = 0_u32;
     for character in text.chars() {
@@ -114,18 +114,18 @@ fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 #[test]
-fn every_text_of_the_window_stands_in_the_table_of_messages() {
+fn every_text_of_the_window_is_in_the_table_of_messages() {
     let mut files = Vec::new();
-    collect(&repository().join(WINDOW), &mut files);
+    collect(&repository().join(WINDOW_FOLDER), &mut files);
     files.sort();
     assert!(files.len() > 30, "the window is elsewhere now");
     let mut own = Vec::new();
     for path in &files {
         let source = fs::read_to_string(path).expect("a source");
         let name = path.strip_prefix(repository()).unwrap_or(path).display();
-        for Literal { line, text } in literals(&source) {
+        for StringLiteral { line, text } in find_literals(&source) {
             let known = NOT_SHOWN.iter().any(|(literal, _)| *literal == text);
-            if !known && (is_chinese(&text) || words(&text) >= SENTENCE) {
+            if !known && (is_chinese(&text) || word_count(&text) >= SENTENCE_WORDS) {
                 own.push(format!("{name}:{line}: {text}"));
             }
         }
@@ -140,7 +140,7 @@ fn every_text_of_the_window_stands_in_the_table_of_messages() {
 #[test]
 fn every_exception_is_still_needed() {
     let mut files = Vec::new();
-    collect(&repository().join(WINDOW), &mut files);
+    collect(&repository().join(WINDOW_FOLDER), &mut files);
     let sources: Vec<String> = files
         .iter()
         .map(|path| fs::read_to_string(path).expect("a source"))
@@ -156,12 +156,12 @@ fn every_exception_is_still_needed() {
 fn literals_are_found_and_comments_characters_and_lifetimes_are_none() {
     let source = "// \"no\"\nfn a<'a>(x: &'a str) { say('\"', \"two \\\" quotes\"); }\n\
                   const B: char = '\\''; /* */ \"运行\"\n#[cfg(test)]\n\"never\"";
-    let expected = [(2, "two \\\" quotes"), (3, "运行")].map(|(line, text)| Literal {
+    let expected = [(2, "two \\\" quotes"), (3, "运行")].map(|(line, text)| StringLiteral {
         line,
         text: text.to_owned(),
     });
-    assert_eq!(literals(source), expected);
+    assert_eq!(find_literals(source), expected);
     assert!(is_chinese("运行") && !is_chinese("S: µm …"));
-    assert_eq!(words("{name} came to no end in {seconds} s"), 5);
-    assert_eq!(words("{:.1} r/min, X {x}"), 0);
+    assert_eq!(word_count("{name} came to no end in {seconds} s"), 5);
+    assert_eq!(word_count("{:.1} r/min, X {x}"), 0);
 }

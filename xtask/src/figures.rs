@@ -52,7 +52,7 @@ pub fn print() -> Result<(), TaskError> {
         error,
     };
     fs::create_dir_all(&folder).map_err(write_failed)?;
-    for (name, text) in shapes::all() {
+    for (name, text) in shapes::all_shapes() {
         let file = folder.join(name.replace(' ', "-")).with_extension("CNC");
         fs::write(&file, text).map_err(write_failed)?;
         println!("{}", measure_check(&program, name, &file)?);
@@ -77,7 +77,7 @@ fn measure_long_programs(program: &Path, file: &Path) -> Result<(), TaskError> {
     }
     let picture = file.with_extension("png");
     let picture = picture.to_string_lossy();
-    for (shape, text) in shapes::long(1_000_000) {
+    for (shape, text) in shapes::long_shapes(1_000_000) {
         write(text)?;
         let cost = time_and_memory(&[
             &program,
@@ -201,7 +201,7 @@ mod tests {
 
     #[test]
     fn every_shape_has_a_figure_of_linuxcnc() {
-        for (name, _) in shapes::all() {
+        for (name, _) in shapes::all_shapes() {
             assert!(LINUXCNC.iter().any(|(shape, _)| *shape == name), "{name}");
         }
     }

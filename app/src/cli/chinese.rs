@@ -11,73 +11,81 @@ use std::ffi::OsString;
 use clap::builder::{PossibleValue, Str, StyledStr};
 use clap::{Arg, Command, CommandFactory, Error};
 use gsk_messages::{Language, Message};
-use gsk_runner::picture::NoSize;
+use gsk_runner::picture::InvalidPictureSize;
 use gsk_transfer::FileNameError;
 
-use super::Cli;
-use crate::setup_args::WordError;
+use super::CommandLine;
+use crate::setup_args::OptionValueError;
 
-static TABLE: &str = include_str!("../../../assets/tables/command-line.tsv");
+static TABLE_TEXT: &str = include_str!("../../../assets/tables/command-line.tsv");
 
 /// Chinese texts by their English originals.
 type Texts = BTreeMap<&'static str, &'static str>;
 
 /// The rows of the table by kind.
-struct Table {
+struct ChineseTexts {
     texts: Texts,
     values: Texts,
     clap: Texts,
 }
 
-impl Table {
+impl ChineseTexts {
     fn read() -> Self {
-        let of = |wanted: &str| {
-            let rows = TABLE.lines().skip(1).filter_map(|line| {
+        let rows_of_kind = |wanted: &str| {
+            let rows = TABLE_TEXT.lines().skip(1).filter_map(|line| {
                 let (kind, texts) = line.split_once('\t')?;
                 texts.split_once('\t').filter(|_| kind == wanted)
             });
             rows.collect()
         };
         Self {
-            texts: of("text"),
-            values: of("value"),
-            clap: of("clap"),
+            texts: rows_of_kind("text"),
+            values: rows_of_kind("value"),
+            clap: rows_of_kind("clap"),
         }
     }
 
     /// Translates a text of a command or option line by line. A line without a row stays
     /// English.
-    fn text(&self, english: &StyledStr) -> String {
-        let said = |line: &str| {
+    fn translate_text(&self, english: &StyledStr) -> String {
+        let translate = |line: &str| {
             let text = line.trim_start();
             let indent = &line[..line.len() - text.len()];
             format!("{indent}{}", self.texts.get(text).unwrap_or(&text))
         };
         let english = english.to_string();
-        english.lines().map(said).collect::<Vec<_>>().join("\n")
+        english
+            .lines()
+            .map(translate)
+            .collect::<Vec<_>>()
+            .join("\n")
     }
 
     /// Translates the sentences of clap in a text that clap has rendered.
-    fn clap(&self, rendered: &str) -> String {
-        let mut said = String::new();
+    fn translate_rendered(&self, rendered: &str) -> String {
+        let mut out = String::new();
         for line in rendered.lines() {
             let line = self.clap.iter().fold(line.to_owned(), |line, (en, zh)| {
-                replaced(&line, en, zh).unwrap_or(line)
+                replace_sentence(&line, en, zh).unwrap_or(line)
             });
-            said.push_str(&line);
-            said.push('\n');
+            out.push_str(&line);
+            out.push('\n');
         }
-        said
+        out
     }
 
     /// Translates a command and its subcommands.
-    fn command(&self, command: Command) -> Command {
-        let about = command.get_about().map(|text| self.text(text));
-        let long_about = command.get_long_about().map(|text| self.text(text));
-        let after = command.get_after_help().map(|text| self.text(text));
+    fn translate_command(&self, command: Command) -> Command {
+        let about = command.get_about().map(|text| self.translate_text(text));
+        let long_about = command
+            .get_long_about()
+            .map(|text| self.translate_text(text));
+        let after = command
+            .get_after_help()
+            .map(|text| self.translate_text(text));
         let mut command = command
-            .mut_subcommands(|below| self.command(below))
-            .mut_args(|argument| self.argument(argument))
+            .mut_subcommands(|subcommand| self.translate_command(subcommand))
+            .mut_args(|argument| self.translate_argument(argument))
             .subcommand_value_name(self.values.get("COMMAND").copied());
         if let Some(text) = about {
             command = command.about(text);
@@ -91,9 +99,11 @@ impl Table {
         }
     }
 
-    fn argument(&self, argument: Arg) -> Arg {
-        let short = argument.get_help().map(|text| self.text(text));
-        let long = argument.get_long_help().map(|text| self.text(text));
+    fn translate_argument(&self, argument: Arg) -> Arg {
+        let short = argument.get_help().map(|text| self.translate_text(text));
+        let long = argument
+            .get_long_help()
+            .map(|text| self.translate_text(text));
         let heading = argument.get_help_heading();
         let heading = heading.and_then(|text| self.texts.get(text).copied());
         let names = argument.get_value_names().unwrap_or_default().iter();
@@ -105,7 +115,7 @@ impl Table {
             })
             .collect();
         let values = argument.get_possible_values();
-        let shown = !values.is_empty() && argument.get_action().takes_values();
+        let lists_values = !values.is_empty() && argument.get_action().takes_values();
         let mut argument = argument.hide_possible_values(true);
         if !names.is_empty() {
             argument = argument.value_names(names);
@@ -118,10 +128,10 @@ impl Table {
         };
         let long = long.unwrap_or_else(|| short.clone());
         // The list of clap could break over two lines: write it here.
-        if shown {
+        if lists_values {
             let names = values.iter().map(PossibleValue::get_name);
             let names = names.collect::<Vec<_>>().join(", ");
-            let lines = values.iter().map(|value| self.possible(value));
+            let lines = values.iter().map(|value| self.format_possible_value(value));
             let list = lines.collect::<String>();
             argument
                 .help(format!("{short} [可用值: {names}]"))
@@ -132,17 +142,17 @@ impl Table {
     }
 
     /// One line of the list of possible values.
-    fn possible(&self, value: &PossibleValue) -> String {
+    fn format_possible_value(&self, value: &PossibleValue) -> String {
         let name = value.get_name();
         match value.get_help() {
-            Some(help) => format!("\n- {name}: {}", self.text(help)),
+            Some(help) => format!("\n- {name}: {}", self.translate_text(help)),
             None => format!("\n- {name}"),
         }
     }
 }
 
 /// Translates a sentence of clap in a line; `None` if the line does not contain it.
-fn replaced(line: &str, english: &str, chinese: &str) -> Option<String> {
+fn replace_sentence(line: &str, english: &str, chinese: &str) -> Option<String> {
     let mut parts = english.split("{}");
     let first = parts.next()?;
     let begin = line.find(first)?;
@@ -156,61 +166,61 @@ fn replaced(line: &str, english: &str, chinese: &str) -> Option<String> {
         values.push(&line[at..at + length]);
         at += length + part.len();
     }
-    let mut said = line[..begin].to_owned();
+    let mut out = line[..begin].to_owned();
     let mut values = values.into_iter();
     for (number, part) in chinese.split("{}").enumerate() {
         if number > 0 {
-            said.push_str(values.next()?);
+            out.push_str(values.next()?);
         }
-        said.push_str(part);
+        out.push_str(part);
     }
-    said.push_str(&line[at..]);
-    Some(said)
+    out.push_str(&line[at..]);
+    Some(out)
 }
 
 /// The English and the Chinese reason why a value is invalid, if the parser of this program
 /// reported it.
-fn reason(error: &Error) -> Option<(String, Message)> {
+fn find_reason(error: &Error) -> Option<(String, Message)> {
     let source = error.source()?;
-    let word = || source.downcast_ref().map(WordError::message);
+    let word = || source.downcast_ref().map(OptionValueError::message);
     let name = || source.downcast_ref().map(FileNameError::message);
-    let size = || source.downcast_ref().map(NoSize::message);
+    let size = || source.downcast_ref().map(InvalidPictureSize::message);
     let message = word().or_else(name).or_else(size)?;
     Some((source.to_string(), message))
 }
 
 /// All commands with Chinese texts.
-pub fn command() -> Command {
-    let mut command = Cli::command();
+pub fn chinese_command() -> Command {
+    let mut command = CommandLine::command();
     // Options are built when their command is called.
     command.build();
-    Table::read().command(command)
+    ChineseTexts::read().translate_command(command)
 }
 
 /// Translates the sentences of clap in a rendered text of [`command`].
-pub fn said(rendered: &str) -> String {
-    Table::read().clap(rendered)
+pub fn translate_clap_text(rendered: &str) -> String {
+    ChineseTexts::read().translate_rendered(rendered)
 }
 
 /// The Chinese text of a faulty command line or of requested help. `hint` adds a usage hint.
 /// `None` if the command line is correct.
-pub fn told(words: &[OsString], hint: fn(Error, Language) -> Error) -> Option<Error> {
-    let error = command().try_get_matches_from_mut(words).err()?;
+pub fn translate_error(words: &[OsString], hint: fn(Error, Language) -> Error) -> Option<Error> {
+    let error = chinese_command().try_get_matches_from_mut(words).err()?;
     let error = hint(error, Language::Zh);
     let mut rendered = error.render().ansi().to_string();
-    if let Some((english, message)) = reason(&error) {
+    if let Some((english, message)) = find_reason(&error) {
         rendered = rendered.replacen(&english, &message.text(Language::Zh), 1);
     }
     // An overridden help text: clap prints it where it would have printed its own, in
     // colours if the terminal has them.
-    let text = StyledStr::from(said(&rendered));
-    let mut shown = Command::new("gsk980td").override_help(text);
+    let text = StyledStr::from(translate_clap_text(&rendered));
+    let mut command = Command::new("gsk980td").override_help(text);
     match error.use_stderr() {
         true => {
-            shown = shown.arg_required_else_help(true);
-            shown.try_get_matches_from(["gsk980td"]).err()
+            command = command.arg_required_else_help(true);
+            command.try_get_matches_from(["gsk980td"]).err()
         }
-        false => shown.try_get_matches_from(["gsk980td", "--help"]).err(),
+        false => command.try_get_matches_from(["gsk980td", "--help"]).err(),
     }
 }
 
@@ -236,31 +246,31 @@ mod tests {
     ];
 
     /// Collects the visible commands with their words.
-    fn commands(command: &Command, words: &str, out: &mut Vec<(String, Command)>) {
+    fn collect_commands(command: &Command, words: &str, out: &mut Vec<(String, Command)>) {
         out.push((words.to_owned(), command.clone()));
-        for below in command.get_subcommands().filter(|it| !it.is_hide_set()) {
-            let words = format!("{words} {}", below.get_name());
-            commands(below, words.trim(), out);
+        for subcommand in command.get_subcommands().filter(|it| !it.is_hide_set()) {
+            let words = format!("{words} {}", subcommand.get_name());
+            collect_commands(subcommand, words.trim(), out);
         }
     }
 
-    fn all(mut program: Command) -> Vec<(String, Command)> {
+    fn all_commands(mut program: Command) -> Vec<(String, Command)> {
         program.build();
         let mut out = Vec::new();
-        commands(&program, "", &mut out);
+        collect_commands(&program, "", &mut out);
         out
     }
 
     /// The lines of all help texts of a command and its options.
-    fn lines(command: &Command) -> BTreeSet<String> {
+    fn help_lines(command: &Command) -> BTreeSet<String> {
         let mut texts = vec![
             command.get_about(),
             command.get_long_about(),
             command.get_after_help(),
         ];
         let mut lines = BTreeSet::new();
-        let shown = command.get_arguments().filter(|it| !it.is_hide_set());
-        let arguments: Vec<&Arg> = shown.collect();
+        let visible = command.get_arguments().filter(|it| !it.is_hide_set());
+        let arguments: Vec<&Arg> = visible.collect();
         let values: Vec<_> = arguments
             .iter()
             .filter(|it| it.get_action().takes_values())
@@ -280,8 +290,8 @@ mod tests {
     }
 
     #[test]
-    fn every_command_and_option_is_said_in_chinese_and_no_text_is_left_over() {
-        let table = Table::read();
+    fn every_command_and_option_has_a_chinese_text_and_no_row_is_unused() {
+        let table = ChineseTexts::read();
         let forms = gsk_panel::script::FORMS;
         let example = ["press CS", "wait idle 10m", "expect alarm none"];
         let same = |line: &str| {
@@ -290,15 +300,15 @@ mod tests {
         let mut used = BTreeSet::new();
         let mut names = BTreeSet::from(["COMMAND".to_owned()]);
         let mut missing = BTreeSet::new();
-        for (words, command) in all(Cli::command()) {
-            for line in lines(&command).into_iter().filter(|line| !same(line)) {
+        for (words, command) in all_commands(CommandLine::command()) {
+            for line in help_lines(&command).into_iter().filter(|line| !same(line)) {
                 if !table.texts.contains_key(&*line) {
                     missing.insert(format!("{words}: {line}"));
                 }
                 used.insert(line);
             }
-            let shown = command.get_arguments().filter(|it| !it.is_hide_set());
-            for argument in shown.filter(|it| it.get_action().takes_values()) {
+            let visible = command.get_arguments().filter(|it| !it.is_hide_set());
+            for argument in visible.filter(|it| it.get_action().takes_values()) {
                 for name in argument.get_value_names().unwrap_or_default() {
                     let capital = |letter: char| !letter.is_ascii_uppercase();
                     let word = name.split(capital).any(|word| word.len() > 2);
@@ -312,13 +322,13 @@ mod tests {
         assert!(missing.is_empty(), "{missing:#?}");
         let text = table.texts.keys().filter(|row| !used.contains(**row));
         let value = table.values.keys().filter(|row| !names.contains(**row));
-        let left: Vec<_> = text.chain(value).collect();
-        assert!(left.is_empty(), "{left:#?}");
+        let unused: Vec<_> = text.chain(value).collect();
+        assert!(unused.is_empty(), "{unused:#?}");
     }
 
     #[test]
-    fn the_table_is_in_order_and_says_something_else() {
-        let rows: Vec<&str> = TABLE.lines().skip(1).collect();
+    fn the_table_is_sorted_and_its_texts_differ() {
+        let rows: Vec<&str> = TABLE_TEXT.lines().skip(1).collect();
         assert!(rows.is_sorted_by(|a, b| a < b));
         for row in rows {
             let fields: Vec<&str> = row.split('\t').collect();
@@ -333,7 +343,7 @@ mod tests {
     }
 
     /// The first line with an English word of clap; lines of scripts contain none.
-    fn english(text: &str) -> Option<&str> {
+    fn find_english(text: &str) -> Option<&str> {
         let words = [
             "Usage",
             "Options",
@@ -360,29 +370,29 @@ mod tests {
 
     #[test]
     fn help_is_chinese_from_the_first_line_to_the_last() {
-        for (words, command) in all(command()) {
+        for (words, command) in all_commands(chinese_command()) {
             for help in [
                 command.clone().render_help(),
                 command.clone().render_long_help(),
             ] {
-                let help = said(&help.to_string());
-                assert_eq!(english(&help), None, "{words}:\n{help}");
+                let help = translate_clap_text(&help.to_string());
+                assert_eq!(find_english(&help), None, "{words}:\n{help}");
                 assert!(help.contains("用法:"), "{help}");
             }
         }
     }
 
-    fn wrong(line: &str) -> [String; 2] {
+    fn error_texts(line: &str) -> [String; 2] {
         let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
-        let english = Cli::command().try_get_matches_from(&words);
-        let chinese = told(&words, |error, _| error).expect(line);
+        let english = CommandLine::command().try_get_matches_from(&words);
+        let chinese = translate_error(&words, |error, _| error).expect(line);
         [english.expect_err(line), chinese].map(|it| it.to_string())
     }
 
     #[test]
-    fn every_sentence_of_claps_is_told_in_chinese() {
-        let table = Table::read();
-        let mut met = BTreeSet::new();
+    fn every_sentence_of_clap_has_a_chinese_text() {
+        let table = ChineseTexts::read();
+        let mut used = BTreeSet::new();
         for line in [
             "gsk980td check",
             "gsk980td check --frmat x",
@@ -422,31 +432,35 @@ mod tests {
             "gsk980td project new a --model gsk980",
         ] {
             let words: Vec<OsString> = line.split(' ').map(OsString::from).collect();
-            if Cli::command().try_get_matches_from(&words).is_ok() {
+            if CommandLine::command().try_get_matches_from(&words).is_ok() {
                 continue;
             }
-            let [en, zh] = wrong(line);
-            let of = table.clap.iter();
-            let of = of.filter(|(row, zh)| en.lines().any(|it| replaced(it, row, zh).is_some()));
-            met.extend(of.map(|(row, _)| *row));
-            assert_eq!(english(&zh), None, "{line}:\n{en}\n{zh}");
+            let [en, zh] = error_texts(line);
+            let matching = table.clap.iter();
+            let matching = matching
+                .filter(|(row, zh)| en.lines().any(|it| replace_sentence(it, row, zh).is_some()));
+            used.extend(matching.map(|(row, _)| *row));
+            assert_eq!(find_english(&zh), None, "{line}:\n{en}\n{zh}");
         }
-        for (_, mut command) in all(Cli::command()) {
+        for (_, mut command) in all_commands(CommandLine::command()) {
             let help = format!("{}{}", command.render_help(), command.render_long_help());
-            let of = table.clap.iter();
-            let of = of.filter(|(row, zh)| help.lines().any(|it| replaced(it, row, zh).is_some()));
-            met.extend(of.map(|(row, _)| *row));
+            let matching = table.clap.iter();
+            let matching = matching.filter(|(row, zh)| {
+                help.lines()
+                    .any(|it| replace_sentence(it, row, zh).is_some())
+            });
+            used.extend(matching.map(|(row, _)| *row));
         }
-        let left: Vec<_> = table
+        let unused: Vec<_> = table
             .clap
             .keys()
-            .filter(|row| !met.contains(**row))
+            .filter(|row| !used.contains(**row))
             .collect();
-        assert!(left.is_empty(), "{left:#?}");
+        assert!(unused.is_empty(), "{unused:#?}");
     }
 
     #[test]
-    fn a_reason_of_the_programs_own_is_told_in_chinese() {
+    fn reasons_of_this_program_are_chinese() {
         for (line, wanted) in [
             ("gsk980td check a --start 5", "写成 X,Z, 例如 300,300"),
             ("gsk980td plot a -o b.png --size 5", "图片"),
@@ -455,22 +469,22 @@ mod tests {
             ("gsk980td check a --log loud", "不是日志级别"),
             ("gsk980td transfer list --partition x", "分区只能是"),
         ] {
-            let [_, zh] = wrong(line);
+            let [_, zh] = error_texts(line);
             assert!(zh.contains("错误:") && zh.contains(wanted), "{zh}");
         }
     }
 
     #[test]
     fn a_sentence_is_replaced_within_its_line() {
-        let zh = replaced(
+        let zh = replace_sentence(
             "  x: invalid value 'a' for '--b <C>': d",
             "invalid value '{}' for '{}'",
             "'{}' 给 '{}'",
         );
         assert_eq!(zh.as_deref(), Some("  x: 'a' 给 '--b <C>': d"));
-        assert_eq!(replaced("nothing", "some {}", "{}"), None);
+        assert_eq!(replace_sentence("nothing", "some {}", "{}"), None);
         assert_eq!(
-            replaced("only: 3 is not in 1..2", "{} is not in {}", "{} 超出 {}").as_deref(),
+            replace_sentence("only: 3 is not in 1..2", "{} is not in {}", "{} 超出 {}").as_deref(),
             Some("only: 3 超出 1..2")
         );
     }

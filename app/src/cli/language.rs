@@ -7,40 +7,40 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gsk_runner::Language;
 
 /// Parser of a language name.
-pub(super) fn language() -> impl TypedValueParser<Value = Language> {
+pub(super) fn language_parser() -> impl TypedValueParser<Value = Language> {
     let words = [("zh", "Chinese"), ("en", "English")];
     // The parser accepts no other word.
     PossibleValuesParser::new(words.map(|(word, help)| PossibleValue::new(word).help(help)))
-        .map(|word| of_word(&word).unwrap_or_default())
+        .map(|word| parse_language(&word).unwrap_or_default())
 }
 
 /// The default language of a command: Chinese on a Chinese system, else `None`, as without
 /// `--lang` (COMMAND-8).
-pub fn of_the_system() -> Option<Language> {
+pub fn system_language() -> Option<Language> {
     // The first variable that is set decides, as usual. This holds on Windows, too, for
     // shells ported from Unix; otherwise the operating system decides.
     let variables = ["LC_ALL", "LC_MESSAGES", "LANG"].map(env::var);
-    let set = variables.into_iter().flatten().find(|it| !it.is_empty());
-    let chinese = set.or_else(system).is_some_and(|it| is_chinese(&it));
+    let first_set = variables.into_iter().flatten().find(|it| !it.is_empty());
+    let chinese = first_set.or_else(system).is_some_and(|it| is_chinese(&it));
     chinese.then_some(Language::Zh)
 }
 
 /// The language of error messages about a command line that may be malformed: from `--lang`
 /// among its words, else from the operating system.
-pub fn language_of(words: &[OsString]) -> Option<Language> {
+pub fn find_language(words: &[OsString]) -> Option<Language> {
     let mut words = words.iter().filter_map(|word| word.to_str());
-    let mut asked = None;
+    let mut requested = None;
     while let Some(word) = words.next() {
         let value = match word {
             "--lang" => words.next(),
             word => word.strip_prefix("--lang="),
         };
-        asked = value.and_then(of_word).or(asked);
+        requested = value.and_then(parse_language).or(requested);
     }
-    asked.or_else(of_the_system)
+    requested.or_else(system_language)
 }
 
-fn of_word(word: &str) -> Option<Language> {
+fn parse_language(word: &str) -> Option<Language> {
     match word {
         "zh" => Some(Language::Zh),
         "en" => Some(Language::En),
@@ -69,7 +69,7 @@ mod tests {
     use super::is_chinese;
 
     #[test]
-    fn a_locale_is_known_by_its_language() {
+    fn the_first_part_of_a_locale_is_its_language() {
         for locale in [
             "zh",
             "zh_CN.UTF-8",

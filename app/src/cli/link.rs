@@ -44,10 +44,10 @@ pub struct LinkTestArgs {
     #[arg(long)]
     pub write_settings: bool,
     /// MOVES Z there and back by so many mm, with ten holds; drives unpowered, or the way clear
-    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = setup_args::travel)]
+    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = setup_args::parse_distance)]
     pub travel: Option<f64>,
     /// Feed of that move, mm/min
-    #[arg(long, default_value = "600", value_name = "F", requires = "travel", allow_hyphen_values = true, value_parser = setup_args::feed)]
+    #[arg(long, default_value = "600", value_name = "F", requires = "travel", allow_hyphen_values = true, value_parser = setup_args::parse_feed)]
     pub feed: f64,
     #[command(flatten)]
     pub board: LinkBoardArgs,
@@ -82,13 +82,13 @@ pub struct LinkTwinArgs {
     #[arg(long, default_value_t = 0, value_name = "MS")]
     pub delay_ms: u64,
     /// Speed of its spindle at full output, turns a minute
-    #[arg(long, default_value_t = 9999.0, value_name = "RPM", value_parser = setup_args::finite)]
+    #[arg(long, default_value_t = 9999.0, value_name = "RPM", value_parser = setup_args::parse_number)]
     pub spindle_top: f64,
     /// Klipper: the speed of its spindle goes up and down by so many per cent
-    #[arg(long, default_value_t = 0.0, value_name = "PERCENT", value_parser = setup_args::finite)]
+    #[arg(long, default_value_t = 0.0, value_name = "PERCENT", value_parser = setup_args::parse_number)]
     pub ripple: f64,
     /// Klipper: so often a second
-    #[arg(long, default_value_t = 0.5, value_name = "HZ", value_parser = setup_args::finite)]
+    #[arg(long, default_value_t = 0.5, value_name = "HZ", value_parser = setup_args::parse_number)]
     pub ripple_hz: f64,
     /// Klipper: the index of its spindle stays away after so many seconds
     #[arg(long, value_name = "S")]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use crate::setup_args::{WordError, finite};
+use crate::setup_args::{OptionValueError, parse_number};
 
 /// `mill`.
 #[derive(Debug, Subcommand)]
@@ -28,16 +28,16 @@ pub struct GearArgs {
     #[arg(long, value_name = "COUNTS")]
     pub counts: u32,
     /// Lead of the screw, mm
-    #[arg(long, value_name = "MM", required_unless_present = "pulses", value_parser = finite)]
+    #[arg(long, value_name = "MM", required_unless_present = "pulses", value_parser = parse_number)]
     pub lead: Option<f64>,
     /// Of a rotary axis or a spindle instead: pulses in a turn
     #[arg(long, value_name = "PULSES", conflicts_with = "lead")]
     pub pulses: Option<u32>,
     /// Output increment, mm: 0.001, or 0.0001 (001.1 = 1)
-    #[arg(long, value_name = "MM", default_value_t = 0.001, value_parser = finite)]
+    #[arg(long, value_name = "MM", default_value_t = 0.001, value_parser = parse_number)]
     pub increment: f64,
     /// Teeth on the screw or the table, on the motor
-    #[arg(long, value_name = "ZM,ZD", default_value = "1,1", value_parser = teeth)]
+    #[arg(long, value_name = "ZM,ZD", default_value = "1,1", value_parser = parse_teeth)]
     pub teeth: (u32, u32),
 }
 
@@ -45,22 +45,22 @@ pub struct GearArgs {
 #[derive(Args, Debug)]
 pub struct PitchArgs {
     /// Positions from the reference point, mm (degrees)
-    #[arg(value_name = "POSITION", allow_negative_numbers = true, value_parser = finite)]
+    #[arg(value_name = "POSITION", allow_negative_numbers = true, value_parser = parse_number)]
     pub positions: Vec<f64>,
     /// The axis of the table: X, Y, Z, A, B or C; a file that names another one is refused
-    #[arg(long, value_name = "AXIS", value_parser = axis)]
+    #[arg(long, value_name = "AXIS", value_parser = parse_axis)]
     pub axis: Option<char>,
     /// 3620: the number at the reference point
     #[arg(long, value_name = "N")]
     pub origin: i64,
     /// 3624: the interval, mm (degrees)
-    #[arg(long, value_name = "MM", value_parser = finite)]
+    #[arg(long, value_name = "MM", value_parser = parse_number)]
     pub interval: f64,
     /// 3621, 3622: the least and the greatest number
-    #[arg(long, value_name = "N,N", default_value = "0,1023", value_parser = window)]
+    #[arg(long, value_name = "N,N", default_value = "0,1023", value_parser = parse_window)]
     pub window: (i64, i64),
     /// Values of the table, 0.001 mm: 58=-7 (may be repeated)
-    #[arg(long = "value", value_name = "N=V", allow_hyphen_values = true, value_parser = value)]
+    #[arg(long = "value", value_name = "N=V", allow_hyphen_values = true, value_parser = parse_value)]
     pub values: Vec<(i64, i64)>,
     /// A Renishaw text whose values are added: axis, spacing (mm), backlash (µm), then lines
     /// of position and value, or of number, position and value (mm, µm)
@@ -70,7 +70,7 @@ pub struct PitchArgs {
     #[arg(long, value_name = "FILE")]
     pub export: Option<PathBuf>,
     /// 1260: a turn of a rotary axis, degrees; whether the table comes out even
-    #[arg(long, value_name = "DEGREES", value_parser = finite)]
+    #[arg(long, value_name = "DEGREES", value_parser = parse_number)]
     pub turn: Option<f64>,
 }
 
@@ -78,7 +78,7 @@ pub struct PitchArgs {
 #[derive(Args, Debug)]
 pub struct BacklashArgs {
     /// Parameter 010, its bits CPF7 to CPF0: 00001010
-    #[arg(value_name = "BITS", value_parser = bits)]
+    #[arg(value_name = "BITS", value_parser = parse_bits)]
     pub bits: u8,
     /// 011.6 = 1: an eighth of it
     #[arg(long)]
@@ -89,14 +89,18 @@ pub struct BacklashArgs {
 #[derive(Args, Debug)]
 pub struct MillKeysArgs {
     /// Diagnosis numbers with their bits: 016=01001000
-    #[arg(value_name = "N=BITS", value_parser = shown_keys)]
+    #[arg(value_name = "N=BITS", value_parser = parse_key_bits)]
     pub shown: Vec<(u16, u8)>,
 }
 
-fn shown_keys(word: &str) -> Result<(u16, u8), WordError> {
-    let (number, shown) = word.split_once('=').ok_or(WordError::NoKeys)?;
-    let number = number.parse().map_err(|_| WordError::NoKeys)?;
-    Ok((number, bits(shown)?))
+fn parse_key_bits(word: &str) -> Result<(u16, u8), OptionValueError> {
+    let (number, shown) = word
+        .split_once('=')
+        .ok_or(OptionValueError::InvalidKeyBits)?;
+    let number = number
+        .parse()
+        .map_err(|_| OptionValueError::InvalidKeyBits)?;
+    Ok((number, parse_bits(shown)?))
 }
 
 /// `mill homing`.
@@ -112,35 +116,38 @@ pub struct HomingArgs {
 }
 
 /// Letters of the axes of a mill.
-pub const AXES_OF_MILLS: [char; 6] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
+pub const MILL_AXES: [char; 6] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
 
-fn axis(word: &str) -> Result<char, WordError> {
+fn parse_axis(word: &str) -> Result<char, OptionValueError> {
     let letter = word.to_ascii_uppercase().parse().ok();
-    let known = letter.filter(|letter| AXES_OF_MILLS.contains(letter));
-    known.ok_or(WordError::NoAxis)
+    let known = letter.filter(|letter| MILL_AXES.contains(letter));
+    known.ok_or(OptionValueError::UnknownAxis)
 }
 
-fn bits(word: &str) -> Result<u8, WordError> {
+fn parse_bits(word: &str) -> Result<u8, OptionValueError> {
     let digits = word.len() == 8 && word.bytes().all(|byte| matches!(byte, b'0' | b'1'));
     let value = digits.then(|| u8::from_str_radix(word, 2).ok()).flatten();
-    value.ok_or(WordError::NoBits)
+    value.ok_or(OptionValueError::NotEightBits)
 }
 
-fn two<T: core::str::FromStr>(word: &str, between: char) -> Result<(T, T), WordError> {
-    let wrong = || WordError::NotTwo(between);
-    let (one, other) = word.split_once(between).ok_or_else(wrong)?;
+fn parse_pair<T: core::str::FromStr>(
+    word: &str,
+    between: char,
+) -> Result<(T, T), OptionValueError> {
+    let wrong = || OptionValueError::NotTwoNumbers(between);
+    let (first, second) = word.split_once(between).ok_or_else(wrong)?;
     let read = |text: &str| text.trim().parse().map_err(|_| wrong());
-    Ok((read(one)?, read(other)?))
+    Ok((read(first)?, read(second)?))
 }
 
-fn teeth(word: &str) -> Result<(u32, u32), WordError> {
-    two(word, ',')
+fn parse_teeth(word: &str) -> Result<(u32, u32), OptionValueError> {
+    parse_pair(word, ',')
 }
 
-fn window(word: &str) -> Result<(i64, i64), WordError> {
-    two(word, ',')
+fn parse_window(word: &str) -> Result<(i64, i64), OptionValueError> {
+    parse_pair(word, ',')
 }
 
-fn value(word: &str) -> Result<(i64, i64), WordError> {
-    two(word, '=')
+fn parse_value(word: &str) -> Result<(i64, i64), OptionValueError> {
+    parse_pair(word, '=')
 }

@@ -2,19 +2,19 @@
 //! short commands are in this file; each longer command has a file.
 
 pub mod chinese;
+mod deferred;
 mod dialect;
 mod help;
 mod ladder;
 mod language;
-mod later;
 mod lesson;
 mod link;
-mod looks;
 mod lsp;
 mod mill;
 mod packages;
 mod picture;
 mod pitch;
+mod preview;
 mod project;
 mod run;
 mod transfer;
@@ -30,21 +30,21 @@ use tracing::level_filters::LevelFilter;
 pub use dialect::DialectArgs;
 pub use help::HelpArgs;
 pub use ladder::{LadderArgs, LadderCommand, LadderRunArgs};
-use language::language;
-pub use language::{is_chinese, language_of, of_the_system};
+use language::language_parser;
+pub use language::{find_language, is_chinese, system_language};
 pub use lesson::{LessonCheckArgs, LessonCommand, LessonListArgs, LessonRunArgs};
 pub use link::{
     LinkArgs, LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs, LinkTwinArgs, TwinBoard,
 };
-pub use looks::{CheckArgs, Format, LimitArgs, LookArgs, PlotArgs};
 pub use lsp::LspArgs;
-pub use mill::{AXES_OF_MILLS, GearArgs, HomingArgs, MillCommand, MillKeysArgs, PitchArgs};
+pub use mill::{GearArgs, HomingArgs, MILL_AXES, MillCommand, MillKeysArgs, PitchArgs};
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
 pub use pitch::{PitchCommand, PitchFormat, PitchImportArgs, PitchShowArgs};
+pub use preview::{CheckArgs, CheckFormat, LimitArgs, LookArgs, PlotArgs};
 pub use project::{
-    DiffFormat, ProjectCommand, ProjectDiffArgs, ProjectExportArgs, ProjectImportArgs,
-    ProjectNewArgs,
+    DiffFormat, ProjectDiffArgs, ProjectExportArgs, ProjectImportArgs, ProjectNewArgs,
+    ProjectSubcommand,
 };
 pub use run::RunArgs;
 pub use transfer::{
@@ -55,7 +55,7 @@ pub use transfer::{
 };
 
 use crate::setup_args::{self, SetupArgs};
-use later::Later;
+use deferred::DeferredArgs;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -75,18 +75,18 @@ to its end), 2 wrong call or file, 3 a tool hit something (--part), 130 ended by
 /// its job without a window and without a display.
 #[derive(Debug, Parser)]
 #[command(name = "gsk980td", version, after_help = EXAMPLES, args_conflicts_with_subcommands = true, disable_help_subcommand = true)]
-pub struct Cli {
+pub struct CommandLine {
     /// What to do instead of opening the window.
     #[command(subcommand)]
-    pub command: Option<Command>,
+    pub command: Option<CliCommand>,
     /// How much is written into the log: off, error, warn, info, debug or trace [default: info
     /// in the window, into `log` of the data folder; off for commands, else on standard error]
-    #[arg(long, global = true, value_name = "LEVEL", value_parser = crate::log::level)]
+    #[arg(long, global = true, value_name = "LEVEL", value_parser = crate::log::parse_level)]
     pub log: Option<LevelFilter>,
     /// Language of what is said; the panel itself is always as printed [default: zh on a Chinese
     /// system, else English with the Chinese texts of the screen; the window as it was, `lsp` as
     /// the editor says]
-    #[arg(long, global = true, value_parser = language(), value_name = "LANG")]
+    #[arg(long, global = true, value_parser = language_parser(), value_name = "LANG")]
     pub lang: Option<Language>,
     /// Options of the window.
     #[command(flatten)]
@@ -105,7 +105,7 @@ pub struct WindowArgs {
     /// Ask the three questions of the first start (language, what for, which lathe) again, or
     /// do not ask them now [default: asked once, unless this start names a program, a lathe, a
     /// control model or a port]
-    #[arg(long, value_name = "on|off", num_args = 0..=1, require_equals = true, default_missing_value = "on", value_parser = setup_args::switch)]
+    #[arg(long, value_name = "on|off", num_args = 0..=1, require_equals = true, default_missing_value = "on", value_parser = setup_args::parse_switch)]
     pub first_start: Option<bool>,
     /// Print the time to the first frame and frames a second on standard error
     #[arg(long)]
@@ -126,11 +126,11 @@ pub struct WindowArgs {
     pub machine: Option<PathBuf>,
     /// Macro B: formulas, IF, WHILE, GOTO and calls with arguments (G65 P) in programs; the data
     /// folder keeps it [default: as it was, off at first]
-    #[arg(long, value_name = "on|off", value_parser = setup_args::switch)]
+    #[arg(long, value_name = "on|off", value_parser = setup_args::parse_switch)]
     pub macro_b: Option<bool>,
     /// The control model; each has a memory of its own in the data folder, which keeps the choice
     /// [default: as it was, gsk980td at first]
-    #[arg(long, value_name = "MODEL", value_parser = setup_args::any_model())]
+    #[arg(long, value_name = "MODEL", value_parser = setup_args::model_parser())]
     pub model: Option<ModelId>,
     /// A pulse board at this port moves the slides: REAL MOTION [default: the port in the machine file, if it names one]
     #[arg(long, value_name = "PORT")]
@@ -139,52 +139,52 @@ pub struct WindowArgs {
 
 /// The commands; only the options of the one that is called are built.
 #[derive(Debug, Subcommand)]
-pub enum Command {
+pub enum CliCommand {
     /// Execute a program on the simulated lathe, as fast as the PC can
     ///
     /// The first file is executed to its end in the complete control: ladder,
     /// acceleration, spindle, turret. Subprograms come from the other files and
     /// from the folder of the first one. M00 is answered with cycle start. With
     /// --link a real machine executes it, and nothing is answered by itself.
-    Run(Later<RunArgs>),
+    Run(DeferredArgs<RunArgs>),
     /// Check programs without executing them: alarms, path, tools, time
     ///
     /// Interprets every block as the control does, without running the machine. Behind
     /// the alarm that the control would stop with further ones are listed, as far as
     /// the program can be followed. Each file is checked for itself; subprograms are found in its folder.
-    Check(Later<CheckArgs>),
+    Check(DeferredArgs<CheckArgs>),
     /// Draw the toolpath of a program as a picture (PNG or SVG)
     ///
     /// Z to the right, X as a diameter upwards; a colour for each tool with its
     /// cutting time, rapids grey and dashed.
-    Plot(Later<PlotArgs>),
+    Plot(DeferredArgs<PlotArgs>),
     /// List what means something else when another control model reads a program
     ///
     /// Block by block: codes that the other model does not have, that mean something else
     /// there, or that have another number. With -o the program is written with the numbers of
     /// the other model where they say the same; all else stands as it is, and is listed.
-    Dialect(Later<DialectArgs>),
+    Dialect(DeferredArgs<DialectArgs>),
     /// Operate the panel by a script of key presses and expectations
     #[command(after_help = script_help())]
-    Operate(Later<OperateArgs>),
+    Operate(DeferredArgs<OperateArgs>),
     /// List, check or play guided lessons
     #[command(subcommand)]
     Lesson(LessonCommand),
     /// Print or draw one LCD page as it looks after power-on
-    Screen(Later<ScreenArgs>),
+    Screen(DeferredArgs<ScreenArgs>),
     /// Print the keys of the panel: script name, label, PC key, address
-    Keys(Later<TableArgs>),
+    Keys(DeferredArgs<TableArgs>),
     /// Print the parameter table
     ///
     /// With `--model` that of another control model: the whole table of the GSK980MDi mill,
     /// with a column that says what acts in `check` and `plot`.
-    Parameters(Later<ParametersArgs>),
+    Parameters(DeferredArgs<ParametersArgs>),
     /// Print the alarm table: number, text, meaning, cause, cure
-    Alarms(Later<TableArgs>),
+    Alarms(DeferredArgs<TableArgs>),
     /// Print the PLC signal table
-    Signals(Later<TableArgs>),
+    Signals(DeferredArgs<TableArgs>),
     /// Print the faults of the simulated lathe: name for `fault NAME on`, what it does
-    Faults(Later<TableArgs>),
+    Faults(DeferredArgs<TableArgs>),
     /// Check, print or scan a ladder (instruction list)
     #[command(subcommand)]
     Ladder(LadderCommand),
@@ -197,36 +197,36 @@ pub enum Command {
     /// line, for a version control system or another machine; what differs is listed by
     /// meaning. docs/project.md describes the folder.
     #[command(subcommand)]
-    Project(ProjectCommand),
+    Project(ProjectSubcommand),
     /// What is worked out when a GSK980MDi mill is set up: gears, pitch errors, backlash, keys, homing
     #[command(subcommand)]
     Mill(MillCommand),
     /// Find, try, watch or play a pulse board
-    Link(Later<LinkArgs>),
+    Link(DeferredArgs<LinkArgs>),
     /// Files to and from a control through its serial port: the PC's side
-    Transfer(Later<TransferArgs>),
+    Transfer(DeferredArgs<TransferArgs>),
     /// Explain a symbol of the control, or a command
     ///
     /// Alarms, parameters and their bits, G and M codes, keys, lamps, pages and their fields,
     /// PLC signals, diagnosis numbers: what each is for, its range, cause and way out, an
     /// example. Words are looked for in all of them.
-    Help(Later<HelpArgs>),
+    Help(DeferredArgs<HelpArgs>),
     /// Serve an editor: alarms while a program is typed, what words mean, where they lead
     ///
     /// Speaks the language server protocol on standard input and output; an editor starts it.
-    Lsp(Later<LspArgs>),
+    Lsp(DeferredArgs<LspArgs>),
     /// Print the licences of this program and of the packages it contains
     Notices,
     /// Print what a shell needs to complete this command line
     ///
     /// For bash: `gsk980td completions bash > ~/.local/share/bash-completion/completions/gsk980td`;
     /// the packages for Linux bring it along.
-    Completions(Later<CompletionsArgs>),
+    Completions(DeferredArgs<CompletionsArgs>),
     /// Print the manual page, for `man -l`
-    Man(Later<ManArgs>),
+    Man(DeferredArgs<ManArgs>),
     /// Hold the port of a board for the program at standard input
-    #[command(name = crate::guard::COMMAND, hide = true)]
-    HoldPort(Later<HoldPortArgs>),
+    #[command(name = crate::guard::HOLDER_COMMAND, hide = true)]
+    HoldPort(DeferredArgs<HoldPortArgs>),
 }
 
 /// Options of `hold-port`, which the program starts as its guard process.
@@ -301,7 +301,7 @@ pub struct ParametersArgs {
     #[command(flatten)]
     pub table: TableArgs,
     /// The control model
-    #[arg(long, value_name = "MODEL", value_parser = setup_args::any_model(), default_value = "gsk980td")]
+    #[arg(long, value_name = "MODEL", value_parser = setup_args::model_parser(), default_value = "gsk980td")]
     pub model: ModelId,
 }
 
@@ -312,19 +312,19 @@ mod tests {
 
     #[test]
     fn the_command_line_is_consistent() {
-        Cli::command().debug_assert();
+        CommandLine::command().debug_assert();
     }
 
     #[test]
     fn the_window_is_the_default() {
-        let cli = Cli::try_parse_from(["gsk980td", "--lang", "en"]).expect("window");
+        let cli = CommandLine::try_parse_from(["gsk980td", "--lang", "en"]).expect("window");
         assert!(cli.command.is_none());
         assert_eq!(cli.lang, Some(Language::En));
     }
 
     #[test]
     fn options_of_a_mill_alone_stand_under_its_heading() {
-        let mut program = Cli::command();
+        let mut program = CommandLine::command();
         program.build();
         let arguments = program
             .get_subcommands()
@@ -351,7 +351,7 @@ mod tests {
                 "gsk980td {command} --start 100,50 --spindle 800 --param 22=3800 --param 1.4=0 \
                  --offset 1=0,0,0.4,3 --input X0.4=1"
             );
-            Cli::try_parse_from(words.split_whitespace()).expect(command);
+            CommandLine::try_parse_from(words.split_whitespace()).expect(command);
         }
     }
 }

@@ -1,14 +1,14 @@
 //! Options of drawings of a toolpath.
 
 use clap::Args;
-use gsk_runner::picture::{Look, Size};
+use gsk_runner::picture::{DrawingOptions, PictureSize};
 
 /// Options of a drawing of a toolpath.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct PictureArgs {
     /// Size of the picture, pixels [default: 1280x800]
     #[arg(long, value_name = "WIDTHxHEIGHT")]
-    pub size: Option<Size>,
+    pub size: Option<PictureSize>,
     /// Fit the picture to the whole path; without it the cuts fill it and rapids end at its frame
     #[arg(long)]
     pub whole: bool,
@@ -25,10 +25,10 @@ pub struct PictureArgs {
 
 impl PictureArgs {
     /// The options in the form of the drawing module.
-    pub fn look(self) -> Look {
-        Look {
+    pub fn to_look(self) -> DrawingOptions {
+        DrawingOptions {
             size: self.size.unwrap_or_default(),
-            whole: self.whole,
+            shows_whole_path: self.whole,
             labels: self.labels,
             dimensions: self.dimensions,
             tools: self.tools,

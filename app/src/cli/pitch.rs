@@ -23,7 +23,7 @@ pub enum PitchCommand {
 }
 
 /// Parser of the letter of a lathe axis.
-fn axis() -> impl TypedValueParser<Value = Axis> {
+fn axis_parser() -> impl TypedValueParser<Value = Axis> {
     PossibleValuesParser::new(["x", "z"]).map(|word| match word.as_str() {
         "x" => Axis::X,
         _ => Axis::Z,
@@ -37,16 +37,16 @@ pub struct PitchImportArgs {
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// The axis
-    #[arg(long, value_parser = axis(), value_name = "AXIS")]
+    #[arg(long, value_parser = axis_parser(), value_name = "AXIS")]
     pub axis: Axis,
     /// The data folder of the control [default: the one of the window]
     #[arg(long, value_name = "DIR", alias = "data")]
     pub into: Option<PathBuf>,
     /// The control model whose memory is written [default: as the data folder says]
-    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::model())]
+    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::lathe_model_parser())]
     pub model: Option<ModelId>,
     /// Slide travel from point to point, mm [default: the coarsest that leaves 0.8 µm or less]
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = crate::setup_args::finite)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = crate::setup_args::parse_number)]
     pub interval: Option<f64>,
     /// The table was empty when it was measured: what stands in it is dropped, not added to
     #[arg(long)]
@@ -69,13 +69,13 @@ pub struct PitchImportArgs {
 #[derive(Args, Debug)]
 pub struct PitchShowArgs {
     /// The axis [default: both]
-    #[arg(long, value_parser = axis(), value_name = "AXIS")]
+    #[arg(long, value_parser = axis_parser(), value_name = "AXIS")]
     pub axis: Option<Axis>,
     /// The data folder of the control [default: the one of the window]
     #[arg(long, value_name = "DIR", alias = "into")]
     pub data: Option<PathBuf>,
     /// The control model whose memory is read [default: as the data folder says]
-    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::model())]
+    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::lathe_model_parser())]
     pub model: Option<ModelId>,
     /// How the table is written
     #[arg(long, value_enum, default_value_t = PitchFormat::Human)]

@@ -9,7 +9,7 @@ use gsk_project::ProjectSection;
 
 /// Commands about projects.
 #[derive(Debug, Subcommand)]
-pub enum ProjectCommand {
+pub enum ProjectSubcommand {
     /// Write the project of a control as it is delivered
     New(ProjectNewArgs),
     /// Write all that the control holds into a folder
@@ -36,7 +36,7 @@ pub struct ProjectNewArgs {
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
     /// The control model [default: gsk980td]
-    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::model())]
+    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::lathe_model_parser())]
     pub model: Option<ModelId>,
     /// The lathe from a RON file, which becomes the machine file of the project
     #[arg(long, value_name = "FILE")]
@@ -53,7 +53,7 @@ pub struct ProjectExportArgs {
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
     /// The control model whose memory is written [default: as the data folder says]
-    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::model())]
+    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::lathe_model_parser())]
     pub model: Option<ModelId>,
     /// The lathe from a RON file, which becomes the machine file of the project
     #[arg(long, value_name = "FILE")]
@@ -70,7 +70,7 @@ pub struct ProjectImportArgs {
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
     /// Take over these parts alone, for instance parameters,offsets
-    #[arg(long, value_name = "PART", value_delimiter = ',', value_parser = sections(ProjectSection::is_in_control))]
+    #[arg(long, value_name = "PART", value_delimiter = ',', value_parser = section_parser(ProjectSection::is_in_control))]
     pub only: Vec<ProjectSection>,
     /// A password of the control: the rights of its operation level, for this once
     #[arg(long, value_name = "PASSWORD")]
@@ -93,10 +93,10 @@ pub struct ProjectDiffArgs {
     #[arg(long, value_name = "DIR", conflicts_with = "new")]
     pub data: Option<PathBuf>,
     /// The control model whose memory is compared, of data folders [default: as they say]
-    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::model())]
+    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::lathe_model_parser())]
     pub model: Option<ModelId>,
     /// Compare these parts alone, for instance parameters,offsets
-    #[arg(long, value_name = "PART", value_delimiter = ',', value_parser = sections(|_| true))]
+    #[arg(long, value_name = "PART", value_delimiter = ',', value_parser = section_parser(|_| true))]
     pub only: Vec<ProjectSection>,
     /// How the list is written
     #[arg(long, value_enum, default_value_t = DiffFormat::Human)]
@@ -112,10 +112,12 @@ pub enum DiffFormat {
     Json,
 }
 
-/// Parser of section names; accepts the sections that `taken` selects.
-fn sections(taken: fn(ProjectSection) -> bool) -> impl TypedValueParser<Value = ProjectSection> {
+/// Parser of section names; accepts the sections that `is_accepted` selects.
+fn section_parser(
+    is_accepted: fn(ProjectSection) -> bool,
+) -> impl TypedValueParser<Value = ProjectSection> {
     let rows = ProjectSection::ALL.into_iter();
-    let words = rows.filter(|(section, _)| taken(*section));
+    let words = rows.filter(|(section, _)| is_accepted(*section));
     let words: Vec<&'static str> = words.map(|(_, word)| word).collect();
     // The parser accepts no other word.
     PossibleValuesParser::new(words)

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand, ValueEnum};
 use gsk_transfer::{FileName, Partition, TextLineEnd};
 
-use crate::setup_args::{SetupArgs, WordError};
+use crate::setup_args::{OptionValueError, SetupArgs};
 
 /// Options of the control's serial port.
 #[derive(Args, Clone, Debug, Default)]
@@ -33,7 +33,7 @@ pub enum TextEnd {
 
 impl TextEnd {
     /// The line end in the form of the transfer crate.
-    pub const fn line_end(self) -> TextLineEnd {
+    pub const fn to_line_end(self) -> TextLineEnd {
         match self {
             Self::Crlf => TextLineEnd::CrLf,
             Self::Lf => TextLineEnd::Lf,
@@ -102,14 +102,14 @@ pub enum ExistingFile {
 }
 
 /// Parser of a partition of the control's memory.
-fn partition(word: &str) -> Result<Partition, WordError> {
+fn parse_partition(word: &str) -> Result<Partition, OptionValueError> {
     let mut all = Partition::ALL.into_iter();
     let found = all.find(|partition| partition.name().eq_ignore_ascii_case(word));
-    found.ok_or(WordError::NoPartition)
+    found.ok_or(OptionValueError::UnknownPartition)
 }
 
 /// Parser of a file name at the control.
-fn name(word: &str) -> Result<FileName, gsk_transfer::FileNameError> {
+fn parse_file_name(word: &str) -> Result<FileName, gsk_transfer::FileNameError> {
     FileName::new(word)
 }
 
@@ -119,7 +119,7 @@ pub struct TransferListArgs {
     #[command(flatten)]
     pub port: TransferPortArgs,
     /// USER, USER1 or USER2
-    #[arg(long, default_value = "USER", value_parser = partition)]
+    #[arg(long, default_value = "USER", value_parser = parse_partition)]
     pub partition: Partition,
 }
 
@@ -132,7 +132,7 @@ pub struct TransferSendArgs {
     #[arg(required = true, value_name = "FILE[=NAME]")]
     pub files: Vec<String>,
     /// USER, USER1 or USER2
-    #[arg(long, default_value = "USER", value_parser = partition)]
+    #[arg(long, default_value = "USER", value_parser = parse_partition)]
     pub partition: Partition,
     /// What becomes of a file whose name the control has already
     #[arg(long, value_enum, default_value_t = ExistingFile::Ask)]
@@ -145,7 +145,7 @@ pub struct TransferReceiveArgs {
     #[command(flatten)]
     pub port: TransferPortArgs,
     /// A file at the control: O0001.CNC, ParaW.par, Tofs.ofs, Wcomp.wmp
-    #[arg(required = true, value_name = "NAME", value_parser = name)]
+    #[arg(required = true, value_name = "NAME", value_parser = parse_file_name)]
     pub names: Vec<FileName>,
     /// The folder it comes into
     #[arg(long, default_value = ".", value_name = "FOLDER")]
@@ -154,7 +154,7 @@ pub struct TransferReceiveArgs {
     #[arg(long)]
     pub overwrite: bool,
     /// USER, USER1 or USER2
-    #[arg(long, default_value = "USER", value_parser = partition)]
+    #[arg(long, default_value = "USER", value_parser = parse_partition)]
     pub partition: Partition,
 }
 
@@ -164,10 +164,10 @@ pub struct TransferDeleteArgs {
     #[command(flatten)]
     pub port: TransferPortArgs,
     /// A program at the control: O0001.CNC
-    #[arg(required = true, value_name = "NAME", value_parser = name)]
+    #[arg(required = true, value_name = "NAME", value_parser = parse_file_name)]
     pub names: Vec<FileName>,
     /// USER, USER1 or USER2
-    #[arg(long, default_value = "USER", value_parser = partition)]
+    #[arg(long, default_value = "USER", value_parser = parse_partition)]
     pub partition: Partition,
 }
 
@@ -177,13 +177,13 @@ pub struct TransferRenameArgs {
     #[command(flatten)]
     pub port: TransferPortArgs,
     /// A program at the control: O0001.CNC
-    #[arg(value_name = "NAME", value_parser = name)]
+    #[arg(value_name = "NAME", value_parser = parse_file_name)]
     pub from: FileName,
     /// Its new name
-    #[arg(value_name = "NEW-NAME", value_parser = name)]
+    #[arg(value_name = "NEW-NAME", value_parser = parse_file_name)]
     pub to: FileName,
     /// USER, USER1 or USER2
-    #[arg(long, default_value = "USER", value_parser = partition)]
+    #[arg(long, default_value = "USER", value_parser = parse_partition)]
     pub partition: Partition,
 }
 

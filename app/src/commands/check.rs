@@ -3,27 +3,27 @@
 use std::path::{Path, PathBuf};
 
 use gsk_core::command::ExecutedMove;
-use gsk_core::preview::Progress;
+use gsk_core::preview::PreviewProgress;
 use gsk_core::setup::Setup;
 use gsk_messages::Language;
 use gsk_runner::curves::RapidRates;
-use gsk_runner::moves;
-use gsk_runner::report::{self, PartReport, Report};
+use gsk_runner::move_output;
+use gsk_runner::report::{self, PartReport, ProgramReport};
 
-use super::results::{all, into_file, print};
+use super::results::{check_files, check_into_file, print_results};
 use super::{CommandError, mill, output};
-use crate::apart::{Read, keep_apart, results};
 use crate::cli::CheckArgs;
 use crate::files::folders;
 use crate::job::{self, write_section};
 use crate::loading;
+use crate::overwrite_guard::{CommandInputs, check_overwrites, collect_outputs};
 
 /// Checks programs and returns the exit code.
 pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, CommandError> {
-    if args.setup.model().is_mill() {
+    if args.setup.selected_model().is_mill() {
         return mill::check(args, language);
     }
-    let (files, mut wrong) = folders::programs(&args.files);
+    let (files, mut errors) = folders::find_programs(&args.files);
     if args.moves.is_some() && files.len() > 1 {
         return Err(CommandError::OneProgram);
     }
@@ -32,67 +32,69 @@ pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, Command
     }
     // Moves and section belong to one program: an error here would leave them incomplete.
     if (args.moves.is_some() || args.part.section.is_some())
-        && let Some(error) = wrong.pop()
+        && let Some(error) = errors.pop()
     {
         return Err(error.into());
     }
-    let setup = loading::setup(&args.setup, args.look.work_zero, language)?;
-    let read = Read {
+    let setup = loading::command_setup(&args.setup, args.look.work_zero, language)?;
+    let inputs = CommandInputs {
         files: (files.iter().map(PathBuf::as_path))
-            .chain(args.setup.read_files())
+            .chain(args.setup.input_files())
             .collect(),
-        main: files.first().map(PathBuf::as_path),
-        data: args.setup.data.as_deref(),
+        main_program: files.first().map(PathBuf::as_path),
+        data_dir: args.setup.data.as_deref(),
     };
-    let written = results(&[&args.moves, &args.part.section]);
-    keep_apart(&read, &written)?;
+    let outputs = collect_outputs(&[&args.moves, &args.part.section]);
+    check_overwrites(&inputs, &outputs)?;
     if let (Some(path), [file]) = (&args.moves, &files[..]) {
-        let report = into_file(path, moves::write_move, |on_move| {
+        let report = check_into_file(path, move_output::write_move, |on_move| {
             check_file(&setup, file, (args, language), true, on_move)
         })?;
-        let aside = output::is_standard(Some(path));
-        return print(&[Ok(report)], args.format(), aside, language);
+        let aside = output::is_standard_output(Some(path));
+        return print_results(&[Ok(report)], args.format(), aside, language);
     }
-    let mut results = all(&files, &|file, alone| {
+    let mut results = check_files(&files, &|file, alone| {
         check_file(&setup, file, (args, language), alone, &mut |_| {})
     });
-    results.extend(wrong.into_iter().map(|error| Err(error.into())));
-    print(&results, args.format(), false, language)
+    results.extend(errors.into_iter().map(|error| Err(error.into())));
+    print_results(&results, args.format(), false, language)
 }
 
 fn check_file(
     setup: &Setup,
     file: &Path,
     (args, language): (&CheckArgs, Option<Language>),
-    alone: bool,
+    is_only: bool,
     on_move: &mut dyn FnMut(&ExecutedMove),
-) -> Result<Report, CommandError> {
+) -> Result<ProgramReport, CommandError> {
     let mut setup = setup.clone();
-    loading::open(&mut setup, &[file.to_owned()])?.print(language);
-    let mut watch = output::watch(&setup.memory.programs, args.look.limits.begin(), alone);
+    loading::open_program(&mut setup, &[file.to_owned()])?.print(language);
+    let mut watch =
+        output::watch_preview(&setup.memory.programs, args.look.limits.start(), is_only);
     let name = file.display().to_string();
-    let mut goes_on = |progress: &Progress| watch.goes_on(progress);
-    if !args.part.wanted() {
-        let report = report::check(&name, &setup, language, on_move, &mut goes_on);
+    let mut should_continue = |progress: &PreviewProgress| watch.update_progress(progress);
+    if !args.part.is_requested() {
+        let report = report::check_program(&name, &setup, language, on_move, &mut should_continue);
         return Ok(report);
     }
-    let chosen = job::choose(&args.part.job, Some(file), &setup)?;
-    if let Some(said) = chosen.set_work_zero(&mut setup) {
-        complain!("gsk980td: {}", report::said(&said, language));
+    let job_choice = job::choose(&args.part.job, Some(file), &setup)?;
+    if let Some(message) = job_choice.set_work_zero(&mut setup) {
+        complain!("gsk980td: {}", report::message_text(&message, language));
     }
-    let mut machining = chosen.machining();
-    let rates = RapidRates::of(&setup.memory);
-    let mut take = |executed: &ExecutedMove| {
-        machining.moved(executed, rates);
+    let mut machining = job_choice.create_machining();
+    let rates = RapidRates::from_memory(&setup.memory);
+    let mut cut_move = |executed: &ExecutedMove| {
+        machining.execute_move(executed, rates);
         on_move(executed);
     };
-    let mut report = report::check(&name, &setup, language, &mut take, &mut goes_on);
+    let mut report =
+        report::check_program(&name, &setup, language, &mut cut_move, &mut should_continue);
     if let Some(path) = &args.part.section {
         write_section(path, &machining)?;
     }
     report.part = Some(PartReport::new(
         &machining,
-        chosen.name(),
+        job_choice.file_name(),
         args.part.measure,
         language,
     ));

@@ -3,10 +3,10 @@
 use gsk_messages::{Language, Message, say};
 use gsk_runner::{dialect, report};
 
-use super::{ALARM, CommandError, FINE, output};
-use crate::apart::{Read, keep_apart};
+use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::DialectArgs;
 use crate::files::{decode, program_file};
+use crate::overwrite_guard::{CommandInputs, check_overwrites};
 
 /// Lists the blocks that the other model reads differently. With `--output` it writes the
 /// program for the other model and lists only the remaining differences. Exit code 1 if
@@ -14,33 +14,37 @@ use crate::files::{decode, program_file};
 pub fn dialect(args: &DialectArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let file = program_file::read(&args.file)?;
     let (from, to) = (args.from.record(), args.to.record());
-    let mut findings = dialect::compare(&file.text, from, to);
+    let mut findings = dialect::compare_models(&file.text, from, to);
     if let Some(path) = &args.output {
-        let read = Read {
+        let inputs = CommandInputs {
             files: vec![&args.file],
-            ..Read::default()
+            ..CommandInputs::default()
         };
-        keep_apart(&read, &[path])?;
-        let rewritten = dialect::rewrite(&file.text, from, to);
-        let place = output::reserve(path)?;
-        place.write(&decode::encode(&rewritten, file.encoding))?;
+        check_overwrites(&inputs, &[path])?;
+        let rewritten = dialect::rewrite_program(&file.text, from, to);
+        let target = output::reserve_file(path)?;
+        target.write(&decode::encode(&rewritten, file.encoding))?;
         findings.retain(|finding| !finding.is_rewritten());
     }
-    let said = |message: &Message| report::said(message, language);
+    let localize = |message: &Message| report::message_text(message, language);
     let mut out = String::new();
     for finding in &findings {
-        let text = said(&finding.text(from, to));
+        let text = localize(&finding.text(from, to));
         let name = args.file.display().to_string();
         out.push_str(&format!("{name}:{}: {text}\n", finding.line));
     }
     if from.program_name != to.program_name {
         let names =
             say::dialect_names(from.name(), &from.program_name, to.name(), &to.program_name);
-        out.push_str(&format!("{}\n", said(&names)));
+        out.push_str(&format!("{}\n", localize(&names)));
     }
     if findings.is_empty() {
-        out.push_str(&format!("{}\n", said(&say::dialect_same(to.name()))));
+        out.push_str(&format!("{}\n", localize(&say::dialect_same(to.name()))));
     }
     output::print(&out);
-    Ok(if findings.is_empty() { FINE } else { ALARM })
+    Ok(if findings.is_empty() {
+        EXIT_OK
+    } else {
+        EXIT_ALARM
+    })
 }

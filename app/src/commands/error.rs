@@ -7,24 +7,24 @@ use gsk_link::LinkConfigError;
 use gsk_messages::{Message, say};
 use gsk_panel::script::ScriptError;
 use gsk_runner::execution::ExecutionError;
-use gsk_runner::picture::{NoPicture, PictureError};
+use gsk_runner::picture::{PictureError, UnknownPictureFormat};
 
-use crate::apart::ApartError;
 use crate::board::BoardError;
-use crate::ending::SignalError;
-use crate::files::data_dir::DataError;
-use crate::files::program_file::FileError;
+use crate::files::data_dir::DataDirError;
+use crate::files::program_file::ProgramFileError;
 use crate::guard::holder::NoProgram;
 use crate::job::JobError;
 use crate::loading::LoadError;
+use crate::message_format::join_lines;
 use crate::output::WriteError;
+use crate::overwrite_guard::OverwriteError;
 use crate::pc::{FilesError, PcError};
-use crate::picture::NameError;
+use crate::picture::PictureNameError;
 use crate::ports::PortError;
 use crate::project::ProjectError;
 use crate::retained::NotSaved;
-use crate::saying::lines;
-use crate::setup_args::SetByTheMachine;
+use crate::setup_args::MachineStateOption;
+use crate::termination::SignalError;
 use crate::transfer::TransferError;
 
 /// Why a command failed, or an error besides its main task.
@@ -32,17 +32,17 @@ use crate::transfer::TransferError;
 #[error("{}", self.message())]
 pub enum CommandError {
     /// A result would overwrite a file that the command reads.
-    Apart(#[from] ApartError),
+    Overwrite(#[from] OverwriteError),
     /// The board cannot be opened.
     Board(#[from] BoardError),
     /// The data directory cannot be used.
-    Data(#[from] DataError),
+    Data(#[from] DataDirError),
     /// The program cannot be executed.
     Execution(#[from] ExecutionError),
     /// A malformed message from the editor, or a closed connection.
     Editor(String),
     /// A program file cannot be read.
-    File(#[from] FileError),
+    File(#[from] ProgramFileError),
     /// There is no job for the program.
     Job(#[from] JobError),
     /// A value cannot be written as JSON.
@@ -54,9 +54,9 @@ pub enum CommandError {
     /// The initial state of the control cannot be loaded.
     Load(#[from] LoadError),
     /// The file name is not that of a picture.
-    Name(#[from] NameError),
+    Name(#[from] PictureNameError),
     /// The ending of the file name is not one of a picture format.
-    Ending(#[from] NoPicture),
+    Ending(#[from] UnknownPictureFormat),
     /// `hold-port` has no parent program that needs the port.
     NoProgram(#[from] NoProgram),
     /// A measurement of pitch errors cannot be used.
@@ -70,7 +70,7 @@ pub enum CommandError {
     /// An open port or stream failed.
     Gone(io::Error),
     /// An option contradicts a connected machine.
-    SetByTheMachine(#[from] SetByTheMachine),
+    SetByTheMachine(#[from] MachineStateOption),
     /// The signal handlers cannot be installed.
     Signals(#[from] SignalError),
     /// A text from the serial port cannot be used.
@@ -151,14 +151,14 @@ impl From<CommandError> for Message {
 impl CommandError {
     pub fn message(&self) -> Message {
         match self {
-            Self::Apart(error) => error.message(),
+            Self::Overwrite(error) => error.message(),
             Self::Board(error) => error.message(),
             Self::Data(error) => error.message(),
             Self::Execution(error) => error.message(),
             Self::Editor(reason) => say::lsp_ended(reason),
             Self::File(error) => error.message(),
             Self::Job(error) => error.message(),
-            Self::Lesson(said) | Self::Pitch(said) => said.clone(),
+            Self::Lesson(message) | Self::Pitch(message) => message.clone(),
             Self::Json(error) => say::as_written(error),
             Self::Link(error) => say::as_written(error),
             Self::Load(error) => error.message(),
@@ -178,7 +178,7 @@ impl CommandError {
             Self::Script { path, errors } => {
                 let name = path.display();
                 let errors = errors.iter().map(ScriptError::message);
-                lines(errors.map(|error| say::subject_reason(&name, error)))
+                join_lines(errors.map(|error| say::subject_reason(&name, error)))
             }
             Self::NoTopic(question) => say::help_nothing(question),
             Self::NoPage { name, pages } => say::command_no_page(name, pages),
@@ -194,7 +194,7 @@ impl CommandError {
             Self::NotStill => say::command_board_moves(),
             Self::NoFile(path) => say::subject_reason(path.display(), say::file_not_there()),
             Self::NotSaved(error) => error.message(),
-            Self::Several(errors) => lines(errors.iter().map(Self::message)),
+            Self::Several(errors) => join_lines(errors.iter().map(Self::message)),
         }
     }
 }

@@ -5,13 +5,13 @@ use gsk_help::{Topic, article, designation, document, search_model, topics_of};
 use gsk_messages::{Language, say};
 use gsk_panel::glyphs::text_columns;
 
-use super::{CommandError, FINE, output};
-use crate::cli::{Cli, HelpArgs, chinese};
+use super::{CommandError, EXIT_OK, output};
+use crate::cli::{CommandLine, HelpArgs, chinese};
 
 /// Up to this number of articles are printed in full; more are listed.
-const WHOLE: usize = 4;
+const MAX_FULL_ARTICLES: usize = 4;
 /// Most lines of the list.
-const LISTED: usize = 40;
+const MAX_LISTED_TOPICS: usize = 40;
 
 /// Prints help on a command or a topic.
 ///
@@ -21,67 +21,70 @@ pub fn help(args: &HelpArgs, spoken: Option<Language>) -> Result<u8, CommandErro
     let language = spoken.unwrap_or(Language::En);
     if args.list {
         let topics = topics_of(args.model.unwrap_or_default()).iter();
-        output::print(&headings(&topics.collect::<Vec<_>>(), language));
-        return Ok(FINE);
+        output::print(&format_headings(&topics.collect::<Vec<_>>(), language));
+        return Ok(EXIT_OK);
     }
     if args.document {
         output::print(&document(language));
-        return Ok(FINE);
+        return Ok(EXIT_OK);
     }
     let mut program = match language {
-        Language::Zh => chinese::command(),
-        Language::En => Cli::command(),
+        Language::Zh => chinese::chinese_command(),
+        Language::En => CommandLine::command(),
     };
     program.build();
-    let of_command = |command: &Command| {
+    let render_help = |command: &Command| {
         let help = command.clone().render_long_help().to_string();
         match language {
-            Language::Zh => chinese::said(&help),
+            Language::Zh => chinese::translate_clap_text(&help),
             Language::En => help,
         }
     };
     let Some(first) = args.topic.first() else {
-        output::print(&of_command(&program));
-        return Ok(FINE);
+        output::print(&render_help(&program));
+        return Ok(EXIT_OK);
     };
     let mut command = program.find_subcommand(first);
-    for below in args.topic.iter().skip(1) {
-        command = command.and_then(|command| command.find_subcommand(below));
+    for word in args.topic.iter().skip(1) {
+        command = command.and_then(|command| command.find_subcommand(word));
     }
     if let Some(command) = command.filter(|it| !it.is_hide_set()) {
-        output::print(&of_command(command));
-        return Ok(FINE);
+        output::print(&render_help(command));
+        return Ok(EXIT_OK);
     }
     let question = args.topic.join(" ");
     let found = search_model(args.model.unwrap_or_default(), &question);
     if found.is_empty() {
         return Err(CommandError::NoTopic(question));
     }
-    if found.len() <= WHOLE {
+    if found.len() <= MAX_FULL_ARTICLES {
         let articles = found
             .iter()
             .map(|topic| article(topic, language).to_string());
         output::print(&articles.collect::<Vec<_>>().join("\n"));
-        return Ok(FINE);
+        return Ok(EXIT_OK);
     }
-    output::print(&headings(&found[..found.len().min(LISTED)], language));
-    if found.len() > LISTED {
-        let more = say::help_more(found.len() - LISTED);
+    output::print(&format_headings(
+        &found[..found.len().min(MAX_LISTED_TOPICS)],
+        language,
+    ));
+    if found.len() > MAX_LISTED_TOPICS {
+        let more = say::help_more(found.len() - MAX_LISTED_TOPICS);
         output::print(&format!("{}\n", more.text(language)));
     }
-    Ok(FINE)
+    Ok(EXIT_OK)
 }
 
 /// One line per topic: the words that select it, and its name.
-fn headings(topics: &[&Topic], language: Language) -> String {
+fn format_headings(topics: &[&Topic], language: Language) -> String {
     let line = |topic: &&Topic| {
         let name = gsk_help::subject_name(topic.subject, language);
-        let asked = match language {
+        let query = match language {
             Language::Zh => designation(topic.subject, language),
             Language::En => topic.subject.to_string(),
         };
-        let gap = 24_usize.saturating_sub(text_columns(&asked));
-        let line = format!("{asked}{} {name}", " ".repeat(gap));
+        let gap = 24_usize.saturating_sub(text_columns(&query));
+        let line = format!("{query}{} {name}", " ".repeat(gap));
         format!("{}\n", line.trim_end())
     };
     topics.iter().map(line).collect()

@@ -7,7 +7,7 @@ use gsk_core::plc::{CompileError, Ladder, Plc};
 use gsk_core::setup::{STANDARD_LADDER, standard_ladder};
 use gsk_messages::say;
 
-use super::{ALARM, CommandError, FINE, output};
+use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::{LadderArgs, LadderCommand, LadderRunArgs};
 use crate::files::program_file;
 use crate::loading;
@@ -23,9 +23,9 @@ pub fn ladder(command: &LadderCommand) -> Result<u8, CommandError> {
 /// The errors of a ladder, one line each.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", .0.join("\n"))]
-struct NoLadder(Vec<String>);
+struct LadderErrors(Vec<String>);
 
-fn compile(path: Option<&Path>) -> Result<Result<Arc<Ladder>, NoLadder>, CommandError> {
+fn compile(path: Option<&Path>) -> Result<Result<Arc<Ladder>, LadderErrors>, CommandError> {
     let Some(path) = path else {
         return Ok(Ok(standard_ladder()));
     };
@@ -33,29 +33,29 @@ fn compile(path: Option<&Path>) -> Result<Result<Arc<Ladder>, NoLadder>, Command
     let name = path.display().to_string();
     Ok(Ladder::compile(&file.text).map(Arc::new).map_err(|errors| {
         let errors = errors.errors.iter();
-        NoLadder(errors.map(|error| at_line(&name, error)).collect())
+        LadderErrors(errors.map(|error| format_finding(&name, error)).collect())
     }))
 }
 
 /// A line such as `door.il:123: E03 …`, which editors link to the file.
-fn at_line(name: &str, found: &CompileError) -> String {
-    let said = output::worded(&found.message);
-    format!("{name}:{}: {} {said}", found.line, found.code)
+fn format_finding(name: &str, found: &CompileError) -> String {
+    let text = output::localize(&found.message);
+    format!("{name}:{}: {} {text}", found.line, found.code)
 }
 
 fn check(args: &LadderArgs) -> Result<u8, CommandError> {
     let name = args.file.as_ref().map_or_else(
-        || output::worded(&say::ladder_list_standard()),
+        || output::localize(&say::ladder_list_standard()),
         |path| path.display().to_string(),
     );
     match compile(args.file.as_deref())? {
         Ok(ladder) => {
             let mut out = String::new();
             for warning in ladder.warnings() {
-                out.push_str(&(at_line(&name, warning) + "\n"));
+                out.push_str(&(format_finding(&name, warning) + "\n"));
             }
             output::print(&out);
-            output::say(&say::ladder_list_summary(
+            output::print_message(&say::ladder_list_summary(
                 name,
                 ladder.rung_count(),
                 ladder.steps(),
@@ -63,11 +63,11 @@ fn check(args: &LadderArgs) -> Result<u8, CommandError> {
                 ladder.part_count(),
                 ladder.warnings().len(),
             ));
-            Ok(FINE)
+            Ok(EXIT_OK)
         }
-        Err(said) => {
-            complain!("{said}");
-            Ok(ALARM)
+        Err(errors) => {
+            complain!("{errors}");
+            Ok(EXIT_ALARM)
         }
     }
 }
@@ -81,11 +81,11 @@ fn list(args: &LadderArgs) -> Result<u8, CommandError> {
                 None => STANDARD_LADDER.to_owned(),
             };
             output::print(&text);
-            Ok(FINE)
+            Ok(EXIT_OK)
         }
-        Err(said) => {
-            complain!("{said}");
-            Ok(ALARM)
+        Err(errors) => {
+            complain!("{errors}");
+            Ok(EXIT_ALARM)
         }
     }
 }
@@ -93,33 +93,33 @@ fn list(args: &LadderArgs) -> Result<u8, CommandError> {
 fn run(args: &LadderRunArgs) -> Result<u8, CommandError> {
     let ladder = match compile(args.file.as_deref())? {
         Ok(ladder) => ladder,
-        Err(said) => {
-            complain!("{said}");
-            return Ok(ALARM);
+        Err(errors) => {
+            complain!("{errors}");
+            return Ok(EXIT_ALARM);
         }
     };
-    let mut held = Vec::new();
+    let mut forced_bits = Vec::new();
     for bit in &args.bits {
-        held.push((loading::address(&bit.address)?, bit.state));
+        forced_bits.push((loading::parse_address(&bit.address)?, bit.state));
     }
     let mut plc = Plc::new(ladder);
     plc.power_on();
     for _ in 0..args.slots {
-        for (address, state) in &held {
+        for (address, state) in &forced_bits {
             plc.memory_mut().set_bit(*address, *state);
         }
         plc.run_slot();
         if let Some(fault) = plc.fault() {
-            output::complain_of(&fault.message());
-            return Ok(ALARM);
+            output::report_error(&fault.message());
+            return Ok(EXIT_ALARM);
         }
     }
-    output::print(&after(&plc));
-    Ok(FINE)
+    output::print(&format_outputs(&plc));
+    Ok(EXIT_OK)
 }
 
 /// The outputs that are on and the active messages.
-fn after(plc: &Plc) -> String {
+fn format_outputs(plc: &Plc) -> String {
     let mut out = String::new();
     let memory = plc.memory();
     for (area, count, byte) in [
@@ -132,11 +132,11 @@ fn after(plc: &Plc) -> String {
             .map(|(number, bit)| format!("{area}{number}.{bit}"))
             .collect();
         let on = say::ladder_list_on(area, on.join(" "));
-        out.push_str(&format!("{}\n", output::worded(&on)));
+        out.push_str(&format!("{}\n", output::localize(&on)));
     }
     for (number, text) in plc.active_messages() {
-        let said = say::ladder_list_message(number, text);
-        out.push_str(&format!("{}\n", output::worded(&said)));
+        let message = say::ladder_list_message(number, text);
+        out.push_str(&format!("{}\n", output::localize(&message)));
     }
     out
 }

@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use gsk_messages::{Language, say};
 use gsk_runner::lesson::Lesson;
-use gsk_runner::lesson::play::{self, Outcome};
+use gsk_runner::lesson::solution_player::{self, StepResult};
 use gsk_runner::report;
 
-use super::{ALARM, CommandError, FINE, output};
+use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::LessonCommand;
 use crate::files::lessons;
 use crate::platform;
@@ -32,61 +32,71 @@ pub fn lesson(command: &LessonCommand, language: Option<Language>) -> Result<u8,
 }
 
 fn list(data: Option<&Path>, language: Option<Language>) -> u8 {
-    let found = lessons::all(data);
+    let found = lessons::load_lessons(data);
     for lesson in &found.lessons {
-        let title = lesson.title.of(language.unwrap_or(Language::En));
+        let title = lesson.title.in_language(language.unwrap_or(Language::En));
         output::print(&format!(
             "{:<24} {:>3}  {title}\n",
             lesson.name,
             lesson.steps.len()
         ));
     }
-    for said in &found.wrong {
-        complain!("gsk980td: {}", report::said(said, language));
+    for error in &found.errors {
+        complain!("gsk980td: {}", report::message_text(error, language));
     }
-    match found.wrong.is_empty() {
-        true => FINE,
-        false => ALARM,
+    match found.errors.is_empty() {
+        true => EXIT_OK,
+        false => EXIT_ALARM,
     }
 }
 
 /// Finds a lesson by name, else reads it from a file.
 fn find(name: &Path, data: Option<&Path>) -> Result<Lesson, CommandError> {
-    let known = lessons::all(data).lessons;
-    let names: Vec<String> = known.iter().map(|lesson| lesson.name.clone()).collect();
-    let mut known = known.into_iter();
-    if let Some(lesson) = known.find(|lesson| Path::new(&lesson.name) == name) {
+    let all_lessons = lessons::load_lessons(data).lessons;
+    let names: Vec<String> = all_lessons
+        .iter()
+        .map(|lesson| lesson.name.clone())
+        .collect();
+    let mut all_lessons = all_lessons.into_iter();
+    if let Some(lesson) = all_lessons.find(|lesson| Path::new(&lesson.name) == name) {
         return Ok(lesson);
     }
     if platform::is_taken(name) {
         return lessons::read(name).map_err(CommandError::Lesson);
     }
-    let said = say::lesson_unknown(name.display(), names.join(" "));
-    Err(CommandError::Lesson(said))
+    let message = say::lesson_unknown(name.display(), names.join(" "));
+    Err(CommandError::Lesson(message))
 }
 
 /// Plays the solution and reports the outcome of every step.
 fn run(lesson: Lesson, language: Option<Language>) -> Result<u8, CommandError> {
     let lesson = Arc::new(lesson);
-    let shown = language.unwrap_or(Language::En);
-    output::print(&format!("{}: {}\n", lesson.name, lesson.title.of(shown)));
-    let outcomes = play::run(&lesson).map_err(CommandError::Lesson)?;
+    let text_language = language.unwrap_or(Language::En);
+    output::print(&format!(
+        "{}: {}\n",
+        lesson.name,
+        lesson.title.in_language(text_language)
+    ));
+    let outcomes = solution_player::play_lesson(&lesson).map_err(CommandError::Lesson)?;
     let mut all_done = true;
     for (number, (step, outcome)) in (1..).zip(lesson.steps.iter().zip(&outcomes)) {
-        let said = match outcome {
-            Outcome::Done(ticks) => say::lesson_step_done(number, *ticks as f64 / 1000.0),
-            Outcome::DoneBefore => say::lesson_step_done_before(number),
-            Outcome::Failed(why) => say::lesson_step_failed(number, why.clone()),
+        let result = match outcome {
+            StepResult::Done(ticks) => say::lesson_step_done(number, *ticks as f64 / 1000.0),
+            StepResult::DoneBefore => say::lesson_step_done_before(number),
+            StepResult::Failed(why) => say::lesson_step_failed(number, why.clone()),
         };
-        all_done &= matches!(outcome, Outcome::Done(_));
-        output::print(&format!("{}\n", said.text(shown)));
-        if !matches!(outcome, Outcome::Done(_)) {
-            output::print(&format!("    {}\n", step.text.of(shown)));
+        all_done &= matches!(outcome, StepResult::Done(_));
+        output::print(&format!("{}\n", result.text(text_language)));
+        if !matches!(outcome, StepResult::Done(_)) {
+            output::print(&format!("    {}\n", step.text.in_language(text_language)));
         }
     }
     let left = lesson.steps.len() - outcomes.len();
     if left > 0 {
-        output::print(&format!("{}\n", say::lesson_steps_left(left).text(shown)));
+        output::print(&format!(
+            "{}\n",
+            say::lesson_steps_left(left).text(text_language)
+        ));
     }
-    Ok(if all_done { FINE } else { ALARM })
+    Ok(if all_done { EXIT_OK } else { EXIT_ALARM })
 }

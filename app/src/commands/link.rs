@@ -1,16 +1,16 @@
 //! `link`: lists, tests, monitors and simulates pulse boards.
 
-mod drill;
+mod board_test;
 mod twin;
 
 use std::time::Duration;
 
 use gsk_link::{LinkConfig, LinkEvent, LinkState};
 
-use super::{ALARM, CommandError, FINE, output};
-use crate::board::Board;
+use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
+use crate::board::BoardSession;
 use crate::cli::{LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs};
-use crate::saying::{differs, listed};
+use crate::message_format::{describe_setting_difference, join_on_one_line};
 use crate::{loading, platform, ports};
 use gsk_core::alarm::number;
 use gsk_messages::{Message, say};
@@ -20,15 +20,15 @@ pub fn link(command: &LinkCommand) -> Result<u8, CommandError> {
         LinkCommand::List => list(),
         LinkCommand::Test(args) => test(args),
         LinkCommand::Monitor(args) => monitor(args),
-        LinkCommand::Twin(args) => twin::twin(args),
+        LinkCommand::Twin(args) => twin::run_twin(args),
     }
 }
 
 fn list() -> Result<u8, CommandError> {
-    let found = ports::list()?;
+    let found = ports::list_ports()?;
     if found.is_empty() {
-        output::say(&say::link_test_no_ports());
-        return Ok(FINE);
+        output::print_message(&say::link_test_no_ports());
+        return Ok(EXIT_OK);
     }
     let mut out = String::new();
     for port in found {
@@ -39,13 +39,13 @@ fn list() -> Result<u8, CommandError> {
         out.push('\n');
     }
     output::print(&out);
-    Ok(FINE)
+    Ok(EXIT_OK)
 }
 
 /// Opens the selected board with the settings of the machine file and the parameters of the
 /// control.
-fn open(args: &LinkBoardArgs) -> Result<Board, CommandError> {
-    let setup = loading::setup(&args.setup, None, None)?;
+fn open(args: &LinkBoardArgs) -> Result<BoardSession, CommandError> {
+    let setup = loading::command_setup(&args.setup, None, None)?;
     let mut config: LinkConfig = setup.lathe.link.unwrap_or_default();
     if let Some(port) = &args.port {
         config.port.clone_from(port);
@@ -54,38 +54,38 @@ fn open(args: &LinkBoardArgs) -> Result<Board, CommandError> {
         return Err(CommandError::NoPort);
     }
     config.check()?;
-    Ok(Board::open(
+    Ok(BoardSession::open(
         config,
         &setup.memory.parameters,
-        &platform::own_program(),
+        &platform::own_executable(),
     )?)
 }
 
 /// Prints the alarms. Returns true if one of them is not about settings that differ.
-fn report(events: &[LinkEvent]) -> bool {
+fn print_alarms(events: &[LinkEvent]) -> bool {
     let mut failed = false;
     for event in events {
         if let LinkEvent::Alarm { number, detail } = event {
-            complain!("gsk980td: {number}: {}", output::worded(detail));
+            complain!("gsk980td: {number}: {}", output::localize(detail));
             failed |= *number != number::BOARD_SETTINGS;
         }
     }
     failed
 }
 
-const fn is_about_settings(event: &LinkEvent) -> bool {
+const fn is_settings_alarm(event: &LinkEvent) -> bool {
     matches!(event, LinkEvent::Alarm { number, .. } if *number == number::BOARD_SETTINGS)
 }
 
 /// Reports the state in which the connection stopped, unless an alarm has reported it.
 /// Always returns true: the board is not usable.
-fn tell_state(board: &Board) -> bool {
+fn report_state(board: &BoardSession) -> bool {
     match board.link.state() {
         LinkState::Fault | LinkState::Lost | LinkState::Tripped => {}
-        LinkState::Off => output::complain_of(&say::link_test_broken_off()),
+        LinkState::Off => output::report_error(&say::link_test_broken_off()),
         state => {
-            let said = say::link_test_not_ready(board.now().as_secs(), state.name());
-            output::complain_of(&said);
+            let message = say::link_test_not_ready(board.now().as_secs(), state.name());
+            output::report_error(&message);
         }
     }
     true
@@ -93,79 +93,81 @@ fn tell_state(board: &Board) -> bool {
 
 fn test(args: &LinkTestArgs) -> Result<u8, CommandError> {
     let mut board = open(&args.board)?;
-    let mut events = board.get_known();
+    let mut events = board.wait_until_ready();
     if args.write_settings {
         // These settings are written next and are listed there.
-        events.retain(|event| !is_about_settings(event));
+        events.retain(|event| !is_settings_alarm(event));
     }
-    let mut failed = report(&events);
+    let mut failed = print_alarms(&events);
     let info = board.link.board().clone();
     if !info.firmware.is_empty() {
-        output::say(&say::link_test_board(
+        output::print_message(&say::link_test_board(
             &info.firmware,
             info.blocks,
             info.receive_bytes,
         ));
     }
-    let differ = differences(&events);
-    if differ.is_empty() && board.link.state() != LinkState::Locked {
-        failed |= tell_state(&board);
+    let differing = differences(&events);
+    if differing.is_empty() && board.link.state() != LinkState::Locked {
+        failed |= report_state(&board);
     }
     if failed {
-        return Ok(ALARM);
+        return Ok(EXIT_ALARM);
     }
-    if !differ.is_empty() {
-        output::say(&say::link_test_settings_differ());
-        differ.iter().for_each(output::say);
+    if !differing.is_empty() {
+        output::print_message(&say::link_test_settings_differ());
+        differing.iter().for_each(output::print_message);
         if info.forgets {
-            output::say(&say::link_test_forgets());
+            output::print_message(&say::link_test_forgets());
         }
         if !args.write_settings {
-            output::say(&say::link_test_write());
-            return Ok(ALARM);
+            output::print_message(&say::link_test_write());
+            return Ok(EXIT_ALARM);
         }
         board.link.write_settings();
-        events = board.wait(Duration::from_secs(10), |link, _| {
+        events = board.pump_until(Duration::from_secs(10), |link, _| {
             matches!(
                 link.state(),
                 LinkState::Locked | LinkState::Fault | LinkState::Lost
             )
         });
-        report(&events);
+        print_alarms(&events);
         if board.link.state() != LinkState::Locked {
-            tell_state(&board);
-            return Ok(ALARM);
+            report_state(&board);
+            return Ok(EXIT_ALARM);
         }
-        output::say(&say::link_test_written());
+        output::print_message(&say::link_test_written());
     } else {
-        output::say(&say::link_test_settings_good());
+        output::print_message(&say::link_test_settings_good());
     }
-    output::say(&say::link_test_threads(board.link.threads().text()));
-    let meanwhile = drill::idle(&mut board);
-    let failed = report(&meanwhile);
-    let operated = drill::operated(&board);
-    output::say(&match operated.is_empty() {
+    output::print_message(&say::link_test_threads(board.link.threads().text()));
+    let idle_events = board_test::measure_idle(&mut board);
+    let failed = print_alarms(&idle_events);
+    let operated = board_test::operated_switches(&board);
+    output::print_message(&match operated.is_empty() {
         true => say::link_test_switches_free(),
-        false => say::link_test_switches(listed(operated.iter().cloned())),
+        false => say::link_test_switches(join_on_one_line(operated.iter().cloned())),
     });
     match args.travel {
         _ if failed || board.link.state() != LinkState::Locked => {
-            tell_state(&board);
-            Ok(ALARM)
+            report_state(&board);
+            Ok(EXIT_ALARM)
         }
         Some(_) if !operated.is_empty() => {
-            let said = say::link_test_nothing_moves(listed(operated));
-            output::complain_of(&said);
-            Ok(ALARM)
+            let message = say::link_test_nothing_moves(join_on_one_line(operated));
+            output::report_error(&message);
+            Ok(EXIT_ALARM)
         }
-        Some(millimetres) => drill::motion(&mut board, millimetres, args.feed),
-        None => Ok(FINE),
+        Some(millimetres) => board_test::measure_motion(&mut board, millimetres, args.feed),
+        None => Ok(EXIT_OK),
     }
 }
 
 fn differences(events: &[LinkEvent]) -> Vec<Message> {
     let line = |event: &LinkEvent| match event {
-        LinkEvent::Differs(difference) => Some(say::link_test_setting(differs(difference))),
+        LinkEvent::Differs(difference) => Some(say::link_test_setting(
+            describe_setting_difference(difference),
+        )),
         _ => None,
     };
     events.iter().filter_map(line).collect()
@@ -173,7 +175,7 @@ fn differences(events: &[LinkEvent]) -> Vec<Message> {
 
 fn monitor(args: &LinkMonitorArgs) -> Result<u8, CommandError> {
     let mut board = open(&args.board)?;
-    board.watch();
+    board.record_traffic();
     let mut failed = false;
     while args
         .seconds
@@ -181,7 +183,7 @@ fn monitor(args: &LinkMonitorArgs) -> Result<u8, CommandError> {
     {
         let events = board.pump();
         print_traffic(&mut board);
-        failed |= report(&events);
+        failed |= print_alarms(&events);
         if matches!(board.link.state(), LinkState::Lost | LinkState::Off) {
             break;
         }
@@ -189,13 +191,13 @@ fn monitor(args: &LinkMonitorArgs) -> Result<u8, CommandError> {
     // The bytes that stop the board are part of the traffic.
     board.close();
     print_traffic(&mut board);
-    Ok(if failed { ALARM } else { FINE })
+    Ok(if failed { EXIT_ALARM } else { EXIT_OK })
 }
 
 /// Prints the traffic since the last call.
-fn print_traffic(board: &mut Board) {
-    for line in board.traffic() {
-        let arrow = if line.outward { '>' } else { '<' };
+fn print_traffic(board: &mut BoardSession) {
+    for line in board.take_traffic() {
+        let arrow = if line.is_outward { '>' } else { '<' };
         output::print(&format!(
             "{:9.3} {arrow} {}\n",
             line.at.as_secs_f64(),

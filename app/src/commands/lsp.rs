@@ -9,14 +9,14 @@
 //! preview of the program: a checker thread makes it and cancels it if the text changes.
 
 mod answers;
+mod checker;
 mod convert;
-mod desk;
+mod diagnostics;
 mod documents;
 mod folder;
 mod framing;
-mod looker;
-mod places;
 mod server;
+mod server_state;
 mod settings;
 mod streams;
 
@@ -24,15 +24,15 @@ use gsk_core::setup::Setup;
 use gsk_messages::Language;
 use gsk_runner::mill::MillSetup;
 
-use super::{CommandError, FINE};
+use super::{CommandError, EXIT_OK};
 use crate::cli::LspArgs;
 use crate::loading;
 
 /// Exit code: the editor disconnected without `shutdown`.
-const ABANDONED: u8 = 1;
+const EXIT_DISCONNECTED: u8 = 1;
 
 /// The control that the programs are checked for.
-pub struct Control {
+pub struct CheckedControl {
     /// Its memory; for a mill only the programs in it are used.
     setup: Setup,
     /// The setup of the mill, if the model is one.
@@ -44,24 +44,24 @@ pub struct Control {
 /// # Errors
 /// Options that cannot be applied, and malformed messages.
 pub fn lsp(args: &LspArgs, language: Option<Language>) -> Result<u8, CommandError> {
-    let control = if args.setup.model().is_mill() {
-        let (mill, setup) = loading::mill(&args.setup)?;
-        Control {
+    let control = if args.setup.selected_model().is_mill() {
+        let (mill, setup) = loading::mill_setup(&args.setup)?;
+        CheckedControl {
             setup,
             mill: Some(mill),
         }
     } else {
-        let setup = loading::setup(&args.setup, None, language)?;
-        Control { setup, mill: None }
+        let setup = loading::command_setup(&args.setup, None, language)?;
+        CheckedControl { setup, mill: None }
     };
-    let (connection, streams) = streams::open();
-    let ended = server::serve(&connection, control, language);
+    let (connection, streams) = streams::open_streams();
+    let end = server::serve(&connection, control, language);
     drop(connection);
-    let streams = streams.end();
-    let ended = ended.map_err(|error| CommandError::Editor(error.to_string()))?;
+    let streams = streams.join();
+    let end = end.map_err(|error| CommandError::Editor(error.to_string()))?;
     streams.map_err(|error| CommandError::Editor(error.to_string()))?;
-    Ok(match ended {
-        server::Ended::AsAsked => FINE,
-        server::Ended::Abandoned => ABANDONED,
+    Ok(match end {
+        server::ServerEnd::ShutDown => EXIT_OK,
+        server::ServerEnd::Disconnected => EXIT_DISCONNECTED,
     })
 }

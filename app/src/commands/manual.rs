@@ -5,8 +5,8 @@ use std::fs;
 use clap::CommandFactory;
 use clap_mangen::Man;
 
-use super::{CommandError, FINE};
-use crate::cli::{Cli, CompletionsArgs, ManArgs};
+use super::{CommandError, EXIT_OK};
+use crate::cli::{CommandLine, CompletionsArgs, ManArgs};
 use crate::output::{self, WriteError};
 
 const NAME: &str = "gsk980td";
@@ -14,9 +14,9 @@ const NAME: &str = "gsk980td";
 /// Prints a completion script for a shell.
 pub fn completions(args: &CompletionsArgs) -> u8 {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), NAME, &mut script);
+    clap_complete::generate(args.shell, &mut CommandLine::command(), NAME, &mut script);
     output::print(&String::from_utf8_lossy(&script));
-    FINE
+    EXIT_OK
 }
 
 /// Prints the manual page, or writes a page for each command into a folder.
@@ -24,27 +24,27 @@ pub fn completions(args: &CompletionsArgs) -> u8 {
 /// # Errors
 /// The folder or a page cannot be written.
 pub fn man(args: &ManArgs) -> Result<u8, CommandError> {
-    let mut program = Cli::command().disable_help_subcommand(true);
+    let mut program = CommandLine::command().disable_help_subcommand(true);
     program.build();
     let Some(folder) = &args.folder else {
-        output::print(&page(&program)?);
-        return Ok(FINE);
+        output::print(&manual_page(&program)?);
+        return Ok(EXIT_OK);
     };
     fs::create_dir_all(folder).map_err(|error| WriteError::new(folder, error))?;
-    for command in every(program) {
-        let text = page(&command)?;
+    for command in visible_commands(program) {
+        let text = manual_page(&command)?;
         let path = folder.join(format!("{}.1", file_name(&command)));
         fs::write(&path, text).map_err(|error| WriteError::new(&path, error))?;
     }
-    Ok(FINE)
+    Ok(EXIT_OK)
 }
 
 /// A command and all its visible subcommands.
-fn every(command: clap::Command) -> Vec<clap::Command> {
+fn visible_commands(command: clap::Command) -> Vec<clap::Command> {
     let below = command
         .get_subcommands()
         .filter(|below| !below.is_hide_set());
-    let below: Vec<_> = below.cloned().flat_map(every).collect();
+    let below: Vec<_> = below.cloned().flat_map(visible_commands).collect();
     [vec![command], below].concat()
 }
 
@@ -53,7 +53,7 @@ fn file_name(command: &clap::Command) -> String {
     command.get_display_name().unwrap_or(NAME).to_owned()
 }
 
-fn page(command: &clap::Command) -> Result<String, CommandError> {
+fn manual_page(command: &clap::Command) -> Result<String, CommandError> {
     let mut text = Vec::new();
     let written = Man::new(command.clone()).render(&mut text);
     written.map_err(CommandError::Output)?;
@@ -65,10 +65,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_command_has_a_page_of_its_own() {
-        let mut program = Cli::command().disable_help_subcommand(true);
+    fn every_command_has_a_manual_page() {
+        let mut program = CommandLine::command().disable_help_subcommand(true);
         program.build();
-        let names: Vec<_> = every(program).iter().map(file_name).collect();
+        let names: Vec<_> = visible_commands(program).iter().map(file_name).collect();
         for name in ["gsk980td", "gsk980td-check", "gsk980td-link-twin"] {
             assert!(names.iter().any(|page| page == name), "{name}: {names:?}");
         }
@@ -77,10 +77,10 @@ mod tests {
 
     #[test]
     fn a_page_names_the_options_of_its_command() {
-        let mut program = Cli::command().disable_help_subcommand(true);
+        let mut program = CommandLine::command().disable_help_subcommand(true);
         program.build();
         let check = program.find_subcommand("check").expect("check");
-        let text = page(check).expect("page");
+        let text = manual_page(check).expect("page");
         assert!(text.contains("work\\-zero"), "{text}");
     }
 }

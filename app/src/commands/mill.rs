@@ -2,140 +2,147 @@
 
 use std::path::{Path, PathBuf};
 
-use gsk_core::preview::{End, Progress};
+use gsk_core::preview::{PreviewEnd, PreviewProgress};
 use gsk_messages::{Language, say};
 use gsk_milling::{MillMove, preview_while};
 use gsk_runner::mill::{self, MillSetup};
-use gsk_runner::picture::Format;
-use gsk_runner::picture::mill::{MillDrawing, encode};
-use gsk_runner::report::{self, AlarmReport, Report};
-use gsk_runner::words::clock;
+use gsk_runner::picture::PictureFormat;
+use gsk_runner::picture::mill::{MillDrawing, encode_mill};
+use gsk_runner::report::{self, AlarmReport, ProgramReport};
+use gsk_runner::text_format::format_time;
 
-use super::results::{all, into_file, print};
-use super::run::title;
-use super::{ALARM, CommandError, FINE, output};
-use crate::apart::{Read, keep_apart, results};
+use super::results::{check_files, check_into_file, print_results};
+use super::run::picture_title;
+use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::{CheckArgs, PlotArgs};
 use crate::files::folders;
 use crate::loading::{self, LoadError};
+use crate::overwrite_guard::{CommandInputs, check_overwrites, collect_outputs};
 use crate::picture::check_name;
-use crate::setup_args::OfMill;
+use crate::setup_args::ModelMismatch;
 
 /// The error for an option that mills do not have.
-fn refuse(option: &'static str) -> CommandError {
-    LoadError::OfMill(OfMill::LathesAlone(option)).into()
+fn lathe_option_error(option: &'static str) -> CommandError {
+    LoadError::OfMill(ModelMismatch::LatheOnly(option)).into()
 }
 
 pub fn check(args: &CheckArgs, language: Option<Language>) -> Result<u8, CommandError> {
-    if args.part.wanted() {
-        return Err(refuse("--part"));
+    if args.part.is_requested() {
+        return Err(lathe_option_error("--part"));
     }
     if args.look.work_zero.is_some() {
-        return Err(refuse("--work-zero"));
+        return Err(lathe_option_error("--work-zero"));
     }
-    let (setup, _) = loading::mill(&args.setup)?;
-    let (files, mut wrong) = folders::programs(&args.files);
+    let (setup, _) = loading::mill_setup(&args.setup)?;
+    let (files, mut errors) = folders::find_programs(&args.files);
     if args.moves.is_some() && files.len() > 1 {
         return Err(CommandError::OneProgram);
     }
     if args.moves.is_some()
-        && let Some(error) = wrong.pop()
+        && let Some(error) = errors.pop()
     {
         return Err(error.into());
     }
-    let read = Read {
+    let inputs = CommandInputs {
         files: files.iter().map(PathBuf::as_path).collect(),
-        main: files.first().map(PathBuf::as_path),
-        data: None,
+        main_program: files.first().map(PathBuf::as_path),
+        data_dir: None,
     };
-    keep_apart(&read, &results(&[&args.moves]))?;
+    check_overwrites(&inputs, &collect_outputs(&[&args.moves]))?;
     if let (Some(path), [file]) = (&args.moves, &files[..]) {
-        let report = into_file(path, mill::write_move, |on_move| {
+        let report = check_into_file(path, mill::write_move, |on_move| {
             check_file(&setup, file, (args, language), true, on_move)
         })?;
-        let aside = output::is_standard(Some(path));
-        return print(&[Ok(report)], args.format(), aside, language);
+        let aside = output::is_standard_output(Some(path));
+        return print_results(&[Ok(report)], args.format(), aside, language);
     }
-    let mut results = all(&files, &|file, alone| {
+    let mut results = check_files(&files, &|file, alone| {
         check_file(&setup, file, (args, language), alone, &mut |_| {})
     });
-    results.extend(wrong.into_iter().map(|error| Err(error.into())));
-    print(&results, args.format(), false, language)
+    results.extend(errors.into_iter().map(|error| Err(error.into())));
+    print_results(&results, args.format(), false, language)
 }
 
 fn check_file(
     setup: &MillSetup,
     file: &Path,
     (args, language): (&CheckArgs, Option<Language>),
-    alone: bool,
+    is_only: bool,
     on_move: &mut dyn FnMut(&MillMove),
-) -> Result<Report, CommandError> {
-    let (_, mut programs) = loading::mill(&args.setup)?;
-    loading::open(&mut programs, &[file.to_owned()])?.print(language);
+) -> Result<ProgramReport, CommandError> {
+    let (_, mut programs) = loading::mill_setup(&args.setup)?;
+    loading::open_program(&mut programs, &[file.to_owned()])?.print(language);
     let programs = &programs.memory.programs;
-    let mut watch = output::watch(programs, args.look.limits.begin(), alone);
+    let mut watch = output::watch_preview(programs, args.look.limits.start(), is_only);
     let name = file.display().to_string();
-    let mut goes_on = |progress: &Progress| watch.goes_on(progress);
-    Ok(mill::check(
+    let mut should_continue = |progress: &PreviewProgress| watch.update_progress(progress);
+    Ok(mill::check_program(
         &name,
         setup,
         programs,
         language,
         on_move,
-        &mut goes_on,
+        &mut should_continue,
     ))
 }
 
 /// Draws a program in four views. The moves before an alarm are drawn as well.
 pub fn plot(args: &PlotArgs, language: Option<Language>) -> Result<u8, CommandError> {
     check_name(&args.output)?;
-    let format = Format::of(&args.output)?;
-    let refused = [
-        (args.part.wanted() || args.picture.needs_part(), "--part"),
+    let format = PictureFormat::from_file_name(&args.output)?;
+    let refused_options = [
+        (
+            args.part.is_requested() || args.picture.needs_part(),
+            "--part",
+        ),
         (args.solid, "--solid"),
         (args.picture.labels, "--labels"),
         (args.look.work_zero.is_some(), "--work-zero"),
     ];
-    if let Some((_, option)) = refused.into_iter().find(|(given, _)| *given) {
-        return Err(refuse(option));
+    if let Some((_, option)) = refused_options.into_iter().find(|(given, _)| *given) {
+        return Err(lathe_option_error(option));
     }
     let main = args.file.as_path();
-    let read = Read {
+    let inputs = CommandInputs {
         files: vec![main],
-        main: Some(main),
-        data: None,
+        main_program: Some(main),
+        data_dir: None,
     };
-    keep_apart(&read, &[&args.output])?;
-    let (setup, mut programs) = loading::mill(&args.setup)?;
-    loading::open(&mut programs, std::slice::from_ref(&args.file))?.print(language);
+    check_overwrites(&inputs, &[&args.output])?;
+    let (setup, mut programs) = loading::mill_setup(&args.setup)?;
+    loading::open_program(&mut programs, std::slice::from_ref(&args.file))?.print(language);
     let programs = &programs.memory.programs;
-    let target = output::reserve(&args.output)?;
-    let mut drawing = MillDrawing::new(title(&args.file), args.picture.look());
-    let mut watch = output::watch(programs, args.look.limits.begin(), true);
+    let target = output::reserve_file(&args.output)?;
+    let mut drawing = MillDrawing::new(picture_title(&args.file), args.picture.to_look());
+    let mut watch = output::watch_preview(programs, args.look.limits.start(), true);
     let preview = preview_while(
         &setup,
         programs,
-        &mut |made| drawing.push(made),
-        &mut |progress| watch.goes_on(progress),
+        &mut |made| drawing.add_move(made),
+        &mut |progress| watch.update_progress(progress),
     );
     drop(watch);
-    target.write(&encode(format, &drawing, language.unwrap_or(Language::En))?)?;
-    let drawn = say::plot_written(args.output.display(), clock(preview.time_s));
-    output::print(&format!("{}\n", report::said(&drawn, language)));
-    if drawing.left_out() > 0 {
-        let said = say::picture_not_complete(drawing.left_out());
-        complain!("gsk980td: {}", report::said(&said, language));
+    target.write(&encode_mill(
+        format,
+        &drawing,
+        language.unwrap_or(Language::En),
+    )?)?;
+    let drawn = say::plot_written(args.output.display(), format_time(preview.time_s));
+    output::print(&format!("{}\n", report::message_text(&drawn, language)));
+    if drawing.omitted_moves() > 0 {
+        let message = say::picture_not_complete(drawing.omitted_moves());
+        complain!("gsk980td: {}", report::message_text(&message, language));
     }
     if let Some(alarm) = &preview.alarm {
         let alarm = AlarmReport::new(alarm, programs, language);
         complain!("gsk980td: {}", alarm.sentence(language));
     }
-    if preview.end == End::Limit {
-        let said = report::said(&say::report_limit(), language);
-        complain!("gsk980td: {}: {said}", args.file.display());
+    if preview.end == PreviewEnd::Limit {
+        let text = report::message_text(&say::report_limit(), language);
+        complain!("gsk980td: {}: {text}", args.file.display());
     }
     Ok(match preview.end {
-        End::Alarm | End::Limit => ALARM,
-        End::M30 | End::M02 | End::M99 | End::Text => FINE,
+        PreviewEnd::Alarm | PreviewEnd::Limit => EXIT_ALARM,
+        PreviewEnd::M30 | PreviewEnd::M02 | PreviewEnd::M99 | PreviewEnd::Text => EXIT_OK,
     })
 }

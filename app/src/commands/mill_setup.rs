@@ -9,20 +9,23 @@ use gsk_milling::keys::{KEYS, pressed_keys};
 use gsk_milling::{Length, ParameterValues, describe_reference_returns};
 use gsk_runner::report;
 
-use super::{CommandError, FINE, output};
-use crate::apart::{Read, keep_apart};
-use crate::cli::{AXES_OF_MILLS, GearArgs, HomingArgs, MillCommand, MillKeysArgs, PitchArgs};
+use super::{CommandError, EXIT_OK, output};
+use crate::cli::{GearArgs, HomingArgs, MILL_AXES, MillCommand, MillKeysArgs, PitchArgs};
 use crate::files::program_file;
 use crate::loading::LoadError;
+use crate::overwrite_guard::{CommandInputs, check_overwrites};
 
 /// Carries out a calculation and prints its result.
-pub fn work_out(command: &MillCommand, language: Option<Language>) -> Result<u8, CommandError> {
+pub fn run_mill_command(
+    command: &MillCommand,
+    language: Option<Language>,
+) -> Result<u8, CommandError> {
     match command {
         MillCommand::Gear(args) => gear(args, language),
         MillCommand::Pitch(args) => pitch(args, language),
         MillCommand::Keys(args) => keys(args, language),
         MillCommand::Homing(args) if args.params.is_some() || !args.values.is_empty() => {
-            homing_of(args, language)
+            describe_homing(args, language)
         }
         MillCommand::Homing(_) => {
             let steps = [
@@ -34,53 +37,53 @@ pub fn work_out(command: &MillCommand, language: Option<Language>) -> Result<u8,
                 say::mill_homing_by_switch(),
                 say::mill_homing_ways(),
             ];
-            for said in steps {
-                say_line(&said, language);
+            for message in steps {
+                print_line(&message, language);
             }
-            Ok(FINE)
+            Ok(EXIT_OK)
         }
         MillCommand::Backlash(args) => {
             let rate = backlash_rate(args.bits, args.eighth);
-            say_line(&say::mill_backlash(rate), language);
-            Ok(FINE)
+            print_line(&say::mill_backlash(rate), language);
+            Ok(EXIT_OK)
         }
     }
 }
 
 /// Describes the reference return of each axis with the parameters of a machine.
-fn homing_of(args: &HomingArgs, language: Option<Language>) -> Result<u8, CommandError> {
+fn describe_homing(args: &HomingArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let mut values = ParameterValues::default();
     if let Some(path) = &args.params {
         let file = program_file::read(path).map_err(LoadError::from)?;
         for (line, text) in (1_u32..).zip(file.text.lines()) {
             let at_line = |rule: Message| {
                 let rule = say::pitch_file_line(line, rule);
-                wrong(say::pitch_file(path.display(), rule))
+                mill_value_error(say::pitch_file(path.display(), rule))
             };
             values.parse_line(text).map_err(at_line)?;
         }
     }
     for word in &args.values {
-        values.parse_line(word).map_err(wrong)?;
+        values.parse_line(word).map_err(mill_value_error)?;
     }
-    for said in describe_reference_returns(&values) {
-        say_line(&said, language);
+    for message in describe_reference_returns(&values) {
+        print_line(&message, language);
     }
-    Ok(FINE)
+    Ok(EXIT_OK)
 }
 
-fn wrong(said: Message) -> CommandError {
-    LoadError::MillWord(said).into()
+fn mill_value_error(message: Message) -> CommandError {
+    LoadError::MillWord(message).into()
 }
 
-fn say_line(said: &Message, language: Option<Language>) {
-    output::print(&(report::said(said, language) + "\n"));
+fn print_line(message: &Message, language: Option<Language>) {
+    output::print(&(report::message_text(message, language) + "\n"));
 }
 
 fn gear(args: &GearArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let (screw, motor) = args.teeth;
     let teeth = Teeth { screw, motor };
-    let found = match (args.lead, args.pulses) {
+    let gear = match (args.lead, args.pulses) {
         (_, Some(pulses)) => rotary_gear(args.counts, pulses, teeth),
         (lead, None) => {
             let increment = Length::from_mm(args.increment);
@@ -88,81 +91,87 @@ fn gear(args: &GearArgs, language: Option<Language>) -> Result<u8, CommandError>
             linear_gear(args.counts, increment, lead, teeth)
         }
     };
-    let found = found.map_err(wrong)?;
+    let found = gear.map_err(mill_value_error)?;
     let ratio = f64::from(found.multiplier) / f64::from(found.divider);
-    let said = say::mill_gear(found.multiplier, found.divider, format!("{ratio:.6}"));
-    say_line(&said, language);
-    Ok(FINE)
+    let message = say::mill_gear(found.multiplier, found.divider, format!("{ratio:.6}"));
+    print_line(&message, language);
+    Ok(EXIT_OK)
 }
 
 fn pitch(args: &PitchArgs, language: Option<Language>) -> Result<u8, CommandError> {
     // Beyond the travel of any axis.
-    const FARTHEST: f64 = 1e12;
-    let thousandths = |mm: f64| (mm * 1000.0).round().clamp(-FARTHEST, FARTHEST) as i64;
+    const MAX_THOUSANDTHS: f64 = 1e12;
+    let thousandths = |mm: f64| {
+        (mm * 1000.0)
+            .round()
+            .clamp(-MAX_THOUSANDTHS, MAX_THOUSANDTHS) as i64
+    };
     let interval = thousandths(args.interval);
     let table = MillPitchTable::new(args.origin, interval, args.window, &args.values);
-    let mut table = table.map_err(wrong)?;
+    let mut table = table.map_err(mill_value_error)?;
     let (axis, backlash) = match &args.ren {
-        Some(path) => add_file(&mut table, args, path)?,
+        Some(path) => add_renishaw_file(&mut table, args, path)?,
         None => (None, None),
     };
     let axis = args.axis.or(axis);
     if let Some(axis) = axis {
-        say_line(&say::mill_pitch_axis(axis), language);
+        print_line(&say::mill_pitch_axis(axis), language);
     }
     for (number, value) in table.values() {
-        let said = say::mill_pitch_row(number, table.label(number), value);
-        say_line(&said, language);
+        let message = say::mill_pitch_row(number, table.label(number), value);
+        print_line(&message, language);
     }
     if let Some(backlash) = backlash {
-        say_line(&say::mill_pitch_of_file(backlash), language);
+        print_line(&say::mill_pitch_of_file(backlash), language);
     }
     for position in &args.positions {
         let commanded = table.commanded(thousandths(*position));
-        say_line(&say::mill_pitch_pulses(position, commanded), language);
+        print_line(&say::mill_pitch_pulses(position, commanded), language);
     }
     if let Some(turn) = args.turn {
-        let end = table.end_of_turn(thousandths(turn)).map_err(wrong)?;
-        say_line(&say::mill_pitch_end(end), language);
+        let end = table
+            .end_of_turn(thousandths(turn))
+            .map_err(mill_value_error)?;
+        print_line(&say::mill_pitch_end(end), language);
     }
     if let Some(path) = &args.export {
-        keep_apart_from(args.ren.as_deref(), path)?;
-        let target = output::reserve(path)?;
-        target.write(in_renishaw_form(&table, axis, interval, backlash).as_bytes())?;
+        check_export_target(args.ren.as_deref(), path)?;
+        let target = output::reserve_file(path)?;
+        target.write(to_renishaw_text(&table, axis, interval, backlash).as_bytes())?;
     }
-    Ok(FINE)
+    Ok(EXIT_OK)
 }
 
 /// Refuses to overwrite the file from which the table was read.
-fn keep_apart_from(source: Option<&Path>, target: &Path) -> Result<(), CommandError> {
-    let read = Read {
+fn check_export_target(source: Option<&Path>, target: &Path) -> Result<(), CommandError> {
+    let inputs = CommandInputs {
         files: source.into_iter().collect(),
-        main: None,
-        data: None,
+        main_program: None,
+        data_dir: None,
     };
-    keep_apart(&read, &[target])?;
+    check_overwrites(&inputs, &[target])?;
     Ok(())
 }
 
 /// Adds the values of a Renishaw file to the table. Returns its axis and its backlash in
 /// 0.001 mm, if it contains them.
-fn add_file(
+fn add_renishaw_file(
     table: &mut MillPitchTable,
     args: &PitchArgs,
     path: &Path,
 ) -> Result<(Option<char>, Option<i64>), CommandError> {
     if args.turn.is_some() {
-        return Err(wrong(say::pitch_ren_rotary()));
+        return Err(mill_value_error(say::pitch_ren_rotary()));
     }
     let file = program_file::read(path).map_err(LoadError::from)?;
-    let at_file = |rule: Message| wrong(say::pitch_file(path.display(), rule));
-    let imported = gsk_commission::read_measurement_file_with_axes(&file.text, &AXES_OF_MILLS);
+    let at_file = |rule: Message| mill_value_error(say::pitch_file(path.display(), rule));
+    let imported = gsk_commission::read_measurement_file_with_axes(&file.text, &MILL_AXES);
     let imported = imported.map_err(|fault| at_file(fault.message()))?;
     let ImportedFile::Table(read) = imported else {
         return Err(at_file(say::mill_pitch_measured()));
     };
-    let other = |axis: &char| args.axis.is_some_and(|wanted| wanted != *axis);
-    if let Some(axis) = read.axis.filter(other) {
+    let is_other_axis = |axis: &char| args.axis.is_some_and(|wanted| wanted != *axis);
+    if let Some(axis) = read.axis.filter(is_other_axis) {
         return Err(at_file(say::pitch_other_axis(axis)));
     }
     let at_line = |line: u32, rule: Message| at_file(say::pitch_file_line(line, rule));
@@ -174,13 +183,13 @@ fn add_file(
     }
     for row in &read.rows {
         let position = (row.end.0 * 1000.0).round() as i64;
-        let whole = |value: f64| {
+        let to_whole_number = |value: f64| {
             let rounded = value.round();
             let exact = (value - rounded).abs() < 1e-6;
             exact.then_some(rounded as i64)
         };
         let fraction = || at_line(row.line, say::mill_pitch_fraction(row.value.0));
-        let value = whole(row.value.0).ok_or_else(fraction)?;
+        let value = to_whole_number(row.value.0).ok_or_else(fraction)?;
         // No interval ends at the reference point.
         if position == 0 && value == 0 {
             continue;
@@ -202,7 +211,7 @@ fn add_file(
     Ok((read.axis, backlash))
 }
 
-fn in_renishaw_form(
+fn to_renishaw_text(
     table: &MillPitchTable,
     axis: Option<char>,
     interval: i64,
@@ -228,20 +237,20 @@ fn in_renishaw_form(
 fn keys(args: &MillKeysArgs, language: Option<Language>) -> Result<u8, CommandError> {
     if args.shown.is_empty() {
         for (number, keys) in KEYS {
-            let said = say::mill_keys_pressed(format!("{number:03}"), keys.join("  "));
-            say_line(&said, language);
+            let message = say::mill_keys_pressed(format!("{number:03}"), keys.join("  "));
+            print_line(&message, language);
         }
-        return Ok(FINE);
+        return Ok(EXIT_OK);
     }
     for (number, bits) in &args.shown {
-        let written = format!("{number:03}");
+        let number_text = format!("{number:03}");
         let keys = pressed_keys(*number, *bits);
-        let keys = keys.ok_or_else(|| wrong(say::mill_keys_number(&written)))?;
-        let said = match keys.is_empty() {
-            true => say::mill_keys_none(written),
-            false => say::mill_keys_pressed(written, keys.join("  ")),
+        let keys = keys.ok_or_else(|| mill_value_error(say::mill_keys_number(&number_text)))?;
+        let message = match keys.is_empty() {
+            true => say::mill_keys_none(number_text),
+            false => say::mill_keys_pressed(number_text, keys.join("  ")),
         };
-        say_line(&said, language);
+        print_line(&message, language);
     }
-    Ok(FINE)
+    Ok(EXIT_OK)
 }

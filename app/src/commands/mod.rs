@@ -27,19 +27,19 @@ use std::process::ExitCode;
 pub use error::CommandError;
 use gsk_messages::say;
 
-use crate::cli::{Cli, Command, of_the_system};
+use crate::cli::{CliCommand, CommandLine, system_language};
 use crate::guard::holder;
 use crate::{log, output};
 
 /// Exit code: success.
-pub const FINE: u8 = 0;
+pub const EXIT_OK: u8 = 0;
 /// Exit code: the control raised an alarm, or a script failed.
-pub const ALARM: u8 = 1;
+pub const EXIT_ALARM: u8 = 1;
 /// Exit code: wrong call, or an unusable file.
-pub const USAGE: u8 = 2;
+pub const EXIT_USAGE: u8 = 2;
 
 /// Exit code: a tool collided.
-pub const COLLISION: u8 = 3;
+pub const EXIT_COLLISION: u8 = 3;
 
 /// The program's notice, its licence, and the licences of its packages.
 const NOTICES: [&str; 3] = [
@@ -48,71 +48,71 @@ const NOTICES: [&str; 3] = [
     include_str!("../../../THIRD-PARTY.md"),
 ];
 
-fn notices() -> u8 {
+fn print_notices() -> u8 {
     output::print(
         &NOTICES
             .map(|text| format!("{}\n\n", text.trim_end()))
             .concat(),
     );
-    FINE
+    EXIT_OK
 }
 
-fn hold(port: &str, baud: u32) -> Result<u8, CommandError> {
-    holder::hold(port, baud)?;
-    Ok(FINE)
+fn hold_port(port: &str, baud: u32) -> Result<u8, CommandError> {
+    holder::hold_port(port, baud)?;
+    Ok(EXIT_OK)
 }
 
 /// Carries out a command line and returns the exit code of the process.
-pub fn carry_out(cli: Cli) -> ExitCode {
+pub fn run_command_line(cli: CommandLine) -> ExitCode {
     let _log = match (&cli.command, cli.log) {
-        (Some(_), Some(level)) => log::on_terminal(level),
+        (Some(_), Some(level)) => log::start_on_terminal(level),
         _ => None,
     };
-    let told = cli.lang.or_else(of_the_system);
+    let message_language = cli.lang.or_else(system_language);
     let language = match &cli.command {
         // The window has stored its language, and an editor sends its own.
-        None | Some(Command::Lsp(_)) => cli.lang,
-        Some(_) => told,
+        None | Some(CliCommand::Lsp(_)) => cli.lang,
+        Some(_) => message_language,
     };
-    if let Some(told) = told {
-        output::speak(told);
+    if let Some(message_language) = message_language {
+        output::set_language(message_language);
     }
     let result = match cli.command {
         None => window::open(cli.window, language, cli.log),
-        Some(Command::Run(args)) => run::run(&args, language),
-        Some(Command::Check(args)) => check::check(&args, language),
-        Some(Command::Plot(args)) => plot::plot(&args, language),
-        Some(Command::Dialect(args)) => dialect::dialect(&args, language),
-        Some(Command::Operate(args)) => operate::operate(&args, language),
-        Some(Command::Lesson(command)) => lesson::lesson(&command, language),
-        Some(Command::Screen(args)) => screen::screen(&args),
-        Some(Command::Keys(args)) => tables::keys(&args, language),
-        Some(Command::Parameters(args)) => tables::parameters(&args, language),
-        Some(Command::Alarms(args)) => tables::alarms(&args, language),
-        Some(Command::Signals(args)) => tables::signals(&args, language),
-        Some(Command::Faults(args)) => tables::faults(&args, language),
-        Some(Command::Ladder(command)) => ladder::ladder(&command),
-        Some(Command::Mill(command)) => mill_setup::work_out(&command, language),
-        Some(Command::Link(args)) => link::link(&args.command),
-        Some(Command::Pitch(command)) => pitch::pitch(&command, language),
-        Some(Command::Project(command)) => project::project(&command, language),
-        Some(Command::Transfer(args)) => transfer::transfer(&args.command),
-        Some(Command::Help(args)) => help::help(&args, language),
-        Some(Command::Lsp(args)) => lsp::lsp(&args, language),
-        Some(Command::Notices) => Ok(notices()),
-        Some(Command::Completions(args)) => Ok(manual::completions(&args)),
-        Some(Command::Man(args)) => manual::man(&args),
-        Some(Command::HoldPort(args)) => hold(&args.port, args.baud),
+        Some(CliCommand::Run(args)) => run::run(&args, language),
+        Some(CliCommand::Check(args)) => check::check(&args, language),
+        Some(CliCommand::Plot(args)) => plot::plot(&args, language),
+        Some(CliCommand::Dialect(args)) => dialect::dialect(&args, language),
+        Some(CliCommand::Operate(args)) => operate::operate(&args, language),
+        Some(CliCommand::Lesson(command)) => lesson::lesson(&command, language),
+        Some(CliCommand::Screen(args)) => screen::screen(&args),
+        Some(CliCommand::Keys(args)) => tables::keys(&args, language),
+        Some(CliCommand::Parameters(args)) => tables::parameters(&args, language),
+        Some(CliCommand::Alarms(args)) => tables::alarms(&args, language),
+        Some(CliCommand::Signals(args)) => tables::signals(&args, language),
+        Some(CliCommand::Faults(args)) => tables::faults(&args, language),
+        Some(CliCommand::Ladder(command)) => ladder::ladder(&command),
+        Some(CliCommand::Mill(command)) => mill_setup::run_mill_command(&command, language),
+        Some(CliCommand::Link(args)) => link::link(&args.command),
+        Some(CliCommand::Pitch(command)) => pitch::pitch(&command, language),
+        Some(CliCommand::Project(command)) => project::project(&command, language),
+        Some(CliCommand::Transfer(args)) => transfer::transfer(&args.command),
+        Some(CliCommand::Help(args)) => help::help(&args, language),
+        Some(CliCommand::Lsp(args)) => lsp::lsp(&args, language),
+        Some(CliCommand::Notices) => Ok(print_notices()),
+        Some(CliCommand::Completions(args)) => Ok(manual::completions(&args)),
+        Some(CliCommand::Man(args)) => manual::man(&args),
+        Some(CliCommand::HoldPort(args)) => hold_port(&args.port, args.baud),
     };
-    let code = result.unwrap_or_else(|said| {
-        tracing::error!("{said}");
-        output::complain_of(&said.message());
-        USAGE
+    let code = result.unwrap_or_else(|error| {
+        tracing::error!("{error}");
+        output::report_error(&error.message());
+        EXIT_USAGE
     });
-    match output::lost() {
+    match output::stdout_error() {
         Some(error) => {
-            output::complain_of(&say::command_standard_output_lost(error));
-            ExitCode::from(code.max(USAGE))
+            output::report_error(&say::command_standard_output_lost(error));
+            ExitCode::from(code.max(EXIT_USAGE))
         }
         None => ExitCode::from(code),
     }

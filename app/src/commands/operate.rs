@@ -10,21 +10,21 @@ use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::SerialFile;
 use gsk_panel::script::{Script, ScriptAction};
 use gsk_runner::board::PulseBoard;
-use gsk_runner::partner::Partner;
+use gsk_runner::partner::ProgramPartner;
 use gsk_runner::picture::PictureError;
-use gsk_runner::script::{Record, ScriptEnd, Session, Surroundings};
-use gsk_runner::words::clock;
+use gsk_runner::script::{ScriptEnd, ScriptHost, ScriptRecord, ScriptSession};
+use gsk_runner::text_format::format_time;
 
-use super::{ALARM, CommandError, FINE, output};
-use crate::apart::{Read, keep_apart};
+use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::OperateArgs;
-use crate::dnc::{self, Source};
-use crate::ending::ENDED;
+use crate::dnc::{self, DncSource};
 use crate::files::data_dir::DataDir;
 use crate::files::program_file;
-use crate::kernel::live::Live;
+use crate::kernel::headless_board::HeadlessBoard;
 use crate::loading::LoadError;
+use crate::overwrite_guard::{CommandInputs, check_overwrites};
 use crate::picture::check_png;
+use crate::termination::TERMINATED_EXIT_CODE;
 use crate::{loading, retained, transfer};
 
 /// Runs a script. Exit code 1 if an expectation is not met.
@@ -32,7 +32,7 @@ pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, Com
     args.setup.refuse_mill().map_err(LoadError::from)?;
     let path = &args.script;
     if args.link.is_some() {
-        args.setup.refuse_at_a_board()?;
+        args.setup.refuse_machine_state()?;
     }
     let file = program_file::read(path)?;
     let script = Script::parse(&file.text).map_err(|errors| CommandError::Script {
@@ -40,58 +40,67 @@ pub fn operate(args: &OperateArgs, language: Option<Language>) -> Result<u8, Com
         errors,
     })?;
 
-    let mut setup = loading::fitted(Setup::at_the_panel(), args.setup.machine.as_ref());
+    let mut setup =
+        loading::with_training_lathe(Setup::for_operator_script(), args.setup.machine.as_ref());
     let data = match &args.setup.data_folder() {
         Some(folder) => Some(DataDir::open(folder)?),
         None => None,
     };
-    let restored = retained::bring_back(data.as_ref(), &mut setup);
-    loading::apply(&mut setup, &args.setup)?;
+    let restored = retained::load_and_report(data.as_ref(), &mut setup);
+    loading::apply_options(&mut setup, &args.setup)?;
     if let Some(program) = &args.program {
-        loading::open(&mut setup, core::slice::from_ref(program))?.print(language);
+        loading::open_program(&mut setup, core::slice::from_ref(program))?.print(language);
     }
 
-    keep_script_apart(args, &script, &folder_of(path))?;
-    let recorded = args.record.as_deref().map(output::reserve).transpose()?;
+    check_script_outputs(args, &script, &script_folder(path))?;
+    let recorded = args
+        .record
+        .as_deref()
+        .map(output::reserve_file)
+        .transpose()?;
     let link = match &args.link {
         Some(port) => {
-            super::window::connection(Some(port.clone()), &setup, args.setup.data.as_deref())?
+            super::window::board_connection(Some(port.clone()), &setup, args.setup.data.as_deref())?
         }
         None => None,
     };
     let mut emulator = Emulator::new(setup);
-    let mut record = args.record.is_some().then(|| Record::new(&script));
+    let mut record = args.record.is_some().then(|| ScriptRecord::new(&script));
     if let Some(restored) = &restored {
         restored.restore_panel(&mut emulator);
         emulator.panel.connect(true);
     }
     let live = match link {
-        Some(link) => Some(Live::open(link, &mut emulator.simulation)?),
+        Some(link) => Some(HeadlessBoard::open(link, &mut emulator.simulation)?),
         None => None,
     };
-    let code = play(script, path, &mut emulator, live, record.as_mut());
+    let code = play_script(script, path, &mut emulator, live, record.as_mut());
     // Each result is written independently: one failure does not affect the others.
-    let mut failures = Vec::new();
+    let mut errors = Vec::new();
     if let (Some(data), Some(restored)) = (data, restored) {
         emulator.store_edited();
         let sent = emulator.panel.take_sent();
         let folder = data.path().join(transfer::FOLDER);
-        failures.extend(transfer::write(&folder, &sent).map_err(Into::into).err());
+        errors.extend(
+            transfer::write_files(&folder, &sent)
+                .map_err(Into::into)
+                .err(),
+        );
         let saved = retained::save_emulator(data, &restored, &emulator);
-        failures.extend(saved.map_err(CommandError::from).err());
+        errors.extend(saved.map_err(CommandError::from).err());
     }
     if let (Some(target), Some(record)) = (recorded, &record) {
         let written = target.write(record.text().as_bytes());
-        failures.extend(written.map_err(Into::into).err());
+        errors.extend(written.map_err(Into::into).err());
     }
-    if !failures.is_empty() {
-        return Err(CommandError::Several(failures));
+    if !errors.is_empty() {
+        return Err(CommandError::Several(errors));
     }
     Ok(code)
 }
 
 /// Refuses a recording or pictures that would overwrite files that the script reads.
-fn keep_script_apart(
+fn check_script_outputs(
     args: &OperateArgs,
     script: &Script,
     folder: &Path,
@@ -103,7 +112,7 @@ fn keep_script_apart(
             ScriptAction::Load(name)
             | ScriptAction::Receive(name)
             | ScriptAction::Dnc(Some(name)) => {
-                loaded.push(found(folder, name));
+                loaded.push(resolve_path(folder, name));
             }
             ScriptAction::Shot { path, .. } => {
                 pictures.insert(Path::new(path));
@@ -111,22 +120,22 @@ fn keep_script_apart(
             _ => {}
         }
     }
-    let read = Read {
+    let inputs = CommandInputs {
         files: core::iter::once(args.script.as_path())
             .chain(args.program.as_deref())
             .chain(loaded.iter().map(PathBuf::as_path))
-            .chain(args.setup.read_files())
+            .chain(args.setup.input_files())
             .collect(),
-        main: args.program.as_deref(),
-        data: args.setup.data.as_deref(),
+        main_program: args.program.as_deref(),
+        data_dir: args.setup.data.as_deref(),
     };
-    let written: Vec<&Path> = args.record.as_deref().into_iter().chain(pictures).collect();
-    Ok(keep_apart(&read, &written)?)
+    let outputs: Vec<&Path> = args.record.as_deref().into_iter().chain(pictures).collect();
+    Ok(check_overwrites(&inputs, &outputs)?)
 }
 
 /// The path of a file named in a script: in the folder of the script, else in the current
 /// folder.
-fn found(folder: &Path, name: &str) -> PathBuf {
+fn resolve_path(folder: &Path, name: &str) -> PathBuf {
     let beside = folder.join(name);
     if beside.exists() {
         beside
@@ -140,47 +149,55 @@ const fn simulation(emulator: &mut Emulator) -> &mut Simulation {
 }
 
 /// Runs the script, after a board has reported its state. Returns the exit code.
-fn play(
+fn play_script(
     script: Script,
     path: &Path,
     emulator: &mut Emulator,
-    mut live: Option<Live>,
-    record: Option<&mut Record>,
+    mut live: Option<HeadlessBoard>,
+    record: Option<&mut ScriptRecord>,
 ) -> u8 {
     if let Some(live) = &mut live {
-        let known = live.get_known(emulator, simulation, Emulator::tick);
-        if let Err(said) = known {
-            output::complain_of(&said.message());
-            return if live.is_over() { ENDED } else { ALARM };
+        let known = live.wait_until_ready(emulator, simulation, Emulator::tick);
+        if let Err(error) = known {
+            output::report_error(&error.message());
+            return if live.has_ended() {
+                TERMINATED_EXIT_CODE
+            } else {
+                EXIT_ALARM
+            };
         }
     }
-    let mut files = Files {
-        folder: folder_of(path),
+    let mut files = ScriptFiles {
+        folder: script_folder(path),
     };
     let lines = script.lines.len();
     let board = live.as_mut().map(|live| live as &mut dyn PulseBoard);
-    let end = Session::new(emulator, &mut files)
-        .at_board(board)
-        .recorded(record)
+    let end = ScriptSession::new(emulator, &mut files)
+        .with_board(board)
+        .with_record(record)
         .run(script);
     let code = match end {
         ScriptEnd::Finished => {
-            let took = clock(emulator.simulation.cnc.ticks() as f64 * 0.001);
+            let took = format_time(emulator.simulation.cnc.ticks() as f64 * 0.001);
             // On standard error: standard output has the screens of the script.
-            let said = say::script_done(path.display(), lines, took);
-            complain!("{}", output::worded(&said));
-            FINE
+            let message = say::script_done(path.display(), lines, took);
+            complain!("{}", output::localize(&message));
+            EXIT_OK
         }
         ScriptEnd::Failed(failure) => {
-            complain!("{}: {}", path.display(), output::worded(&failure.message()));
-            ALARM
+            complain!(
+                "{}: {}",
+                path.display(),
+                output::localize(&failure.message())
+            );
+            EXIT_ALARM
         }
-        ScriptEnd::Asked => ENDED,
+        ScriptEnd::Requested => TERMINATED_EXIT_CODE,
     };
     match live {
-        Some(live) if live.is_over() => {
-            output::complain_of(&say::run_ended_from_outside());
-            ENDED
+        Some(live) if live.has_ended() => {
+            output::report_error(&say::run_ended_from_outside());
+            TERMINATED_EXIT_CODE
         }
         Some(live) => {
             live.close(emulator, simulation, Emulator::tick);
@@ -190,29 +207,29 @@ fn play(
     }
 }
 
-fn folder_of(script: &Path) -> PathBuf {
+fn script_folder(script: &Path) -> PathBuf {
     script.parent().map(Path::to_path_buf).unwrap_or_default()
 }
 
 /// Opens the files named in a script.
-struct Files {
+struct ScriptFiles {
     folder: PathBuf,
 }
 
-impl Files {
-    fn file(&self, name: &str) -> PathBuf {
-        found(&self.folder, name)
+impl ScriptFiles {
+    fn resolve(&self, name: &str) -> PathBuf {
+        resolve_path(&self.folder, name)
     }
 }
 
-impl Surroundings for Files {
+impl ScriptHost for ScriptFiles {
     type Error = CommandError;
 
-    fn show(&mut self, screen: &str) {
+    fn show_screen(&mut self, screen: &str) {
         output::print(&format!("{screen}\n"));
     }
 
-    fn shot(
+    fn store_picture(
         &mut self,
         name: &str,
         bytes: &dyn Fn() -> Result<Vec<u8>, PictureError>,
@@ -223,8 +240,8 @@ impl Surroundings for Files {
         std::fs::write(path, bytes).map_err(|error| output::WriteError::new(path, error).into())
     }
 
-    fn program(&mut self, name: &str) -> Result<SerialFile, CommandError> {
-        let path = self.file(name);
+    fn read_program(&mut self, name: &str) -> Result<SerialFile, CommandError> {
+        let path = self.resolve(name);
         let file = program_file::read(&path)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         Ok(SerialFile {
@@ -233,16 +250,16 @@ impl Surroundings for Files {
         })
     }
 
-    fn transfer(&mut self, name: &str) -> Result<SerialFile, CommandError> {
-        Ok(transfer::read(&self.file(name))?)
+    fn read_transfer_file(&mut self, name: &str) -> Result<SerialFile, CommandError> {
+        Ok(transfer::read_serial_file(&self.resolve(name))?)
     }
 
-    fn told(&mut self, said: &Message) {
-        output::complain_of(said);
+    fn show_refusal(&mut self, message: &Message) {
+        output::report_error(message);
     }
 
-    fn partner(&mut self, name: &str) -> Result<Box<dyn Partner>, CommandError> {
-        let source = Source::of(&self.file(name));
-        Ok(Box::new(dnc::Partner::new(source)))
+    fn open_partner(&mut self, name: &str) -> Result<Box<dyn ProgramPartner>, CommandError> {
+        let source = DncSource::from_name(&self.resolve(name));
+        Ok(Box::new(dnc::DncPartner::new(source)))
     }
 }

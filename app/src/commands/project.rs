@@ -8,146 +8,170 @@ use gsk_project::{
     DataSet, ProjectDifference, ProjectSection, ProjectState, ProjectValue, describe_difference,
     describe_text_changes, diff, export, find_whole_disk, label, refusal_message, unit,
 };
-use gsk_runner::report::said;
+use gsk_runner::report::message_text;
 use serde_json::{Value as Json, json};
 
-use super::{ALARM, CommandError, FINE, output};
+use super::{CommandError, EXIT_ALARM, EXIT_OK, output};
 use crate::cli::{
-    DiffFormat, ProjectCommand, ProjectDiffArgs, ProjectExportArgs, ProjectImportArgs,
-    ProjectNewArgs,
+    DiffFormat, ProjectDiffArgs, ProjectExportArgs, ProjectImportArgs, ProjectNewArgs,
+    ProjectSubcommand,
 };
-use crate::files::data_dir::{self, DataError};
-use crate::project::{self, ProjectError, Taken, Taking, Who, Written};
-use crate::retained::project::Held;
+use crate::files::data_dir::{self, DataDirError};
+use crate::project::{
+    self, ImportRequest, ImportResult, ImportRights, ProjectError, ProjectWriteCounts,
+};
+use crate::retained::project::DataDirContent;
 
-pub fn project(command: &ProjectCommand, language: Option<Language>) -> Result<u8, CommandError> {
+pub fn project(
+    command: &ProjectSubcommand,
+    language: Option<Language>,
+) -> Result<u8, CommandError> {
     match command {
-        ProjectCommand::New(args) => new(args, language),
-        ProjectCommand::Export(args) => write_control(args, language),
-        ProjectCommand::Import(args) => take_over(args, language),
-        ProjectCommand::Diff(args) => compare(args, language),
+        ProjectSubcommand::New(args) => new(args, language),
+        ProjectSubcommand::Export(args) => export_control(args, language),
+        ProjectSubcommand::Import(args) => import_project(args, language),
+        ProjectSubcommand::Diff(args) => compare(args, language),
     }
 }
 
-fn say(message: &Message, language: Option<Language>) {
-    output::print(&format!("{}\n", said(message, language)));
+fn print_message(message: &Message, language: Option<Language>) {
+    output::print(&format!("{}\n", message_text(message, language)));
 }
 
 fn new(args: &ProjectNewArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let machine = args.machine.as_ref();
-    let setup = project::delivered(args.model.unwrap_or_default(), machine);
-    let state = ProjectState::from_setup(&setup).with_texts(machine_of(machine)?);
+    let setup = project::factory_setup(args.model.unwrap_or_default(), machine);
+    let state = ProjectState::from_setup(&setup).with_texts(read_machine(machine)?);
     if project::is_project(&args.folder) {
-        return Err(ProjectError::Other(args.folder.clone()).into());
+        return Err(ProjectError::NotEmpty(args.folder.clone()).into());
     }
     let files = export(&state, language.unwrap_or(Language::En));
     let written = project::write(&args.folder, &state, &files, &Default::default())?;
-    tell_written(written, &args.folder, language);
-    Ok(FINE)
+    report_written(written, &args.folder, language);
+    Ok(EXIT_OK)
 }
 
-fn machine_of(
+fn read_machine(
     path: Option<&PathBuf>,
 ) -> Result<Option<(gsk_project::ProjectKey, std::sync::Arc<str>)>, CommandError> {
-    Ok(path.map(|path| project::machine_text(path)).transpose()?)
+    Ok(path
+        .map(|path| project::read_machine_file(path))
+        .transpose()?)
 }
 
-fn tell_written(written: Written, folder: &Path, language: Option<Language>) {
+fn report_written(written: ProjectWriteCounts, folder: &Path, language: Option<Language>) {
     let folder = folder.display();
-    say(
-        &say::project_exported(folder, written.files, written.removed),
+    print_message(
+        &say::project_exported(folder, written.changed_files, written.removed_files),
         language,
     );
 }
 
-pub(super) fn directory(data: Option<&PathBuf>) -> Result<PathBuf, DataError> {
+pub(super) fn data_directory(data: Option<&PathBuf>) -> Result<PathBuf, DataDirError> {
     match data {
         Some(path) => Ok(path.clone()),
-        None => data_dir::default_path(),
+        None => data_dir::default_data_path(),
     }
 }
 
 /// Reports damaged files of a data directory.
-fn complain_of(held: &Held, language: Option<Language>) {
+fn report_damages(held: &DataDirContent, language: Option<Language>) {
     for complaint in held.complaints() {
-        complain!("gsk980td: {}", said(complaint, language));
+        complain!("gsk980td: {}", message_text(complaint, language));
     }
 }
 
-fn write_control(args: &ProjectExportArgs, language: Option<Language>) -> Result<u8, CommandError> {
-    let held = project::of_data(&directory(args.data.as_ref())?, args.model)?;
-    complain_of(&held, language);
+fn export_control(
+    args: &ProjectExportArgs,
+    language: Option<Language>,
+) -> Result<u8, CommandError> {
+    let held = project::read_control(&data_directory(args.data.as_ref())?, args.model)?;
+    report_damages(&held, language);
     let mut files = export(&held.state, language.unwrap_or(Language::En));
-    if let Some((key, text)) = machine_of(args.machine.as_ref())? {
+    if let Some((key, text)) = read_machine(args.machine.as_ref())? {
         files.insert(key.name(), text.to_string());
     }
     let written = project::write(&args.folder, &held.state, &files, held.encodings())?;
-    tell_written(written, &args.folder, language);
+    report_written(written, &args.folder, language);
     // Damaged files may be exported with factory contents.
     Ok(if held.complaints().is_empty() {
-        FINE
+        EXIT_OK
     } else {
-        ALARM
+        EXIT_ALARM
     })
 }
 
-fn wanted(differences: Vec<ProjectDifference>, only: &[ProjectSection]) -> Vec<ProjectDifference> {
+fn select_sections(
+    differences: Vec<ProjectDifference>,
+    only: &[ProjectSection],
+) -> Vec<ProjectDifference> {
     let mut wanted = differences;
     wanted.retain(|it| only.is_empty() || only.contains(&it.section()));
     wanted
 }
 
-fn take_over(args: &ProjectImportArgs, language: Option<Language>) -> Result<u8, CommandError> {
-    let directory = directory(args.data.as_ref())?;
+fn import_project(
+    args: &ProjectImportArgs,
+    language: Option<Language>,
+) -> Result<u8, CommandError> {
+    let directory = data_directory(args.data.as_ref())?;
     let only = &args.only;
-    let taking = Taking {
-        project: &args.folder,
-        directory: &directory,
+    let request = ImportRequest {
+        project_folder: &args.folder,
+        data_dir: &directory,
         model: None,
-        who: match &args.password {
-            Some(password) => Who::Password(password),
-            None => Who::AtPowerOn,
+        rights: match &args.password {
+            Some(password) => ImportRights::Password(password),
+            None => ImportRights::AtPowerOn,
         },
         dry_run: args.dry_run,
     };
-    let wanted = |it: &ProjectDifference| only.is_empty() || only.contains(&it.section());
-    let taken = project::take_over(&taking, &wanted)?;
-    for complaint in &taken.complaints {
-        complain!("gsk980td: {}", said(complaint, language));
+    let is_selected = |it: &ProjectDifference| only.is_empty() || only.contains(&it.section());
+    let result = project::import_project(&request, &is_selected)?;
+    for complaint in &result.complaints {
+        complain!("gsk980td: {}", message_text(complaint, language));
     }
-    if !taken.denied.is_empty() {
-        tell_denied(&taken, language);
-        return Ok(ALARM);
+    if !result.denied_changes.is_empty() {
+        report_denied_changes(&result, language);
+        return Ok(EXIT_ALARM);
     }
-    list(&taken.differences, &taken.old, &taken.new, language);
-    let (count, shown) = (taken.differences.len(), taken.folder.display());
-    match &taken.backup {
+    print_differences(
+        &result.differences,
+        &result.old_state,
+        &result.new_state,
+        language,
+    );
+    let (count, shown) = (result.differences.len(), result.model_folder.display());
+    match &result.backup_folder {
         Some(backup) => {
-            say(&say::project_applied(shown, count), language);
-            say(&say::project_backup(backup.display()), language);
+            print_message(&say::project_applied(shown, count), language);
+            print_message(&say::project_backup(backup.display()), language);
         }
-        None if count > 0 => say(&say::project_would_apply(shown, count), language),
-        None => say(&say::project_apply_nothing(args.folder.display()), language),
+        None if count > 0 => print_message(&say::project_would_apply(shown, count), language),
+        None => print_message(&say::project_apply_nothing(args.folder.display()), language),
     }
-    Ok(FINE)
+    Ok(EXIT_OK)
 }
 
 /// Reports the changes that the rights of the control refuse.
-pub(super) fn tell_denied(taken: &Taken, language: Option<Language>) {
-    for it in &taken.denied {
-        let name = label(it.key, &taken.old, language.unwrap_or(Language::En));
-        let said = said(
+pub(super) fn report_denied_changes(taken: &ImportResult, language: Option<Language>) {
+    for it in &taken.denied_changes {
+        let name = label(it.key, &taken.old_state, language.unwrap_or(Language::En));
+        let text = message_text(
             &say::subject_reason(name, refusal_message(it.refusal)),
             language,
         );
-        complain!("gsk980td: {said}");
+        complain!("gsk980td: {text}");
     }
-    let count = said(&say::project_not_applied(taken.denied.len()), language);
+    let count = message_text(
+        &say::project_not_applied(taken.denied_changes.len()),
+        language,
+    );
     complain!("gsk980td: {count}");
 }
 
 /// Reads one side of a comparison: a project or a data directory.
-fn side(
+fn read_side(
     path: &Path,
     model: Option<ModelId>,
     language: Option<Language>,
@@ -155,39 +179,45 @@ fn side(
     if project::is_project(path) {
         return Ok(project::read(path)?.0);
     }
-    let held = project::of_data(path, model).map_err(|error| match error {
-        DataError::Missing { path } => ProjectError::NoProject(path),
+    let held = project::read_control(path, model).map_err(|error| match error {
+        DataDirError::Missing { path } => ProjectError::NotAProject(path),
         other => other.into(),
     })?;
-    complain_of(&held, language);
+    report_damages(&held, language);
     Ok(held.state)
 }
 
 fn compare(args: &ProjectDiffArgs, language: Option<Language>) -> Result<u8, CommandError> {
-    let old = side(&args.old, args.model, language)?;
+    let old = read_side(&args.old, args.model, language)?;
     let new = match &args.new {
-        Some(path) => side(path, args.model, language)?,
-        None => side(&directory(args.data.as_ref())?, args.model, language)?,
+        Some(path) => read_side(path, args.model, language)?,
+        None => read_side(&data_directory(args.data.as_ref())?, args.model, language)?,
     };
-    let differences = wanted(diff(&old, &new), &args.only);
+    let differences = select_sections(diff(&old, &new), &args.only);
     match args.format {
         DiffFormat::Json => {
-            let rows = differences.iter().map(|it| as_json(it, &old, &new));
+            let rows = differences.iter().map(|it| to_json(it, &old, &new));
             let text = serde_json::to_string_pretty(&rows.collect::<Vec<_>>())?;
             output::print(&format!("{text}\n"));
         }
-        DiffFormat::Human if differences.is_empty() => say(&say::project_same(), language),
+        DiffFormat::Human if differences.is_empty() => {
+            print_message(&say::project_same(), language)
+        }
         DiffFormat::Human => {
-            list(&differences, &old, &new, language);
-            say(&say::project_differs(differences.len()), language);
+            print_differences(&differences, &old, &new, language);
+            print_message(&say::project_differs(differences.len()), language);
         }
     }
-    Ok(if differences.is_empty() { FINE } else { ALARM })
+    Ok(if differences.is_empty() {
+        EXIT_OK
+    } else {
+        EXIT_ALARM
+    })
 }
 
 /// The state that has the name of a value: the new one, or the old one if the value was
 /// removed.
-fn known<'a>(
+fn named_state<'a>(
     difference: &ProjectDifference,
     old: &'a ProjectState,
     new: &'a ProjectState,
@@ -197,7 +227,7 @@ fn known<'a>(
 
 /// Prints differences, one line each. A disk that is added or removed as a whole is one
 /// line.
-pub(super) fn list(
+pub(super) fn print_differences(
     differences: &[ProjectDifference],
     old: &ProjectState,
     new: &ProjectState,
@@ -205,11 +235,11 @@ pub(super) fn list(
 ) {
     let spoken = language.unwrap_or(Language::En);
     let mut out = String::new();
-    let mut whole: Vec<DataSet> = Vec::new();
+    let mut listed_disks: Vec<DataSet> = Vec::new();
     for difference in differences {
         if let Some(set) = find_whole_disk(difference) {
-            if !whole.contains(&set) {
-                whole.push(set);
+            if !listed_disks.contains(&set) {
+                listed_disks.push(set);
                 let name = set.disk_name().unwrap_or_default();
                 let text = match difference.old {
                     None => say::project_disk_added(name),
@@ -223,11 +253,11 @@ pub(super) fn list(
         out.push_str(&format!("{text}\n"));
     }
     // Programs may contain control characters.
-    output::print(&output::shown(&out));
+    output::print(&output::escape_for_terminal(&out));
 }
 
-fn as_json(difference: &ProjectDifference, old: &ProjectState, new: &ProjectState) -> Json {
-    let state = known(difference, old, new);
+fn to_json(difference: &ProjectDifference, old: &ProjectState, new: &ProjectState) -> Json {
+    let state = named_state(difference, old, new);
     let key = difference.key;
     let details = describe_text_changes(difference);
     let [en, zh] = [Language::En, Language::Zh].map(|language| {
@@ -243,14 +273,14 @@ fn as_json(difference: &ProjectDifference, old: &ProjectState, new: &ProjectStat
         "label_en": label(key, state, Language::En),
         "label_zh": label(key, state, Language::Zh),
         "unit": unit(key, state.memory().model.id()),
-        "old": difference.old.as_ref().map(value_of),
-        "new": difference.new.as_ref().map(value_of),
+        "old": difference.old.as_ref().map(value_to_json),
+        "new": difference.new.as_ref().map(value_to_json),
         "details_en": en,
         "details_zh": zh,
     })
 }
 
-fn value_of(value: &ProjectValue) -> Json {
+fn value_to_json(value: &ProjectValue) -> Json {
     match value {
         ProjectValue::Whole(value) => json!(value),
         ProjectValue::Real(value) if value.is_finite() => json!(value),

@@ -8,23 +8,27 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use gsk_messages::say;
-use gsk_runner::report::annotations::{annotations, github, sarif};
-use gsk_runner::report::{self, Report};
+use gsk_runner::report::annotations::{collect_annotations, to_github_commands, to_sarif_log};
+use gsk_runner::report::{self, ProgramReport};
 
-use super::{ALARM, COLLISION, CommandError, FINE, USAGE, output};
-use crate::cli::{Format, Language};
+use super::{CommandError, EXIT_ALARM, EXIT_COLLISION, EXIT_OK, EXIT_USAGE, output};
+use crate::cli::{CheckFormat, Language};
 
 /// Checks one file; true if it is the only one.
-pub(super) type Look<'a> = dyn Fn(&Path, bool) -> Result<Report, CommandError> + Sync + 'a;
+pub(super) type FileCheck<'a> =
+    dyn Fn(&Path, bool) -> Result<ProgramReport, CommandError> + Sync + 'a;
 
 /// Checks files on all cores, a single file in this thread. The results keep the order of
 /// the files.
-pub(super) fn all(files: &[PathBuf], look: &Look<'_>) -> Vec<Result<Report, CommandError>> {
+pub(super) fn check_files(
+    files: &[PathBuf],
+    check: &FileCheck<'_>,
+) -> Vec<Result<ProgramReport, CommandError>> {
     if let [file] = files {
-        return vec![look(file, true)];
+        return vec![check(file, true)];
     }
     let next = AtomicUsize::new(0);
-    let results: Vec<Mutex<Option<Result<Report, CommandError>>>> =
+    let results: Vec<Mutex<Option<Result<ProgramReport, CommandError>>>> =
         files.iter().map(|_| Mutex::new(None)).collect();
     let cores = thread::available_parallelism().map_or(1, NonZeroUsize::get);
     thread::scope(|scope| {
@@ -33,82 +37,101 @@ pub(super) fn all(files: &[PathBuf], look: &Look<'_>) -> Vec<Result<Report, Comm
                 loop {
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     let Some(file) = files.get(index) else { break };
-                    let result = look(file, false);
-                    if let Ok(mut place) = results[index].lock() {
-                        *place = Some(result);
+                    let result = check(file, false);
+                    if let Ok(mut slot) = results[index].lock() {
+                        *slot = Some(result);
                     }
                 }
             });
         }
     });
-    let missing = || Err(CommandError::NotChecked);
+    let not_checked = || Err(CommandError::NotChecked);
     results
         .into_iter()
-        .map(|result| result.into_inner().ok().flatten().unwrap_or_else(missing))
+        .map(|result| {
+            result
+                .into_inner()
+                .ok()
+                .flatten()
+                .unwrap_or_else(not_checked)
+        })
         .collect()
 }
 
-/// Prints results and returns the highest exit code. `aside` selects standard error, because
+/// Prints results and returns the highest exit code. `to_stderr` selects standard error, because
 /// the moves are on standard output.
-pub(super) fn print(
-    results: &[Result<Report, CommandError>],
-    format: Format,
-    aside: bool,
+pub(super) fn print_results(
+    results: &[Result<ProgramReport, CommandError>],
+    format: CheckFormat,
+    to_stderr: bool,
     language: Option<Language>,
 ) -> Result<u8, CommandError> {
     let reports = results.iter().flatten();
     match format {
-        Format::Human | Format::Json => {
+        CheckFormat::Human | CheckFormat::Json => {
             for report in reports {
-                output::report(report, format == Format::Json, aside, language)?;
+                output::print_report(report, format == CheckFormat::Json, to_stderr, language)?;
             }
         }
-        Format::Github | Format::Sarif => {
-            let all: Vec<_> = reports.flat_map(|it| annotations(it, language)).collect();
+        CheckFormat::Github | CheckFormat::Sarif => {
+            let all: Vec<_> = reports
+                .flat_map(|it| collect_annotations(it, language))
+                .collect();
             let text = match format {
-                Format::Github => github(&all),
-                _ => sarif(&all, env!("CARGO_PKG_VERSION")),
+                CheckFormat::Github => to_github_commands(&all),
+                _ => to_sarif_log(&all, env!("CARGO_PKG_VERSION")),
             };
-            output::print_or_aside(&text, aside);
+            output::print_or_report(&text, to_stderr);
         }
     }
     for error in results.iter().filter_map(|result| result.as_ref().err()) {
-        complain!("gsk980td: {}", report::said(&error.message(), language));
+        complain!(
+            "gsk980td: {}",
+            report::message_text(&error.message(), language)
+        );
     }
-    let codes: Vec<u8> = results.iter().map(code).collect();
-    if format == Format::Human && results.len() > 1 {
-        let of = |code| codes.iter().filter(|it| **it == code).count();
-        let summary =
-            say::check_summary(codes.len(), of(FINE), of(ALARM), of(COLLISION), of(USAGE));
-        output::print_or_aside(&(report::said(&summary, language) + "\n"), aside);
+    let codes: Vec<u8> = results.iter().map(exit_code).collect();
+    if format == CheckFormat::Human && results.len() > 1 {
+        let count_of = |code| codes.iter().filter(|it| **it == code).count();
+        let summary = say::check_summary(
+            codes.len(),
+            count_of(EXIT_OK),
+            count_of(EXIT_ALARM),
+            count_of(EXIT_COLLISION),
+            count_of(EXIT_USAGE),
+        );
+        output::print_or_report(
+            &(report::message_text(&summary, language) + "\n"),
+            to_stderr,
+        );
     }
-    Ok(codes.into_iter().max().unwrap_or(FINE))
+    Ok(codes.into_iter().max().unwrap_or(EXIT_OK))
 }
 
 /// The exit code of one result.
-fn code(result: &Result<Report, CommandError>) -> u8 {
+fn exit_code(result: &Result<ProgramReport, CommandError>) -> u8 {
     match result {
-        Ok(report) if report.collided() => COLLISION,
-        Ok(report) if report.failed() => ALARM,
-        Ok(_) => FINE,
-        Err(_) => USAGE,
+        Ok(report) if report.has_collision() => EXIT_COLLISION,
+        Ok(report) if report.has_failed() => EXIT_ALARM,
+        Ok(_) => EXIT_OK,
+        Err(_) => EXIT_USAGE,
     }
 }
 
 /// Checks a program and writes each of its moves into a file.
-pub(super) fn into_file<M>(
+pub(super) fn check_into_file<M>(
     path: &Path,
     write: impl Fn(&mut dyn Write, &M) -> io::Result<()>,
-    checked: impl FnOnce(&mut dyn FnMut(&M)) -> Result<Report, CommandError>,
-) -> Result<Report, CommandError> {
+    check_program: impl FnOnce(&mut dyn FnMut(&M)) -> Result<ProgramReport, CommandError>,
+) -> Result<ProgramReport, CommandError> {
     let mut out = output::open(path)?;
-    let mut failed = None;
-    let report = checked(&mut |made| {
-        if failed.is_none() {
-            failed = write(&mut *out, made).err();
+    let mut error = None;
+    let report = check_program(&mut |made| {
+        if error.is_none() {
+            error = write(&mut *out, made).err();
         }
     })?;
-    match failed.or(out.flush().err()) {
+    match error.or(out.flush().err()) {
         Some(error) => Err(output::WriteError::new(path, error).into()),
         None => Ok(report),
     }

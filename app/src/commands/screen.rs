@@ -6,12 +6,12 @@ use gsk_panel::emulator::{Emulator, WaitCondition};
 use gsk_panel::pages::PAGES;
 use gsk_runner::picture;
 
-use super::{CommandError, FINE, output};
+use super::{CommandError, EXIT_OK, output};
 use crate::cli::ScreenArgs;
 use crate::picture::check_png;
 
 /// Upper limit of the duration of the self-test picture, ms.
-const SELF_TEST_MS: u64 = 10_000;
+const MAX_SELF_TEST_MS: u64 = 10_000;
 
 pub fn screen(args: &ScreenArgs) -> Result<u8, CommandError> {
     if args.list {
@@ -21,7 +21,7 @@ pub fn screen(args: &ScreenArgs) -> Result<u8, CommandError> {
             out.push_str(&format!("{:<12} {title}\n", row.name));
         }
         output::print(&out);
-        return Ok(FINE);
+        return Ok(EXIT_OK);
     }
     if let Some(path) = &args.output {
         check_png(path)?;
@@ -35,14 +35,14 @@ pub fn screen(args: &ScreenArgs) -> Result<u8, CommandError> {
         });
     };
     let mut emulator = Emulator::new(Setup::default());
-    emulator.run_until(&WaitCondition::SelfTestOver, SELF_TEST_MS);
+    emulator.run_until(&WaitCondition::SelfTestOver, MAX_SELF_TEST_MS);
     emulator.panel.show(row.page);
     let screen = emulator.screen();
     let Some(path) = &args.output else {
         output::print(&format!("{screen}\n"));
-        return Ok(FINE);
+        return Ok(EXIT_OK);
     };
-    let bytes = picture::of_lcd(&screen, emulator.panel.view().brightness)?;
+    let bytes = picture::encode_lcd(&screen, emulator.panel.view().brightness)?;
     std::fs::write(path, bytes).map_err(|error| output::WriteError::new(path, error))?;
-    Ok(FINE)
+    Ok(EXIT_OK)
 }

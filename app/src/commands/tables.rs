@@ -10,18 +10,18 @@ use gsk_panel::signals;
 use gsk_runner::report::class_name;
 use serde_json::{Value, json};
 
-use super::{CommandError, FINE, output};
+use super::{CommandError, EXIT_OK, output};
 use crate::cli::{ParametersArgs, TableArgs};
 use crate::window::pc_name;
 
 /// A table with its heading, as text and as JSON.
-struct Table {
+struct PrintedTable {
     heading: Vec<&'static str>,
     rows: Vec<Vec<String>>,
     json: Vec<Value>,
 }
 
-impl Table {
+impl PrintedTable {
     fn new(heading: &[&'static str]) -> Self {
         Self {
             heading: heading.to_vec(),
@@ -54,7 +54,7 @@ impl Table {
             out = serde_json::to_string_pretty(&chosen)?;
             out.push('\n');
             output::print(&out);
-            return Ok(FINE);
+            return Ok(EXIT_OK);
         }
         let heading: Vec<String> = self.heading.iter().map(ToString::to_string).collect();
         let shown: Vec<&Vec<String>> = std::iter::once(&heading)
@@ -64,7 +64,7 @@ impl Table {
             .map(|column| {
                 shown
                     .iter()
-                    .map(|row| columns(&row[column]))
+                    .map(|row| text_width(&row[column]))
                     .max()
                     .unwrap_or(0)
             })
@@ -73,28 +73,28 @@ impl Table {
             let mut line = String::new();
             for (cell, width) in row.iter().zip(&widths) {
                 line.push_str(cell);
-                line.push_str(&" ".repeat(width - columns(cell) + 2));
+                line.push_str(&" ".repeat(width - text_width(cell) + 2));
             }
             out.push_str(line.trim_end());
             out.push('\n');
         }
         output::print(&out);
-        Ok(FINE)
+        Ok(EXIT_OK)
     }
 }
 
 /// The width of a text in columns of a terminal; a Chinese character has two.
-fn columns(text: &str) -> usize {
+fn text_width(text: &str) -> usize {
     gsk_panel::glyphs::text_columns(text)
 }
 
-fn bit(area: char, bit: Bit) -> String {
+fn format_bit(area: char, bit: Bit) -> String {
     format!("{area}{}.{}", bit.byte, bit.bit)
 }
 
 /// Prints the keys of the panel and the lamps of the status strip.
 pub fn keys(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandError> {
-    let mut table = Table::new(&match language {
+    let mut table = PrintedTable::new(&match language {
         Some(Language::Zh) => [
             "名称",
             "键面",
@@ -110,10 +110,13 @@ pub fn keys(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandE
     });
     for row in &KEYS {
         let contact = match row.role {
-            KeyRole::Machine(contact) => bit('X', contact),
+            KeyRole::Machine(contact) => format_bit('X', contact),
             _ => String::new(),
         };
-        let lamp = row.lamp.map(|lamp| bit('Y', lamp)).unwrap_or_default();
+        let lamp = row
+            .lamp
+            .map(|lamp| format_bit('Y', lamp))
+            .unwrap_or_default();
         let label = row.legend.join(" ");
         let json = json!({
             "id": row.id, "label": label, "pc": row.pc, "contact": contact, "lamp": lamp,
@@ -131,7 +134,7 @@ pub fn keys(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandE
         table.push(cells.map(str::to_owned).to_vec(), json);
     }
     for row in STRIP.iter().filter(|row| row.fitted) {
-        let lamp = bit('Y', row.lamp);
+        let lamp = format_bit('Y', row.lamp);
         let json = json!({
             "id": row.id, "label": row.label, "lamp": lamp, "zh": row.name_zh, "en": row.name_en,
         });
@@ -143,17 +146,17 @@ pub fn keys(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandE
 
 /// Prints the parameters of a model.
 pub fn parameters(args: &ParametersArgs, language: Option<Language>) -> Result<u8, CommandError> {
-    let own = match args.model {
-        ModelId::Gsk980td => of_the_lathe(language),
-        model if model.is_mill() => of_the_mill(language),
-        model => of_a_model(model, language),
+    let table = match args.model {
+        ModelId::Gsk980td => lathe_parameters(language),
+        model if model.is_mill() => mill_parameters(language),
+        model => model_parameters(model, language),
     };
-    own.print(&args.table)
+    table.print(&args.table)
 }
 
 /// The parameters of the mill. The column ACTS marks those that `check` and `plot` apply.
-fn of_the_mill(language: Option<Language>) -> Table {
-    let mut table = Table::new(&match language {
+fn mill_parameters(language: Option<Language>) -> PrintedTable {
+    let mut table = PrintedTable::new(&match language {
         Some(Language::Zh) => [
             "参数号",
             "符号",
@@ -175,10 +178,10 @@ fn of_the_mill(language: Option<Language>) -> Table {
         };
         let json = json!({
             "number": row.number, "bit": row.bit, "symbol": row.symbol,
-            "each_axis": !row.axes.is_empty(), "axes": axes_in_words(row.axes, None), "unit": row.unit, "range": row.range,
+            "each_axis": !row.axes.is_empty(), "axes": describe_axes(row.axes, None), "unit": row.unit, "range": row.range,
             "acts": row.acts, "zh": row.zh, "en": row.en,
         });
-        let axes = axes_in_words(row.axes, language);
+        let axes = describe_axes(row.axes, language);
         let acts = match (language, row.acts) {
             (Some(Language::Zh), true) => "是",
             (Some(Language::Zh), false) => "否",
@@ -194,19 +197,19 @@ fn of_the_mill(language: Option<Language>) -> Table {
 }
 
 /// Names the axes that have a parameter of the mill.
-fn axes_in_words(axes: &[u16], language: Option<Language>) -> String {
-    let said = match axes {
+fn describe_axes(axes: &[u16], language: Option<Language>) -> String {
+    let message = match axes {
         [] => return String::new(),
         [4, 5] => say::table_axes_additional(),
         [1, 2, 3] => say::table_axes_linear(),
         _ => say::table_axes_all(),
     };
-    said.text(language.unwrap_or(Language::En))
+    message.text(language.unwrap_or(Language::En))
 }
 
 /// The parameters that a lathe model has in addition to those of the GSK980TD.
-fn of_a_model(model: ModelId, language: Option<Language>) -> Table {
-    let mut table = Table::new(&match language {
+fn model_parameters(model: ModelId, language: Option<Language>) -> PrintedTable {
+    let mut table = PrintedTable::new(&match language {
         Some(Language::Zh) => ["参数号", "单位", "范围", "出厂值", "中文", "ENGLISH"],
         Some(Language::En) | None => ["NUMBER", "UNIT", "RANGE", "FACTORY", "中文", "MEANING"],
     });
@@ -224,8 +227,8 @@ fn of_a_model(model: ModelId, language: Option<Language>) -> Table {
     table
 }
 
-fn of_the_lathe(language: Option<Language>) -> Table {
-    let mut table = Table::new(&match language {
+fn lathe_parameters(language: Option<Language>) -> PrintedTable {
+    let mut table = PrintedTable::new(&match language {
         Some(Language::Zh) => [
             "参数号",
             "符号",
@@ -239,12 +242,12 @@ fn of_the_lathe(language: Option<Language>) -> Table {
             "NUMBER", "SYMBOL", "UNIT", "RANGE", "FACTORY", "中文", "MEANING",
         ],
     });
-    for row in memory::rows() {
+    for row in memory::parameter_rows() {
         let number = match row.bit {
             Some(bit) => format!("{:03}.{bit}", row.number),
             None => format!("{:03}", row.number),
         };
-        let value = row.factory(memory::Disk::N0);
+        let value = row.factory_value(memory::ElectronicDisk::N0);
         let factory = if row.state {
             format!("{value:08b}")
         } else {
@@ -275,7 +278,7 @@ pub fn alarms(args: &TableArgs, language: Option<Language>) -> Result<u8, Comman
         Some(Language::Zh) => ["类别", "报警号", "中文", "ENGLISH", "原因", "处理"],
         Some(Language::En) | None => ["CLASS", "NUMBER", "中文", "MEANING", "CAUSE", "CURE"],
     };
-    let mut table = Table::new(&heading);
+    let mut table = PrintedTable::new(&heading);
     for row in alarm::rows() {
         let number = if row.last == row.number {
             format!("{:03}", row.number)
@@ -289,7 +292,7 @@ pub fn alarms(args: &TableArgs, language: Option<Language>) -> Result<u8, Comman
         });
         let advice = row.advice.as_ref();
         let [cause, cure] = match language {
-            Some(Language::Zh) => [advice.map(|it| it.cause_zh), advice.map(|it| it.way_out_zh)]
+            Some(Language::Zh) => [advice.map(|it| it.cause_zh), advice.map(|it| it.remedy_zh)]
                 .map(Option::unwrap_or_default),
             Some(Language::En) | None => [row.cause_en, row.cleared_by_en],
         };
@@ -302,7 +305,7 @@ pub fn alarms(args: &TableArgs, language: Option<Language>) -> Result<u8, Comman
 /// Prints the signals of the PLC.
 pub fn signals(args: &TableArgs, language: Option<Language>) -> Result<u8, CommandError> {
     let spoken = language.unwrap_or(Language::En);
-    let mut table = Table::new(&match spoken {
+    let mut table = PrintedTable::new(&match spoken {
         Language::Zh => ["地址", "符号", "方向", "作用处", "中文", "ENGLISH"],
         Language::En => [
             "ADDRESS",
@@ -322,7 +325,8 @@ pub fn signals(args: &TableArgs, language: Option<Language>) -> Result<u8, Comma
             Language::Zh => gsk_help::signal_direction(row, spoken),
             Language::En => row.direction.to_owned(),
         };
-        let acts = acts_in(row.acts).map_or_else(|| row.acts.to_owned(), |it| it.text(spoken));
+        let acts = describe_signal_effect(row.acts)
+            .map_or_else(|| row.acts.to_owned(), |it| it.text(spoken));
         let cells = [
             row.address,
             row.symbol,
@@ -337,7 +341,7 @@ pub fn signals(args: &TableArgs, language: Option<Language>) -> Result<u8, Comma
 }
 
 /// Translates the text of the signal table that says where a signal acts.
-fn acts_in(written: &str) -> Option<Message> {
+fn describe_signal_effect(written: &str) -> Option<Message> {
     Some(match written {
         "control" => say::table_acts_control(),
         "control ladder" => say::table_acts_control_ladder(),
@@ -363,7 +367,7 @@ pub fn faults(args: &TableArgs, language: Option<Language>) -> Result<u8, Comman
         Some(Language::Zh) => ["名称", "中文", "ENGLISH", "作用"],
         Some(Language::En) | None => ["NAME", "中文", "FAULT", "WHAT IT DOES"],
     };
-    let mut table = Table::new(&heading);
+    let mut table = PrintedTable::new(&heading);
     for row in &FAULTS {
         let [zh, en] = [Language::Zh, Language::En].map(|language| row.label().text(language));
         let [effect_zh, effect] =
@@ -387,8 +391,8 @@ mod tests {
     #[test]
     fn every_word_of_the_table_of_signals_is_known() {
         for row in signals::rows() {
-            let said = acts_in(row.acts).map(|it| it.text(Language::En));
-            assert_eq!(said.as_deref(), Some(row.acts), "{}", row.address);
+            let text = describe_signal_effect(row.acts).map(|it| it.text(Language::En));
+            assert_eq!(text.as_deref(), Some(row.acts), "{}", row.address);
             let direction = gsk_help::signal_direction(row, Language::Zh);
             let words = direction.replace("PLC", "").replace("CNC", "");
             assert!(

@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use crate::platform;
 
 /// Suffix of the hidden temporary file. No other program uses this name.
-const ASIDE: &str = ".gsk980td-new";
+const TEMPORARY_SUFFIX: &str = ".gsk980td-new";
 
 /// Access rights of a written file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Readers {
+pub enum FileAccess {
     /// The default rights of the operating system.
     Any,
     /// Only the owner can read the file.
@@ -23,20 +23,20 @@ pub enum Readers {
 /// # Errors
 /// The error of the operating system; the old file remains.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    write_for(path, bytes, Readers::Any)
+    write_with_access(path, bytes, FileAccess::Any)
 }
 
 /// Like [`write()`], with the given access rights.
 ///
 /// # Errors
 /// The error of the operating system; the old file remains.
-pub fn write_for(path: &Path, bytes: &[u8], readers: Readers) -> io::Result<()> {
-    let aside = aside(path);
-    let result = platform::write_new(&aside, bytes, readers == Readers::Owner)
-        .and_then(|()| platform::rename(&aside, path));
+pub fn write_with_access(path: &Path, bytes: &[u8], access: FileAccess) -> io::Result<()> {
+    let temporary = temporary_path(path);
+    let result = platform::write_new(&temporary, bytes, access == FileAccess::Owner)
+        .and_then(|()| platform::rename(&temporary, path));
     if result.is_err() {
         // Only the cause is reported: an unfinished temporary file has no use.
-        let _ = platform::remove(&aside);
+        let _ = platform::remove(&temporary);
         return result;
     }
     if let Some(folder) = path.parent() {
@@ -47,15 +47,15 @@ pub fn write_for(path: &Path, bytes: &[u8], readers: Readers) -> io::Result<()> 
 
 /// Removes the temporary files of a killed process from a folder. Returns the sorted names
 /// of the files that were being written.
-pub fn remove_unfinished(folder: &Path) -> Vec<String> {
+pub fn remove_temporary_files(folder: &Path) -> Vec<String> {
     let mut names = Vec::new();
     for path in platform::list(folder).unwrap_or_default() {
         let name = path.file_name().unwrap_or_default();
-        let meant = name
+        let original = name
             .to_str()
-            .and_then(|name| name.strip_prefix('.')?.strip_suffix(ASIDE));
-        if let Some(meant) = meant {
-            names.push(meant.to_owned());
+            .and_then(|name| name.strip_prefix('.')?.strip_suffix(TEMPORARY_SUFFIX));
+        if let Some(original) = original {
+            names.push(original.to_owned());
             // The next write replaces a file that cannot be removed.
             let _ = platform::remove(&path);
         }
@@ -69,7 +69,7 @@ pub fn remove_unfinished(folder: &Path) -> Vec<String> {
 ///
 /// # Errors
 /// The error of the operating system; the file keeps its name.
-pub fn set_aside(path: &Path) -> io::Result<PathBuf> {
+pub fn rename_damaged(path: &Path) -> io::Result<PathBuf> {
     let name = |ending: &str| {
         let mut name = path.file_name().unwrap_or_default().to_owned();
         name.push(ending);
@@ -85,10 +85,10 @@ pub fn set_aside(path: &Path) -> io::Result<PathBuf> {
     Ok(target)
 }
 
-fn aside(path: &Path) -> PathBuf {
+fn temporary_path(path: &Path) -> PathBuf {
     let mut name = std::ffi::OsString::from(".");
     name.push(path.file_name().unwrap_or_default());
-    name.push(ASIDE);
+    name.push(TEMPORARY_SUFFIX);
     path.with_file_name(name)
 }
 
@@ -99,26 +99,30 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_old_file_gives_way_to_the_new_one() {
+    fn a_write_replaces_the_old_file() {
         let folder = crate::files::test_folder("atomic");
         let path = folder.join("a.ron");
         write(&path, b"one").expect("first");
         write(&path, b"two").expect("second");
         assert_eq!(fs::read(&path).expect("read"), b"two");
         assert_eq!(fs::read_dir(&folder).expect("list").count(), 1);
-        let first = set_aside(&path).expect("aside");
+        let first = rename_damaged(&path).expect("aside");
         assert!(first.ends_with("a.ron.damaged"));
         write(&path, b"three").expect("third");
-        assert!(set_aside(&path).expect("aside").ends_with("a.ron.damaged2"));
+        assert!(
+            rename_damaged(&path)
+                .expect("aside")
+                .ends_with("a.ron.damaged2")
+        );
     }
 
     #[test]
-    fn only_what_this_program_left_is_removed() {
+    fn only_temporary_files_of_this_program_are_removed() {
         let folder = crate::files::test_folder("atomic-left");
         for name in [".O0003.CNC.gsk980td-new", "O0004.CNC.new", "write-test"] {
             fs::write(folder.join(name), "").expect("write");
         }
-        assert_eq!(remove_unfinished(&folder), ["O0003.CNC"]);
+        assert_eq!(remove_temporary_files(&folder), ["O0003.CNC"]);
         assert_eq!(fs::read_dir(&folder).expect("list").count(), 2);
     }
 }

@@ -22,12 +22,12 @@ use gsk_messages::{Message, say};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::atomic::{self, Readers};
-use super::decode::{self, Encoding};
-use super::kept::{Change, Complaint, Found, Kept};
+use super::atomic::{self, FileAccess};
+use super::decode::{self, TextEncoding};
+use super::mirrored_files::{FileChange, FileDamage, FileReadResult, MirroredFiles};
 use super::program_file;
+use crate::message_format;
 use crate::platform::{self, Lock};
-use crate::saying;
 
 const PROGRAMS: &str = "programs";
 const LOCK: &str = "lock";
@@ -35,24 +35,24 @@ const LADDER: &str = "ladder.il";
 /// The macro variables. Earlier versions imported NaN from project folders.
 const VARIABLES: &str = "variables";
 /// Files with passwords, which only their owner may read.
-const PRIVATE: [&str; 1] = ["authority.ron"];
+const PRIVATE_FILES: [&str; 1] = ["authority.ron"];
 /// Size limit of a file, programs excepted, bytes.
-const LARGEST_BYTES: u64 = 64 * 1024 * 1024;
+const MAX_BYTES: u64 = 64 * 1024 * 1024;
 
 /// An open data directory. The value keeps it locked.
 #[derive(Debug)]
 pub struct DataDir {
     path: PathBuf,
     _lock: Lock,
-    files: Kept,
+    files: MirroredFiles,
     /// Programs whose last write was interrupted by a power failure.
-    interrupted: Vec<String>,
+    interrupted_programs: Vec<String>,
 }
 
 /// Why a data directory cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
-pub enum DataError {
+pub enum DataDirError {
     /// The directory cannot be created, read or written.
     Unusable {
         path: PathBuf,
@@ -60,24 +60,20 @@ pub enum DataError {
         source: io::Error,
     },
     /// Another process has locked the directory.
-    InUse {
-        path: PathBuf,
-    },
+    InUse { path: PathBuf },
     /// The path is not a data directory, and none may be created there.
-    Missing {
-        path: PathBuf,
-    },
+    Missing { path: PathBuf },
     /// The platform has no default folder for data.
     NoDefault,
 }
 
-impl DataError {
+impl DataDirError {
     pub fn message(&self) -> Message {
         match self {
             Self::Unusable { path, source } => {
-                say::data_dir_unusable(path.display(), saying::of_system(source))
+                say::data_dir_unusable(path.display(), message_format::describe_io_error(source))
             }
-            Self::InUse { path } => platform::in_use(path),
+            Self::InUse { path } => platform::data_folder_in_use(path),
             Self::Missing { path } => say::data_dir_none(path.display()),
             Self::NoDefault => say::data_dir_no_default(),
         }
@@ -86,14 +82,14 @@ impl DataError {
 
 /// The contents of a file of the directory, and whether they are intact.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Loaded<T> {
+pub enum LoadedFile<T> {
     Value(T),
     /// A value from the copy of a damaged or missing file, or without its invalid parts.
-    Recovered(T, Complaint),
+    Recovered(T, FileDamage),
     /// The file does not exist yet.
     Missing,
     /// The file and its copy are damaged. Names the reason and the new name of the file.
-    Damaged(Complaint),
+    Damaged(FileDamage),
 }
 
 /// A program file of the directory.
@@ -101,12 +97,12 @@ pub enum Loaded<T> {
 pub struct StoredProgram {
     pub number: u16,
     pub text: String,
-    pub encoding: Encoding,
+    pub encoding: TextEncoding,
 }
 
 /// The default data directory of the platform.
-pub fn default_path() -> Result<PathBuf, DataError> {
-    platform::data_folder("gsk980td").ok_or(DataError::NoDefault)
+pub fn default_data_path() -> Result<PathBuf, DataDirError> {
+    platform::data_folder("gsk980td").ok_or(DataDirError::NoDefault)
 }
 
 impl DataDir {
@@ -115,18 +111,18 @@ impl DataDir {
     ///
     /// # Errors
     /// Why the directory cannot be read.
-    pub fn read_only(path: &Path) -> Result<Self, DataError> {
+    pub fn open_read_only(path: &Path) -> Result<Self, DataDirError> {
         if !platform::is_taken(&path.join(LOCK)) {
-            return Err(DataError::Missing {
+            return Err(DataDirError::Missing {
                 path: path.to_owned(),
             });
         }
-        let lock = locked(Lock::beside_readers(&path.join(LOCK)), path)?;
+        let lock = map_lock_error(Lock::shared(&path.join(LOCK)), path)?;
         Ok(Self {
             path: path.to_owned(),
             _lock: lock,
-            files: Kept::open(path, true),
-            interrupted: Vec::new(),
+            files: MirroredFiles::open(path, true),
+            interrupted_programs: Vec::new(),
         })
     }
 
@@ -134,43 +130,43 @@ impl DataDir {
     ///
     /// # Errors
     /// Why the directory cannot be used.
-    pub fn open(path: &Path) -> Result<Self, DataError> {
-        let unusable = |source| DataError::Unusable {
+    pub fn open(path: &Path) -> Result<Self, DataDirError> {
+        let unusable = |source| DataDirError::Unusable {
             path: path.to_owned(),
             source,
         };
         let programs = path.join(PROGRAMS);
         platform::make_folder(&programs).map_err(unusable)?;
-        let lock = locked(Lock::alone(&path.join(LOCK)), path)?;
+        let lock = map_lock_error(Lock::exclusive(&path.join(LOCK)), path)?;
         // Report a read-only directory now, not at the first edit.
         let probe = programs.join(".gsk980td-probe");
         atomic::write(&probe, b"").map_err(unusable)?;
         platform::remove(&probe).map_err(unusable)?;
         for folder in ["", "copies", "copies/programs"] {
-            atomic::remove_unfinished(&path.join(folder));
+            atomic::remove_temporary_files(&path.join(folder));
         }
-        let interrupted = atomic::remove_unfinished(&programs)
+        let interrupted_programs = atomic::remove_temporary_files(&programs)
             .iter()
-            .filter_map(|name| program_number(name))
+            .filter_map(|name| parse_program_number(name))
             .map(|number| format!("O{number:04}"))
             .collect();
         Ok(Self {
             path: path.to_owned(),
             _lock: lock,
-            files: Kept::open(path, false),
-            interrupted,
+            files: MirroredFiles::open(path, false),
+            interrupted_programs,
         })
     }
 
     /// Numbers of the programs whose last write was interrupted by a power failure; their
     /// older texts are kept.
-    pub fn interrupted(&self) -> &[String] {
-        &self.interrupted
+    pub fn interrupted_programs(&self) -> &[String] {
+        &self.interrupted_programs
     }
 
     /// The damage of the manifest itself, if any.
-    pub const fn complaint(&self) -> Option<&Complaint> {
-        self.files.complaint()
+    pub const fn manifest_damage(&self) -> Option<&FileDamage> {
+        self.files.manifest_damage()
     }
 
     pub fn path(&self) -> &Path {
@@ -179,13 +175,13 @@ impl DataDir {
 
     /// Reads `NAME.ron`. A number that is not finite makes the file damaged; only the macro
     /// variables are loaded without it.
-    pub fn load<T: DeserializeOwned>(&self, name: &str) -> Loaded<T> {
-        let file = file_name(name);
-        let mut left_out = None;
-        let loaded = self.read(&file, LARGEST_BYTES, |bytes| {
+    pub fn load<T: DeserializeOwned>(&self, name: &str) -> LoadedFile<T> {
+        let file = ron_file_name(name);
+        let mut non_finite = None;
+        let loaded = self.read(&file, MAX_BYTES, |bytes| {
             let text = String::from_utf8(bytes).map_err(say::as_written)?;
-            left_out = find_non_finite(&text);
-            if let Some(found) = &left_out
+            non_finite = find_non_finite(&text);
+            if let Some(found) = &non_finite
                 && name != VARIABLES
             {
                 return Err(say::in_line(
@@ -196,11 +192,11 @@ impl DataDir {
             ron::from_str(&text)
                 .map_err(|error| say::in_line(error.span.start.line, say::as_written(error.code)))
         });
-        match (loaded, left_out) {
-            (Loaded::Value(value), Some(NonFinite { line, token })) => {
+        match (loaded, non_finite) {
+            (LoadedFile::Value(value), Some(NonFinite { line, token })) => {
                 let path = self.path.join(&file);
-                let said = say::data_dir_variable_emptied(path.display(), line, token);
-                Loaded::Recovered(value, Complaint::new(&path, said))
+                let message = say::data_dir_variable_emptied(path.display(), line, token);
+                LoadedFile::Recovered(value, FileDamage::new(&path, message))
             }
             (loaded, _) => loaded,
         }
@@ -211,7 +207,7 @@ impl DataDir {
     /// # Errors
     /// The files that cannot be written.
     pub fn store<T: Serialize>(&self, name: &str, value: &T) -> Result<(), Message> {
-        let failures = self.commit(vec![as_ron(name, value)?]);
+        let failures = self.commit(vec![to_ron_change(name, value)?]);
         if failures.is_empty() {
             Ok(())
         } else {
@@ -221,38 +217,39 @@ impl DataDir {
 
     /// Writes the changes whose contents are new, each file independently. Returns one
     /// message for each file that cannot be written.
-    pub fn commit(&self, changes: Vec<Change>) -> Vec<Message> {
+    pub fn commit(&self, changes: Vec<FileChange>) -> Vec<Message> {
         self.files.commit(changes)
     }
 
     /// Reads the ladder that replaces the standard one.
-    pub fn ladder(&self) -> Loaded<Ladder> {
-        self.read(LADDER, LARGEST_BYTES, |bytes| {
+    pub fn load_ladder(&self) -> LoadedFile<Ladder> {
+        self.read(LADDER, MAX_BYTES, |bytes| {
             let text = String::from_utf8(bytes).map_err(say::as_written)?;
-            Ladder::compile(&text).map_err(|errors| first_of(&errors))
+            Ladder::compile(&text).map_err(|errors| describe_first_error(&errors))
         })
     }
 
     /// Reads all programs; returns them with the complaints about damaged ones.
-    pub fn programs(&self) -> (Vec<StoredProgram>, Vec<Complaint>) {
+    pub fn load_programs(&self) -> (Vec<StoredProgram>, Vec<FileDamage>) {
         let mut programs = Vec::new();
-        let mut complaints = Vec::new();
+        let mut damages = Vec::new();
         let mut numbers: BTreeSet<u16> = self.program_numbers().collect();
         let folder = self.path.join(PROGRAMS);
         match platform::list(&folder) {
             Ok(paths) => numbers.extend(
                 paths
                     .iter()
-                    .filter_map(|path| program_number(path.file_name()?.to_str()?)),
+                    .filter_map(|path| parse_program_number(path.file_name()?.to_str()?)),
             ),
             Err(error) => {
-                let said = say::data_dir_programs_unreadable(saying::of_system(&error));
-                complaints.push(Complaint::new(&folder, said));
+                let message =
+                    say::data_dir_programs_unreadable(message_format::describe_io_error(&error));
+                damages.push(FileDamage::new(&folder, message));
             }
         }
         for number in numbers {
             let name = program_name(number);
-            let loaded = self.read(&name, program_file::LARGEST_BYTES, |bytes| {
+            let loaded = self.read(&name, program_file::MAX_BYTES, |bytes| {
                 let decoded = decode::decode(bytes).map_err(|error| error.message())?;
                 if decoded.text.trim().is_empty() {
                     return Err(say::file_content_empty());
@@ -264,99 +261,113 @@ impl DataDir {
                 })
             });
             match loaded {
-                Loaded::Value(program) => programs.push(program),
-                Loaded::Recovered(program, said) => {
+                LoadedFile::Value(program) => programs.push(program),
+                LoadedFile::Recovered(program, damage) => {
                     programs.push(program);
-                    complaints.push(said);
+                    damages.push(damage);
                 }
-                Loaded::Missing => {}
-                Loaded::Damaged(said) => complaints.push(said),
+                LoadedFile::Missing => {}
+                LoadedFile::Damaged(damage) => damages.push(damage),
             }
         }
-        (programs, complaints)
+        (programs, damages)
     }
 
     /// The program numbers in the manifest.
     fn program_numbers(&self) -> impl Iterator<Item = u16> {
         let names = self.files.names().into_iter();
-        names.filter_map(|name| program_number(name.strip_prefix(PROGRAMS)?.strip_prefix('/')?))
+        names.filter_map(|name| {
+            parse_program_number(name.strip_prefix(PROGRAMS)?.strip_prefix('/')?)
+        })
     }
 
     fn read<T>(
         &self,
         name: &str,
-        largest: u64,
+        max_bytes: u64,
         parse: impl FnOnce(Vec<u8>) -> Result<T, Message>,
-    ) -> Loaded<T> {
-        let Found { content, damage } = self.files.read(name, largest);
+    ) -> LoadedFile<T> {
+        let FileReadResult {
+            contents: content,
+            damage,
+        } = self.files.read(name, max_bytes);
         let Some(content) = content else {
-            return damage.map_or(Loaded::Missing, Loaded::Damaged);
+            return damage.map_or(LoadedFile::Missing, LoadedFile::Damaged);
         };
         match (parse(content), damage) {
-            (Ok(value), None) => Loaded::Value(value),
-            (Ok(value), Some(said)) => Loaded::Recovered(value, said),
-            (Err(reason), None) => Loaded::Damaged(self.files.reject(name, reason)),
-            (Err(reason), Some(Complaint { name, said })) => Loaded::Damaged(Complaint {
-                name,
-                said: say::file_copy_unusable(said, reason),
+            (Ok(value), None) => LoadedFile::Value(value),
+            (Ok(value), Some(damage)) => LoadedFile::Recovered(value, damage),
+            (Err(reason), None) => LoadedFile::Damaged(self.files.mark_damaged(name, reason)),
+            (
+                Err(reason),
+                Some(FileDamage {
+                    file_name: name,
+                    message: said,
+                }),
+            ) => LoadedFile::Damaged(FileDamage {
+                file_name: name,
+                message: say::file_copy_unusable(said, reason),
             }),
         }
     }
 }
 
 /// The first error of a ladder that does not compile.
-fn first_of(errors: &CompileErrors) -> Message {
+fn describe_first_error(errors: &CompileErrors) -> Message {
     let first = errors.errors.first();
-    first.map_or_else(|| say::as_written(errors), saying::of_finding)
+    first.map_or_else(
+        || say::as_written(errors),
+        message_format::describe_ladder_error,
+    )
 }
 
 /// A change that writes a value as `NAME.ron`.
 ///
 /// # Errors
 /// The value cannot be written as RON.
-pub fn as_ron<T: Serialize>(name: &str, value: &T) -> Result<Change, Message> {
+pub fn to_ron_change<T: Serialize>(name: &str, value: &T) -> Result<FileChange, Message> {
     let style = ron::ser::PrettyConfig::new().depth_limit(3);
     let text = ron::ser::to_string_pretty(value, style)
         .map_err(|error| say::subject_reason(name, say::as_written(error)))?;
-    let name = file_name(name);
-    let readers = match PRIVATE.contains(&name.as_str()) {
-        true => Readers::Owner,
-        false => Readers::Any,
+    let name = ron_file_name(name);
+    let readers = match PRIVATE_FILES.contains(&name.as_str()) {
+        true => FileAccess::Owner,
+        false => FileAccess::Any,
     };
-    Ok(Change {
+    Ok(FileChange {
         name,
-        content: Some(text.into_bytes()),
+        contents: Some(text.into_bytes()),
         readers,
     })
 }
 
 /// A change that writes the ladder that replaces the standard one.
-pub fn as_ladder(ladder: &Ladder) -> Change {
-    Change {
+pub fn to_ladder_change(ladder: &Ladder) -> FileChange {
+    FileChange {
         name: LADDER.to_owned(),
-        content: Some(ladder.source().as_bytes().to_vec()),
-        readers: Readers::Any,
+        contents: Some(ladder.source().as_bytes().to_vec()),
+        readers: FileAccess::Any,
     }
 }
 
 /// A change that writes the text of a program; `None` deletes the program.
-pub fn as_program(number: u16, text: Option<(&str, Encoding)>) -> Change {
-    Change {
+pub fn to_program_change(number: u16, text: Option<(&str, TextEncoding)>) -> FileChange {
+    FileChange {
         name: program_name(number),
-        content: text.map(|(text, encoding)| decode::encode(text, encoding)),
-        readers: Readers::Any,
+        contents: text.map(|(text, encoding)| decode::encode(text, encoding)),
+        readers: FileAccess::Any,
     }
 }
 
-fn locked(lock: io::Result<Lock>, path: &Path) -> Result<Lock, DataError> {
+fn map_lock_error(lock: io::Result<Lock>, path: &Path) -> Result<Lock, DataDirError> {
     let path = path.to_owned();
     lock.map_err(|source| match source.kind() {
-        io::ErrorKind::WouldBlock => DataError::InUse { path },
-        _ => DataError::Unusable { path, source },
+        io::ErrorKind::WouldBlock => DataDirError::InUse { path },
+        _ => DataDirError::Unusable { path, source },
     })
 }
 
-fn file_name(name: &str) -> String {
+fn ron_file_name(name: &str) -> String {
     format!("{name}.ron")
 }
 
@@ -365,10 +376,10 @@ fn program_name(number: u16) -> String {
 }
 
 /// The program number in a name such as `O0001.CNC`.
-fn program_number(name: &str) -> Option<u16> {
+fn parse_program_number(name: &str) -> Option<u16> {
     let digits = name.strip_prefix('O')?.strip_suffix(".CNC")?;
-    let plain = digits.len() == 4 && digits.bytes().all(|byte| byte.is_ascii_digit());
-    plain.then(|| digits.parse().ok())?
+    let is_number = digits.len() == 4 && digits.bytes().all(|byte| byte.is_ascii_digit());
+    is_number.then(|| digits.parse().ok())?
 }
 
 #[cfg(test)]
@@ -381,41 +392,41 @@ mod tests {
     fn values_and_programs_survive() {
         let folder = crate::files::test_folder("data");
         let data = DataDir::open(&folder).expect("open");
-        assert_eq!(data.load::<Vec<u32>>("counters"), Loaded::Missing);
+        assert_eq!(data.load::<Vec<u32>>("counters"), LoadedFile::Missing);
         data.store("counters", &vec![1u32, 2]).expect("store");
-        assert_eq!(data.load("counters"), Loaded::Value(vec![1u32, 2]));
+        assert_eq!(data.load("counters"), LoadedFile::Value(vec![1u32, 2]));
         let program = StoredProgram {
             number: 7,
             text: "O0007 (车)\n".to_owned(),
-            encoding: Encoding::Gb18030,
+            encoding: TextEncoding::Gb18030,
         };
-        let file = as_program(7, Some((&program.text, program.encoding)));
+        let file = to_program_change(7, Some((&program.text, program.encoding)));
         assert_eq!(data.commit(vec![file]), []);
-        assert_eq!(data.programs(), (vec![program], Vec::new()));
+        assert_eq!(data.load_programs(), (vec![program], Vec::new()));
         for _ in 0..2 {
-            assert_eq!(data.commit(vec![as_program(7, None)]), []);
+            assert_eq!(data.commit(vec![to_program_change(7, None)]), []);
         }
-        assert_eq!(data.programs(), (Vec::new(), Vec::new()));
+        assert_eq!(data.load_programs(), (Vec::new(), Vec::new()));
     }
 
     #[test]
     fn a_ladder_survives_as_instruction_list() {
         let folder = crate::files::test_folder("ladder");
         let data = DataDir::open(&folder).expect("open");
-        assert_eq!(data.ladder(), Loaded::Missing);
+        assert_eq!(data.load_ladder(), LoadedFile::Missing);
         let text = "END1\nLD R1.0 ; 注释\nOUT R2.0\nEND2\n";
         let ladder = Ladder::compile(text).expect("compiles");
-        assert_eq!(data.commit(vec![as_ladder(&ladder)]), []);
+        assert_eq!(data.commit(vec![to_ladder_change(&ladder)]), []);
         let stored = fs::read_to_string(folder.join("ladder.il")).expect("read");
         assert_eq!(stored, text);
-        assert_eq!(data.ladder(), Loaded::Value(ladder.clone()));
+        assert_eq!(data.load_ladder(), LoadedFile::Value(ladder.clone()));
         fs::write(folder.join("ladder.il"), "LD").expect("write");
-        let Loaded::Recovered(copy, said) = data.ladder() else {
+        let LoadedFile::Recovered(copy, damage) = data.load_ladder() else {
             panic!("damaged")
         };
         assert_eq!(copy, ladder);
-        let said = said.said.to_string();
-        assert!(said.contains("ladder.il.damaged"), "{said}");
+        let message = damage.message.to_string();
+        assert!(message.contains("ladder.il.damaged"), "{message}");
     }
 
     #[test]
@@ -424,35 +435,35 @@ mod tests {
         let data = DataDir::open(&folder).expect("open");
         fs::write(folder.join("offsets.ron"), "(1, 2").expect("write");
         fs::write(folder.join("programs/O0003.CNC"), "G00\0").expect("write");
-        let Loaded::Damaged(said) = data.load::<(u32, u32)>("offsets") else {
+        let LoadedFile::Damaged(damage) = data.load::<(u32, u32)>("offsets") else {
             panic!("damaged")
         };
-        let said = said.said.to_string();
-        assert!(said.contains("offsets.ron.damaged"), "{said}");
-        assert_eq!(data.load::<(u32, u32)>("offsets"), Loaded::Missing);
-        let (programs, complaints) = data.programs();
+        let message = damage.message.to_string();
+        assert!(message.contains("offsets.ron.damaged"), "{message}");
+        assert_eq!(data.load::<(u32, u32)>("offsets"), LoadedFile::Missing);
+        let (programs, complaints) = data.load_programs();
         assert!(programs.is_empty());
-        let said = complaints[0].said.to_string();
-        assert!(said.contains("O0003.CNC.damaged"), "{said}");
+        let message = complaints[0].message.to_string();
+        assert!(message.contains("O0003.CNC.damaged"), "{message}");
     }
 
     #[test]
-    fn a_broken_off_writing_is_named_and_the_old_text_stays() {
+    fn an_interrupted_write_is_reported_and_the_old_text_stays() {
         let folder = crate::files::test_folder("broken-off");
         fs::create_dir_all(folder.join("programs")).expect("make");
         fs::write(folder.join("programs/O0003.CNC"), "O0003;\n").expect("write");
         fs::write(folder.join("programs/.O0003.CNC.gsk980td-new"), "O00").expect("write");
         let data = DataDir::open(&folder).expect("open");
-        assert_eq!(data.interrupted(), ["O0003"]);
-        assert_eq!(data.programs().0.len(), 1);
+        assert_eq!(data.interrupted_programs(), ["O0003"]);
+        assert_eq!(data.load_programs().0.len(), 1);
         drop(data);
         let again = DataDir::open(&folder).expect("open");
-        assert!(again.interrupted().is_empty());
+        assert!(again.interrupted_programs().is_empty());
         drop(again);
     }
 
     #[test]
-    fn a_second_process_is_refused_and_so_is_an_unwritable_place() {
+    fn a_second_process_and_a_read_only_path_are_refused() {
         let folder = crate::files::test_folder("lock");
         let first = DataDir::open(&folder).expect("open");
         let error = DataDir::open(&folder).expect_err("in use").to_string();

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::program_file::FileError;
-use super::subprograms::{number_in_head, program_ending};
+use super::program_file::ProgramFileError;
+use super::subprograms::{find_program_ending, read_number_in_head};
 use crate::platform;
 
 /// Endings that other files use as well: such a file counts as a program if it begins with
@@ -13,36 +13,40 @@ const COMMON_ENDINGS: [&str; 2] = ["", "txt"];
 /// Expands folders: returns the files as they are and, for each folder, the programs in it
 /// and below it, sorted by path. Hidden files and links to folders are skipped. The second
 /// list names folders that cannot be read or contain no program.
-pub fn programs(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileError>) {
-    let (mut programs, mut wrong) = (Vec::new(), Vec::new());
+pub fn find_programs(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<ProgramFileError>) {
+    let (mut programs, mut errors) = (Vec::new(), Vec::new());
     for path in paths {
-        if !platform::facts(path).is_ok_and(|facts| facts.is_folder) {
+        if !platform::path_facts(path).is_ok_and(|facts| facts.is_folder) {
             programs.push(path.clone());
             continue;
         }
-        let before = (programs.len(), wrong.len());
-        collect(path, &mut programs, &mut wrong);
-        if (programs.len(), wrong.len()) == before {
-            wrong.push(FileError::NoProgram { path: path.clone() });
+        let before = (programs.len(), errors.len());
+        collect_programs(path, &mut programs, &mut errors);
+        if (programs.len(), errors.len()) == before {
+            errors.push(ProgramFileError::NoPrograms { path: path.clone() });
         }
     }
-    (programs, wrong)
+    (programs, errors)
 }
 
-fn collect(folder: &Path, programs: &mut Vec<PathBuf>, wrong: &mut Vec<FileError>) {
+fn collect_programs(
+    folder: &Path,
+    programs: &mut Vec<PathBuf>,
+    errors: &mut Vec<ProgramFileError>,
+) {
     let mut paths = match platform::list(folder) {
         Ok(paths) => paths,
         Err(source) => {
             let path = folder.to_owned();
-            return wrong.push(FileError::System { path, source });
+            return errors.push(ProgramFileError::System { path, source });
         }
     };
     paths.retain(|path| !is_hidden(path));
     paths.sort();
     for path in paths {
-        match platform::facts(&path) {
+        match platform::path_facts(&path) {
             Ok(facts) if facts.is_folder && !platform::is_link(&path) => {
-                collect(&path, programs, wrong);
+                collect_programs(&path, programs, errors);
             }
             Ok(facts) if facts.is_file && is_program(&path) => programs.push(path),
             _ => {}
@@ -56,8 +60,9 @@ fn is_hidden(path: &Path) -> bool {
 }
 
 fn is_program(path: &Path) -> bool {
-    program_ending(path)
-        .is_some_and(|ending| !COMMON_ENDINGS.contains(&ending) || number_in_head(path).is_some())
+    find_program_ending(path).is_some_and(|ending| {
+        !COMMON_ENDINGS.contains(&ending) || read_number_in_head(path).is_some()
+    })
 }
 
 #[cfg(test)]
@@ -68,7 +73,7 @@ mod tests {
     use crate::files::test_folder;
 
     #[test]
-    fn programs_of_folders_come_by_name_and_nothing_else() {
+    fn programs_of_folders_are_sorted_and_other_files_are_skipped() {
         let folder = test_folder("folders");
         let below = folder.join("b");
         fs::create_dir_all(folder.join(".git")).expect("folder");
@@ -88,11 +93,11 @@ mod tests {
         }
         let single = folder.join("b/job.ron");
         let paths = [single.clone(), folder.join("empty"), folder.to_path_buf()];
-        let (found, wrong) = programs(&paths);
+        let (found, wrong) = find_programs(&paths);
         let expected = ["a.nc", "b/O0003", "b/d.tap", "c.CNC"].map(|name| folder.join(name));
         assert_eq!(found[0], single);
         assert_eq!(found[1..], expected);
-        let said = wrong.iter().map(ToString::to_string).collect::<Vec<_>>();
-        assert!(said.len() == 1 && said[0].contains("empty"), "{said:?}");
+        let texts = wrong.iter().map(ToString::to_string).collect::<Vec<_>>();
+        assert!(texts.len() == 1 && texts[0].contains("empty"), "{texts:?}");
     }
 }

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use gsk_messages::Message;
-use gsk_runner::lesson::{Lesson, built_in};
+use gsk_runner::lesson::{Lesson, built_in_lessons};
 
 use super::program_file;
 use crate::platform;
@@ -16,11 +16,11 @@ const ENDING: &str = "ron";
 
 /// The available lessons.
 #[derive(Debug, Default)]
-pub struct Lessons {
+pub struct AvailableLessons {
     /// The built-in lessons, then those of the folder by name.
     pub lessons: Vec<Lesson>,
     /// The errors in files of the folder.
-    pub wrong: Vec<Message>,
+    pub errors: Vec<Message>,
 }
 
 /// Reads a lesson file.
@@ -33,10 +33,10 @@ pub fn read(path: &Path) -> Result<Lesson, Message> {
 }
 
 /// All lessons: the built-in ones and those of a data directory.
-pub fn all(data: Option<&Path>) -> Lessons {
-    let mut found = Lessons {
-        lessons: built_in(),
-        wrong: Vec::new(),
+pub fn load_lessons(data: Option<&Path>) -> AvailableLessons {
+    let mut available = AvailableLessons {
+        lessons: built_in_lessons(),
+        errors: Vec::new(),
     };
     let listed = data.map(|data| platform::list(&data.join(FOLDER)));
     // Without the folder there are no lessons of a teacher.
@@ -50,13 +50,13 @@ pub fn all(data: Option<&Path>) -> Lessons {
         match read(&path) {
             Ok(lesson) => {
                 // A lesson of the folder replaces the built-in one of the same name.
-                found.lessons.retain(|known| known.name != lesson.name);
-                found.lessons.push(lesson);
+                available.lessons.retain(|known| known.name != lesson.name);
+                available.lessons.push(lesson);
             }
-            Err(said) => found.wrong.push(said),
+            Err(message) => available.errors.push(message),
         }
     }
-    found
+    available
 }
 
 #[cfg(test)]
@@ -69,22 +69,25 @@ mod tests {
         until: [\"mode 自动方式\"], solution: [\"press AUTO\"])])";
 
     #[test]
-    fn lessons_of_a_teacher_stand_after_ours_and_a_wrong_one_is_named() {
+    fn lessons_of_a_teacher_come_last_and_errors_are_reported() {
         let folder = test_folder("lessons");
-        assert_eq!(all(Some(&folder)).lessons.len(), built_in().len());
+        assert_eq!(
+            load_lessons(Some(&folder)).lessons.len(),
+            built_in_lessons().len()
+        );
         let own = folder.join(FOLDER);
         std::fs::create_dir_all(&own).expect("folder");
         std::fs::write(own.join("mine.ron"), LESSON).expect("written");
         std::fs::write(own.join("notes.txt"), "no lesson").expect("written");
         let wrong = LESSON.replace("press AUTO", "press AUT");
         std::fs::write(own.join("wrong.ron"), wrong).expect("written");
-        let found = all(Some(&folder));
+        let found = load_lessons(Some(&folder));
         assert_eq!(found.lessons.last().expect("a lesson").name, "mine");
-        assert_eq!(found.wrong.len(), 1);
-        let said = found.wrong[0].text(gsk_messages::Language::En);
+        assert_eq!(found.errors.len(), 1);
+        let message = found.errors[0].text(gsk_messages::Language::En);
         assert!(
-            said.contains("wrong.ron: step 1, solution: line 1"),
-            "{said}"
+            message.contains("wrong.ron: step 1, solution: line 1"),
+            "{message}"
         );
     }
 }

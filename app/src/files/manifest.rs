@@ -14,14 +14,14 @@ use serde::{Deserialize, Serialize};
 
 /// Identifies the contents of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Mark {
+pub struct ContentMark {
     length: u64,
     crc32: u32,
 }
 
-impl Mark {
+impl ContentMark {
     /// The mark of some contents.
-    pub fn of(bytes: &[u8]) -> Self {
+    pub fn from_bytes(bytes: &[u8]) -> Self {
         Self {
             length: bytes.len() as u64,
             crc32: crc32fast::hash(bytes),
@@ -30,18 +30,18 @@ impl Mark {
 }
 
 /// The state of a file; `None` if it is absent.
-pub type State = Option<Mark>;
+pub type FileState = Option<ContentMark>;
 
 /// The allowed states of each file, by its name in the directory. A file without an entry
 /// may have any contents: the user or a version without manifest put it there.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Manifest {
-    files: BTreeMap<String, Vec<State>>,
+    files: BTreeMap<String, Vec<FileState>>,
 }
 
 impl Manifest {
     /// Whether the manifest allows the state of a file.
-    pub fn allows(&self, name: &str, found: State) -> bool {
+    pub fn allows(&self, name: &str, found: FileState) -> bool {
         match self.files.get(name) {
             None => true,
             Some(states) => states.is_empty() || states.contains(&found),
@@ -49,13 +49,13 @@ impl Manifest {
     }
 
     /// The last known state of a file; `None` if it is unknown.
-    pub fn state(&self, name: &str) -> Option<State> {
+    pub fn state(&self, name: &str) -> Option<FileState> {
         self.files.get(name)?.last().copied()
     }
 
     /// Prepares a write: allows both the current and the next state. If the current state is
     /// unknown, any is allowed, because a kill may leave it.
-    pub fn begin(&mut self, name: &str, next: State) {
+    pub fn begin_write(&mut self, name: &str, next: FileState) {
         let states = self
             .state(name)
             .map_or_else(Vec::new, |now| vec![now, next]);
@@ -64,7 +64,7 @@ impl Manifest {
 
     /// Records the current state of a file, the only one allowed. `None` removes the file
     /// from the manifest: then any state is allowed.
-    pub fn settle(&mut self, name: &str, now: State) {
+    pub fn record_state(&mut self, name: &str, now: FileState) {
         match now {
             Some(_) => self.files.insert(name.to_owned(), vec![now]),
             None => self.files.remove(name),
@@ -74,18 +74,18 @@ impl Manifest {
     /// Records that a file was read in an allowed state. After an interrupted write the copy
     /// may be older or newer than the file. The state becomes unknown, so that the next
     /// commit writes or deletes both.
-    pub fn found(&mut self, name: &str, state: State) {
-        let broken_off = self.files.get(name).is_some_and(|states| states.len() > 1);
+    pub fn record_found_state(&mut self, name: &str, state: FileState) {
+        let was_interrupted = self.files.get(name).is_some_and(|states| states.len() > 1);
         match state {
-            None if broken_off => drop(self.files.remove(name)),
-            Some(_) if broken_off => drop(self.files.insert(name.to_owned(), Vec::new())),
-            Some(_) => self.adopt(name),
+            None if was_interrupted => drop(self.files.remove(name)),
+            Some(_) if was_interrupted => drop(self.files.insert(name.to_owned(), Vec::new())),
+            Some(_) => self.record_unknown_state(name),
             None => {}
         }
     }
 
     /// Records that a file exists with unknown contents.
-    pub fn adopt(&mut self, name: &str) {
+    pub fn record_unknown_state(&mut self, name: &str) {
         self.files.entry(name.to_owned()).or_default();
     }
 
@@ -119,28 +119,29 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_contents_are_good_while_one_takes_the_place_of_the_other() {
-        let [old, new, other] = [b"old", b"new", b"odd"].map(|bytes| Some(Mark::of(bytes)));
+    fn both_contents_are_allowed_during_a_write() {
+        let [old, new, other] =
+            [b"old", b"new", b"odd"].map(|bytes| Some(ContentMark::from_bytes(bytes)));
         let mut manifest = Manifest::default();
         assert!(manifest.allows("a", old) && manifest.allows("a", None));
-        manifest.settle("a", old);
+        manifest.record_state("a", old);
         assert!(manifest.allows("a", old) && !manifest.allows("a", None));
-        manifest.begin("a", new);
+        manifest.begin_write("a", new);
         assert!(manifest.allows("a", old) && manifest.allows("a", new));
         assert!(!manifest.allows("a", other) && !manifest.allows("a", None));
-        manifest.settle("a", new);
+        manifest.record_state("a", new);
         assert!(!manifest.allows("a", old));
-        manifest.begin("b", new);
+        manifest.begin_write("b", new);
         assert!(manifest.allows("b", None) && manifest.allows("b", old));
-        manifest.settle("b", new);
-        manifest.begin("b", None);
+        manifest.record_state("b", new);
+        manifest.begin_write("b", None);
         assert!(manifest.allows("b", None) && !manifest.allows("b", old));
     }
 
     #[test]
-    fn a_flipped_bit_in_the_manifest_is_noticed() {
+    fn a_flipped_bit_in_the_manifest_is_detected() {
         let mut manifest = Manifest::default();
-        manifest.settle("parameters.ron", Some(Mark::of(b"1")));
+        manifest.record_state("parameters.ron", Some(ContentMark::from_bytes(b"1")));
         let text = manifest.to_text().unwrap();
         assert_eq!(Manifest::from_text(&text), Some(manifest));
         for byte in 0..text.len() {

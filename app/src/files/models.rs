@@ -15,17 +15,17 @@ use super::atomic;
 use crate::platform;
 
 /// The file with the name of the selected model.
-pub const CHOICE: &str = "control";
+pub const MODEL_FILE: &str = "control";
 /// The folder with the memories of the other models.
-pub const FOLDER: &str = "models";
+pub const MODELS_FOLDER: &str = "models";
 /// Size limit of the file, bytes: longer than any model name.
-const LONGEST: u64 = 64;
+const MAX_BYTES: u64 = 64;
 
 /// The selected model of a data directory; the GSK980TD by default.
-pub fn chosen(directory: &Path) -> ModelId {
-    let read = platform::read(&directory.join(CHOICE), LONGEST);
+pub fn read_selected_model(directory: &Path) -> ModelId {
+    let read = platform::read(&directory.join(MODEL_FILE), MAX_BYTES);
     let text = read.map(|bytes| String::from_utf8_lossy(&bytes).trim().to_owned());
-    let id = text.ok().and_then(|word| ModelId::from_word(&word));
+    let id = text.ok().and_then(|word| ModelId::from_command_word(&word));
     id.filter(|id| !id.is_mill()).unwrap_or_default()
 }
 
@@ -33,26 +33,26 @@ pub fn chosen(directory: &Path) -> ModelId {
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn choose(directory: &Path, model: ModelId) -> io::Result<()> {
-    if chosen(directory) == model {
+pub fn store_selected_model(directory: &Path, model: ModelId) -> io::Result<()> {
+    if read_selected_model(directory) == model {
         return Ok(());
     }
     atomic::write(
-        &directory.join(CHOICE),
-        format!("{}\n", model.word()).as_bytes(),
+        &directory.join(MODEL_FILE),
+        format!("{}\n", model.command_word()).as_bytes(),
     )
 }
 
 /// The folder with the memory of a model in a data directory.
-pub fn folder(directory: &Path, model: ModelId) -> PathBuf {
+pub fn memory_folder(directory: &Path, model: ModelId) -> PathBuf {
     match model {
         ModelId::Gsk980td => directory.to_owned(),
-        other => directory.join(FOLDER).join(other.word()),
+        other => directory.join(MODELS_FOLDER).join(other.command_word()),
     }
 }
 
 /// The data directory of a model's memory folder: the inverse of [`folder`].
-pub fn directory(folder: &Path, model: ModelId) -> PathBuf {
+pub fn data_directory(folder: &Path, model: ModelId) -> PathBuf {
     match model {
         ModelId::Gsk980td => folder.to_owned(),
         _ => folder.ancestors().nth(2).unwrap_or(folder).to_owned(),
@@ -67,18 +67,22 @@ mod tests {
     #[test]
     fn a_directory_keeps_its_model() {
         let directory = test_folder("model");
-        assert_eq!(chosen(&directory), ModelId::Gsk980td);
-        choose(&directory, ModelId::Ncb08).expect("write");
-        assert_eq!(chosen(&directory), ModelId::Ncb08);
+        assert_eq!(read_selected_model(&directory), ModelId::Gsk980td);
+        store_selected_model(&directory, ModelId::Ncb08).expect("write");
+        assert_eq!(read_selected_model(&directory), ModelId::Ncb08);
         for strange in ["", "gsk980mdi\n", "no such model\n", "\u{fffd}\u{0}"] {
-            std::fs::write(directory.join(CHOICE), strange).expect("write");
-            assert_eq!(chosen(&directory), ModelId::Gsk980td, "{strange:?}");
+            std::fs::write(directory.join(MODEL_FILE), strange).expect("write");
+            assert_eq!(
+                read_selected_model(&directory),
+                ModelId::Gsk980td,
+                "{strange:?}"
+            );
         }
-        assert_eq!(folder(&directory, ModelId::Gsk980td), *directory);
-        assert!(folder(&directory, ModelId::Ncb08).ends_with("models/ncb08"));
+        assert_eq!(memory_folder(&directory, ModelId::Gsk980td), *directory);
+        assert!(memory_folder(&directory, ModelId::Ncb08).ends_with("models/ncb08"));
         for model in ModelId::ALL {
             assert_eq!(
-                super::directory(&folder(&directory, model), model),
+                super::data_directory(&memory_folder(&directory, model), model),
                 *directory
             );
         }

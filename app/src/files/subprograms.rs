@@ -24,30 +24,30 @@ use crate::platform;
 /// Endings of files that are searched for an O word.
 const PROGRAM_ENDINGS: [&str; 9] = ["", "cnc", "nc", "txt", "tap", "gcode", "ngc", "min", "prg"];
 /// The most files of a folder that are searched for an O word.
-const MOST_FILES: usize = 2000;
+const MAX_FILES: usize = 2000;
 /// The bytes at the start of a file that are searched for an O word.
 const HEAD_BYTES: u64 = 4096;
 
 /// A subprogram that was found.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Found {
+pub struct FoundSubprogram {
     pub number: u16,
     pub path: PathBuf,
     pub text: String,
     /// Whether a call gives its number; false if only a variable may.
-    pub named: bool,
+    pub called_by_number: bool,
 }
 
 /// The programs that a text calls.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Calls {
+pub struct SubprogramCalls {
     /// Program numbers that the text gives, or that follow from a code.
     pub numbers: BTreeSet<u16>,
     /// Whether a variable gives a program number: it may be any.
     pub by_variable: bool,
 }
 
-impl Calls {
+impl SubprogramCalls {
     /// Adds the calls of another text.
     pub fn extend(&mut self, other: Self) {
         self.numbers.extend(other.numbers);
@@ -57,35 +57,40 @@ impl Calls {
 
 /// Searches the folder of `main` for called programs that are not in `loaded`, and for those
 /// that they call in turn.
-pub fn find(main: &Path, calls: Calls, loaded: &BTreeSet<u16>, model: &ControlModel) -> Vec<Found> {
+pub fn find_called(
+    main: &Path,
+    calls: SubprogramCalls,
+    loaded: &BTreeSet<u16>,
+    model: &ControlModel,
+) -> Vec<FoundSubprogram> {
     if !calls.by_variable && calls.numbers.is_subset(loaded) {
         return Vec::new();
     }
     let read = |path: &Path| program_file::read(path).ok().map(|file| file.text);
-    find_among(&beside(main), calls, loaded, model, &read)
+    find_in_index(&index_folder(main), calls, loaded, model, &read)
 }
 
 /// Like [`find`], in an index of programs by number; `read` returns the text of a file.
-pub fn find_among(
+pub fn find_in_index(
     index: &BTreeMap<u16, PathBuf>,
-    calls: Calls,
+    calls: SubprogramCalls,
     loaded: &BTreeSet<u16>,
     model: &ControlModel,
     read: &dyn Fn(&Path) -> Option<String>,
-) -> Vec<Found> {
-    let mut wanted: Vec<(u16, bool)> = Vec::new();
-    let want = |wanted: &mut Vec<(u16, bool)>, calls: Calls| {
+) -> Vec<FoundSubprogram> {
+    let mut pending: Vec<(u16, bool)> = Vec::new();
+    let push_calls = |pending: &mut Vec<(u16, bool)>, calls: SubprogramCalls| {
         // The stack returns the certain calls first.
         if calls.by_variable {
-            wanted.extend(index.keys().map(|number| (*number, false)));
+            pending.extend(index.keys().map(|number| (*number, false)));
         }
-        wanted.extend(calls.numbers.into_iter().map(|number| (number, true)));
+        pending.extend(calls.numbers.into_iter().map(|number| (number, true)));
     };
-    want(&mut wanted, calls);
-    let mut known = loaded.clone();
+    push_calls(&mut pending, calls);
+    let mut visited = loaded.clone();
     let mut found = Vec::new();
-    while let Some((number, named)) = wanted.pop() {
-        if !known.insert(number) {
+    while let Some((number, called_by_number)) = pending.pop() {
+        if !visited.insert(number) {
             continue;
         }
         let Some(path) = index.get(&number) else {
@@ -94,12 +99,12 @@ pub fn find_among(
         let Some(text) = read(path) else {
             continue;
         };
-        want(&mut wanted, self::calls(&text, model));
-        found.push(Found {
+        push_calls(&mut pending, self::find_calls(&text, model));
+        found.push(FoundSubprogram {
             number,
             path: path.clone(),
             text,
-            named,
+            called_by_number,
         });
     }
     found.sort_by_key(|found| found.number);
@@ -108,39 +113,41 @@ pub fn find_among(
 
 /// The calls of a text outside comments. P of M98, G65 and G66 gives the number by its last
 /// four digits, N of a Huaxing call the whole number; other codes follow the model.
-pub fn calls(text: &str, model: &ControlModel) -> Calls {
+pub fn find_calls(text: &str, model: &ControlModel) -> SubprogramCalls {
     let record = model.record();
     let call_by_n = record.g_number(GCode::SubprogramCall);
-    let with_g = call_by_n.is_some() || model.calls_by_g();
-    let mut calls = Calls::default();
-    for line in lines_that_may_call(text, with_g) {
-        let upper = code_of(line);
-        let called = Called {
+    let g_can_call = call_by_n.is_some() || model.has_g_calls();
+    let mut calls = SubprogramCalls::default();
+    for line in candidate_lines(text, g_can_call) {
+        let upper = strip_line(line);
+        let rules = CallRules {
             model,
             call_by_n,
-            special: !model.id().is_mill(),
+            codes_can_call: !model.id().is_mill(),
         };
-        called.in_block(&upper, &mut calls);
+        rules.add_calls_in_block(&upper, &mut calls);
     }
     calls
 }
 
 /// How the blocks of a model call programs.
-struct Called<'a> {
+struct CallRules<'a> {
     model: &'a ControlModel,
     /// The G code that calls by N, if the model has one.
     call_by_n: Option<u8>,
     /// M, S and T codes without a machine function can call (006.5).
-    special: bool,
+    codes_can_call: bool,
 }
 
-impl Called<'_> {
-    fn in_block(&self, block: &str, calls: &mut Calls) {
+impl CallRules<'_> {
+    fn add_calls_in_block(&self, block: &str, calls: &mut SubprogramCalls) {
         if (block.contains("M98") || calls_macro(block))
             && let Some(at) = block.find('P')
         {
             let after = &block[at + 1..];
-            calls.numbers.extend(last_four(leading_digits(after)));
+            calls
+                .numbers
+                .extend(parse_last_four_digits(leading_digits(after)));
             calls.by_variable |= after.starts_with(['#', '[']);
         }
         let mut by_n = false;
@@ -155,26 +162,28 @@ impl Called<'_> {
                 calls.numbers.extend(u16::try_from(code).ok());
             }
             by_n |= letter == b'G' && Some(code) == self.call_by_n.map(i64::from);
-            let by_model = self.model.program_of_code(letter, code);
+            let by_model = self.model.called_program(letter, code);
             calls.numbers.extend(by_model);
-            if self.special && by_model.is_none() {
-                calls.numbers.extend(self.special_call(letter, digits));
+            if self.codes_can_call && by_model.is_none() {
+                calls
+                    .numbers
+                    .extend(self.find_special_program(letter, digits));
             }
         }
     }
 
     /// The program of a code that can call one (006.5): an M code without a machine
     /// function, S and T codes of two digits.
-    fn special_call(&self, letter: u8, digits: &str) -> Option<u16> {
-        let code = last_four(digits)?;
-        let two = digits.len() == 2 && code >= 10;
+    fn find_special_program(&self, letter: u8, digits: &str) -> Option<u16> {
+        let code = parse_last_four_digits(digits)?;
+        let is_two_digits = digits.len() == 2 && code >= 10;
         match letter {
             b'M' if digits.len() <= 2 => {
                 let function = self.model.record().m_function(code as u8);
                 function.is_none().then_some(9000 + code)
             }
-            b'S' if two => Some(9100 + code),
-            b'T' if two => Some(9200 + code),
+            b'S' if is_two_digits => Some(9100 + code),
+            b'T' if is_two_digits => Some(9200 + code),
             _ => None,
         }
     }
@@ -187,41 +196,41 @@ fn calls_macro(block: &str) -> bool {
 
 /// The lines that contain a letter of a call. Most lines of a long program have none: only
 /// their bytes are scanned.
-fn lines_that_may_call(text: &str, with_g: bool) -> impl Iterator<Item = &str> {
+fn candidate_lines(text: &str, g_can_call: bool) -> impl Iterator<Item = &str> {
     let mut rest = text;
     core::iter::from_fn(move || {
-        let letter = first_that_may_call(rest.as_bytes(), with_g)?;
+        let letter = find_call_candidate(rest.as_bytes(), g_can_call)?;
         let start = rest[..letter].rfind('\n').map_or(0, |end| end + 1);
         let line = &rest[start..];
-        let (line, behind) = line.split_once('\n').unwrap_or((line, ""));
-        rest = behind;
+        let (line, after) = line.split_once('\n').unwrap_or((line, ""));
+        rest = after;
         Some(line)
     })
 }
 
 /// The index of the first byte that is M, P, S or T or part of a full-width letter; with
-/// `with_g` also G.
-fn first_that_may_call(bytes: &[u8], with_g: bool) -> Option<usize> {
-    let g = if with_g { b'g' } else { b'm' };
-    let may_call = |byte: &u8| {
+/// `g_can_call` also G.
+fn find_call_candidate(bytes: &[u8], g_can_call: bool) -> Option<usize> {
+    let g = if g_can_call { b'g' } else { b'm' };
+    let can_call = |byte: &u8| {
         let small = byte | 0x20;
         let letter = small == b'm' || small == b'p' || small == b's' || small == b't';
         letter || small == g || *byte >= 0x80
     };
     // The fold without a branch vectorizes.
     let mut from = 0;
-    for many in bytes.chunks(MANY) {
-        if many.iter().fold(false, |any, byte| any | may_call(byte)) {
+    for chunk in bytes.chunks(CHUNK_BYTES) {
+        if chunk.iter().fold(false, |any, byte| any | can_call(byte)) {
             break;
         }
-        from += many.len();
+        from += chunk.len();
     }
     let rest = bytes.get(from..)?;
-    Some(from + rest.iter().position(may_call)?)
+    Some(from + rest.iter().position(can_call)?)
 }
 
 /// Bytes in one pass of the scan.
-const MANY: usize = 64;
+const CHUNK_BYTES: usize = 64;
 
 fn leading_digits(text: &str) -> &str {
     let end = text.bytes().take_while(u8::is_ascii_digit).count();
@@ -229,12 +238,12 @@ fn leading_digits(text: &str) -> &str {
 }
 
 /// The number in the last four digits; `None` without a digit.
-fn last_four(digits: &str) -> Option<u16> {
+fn parse_last_four_digits(digits: &str) -> Option<u16> {
     digits[digits.len().saturating_sub(4)..].parse().ok()
 }
 
 /// A line without comments and blanks; full-width letters and digits become ASCII.
-fn code_of(line: &str) -> String {
+fn strip_line(line: &str) -> String {
     let code = line.split('(').next().unwrap_or_default();
     let code = code.chars().filter_map(|character| match character {
         '\u{FF01}'..='\u{FF5E}' => char::from_u32(u32::from(character) - 0xFEE0),
@@ -246,7 +255,7 @@ fn code_of(line: &str) -> String {
 
 /// The programs in the folder of `main`, by number. A file name has priority over an O word,
 /// and among equals the first path.
-pub fn beside(main: &Path) -> BTreeMap<u16, PathBuf> {
+pub fn index_folder(main: &Path) -> BTreeMap<u16, PathBuf> {
     let folder = main
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty());
@@ -257,7 +266,7 @@ pub fn beside(main: &Path) -> BTreeMap<u16, PathBuf> {
     paths.sort();
     let mut by_number = BTreeMap::new();
     for path in &paths {
-        if let Some(number) = number_in_name(path)
+        if let Some(number) = parse_number_in_name(path)
             && is_file(path)
         {
             by_number.entry(number).or_insert_with(|| path.clone());
@@ -266,9 +275,9 @@ pub fn beside(main: &Path) -> BTreeMap<u16, PathBuf> {
     for path in paths
         .iter()
         .filter(|path| has_program_ending(path))
-        .take(MOST_FILES)
+        .take(MAX_FILES)
     {
-        if let Some(number) = number_in_head(path) {
+        if let Some(number) = read_number_in_head(path) {
             by_number.entry(number).or_insert_with(|| path.clone());
         }
     }
@@ -276,19 +285,20 @@ pub fn beside(main: &Path) -> BTreeMap<u16, PathBuf> {
 }
 
 /// The program number in a file name, such as 1002 in `O1002.CNC`.
-pub fn number_in_name(path: &Path) -> Option<u16> {
+pub fn parse_number_in_name(path: &Path) -> Option<u16> {
     if !has_program_ending(path) {
         return None;
     }
     let stem = path.file_stem()?.to_str()?;
     let stem = stem.strip_prefix('%').unwrap_or(stem);
     let digits = stem.strip_prefix(['O', 'o', 'P', 'p']).unwrap_or(stem);
-    let plain = (1..=4).contains(&digits.len()) && digits.bytes().all(|byte| byte.is_ascii_digit());
-    plain.then(|| digits.parse().ok())?
+    let is_number =
+        (1..=4).contains(&digits.len()) && digits.bytes().all(|byte| byte.is_ascii_digit());
+    is_number.then(|| digits.parse().ok())?
 }
 
 /// The program number in the O word or `%P01` at the start of a file.
-pub fn number_in_head(path: &Path) -> Option<u16> {
+pub fn read_number_in_head(path: &Path) -> Option<u16> {
     if !is_file(path) {
         return None;
     }
@@ -296,7 +306,7 @@ pub fn number_in_head(path: &Path) -> Option<u16> {
     let head = String::from_utf8_lossy(&head);
     let line = head
         .lines()
-        .map(code_of)
+        .map(strip_line)
         .find(|line| !line.is_empty() && line != "%")?;
     let name = line.strip_prefix('O').or_else(|| line.strip_prefix("%P"));
     let digits: String = name?.chars().take_while(char::is_ascii_digit).collect();
@@ -304,15 +314,15 @@ pub fn number_in_head(path: &Path) -> Option<u16> {
 }
 
 fn is_file(path: &Path) -> bool {
-    platform::facts(path).is_ok_and(|facts| facts.is_file)
+    platform::path_facts(path).is_ok_and(|facts| facts.is_file)
 }
 
 fn has_program_ending(path: &Path) -> bool {
-    program_ending(path).is_some()
+    find_program_ending(path).is_some()
 }
 
 /// The ending of a file in lower case, if it is one of programs.
-pub fn program_ending(path: &Path) -> Option<&'static str> {
+pub fn find_program_ending(path: &Path) -> Option<&'static str> {
     let ending = path
         .extension()
         .map(|ending| ending.to_string_lossy().to_ascii_lowercase());
@@ -329,7 +339,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn calls_are_found_through_comments_blanks_and_counts() {
+    fn calls_are_found_despite_comments_blanks_and_repeat_counts() {
         let text =
             "N10 M98 P51002;\nm 98 p 7 (M98 P9)\n(M98 P8)\nM98 P12345678\nＭ９８ Ｐ３\nM99 P20\n";
         assert_eq!(numbers(text), [3, 7, 1002, 5678]);
@@ -339,63 +349,66 @@ mod tests {
     fn macros_are_called_by_g65_and_g66() {
         let text = "N10 G65 P9010 A1.0\nG65 A1 P9011\nG66 P9012 Z1\nG65 H80 P10\nG04 P500\n";
         assert_eq!(numbers(text), [9010, 9011, 9012]);
-        let by_variable = |text| calls(text, &ControlModel::default()).by_variable;
+        let by_variable = |text| find_calls(text, &ControlModel::default()).by_variable;
         assert!(by_variable("M98 P#200\n") && by_variable("G65 P[#1+1] A1\n"));
         assert!(!by_variable("M98 P20\nG65 H01 P#200 Q1\nX#1\n"));
     }
 
     #[test]
-    fn codes_without_a_function_call_programs_of_their_own() {
+    fn codes_without_a_function_call_programs() {
         let text = "M61\nN10 G01 X1 M03 S500 T0101\nm 62 (M63)\nS21 M8\nT15\nS9 T5 M100 M30\n";
         assert_eq!(numbers(text), [9061, 9062, 9121, 9215]);
     }
 
-    fn of_model(id: ModelId, parameters: &[(u16, i32)], text: &str) -> Vec<u16> {
+    fn numbers_for_model(id: ModelId, parameters: &[(u16, i32)], text: &str) -> Vec<u16> {
         let mut model = ControlModel::new(id);
         for (number, value) in parameters {
             assert_eq!(model.set_parameter(*number, *value), Ok(()));
         }
-        calls(text, &model).numbers.into_iter().collect()
+        find_calls(text, &model).numbers.into_iter().collect()
     }
 
     #[test]
-    fn codes_call_as_their_model_says() {
+    fn the_model_decides_which_codes_call() {
         let macros = [(220, 81), (230, 60), (240, 61), (243, 1)];
         let text = "G81 X1\nM60 A1\nM61\nT0101\nM8\n";
         let td = ModelId::Gsk980td;
-        assert_eq!(of_model(td, &macros, text), [9000, 9001, 9010, 9020]);
+        assert_eq!(
+            numbers_for_model(td, &macros, text),
+            [9000, 9001, 9010, 9020]
+        );
         let range = [(6044, 2000), (6045, 300), (6046, 100)];
         let text = "M2000\nM9005 X1\nG01 X1 M2007\nM61 T15 S21\nM98 P7 L2\n";
         let mdi = ModelId::Gsk980mdi;
-        assert_eq!(of_model(mdi, &range, text), [7, 300, 307, 9005]);
+        assert_eq!(numbers_for_model(mdi, &range, text), [7, 300, 307, 9005]);
         let text = "N10 G20 N33 L2\nG20 N5.3\nN20 G22 N7\nN99 M20 K1\nM71\n";
-        assert_eq!(of_model(ModelId::Hx31, &[], text), [5, 33]);
+        assert_eq!(numbers_for_model(ModelId::Hx31, &[], text), [5, 33]);
         // G20 is a unit of the mill.
-        assert!(of_model(mdi, &[], "G20 N33\n").is_empty());
+        assert!(numbers_for_model(mdi, &[], "G20 N33\n").is_empty());
     }
 
     fn numbers(text: &str) -> Vec<u16> {
-        of_model(ModelId::Gsk980td, &[], text)
+        numbers_for_model(ModelId::Gsk980td, &[], text)
     }
 
     #[test]
-    fn the_folder_is_searched_by_name_then_by_o_word_and_on_from_there() {
+    fn the_folder_is_searched_by_name_then_by_o_word_recursively() {
         let folder = crate::files::test_folder("subprograms");
-        let put = |name: &str, text: &str| {
+        let write_file = |name: &str, text: &str| {
             fs::write(folder.join(name), text).expect("write");
         };
-        put("main.CNC", "O1\nM98 P2\nM98 P5\n");
-        put("O0002.nc", "O0002\nM98 P3\nM99\n");
-        put("groove.txt", "%\nO0003 (groove)\nM98 P1\nM98 P2\nM99\n");
-        put("zz.txt", "O0003\nM99\n");
-        put("picture.png", "O0005\n");
-        put("O0033.CNC", "%P33\nM99\n");
-        put("turned.nc", "%P34\nM99\n");
+        write_file("main.CNC", "O1\nM98 P2\nM98 P5\n");
+        write_file("O0002.nc", "O0002\nM98 P3\nM99\n");
+        write_file("groove.txt", "%\nO0003 (groove)\nM98 P1\nM98 P2\nM99\n");
+        write_file("zz.txt", "O0003\nM99\n");
+        write_file("picture.png", "O0005\n");
+        write_file("O0033.CNC", "%P33\nM99\n");
+        write_file("turned.nc", "%P34\nM99\n");
         let main = folder.join("main.CNC");
         let text = fs::read_to_string(&main).expect("read");
         let td = ControlModel::default();
         let find = |text: &str, model: &ControlModel| {
-            find(&main, calls(text, model), &BTreeSet::from([1]), model)
+            find_called(&main, find_calls(text, model), &BTreeSet::from([1]), model)
         };
         let found = find(&text, &td);
         let names: Vec<_> = found
@@ -409,12 +422,14 @@ mod tests {
                 (3, Some("groove.txt".as_ref()))
             ]
         );
-        let numbers = |found: Vec<Found>| found.iter().map(|it| it.number).collect::<Vec<_>>();
+        let numbers =
+            |found: Vec<FoundSubprogram>| found.iter().map(|it| it.number).collect::<Vec<_>>();
         let hx31 = ControlModel::new(ModelId::Hx31);
         assert_eq!(numbers(find("G20 N33\nG20 N34\n", &hx31)), [33, 34]);
         let all = find("M98 P#200\nM98 P2\n", &td);
         assert!(
-            all.iter().all(|it| it.named == matches!(it.number, 2 | 3)),
+            all.iter()
+                .all(|it| it.called_by_number == matches!(it.number, 2 | 3)),
             "{all:?}"
         );
         assert_eq!(numbers(all), [2, 3, 33, 34]);

@@ -2,16 +2,16 @@
 //! length of two bytes, the content.
 
 /// Longest content, bytes.
-pub const MOST: usize = 4096;
-const HEAD: usize = 3;
+pub const MAX_CONTENT: usize = 4096;
+const HEADER_BYTES: usize = 3;
 
 /// Meaning of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum FrameKind {
     /// From the holder: bytes of the board.
     Data,
     /// To the holder: bytes for the board after the time they were sent at: see
-    /// [`put_dated`].
+    /// [`append_dated`].
     Dated,
     /// To the holder: how long the program may be silent, and how old bytes for the board
     /// may be: see [`Lease`].
@@ -31,25 +31,25 @@ pub enum Kind {
     Gone,
 }
 
-const LETTERS: [(Kind, u8); 9] = [
-    (Kind::Data, b'D'),
-    (Kind::Dated, b'T'),
-    (Kind::Lease, b'L'),
-    (Kind::Stopped, b'X'),
-    (Kind::Stop, b'S'),
-    (Kind::End, b'E'),
-    (Kind::Open, b'O'),
-    (Kind::Refused, b'R'),
-    (Kind::Gone, b'G'),
+const LETTERS: [(FrameKind, u8); 9] = [
+    (FrameKind::Data, b'D'),
+    (FrameKind::Dated, b'T'),
+    (FrameKind::Lease, b'L'),
+    (FrameKind::Stopped, b'X'),
+    (FrameKind::Stop, b'S'),
+    (FrameKind::End, b'E'),
+    (FrameKind::Open, b'O'),
+    (FrameKind::Refused, b'R'),
+    (FrameKind::Gone, b'G'),
 ];
 
 /// A byte stream that contains no frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Strange;
+pub struct InvalidFrame;
 
-/// Appends a frame; cuts content above [`MOST`].
-pub fn put(out: &mut Vec<u8>, kind: Kind, content: &[u8]) {
-    let content = &content[..content.len().min(MOST)];
+/// Appends a frame; cuts content above [`MAX_CONTENT`].
+pub fn append_frame(out: &mut Vec<u8>, kind: FrameKind, content: &[u8]) {
+    let content = &content[..content.len().min(MAX_CONTENT)];
     let letter = LETTERS.iter().find(|(one, _)| *one == kind);
     out.push(letter.map_or(0, |(_, letter)| *letter));
     out.extend_from_slice(&(content.len() as u16).to_le_bytes());
@@ -57,20 +57,20 @@ pub fn put(out: &mut Vec<u8>, kind: Kind, content: &[u8]) {
 }
 
 /// Length of a time, bytes.
-const DATE: usize = 8;
-/// Longest bytes of a [`Kind::Dated`].
-pub const MOST_DATED: usize = MOST - DATE;
+const TIME_BYTES: usize = 8;
+/// Longest bytes of a [`FrameKind::Dated`].
+pub const MAX_DATED: usize = MAX_CONTENT - TIME_BYTES;
 
-/// Appends a [`Kind::Dated`]: bytes for the board, sent at time `at` of the clock that
-/// both processes read, ms; cuts bytes above [`MOST_DATED`].
-pub fn put_dated(out: &mut Vec<u8>, at: u64, bytes: &[u8]) {
-    let bytes = &bytes[..bytes.len().min(MOST_DATED)];
-    put(out, Kind::Dated, &[&at.to_le_bytes(), bytes].concat());
+/// Appends a [`FrameKind::Dated`]: bytes for the board, sent at time `at` of the clock that
+/// both processes read, ms; cuts bytes above [`MAX_DATED`].
+pub fn append_dated(out: &mut Vec<u8>, at: u64, bytes: &[u8]) {
+    let bytes = &bytes[..bytes.len().min(MAX_DATED)];
+    append_frame(out, FrameKind::Dated, &[&at.to_le_bytes(), bytes].concat());
 }
 
-/// Splits the content of a [`Kind::Dated`] into time, ms, and bytes.
-pub fn dated(content: &[u8]) -> Option<(u64, &[u8])> {
-    let (at, bytes) = content.split_first_chunk::<DATE>()?;
+/// Splits the content of a [`FrameKind::Dated`] into time, ms, and bytes.
+pub fn split_dated(content: &[u8]) -> Option<(u64, &[u8])> {
+    let (at, bytes) = content.split_first_chunk::<TIME_BYTES>()?;
     Some((u64::from_le_bytes(*at), bytes))
 }
 
@@ -85,7 +85,7 @@ pub struct Lease {
 }
 
 impl Lease {
-    /// Encodes the lease as the content of a [`Kind::Lease`].
+    /// Encodes the lease as the content of a [`FrameKind::Lease`].
     pub fn to_bytes(self) -> [u8; 8] {
         let [silent, stale] = [self.silent_ms, self.stale_ms].map(u32::to_le_bytes);
         let mut bytes = [0; 8];
@@ -94,7 +94,7 @@ impl Lease {
         bytes
     }
 
-    /// Decodes the content of a [`Kind::Lease`].
+    /// Decodes the content of a [`FrameKind::Lease`].
     pub fn from_bytes(content: &[u8]) -> Option<Self> {
         let (silent, stale) = content.split_first_chunk::<4>()?;
         Some(Self {
@@ -106,11 +106,11 @@ impl Lease {
 
 /// Splits a stream of bytes into frames.
 #[derive(Debug, Default)]
-pub struct Reader(Vec<u8>);
+pub struct GuardFrameReader(Vec<u8>);
 
-impl Reader {
+impl GuardFrameReader {
     /// Appends received bytes.
-    pub fn give(&mut self, bytes: &[u8]) {
+    pub fn push_bytes(&mut self, bytes: &[u8]) {
         self.0.extend_from_slice(bytes);
     }
 
@@ -118,20 +118,20 @@ impl Reader {
     ///
     /// # Errors
     /// The bytes are no frame.
-    pub fn take(&mut self) -> Result<Option<(Kind, Vec<u8>)>, Strange> {
+    pub fn take_frame(&mut self) -> Result<Option<(FrameKind, Vec<u8>)>, InvalidFrame> {
         let [letter, low, high, ..] = self.0[..] else {
             return Ok(None);
         };
         let known = LETTERS.iter().find(|(_, one)| *one == letter);
-        let (kind, _) = known.ok_or(Strange)?;
-        let end = HEAD + usize::from(u16::from_le_bytes([low, high]));
-        if end > HEAD + MOST {
-            return Err(Strange);
+        let (kind, _) = known.ok_or(InvalidFrame)?;
+        let end = HEADER_BYTES + usize::from(u16::from_le_bytes([low, high]));
+        if end > HEADER_BYTES + MAX_CONTENT {
+            return Err(InvalidFrame);
         }
         if self.0.len() < end {
             return Ok(None);
         }
-        let content = self.0[HEAD..end].to_vec();
+        let content = self.0[HEADER_BYTES..end].to_vec();
         self.0.drain(..end);
         Ok(Some((*kind, content)))
     }
@@ -143,40 +143,40 @@ mod tests {
 
     #[test]
     fn frames_come_through_in_any_pieces() {
-        let said = [
-            (Kind::Open, vec![]),
-            (Kind::Data, vec![7; MOST]),
-            (Kind::Stop, vec![0x18]),
-            (Kind::Gone, vec![5, 0, 0, 0]),
-            (Kind::End, vec![]),
+        let frames = [
+            (FrameKind::Open, vec![]),
+            (FrameKind::Data, vec![7; MAX_CONTENT]),
+            (FrameKind::Stop, vec![0x18]),
+            (FrameKind::Gone, vec![5, 0, 0, 0]),
+            (FrameKind::End, vec![]),
         ];
         let mut stream = Vec::new();
-        for (kind, content) in &said {
-            put(&mut stream, *kind, content);
+        for (kind, content) in &frames {
+            append_frame(&mut stream, *kind, content);
         }
         for piece in [1, 2, 3, 1000, stream.len()] {
-            let mut reader = Reader::default();
+            let mut reader = GuardFrameReader::default();
             let mut found = Vec::new();
             for bytes in stream.chunks(piece) {
-                reader.give(bytes);
-                while let Some(frame) = reader.take().unwrap() {
+                reader.push_bytes(bytes);
+                while let Some(frame) = reader.take_frame().unwrap() {
                     found.push(frame);
                 }
             }
-            assert_eq!(found, said, "{piece}");
+            assert_eq!(found, frames, "{piece}");
         }
     }
 
     #[test]
     fn dates_and_leases_come_through() {
         let mut stream = Vec::new();
-        put_dated(&mut stream, 1 << 40, &[9; MOST]);
-        let mut reader = Reader::default();
-        reader.give(&stream);
-        let (kind, content) = reader.take().unwrap().unwrap();
-        assert_eq!(kind, Kind::Dated);
-        assert_eq!(dated(&content), Some((1 << 40, &[9; MOST_DATED][..])));
-        assert_eq!(dated(&[1]), None);
+        append_dated(&mut stream, 1 << 40, &[9; MAX_CONTENT]);
+        let mut reader = GuardFrameReader::default();
+        reader.push_bytes(&stream);
+        let (kind, content) = reader.take_frame().unwrap().unwrap();
+        assert_eq!(kind, FrameKind::Dated);
+        assert_eq!(split_dated(&content), Some((1 << 40, &[9; MAX_DATED][..])));
+        assert_eq!(split_dated(&[1]), None);
         let lease = Lease {
             silent_ms: 1000,
             stale_ms: 70_000,
@@ -186,11 +186,11 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_frame_is_strange() {
+    fn bytes_without_frames_are_invalid() {
         for bytes in [&b"ok\n"[..], b"D\xFF\xFF"] {
-            let mut reader = Reader::default();
-            reader.give(bytes);
-            assert_eq!(reader.take(), Err(Strange));
+            let mut reader = GuardFrameReader::default();
+            reader.push_bytes(bytes);
+            assert_eq!(reader.take_frame(), Err(InvalidFrame));
         }
     }
 }

@@ -8,10 +8,10 @@ use std::time::Duration;
 use crossbeam::channel::{Receiver, Sender, bounded};
 use crossbeam::queue::ArrayQueue;
 use gsk_core::alarm::Alarm;
-use gsk_core::cnc::Request;
+use gsk_core::cnc::ControlRequest;
 use gsk_core::command::ProgramId;
-use gsk_core::machine::Fault;
-use gsk_core::memory::{Level, Refusal};
+use gsk_core::machine::LatheFault;
+use gsk_core::memory::{OperationLevel, WriteRefusal};
 use gsk_core::model::ModelId;
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::BitAddress;
@@ -26,17 +26,17 @@ use gsk_panel::pages::PageId;
 use gsk_panel::panel::SerialFile;
 use gsk_panel::screen::Screen;
 use gsk_project::ProjectState;
-use gsk_runner::first_look::FirstLook;
+use gsk_runner::program_summary::ProgramSummary;
 
-use super::lesson::{LessonOrder, LessonState};
+use super::lesson::{LessonAction, LessonState};
 use super::link_view::LinkView;
 use super::monitor::MachineView;
 use super::part::PartView;
 use super::probe::Probe;
-use super::waiting::Waits;
+use super::program_wait::ProgramWait;
 use crate::input_watch::InputWatch;
-use crate::job::Chosen;
-use crate::pace::Speed;
+use crate::job::SelectedJob;
+use crate::pace::RunSpeed;
 use crate::platform;
 
 /// A command of the window to the kernel.
@@ -56,16 +56,16 @@ pub enum Command {
     /// Turn the handwheel by this number of detents.
     Turn(i32),
     /// Open a program read from a file.
-    Open(Box<Opened>),
+    Open(Box<OpenedProgram>),
     /// Open a program and press [自动] and cycle start. With a pulse board the program is
     /// opened only.
-    OpenAndStart(Box<Opened>),
+    OpenAndStart(Box<OpenedProgram>),
     /// Receive a file through the serial port.
     Receive(Box<SerialFile>),
     /// The partner could not take the file that the control has sent.
     TransferFailed,
     /// Range of the opened program's cuts, for the graphic page.
-    Fit {
+    FitGraphic {
         /// Least point, mm, X as a radius.
         least: Point,
         /// Greatest point, mm, X as a radius.
@@ -76,44 +76,44 @@ pub enum Command {
     /// Publish machine and PLC with the snapshots, or stop it.
     Monitor(bool),
     /// Set a fault of the lathe, or clear it.
-    Fault(Fault, bool),
+    Fault(LatheFault, bool),
     /// Send a request to the control; a refusal becomes a notice.
-    Ask(Box<Request>),
+    Request(Box<ControlRequest>),
     /// Write parameters, pitch errors, offsets and variables, all or none; a refusal
     /// becomes a notice.
-    Write(Vec<Request>),
+    Write(Vec<ControlRequest>),
     /// Switch the control off and on again.
     PowerCycle,
     /// Force a machine input to a value; `None` returns it to its sensor.
     ForceInput(BitAddress, Option<bool>),
     /// Release every forced bit of the PLC.
-    FreeBits,
+    ReleaseForcedBits,
     /// Clear every fault of the lathe and return every input to its sensor.
-    Mend,
+    ClearFaults,
     /// End the faults of a crash and press RESET.
     FreeLathe,
     /// Run programs at this speed, unless a board moves real slides.
-    Speed(Speed),
+    Speed(RunSpeed),
     /// A command for lessons.
-    Lesson(LessonOrder),
+    Lesson(LessonAction),
     /// A command for the pulse board.
-    Link(LinkOrder),
+    Link(LinkAction),
     /// Publish the LCD in the other language, too, or stop it.
     Translate(bool),
     /// Publish the motion for the sound of the machine, or stop it.
-    Listen(bool),
+    PublishMotion(bool),
     /// Publish the state of the pulse board, or stop it.
     WatchLink(bool),
     /// Store a text as a program of the memory; the channel receives its number or why it
     /// is not stored.
     Store(String, Sender<Result<u16, NotStored>>),
     /// Send once the setup for a preview of the current control.
-    HandOut(Sender<Box<Setup>>),
+    SendSetup(Sender<Box<Setup>>),
     /// Send once the content of the control and the operation level in force.
-    HandOutState(Sender<Box<(ProjectState, Level)>>),
+    SendState(Sender<Box<(ProjectState, OperationLevel)>>),
     /// Set the job of the part in the simulated lathe, on fresh stock; `None`: there is no
     /// job.
-    Job(Option<Box<Chosen>>),
+    Job(Option<Box<SelectedJob>>),
     /// Clamp new stock.
     FreshStock,
     /// Whether the simulated lathe stops at a collision.
@@ -129,7 +129,7 @@ pub enum Command {
 
 /// A command for the pulse board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LinkOrder {
+pub enum LinkAction {
     /// Close the port and open it again.
     Reconnect,
     /// Write the settings that differ into the board.
@@ -140,10 +140,10 @@ pub enum LinkOrder {
 
 /// What to do with an opened program if the memory has another program of its number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Storing {
+pub enum StorePolicy {
     /// Query the operator.
     #[default]
-    Ask,
+    AskOperator,
     /// Replace the stored program.
     Replace,
     /// Run the program without storing it.
@@ -152,13 +152,13 @@ pub enum Storing {
 
 /// A program read from a file, ready to be opened.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Opened {
+pub struct OpenedProgram {
     /// Name to show.
     pub name: String,
     /// Path of the file; `None` for a sample.
     pub path: Option<PathBuf>,
     /// What to do if its number is taken.
-    pub storing: Storing,
+    pub store_policy: StorePolicy,
     /// The program.
     pub program: Program,
     /// Subprograms from the folder of the file.
@@ -167,7 +167,7 @@ pub struct Opened {
 
 /// Where the kernel has put an opened program.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum ProgramPlacement {
     /// In the memory, under this number.
     Stored(u16),
     /// Outside the memory: it can be run and read, but not edited, and it is lost at
@@ -183,7 +183,7 @@ pub enum NotStored {
     /// Another program has its number and is kept.
     NumberTaken(u16),
     /// The program switch, a program lock or the operation level forbids it.
-    Refused(Refusal),
+    Refused(WriteRefusal),
     /// The memory refuses it with this alarm.
     Alarm(Alarm),
 }
@@ -198,14 +198,14 @@ pub enum Notice {
         /// Its file, if it has one.
         path: Option<PathBuf>,
         /// Where the kernel has put it.
-        place: Place,
+        placement: ProgramPlacement,
     },
     /// The program was not opened: the memory has another program of its number.
-    NumberTaken(Box<Opened>, u16),
+    NumberTaken(Box<OpenedProgram>, u16),
     /// The control has sent a file: what and where it is.
     Sent(String),
     /// A message to the operator.
-    Said(Message),
+    Message(Message),
     /// The tool has collided.
     Collided(Message),
     /// New stock is clamped: earlier collisions do not count any more.
@@ -213,14 +213,14 @@ pub enum Notice {
     /// The control has refused a request with this alarm.
     Refused(Alarm),
     /// The preview of an opened program is finished: its file name and the findings.
-    Looked(String, Box<FirstLook>),
+    Previewed(String, Box<ProgramSummary>),
     /// A key does nothing, and why; `None`: a key acts again.
-    Key(Option<Message>),
+    KeyRefusal(Option<Message>),
 }
 
 /// The state of the panel at one moment.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Snapshot {
+pub struct PanelSnapshot {
     /// The LCD.
     pub screen: Screen,
     /// The LCD in the other language, while the window has requested it.
@@ -234,7 +234,7 @@ pub struct Snapshot {
     /// Brightness of the LCD.
     pub brightness: u8,
     /// Lamps: the Y memory.
-    pub y: [u8; 20],
+    pub y_memory: [u8; 20],
     /// Keys that are down, including the latched emergency stop.
     pub pressed: Vec<Key>,
     /// Position of the handwheel, detents.
@@ -243,41 +243,41 @@ pub struct Snapshot {
     /// computer is too slow.
     pub speed_percent: u32,
     /// The selected speed of programs.
-    pub speed: Speed,
+    pub speed: RunSpeed,
     /// Machine time over wall time while a speed other than a real lathe's is in force.
-    pub times: Option<Times>,
+    pub speed_ratio: Option<SpeedRatio>,
     /// Forced bits, forced inputs and faults.
-    pub imposed: Imposed,
+    pub forced: ForcedState,
     /// The newest active alarm, or the first message of the ladder.
     pub alarm: Option<Alarm>,
     /// The slides of a pulse board need a reference return.
-    pub place_unknown: bool,
+    pub position_unknown: bool,
     /// State of the pulse board that moves real slides; `None`: the lathe is simulated.
     pub board: Option<LinkState>,
     /// Whether a program runs or is held.
-    pub run: RunState,
+    pub run_state: RunState,
     /// What the running program waits for, once that takes longer than usual.
-    pub waits: Option<Waits>,
+    pub program_wait: Option<ProgramWait>,
     /// A slide or the spindle moves.
-    pub moves: bool,
+    pub is_moving: bool,
     /// The selected program.
     pub program: Option<ProgramId>,
     /// The lesson under way: the snapshot then shows its practice machine.
     pub lesson: Option<LessonState>,
     /// The alarms raised since the control was opened, the newest first.
-    pub raised: Arc<Vec<AlarmRecord>>,
+    pub alarm_records: Arc<Vec<AlarmRecord>>,
     /// Slides and spindle, while the window plays the sound of the machine.
-    pub motion: Option<Motion>,
+    pub motion: Option<MachineMotion>,
 }
 
 /// Motion of slides and spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub struct MachineMotion {
     /// Position of the slides, mm (X as a radius).
     pub slides: Point,
     /// Absolute speed of the spindle, r/min, rounded so that snapshots do not change
     /// needlessly.
-    pub spindle: f64,
+    pub spindle_rpm: f64,
 }
 
 /// Whether the axis keys move the slides in the opposite direction from a lathe with its
@@ -292,16 +292,16 @@ pub struct KeysReversed {
 
 /// Machine time over wall time, rounded so that snapshots do not change needlessly.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Times(pub f64);
+pub struct SpeedRatio(pub f64);
 
 /// What views have forced on control and lathe; it remains until it is taken back, also
 /// when the view is closed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Imposed {
+pub struct ForcedState {
     /// Number of forced bits of the PLC.
-    pub bits: usize,
+    pub forced_bits: usize,
     /// Number of forced machine inputs.
-    pub inputs: usize,
+    pub forced_inputs: usize,
     /// Number of faults of the lathe.
     pub faults: usize,
 }
@@ -312,7 +312,7 @@ pub struct Console {
     /// Commands to the kernel.
     pub commands: Sender<Command>,
     /// The newest snapshot.
-    pub pictures: Arc<ArrayQueue<Snapshot>>,
+    pub snapshots: Arc<ArrayQueue<PanelSnapshot>>,
     /// The newest state of machine and PLC, while the window has requested it.
     pub machine: Arc<ArrayQueue<MachineView>>,
     /// The newest state of the pulse board, while the window has requested it.
@@ -322,9 +322,9 @@ pub struct Console {
     /// Notices from the kernel.
     pub notices: Receiver<Notice>,
     /// For helper threads: their notices come out of `notices`.
-    pub say: Sender<Notice>,
+    pub notice_sender: Sender<Notice>,
     /// Proof that held keys are still held.
-    pub watch: InputWatch,
+    pub input_watch: InputWatch,
 }
 
 impl Console {
@@ -338,27 +338,27 @@ impl Console {
     /// Returns the setup for a preview of the current control; `None` if the kernel does
     /// not answer within 5 s. It blocks: call it from helper threads only.
     pub fn setup(&self) -> Option<Setup> {
-        const LONGEST: Duration = Duration::from_secs(5);
+        const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
         let (to, answer) = bounded(1);
-        self.commands.send(Command::HandOut(to)).ok()?;
-        platform::answer(&answer, LONGEST).map(|setup| *setup)
+        self.commands.send(Command::SendSetup(to)).ok()?;
+        platform::wait_for_answer(&answer, ANSWER_TIMEOUT).map(|setup| *setup)
     }
 
     /// Returns the content of the control and the operation level in force; `None` if the
     /// kernel does not answer within 5 s. It blocks, as [`Self::setup`] does.
-    pub fn state(&self) -> Option<(ProjectState, Level)> {
-        const LONGEST: Duration = Duration::from_secs(5);
+    pub fn state(&self) -> Option<(ProjectState, OperationLevel)> {
+        const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
         let (to, answer) = bounded(1);
-        self.commands.send(Command::HandOutState(to)).ok()?;
-        platform::answer(&answer, LONGEST).map(|state| *state)
+        self.commands.send(Command::SendState(to)).ok()?;
+        platform::wait_for_answer(&answer, ANSWER_TIMEOUT).map(|state| *state)
     }
 
     /// Stores a text as a program of the memory and selects it; returns its number. `None`
     /// if the kernel does not answer within 5 s. It blocks, as [`Self::setup`] does.
     pub fn store(&self, text: String) -> Option<Result<u16, NotStored>> {
-        const LONGEST: Duration = Duration::from_secs(5);
+        const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
         let (to, answer) = bounded(1);
         self.commands.send(Command::Store(text, to)).ok()?;
-        platform::answer(&answer, LONGEST)
+        platform::wait_for_answer(&answer, ANSWER_TIMEOUT)
     }
 }

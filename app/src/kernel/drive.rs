@@ -9,105 +9,105 @@ use std::time::SystemTime;
 
 use crossbeam::channel::Receiver;
 use gsk_core::command::ProgramId;
-use gsk_core::linked::{Linked, Note, Stamp};
+use gsk_core::linked::{LinkNote, LinkedControl, MotionStamp};
 use gsk_core::simulation::Simulation;
 use gsk_link::{LinkConfig, LinkState, SettingDifference};
 use gsk_messages::{Message, say};
 use web_time::Duration;
 
-use super::Snapshot;
+use super::PanelSnapshot;
 use super::link_view::{LinkView, PositionCheck};
-use crate::carrier::{Carrier, Line};
-use crate::files::{atomic, time::utc};
+use crate::files::{atomic, time::format_utc};
 use crate::guard::Orphan;
 use crate::host_clock::HostClock;
+use crate::port_io::{PortIo, TrafficLine};
 use crate::ports;
 
 /// Lines of traffic kept for the link page.
-const EXCHANGES: usize = 200;
+const MAX_TRAFFIC_LINES: usize = 200;
 /// Round trips for median and worst.
-const TRIPS: usize = 100;
+const MAX_ROUND_TRIPS: usize = 100;
 /// Time between two updates of the link page.
 const VIEW_INTERVAL: Duration = Duration::from_millis(100);
 /// A computer that has not read the port for this time is busy.
-const BUSY: Duration = Duration::from_millis(20);
+const BUSY_ABSENCE: Duration = Duration::from_millis(20);
 /// The longest recent absence from the port covers one to two of these intervals.
-const AWAY_INTERVAL: Duration = Duration::from_secs(5);
+const ABSENCE_INTERVAL: Duration = Duration::from_secs(5);
 /// Lines of the log kept for the link page.
-const LOG_LINES: usize = 20;
+const MAX_LOG_LINES: usize = 20;
 
 /// Extension of the files with the dictionaries of boards; limits of their count, size and
 /// name.
-const DICTIONARY: &str = "dictionary";
-const MOST_BOARDS: usize = 16;
-const LONGEST_FILE: u64 = 1 << 17;
-const LONGEST_NAME: usize = 80;
+const DICTIONARY_EXTENSION: &str = "dictionary";
+const MAX_BOARDS: usize = 16;
+const MAX_FILE_BYTES: u64 = 1 << 17;
+const MAX_NAME_CHARS: usize = 80;
 
 /// Configuration of a board, and the files about it.
 #[derive(Clone, Debug)]
-pub struct Connection {
+pub struct BoardConnection {
     /// The section `link` of the machine file.
     pub config: LinkConfig,
     /// File for the log of position checks; `None`: no log.
-    pub log: Option<PathBuf>,
+    pub log_path: Option<PathBuf>,
     /// Folder for the dictionaries of boards, so that a known board connects faster;
     /// `None`: keep none.
-    pub boards: Option<PathBuf>,
+    pub dictionary_folder: Option<PathBuf>,
     /// The program of the process that holds the port: [`crate::platform::own_program`].
-    pub program: PathBuf,
+    pub holder_program: PathBuf,
 }
 
 /// How long the computer did not read the port, because it was busy.
 #[derive(Clone, Copy, Debug, Default)]
-struct Away {
-    heard: Duration,
+struct PortAbsence {
+    last_read: Duration,
     /// The longest absence of the current interval, and of the one before it.
-    late: [Duration; 2],
-    turns: Duration,
+    recent: [Duration; 2],
+    interval_end: Duration,
     longest: Duration,
 }
 
-impl Away {
+impl PortAbsence {
     /// Records a read of the port.
-    fn hear(&mut self, now: Duration) {
-        let away = now.saturating_sub(self.heard);
-        self.heard = now;
-        if now >= self.turns {
-            self.turns = now + AWAY_INTERVAL;
-            self.late = [Duration::ZERO, self.late[0]];
+    fn record_read(&mut self, now: Duration) {
+        let away = now.saturating_sub(self.last_read);
+        self.last_read = now;
+        if now >= self.interval_end {
+            self.interval_end = now + ABSENCE_INTERVAL;
+            self.recent = [Duration::ZERO, self.recent[0]];
         }
-        self.late[0] = self.late[0].max(away);
+        self.recent[0] = self.recent[0].max(away);
         self.longest = self.longest.max(away);
     }
 
     /// Returns the longest recent absence, and the longest of all.
     fn longest(&self) -> (Duration, Duration) {
-        (self.late[0].max(self.late[1]), self.longest)
+        (self.recent[0].max(self.recent[1]), self.longest)
     }
 }
 
 /// A board that moves the control's slides.
 pub(super) struct Drive {
-    connection: Connection,
-    linked: Linked,
+    connection: BoardConnection,
+    linked: LinkedControl,
     /// `None` if the port could not be opened or has failed.
-    carrier: Option<Carrier>,
+    port_io: Option<PortIo>,
     clock: HostClock,
     /// The answers of the board to the holder that stops it after the first holder is
     /// gone.
-    being_stopped: Option<Receiver<Vec<u8>>>,
-    watched: bool,
+    stop_answer: Option<Receiver<Vec<u8>>>,
+    view_requested: bool,
     /// When the view of the link page is due.
     next_view: Duration,
-    pictures: VecDeque<(Stamp, Snapshot)>,
-    exchanges: VecDeque<Line>,
-    trips: VecDeque<Duration>,
-    away: Away,
-    reports: u64,
+    snapshots: VecDeque<(MotionStamp, PanelSnapshot)>,
+    traffic_lines: VecDeque<TrafficLine>,
+    round_trips: VecDeque<Duration>,
+    absence: PortAbsence,
+    report_count: u64,
     differences: Vec<SettingDifference>,
-    log: VecDeque<PositionCheck>,
+    position_checks: VecDeque<PositionCheck>,
     /// Messages for the operator.
-    said: Vec<Message>,
+    messages: Vec<Message>,
 }
 
 impl core::fmt::Debug for Drive {
@@ -121,122 +121,122 @@ impl core::fmt::Debug for Drive {
 
 impl Drive {
     /// Opens the port; a port that cannot be opened raises an alarm of the control.
-    pub fn open(connection: Connection, simulation: &mut Simulation) -> Self {
+    pub fn open(connection: BoardConnection, simulation: &mut Simulation) -> Self {
         tracing::info!(port = connection.config.port, "port of the board");
-        let mut linked = Linked::open(connection.config.clone(), simulation, Duration::ZERO);
-        linked.know(
+        let mut linked = LinkedControl::open(connection.config.clone(), simulation, Duration::ZERO);
+        linked.add_dictionaries(
             connection
-                .boards
+                .dictionary_folder
                 .as_deref()
-                .map_or_else(Vec::new, met_before),
+                .map_or_else(Vec::new, read_dictionaries),
         );
-        let carrier = match Carrier::open(&connection.config, &connection.program) {
+        let port_io = match PortIo::open(&connection.config, &connection.holder_program) {
             Ok(mut carrier) => {
                 // The link page shows after a fault what came before it.
-                carrier.watch(true);
+                carrier.set_recording(true);
                 Some(carrier)
             }
             Err(cause) => {
                 tracing::error!("{cause}");
-                linked.lost(cause.message());
+                linked.handle_port_failure(cause.message());
                 None
             }
         };
         Self {
             connection,
             linked,
-            carrier,
+            port_io,
             clock: HostClock::start(),
-            being_stopped: None,
-            watched: false,
+            stop_answer: None,
+            view_requested: false,
             next_view: Duration::ZERO,
-            pictures: VecDeque::new(),
-            exchanges: VecDeque::new(),
-            trips: VecDeque::new(),
-            away: Away::default(),
-            reports: 0,
+            snapshots: VecDeque::new(),
+            traffic_lines: VecDeque::new(),
+            round_trips: VecDeque::new(),
+            absence: PortAbsence::default(),
+            report_count: 0,
             differences: Vec::new(),
-            log: VecDeque::new(),
-            said: Vec::new(),
+            position_checks: VecDeque::new(),
+            messages: Vec::new(),
         }
     }
 
     /// Stops the board and returns the slides to the simulation.
-    pub fn close(mut self, simulation: &mut Simulation) -> Connection {
-        self.linked.check_last();
-        for note in self.linked.notes() {
-            self.note(&note, None);
+    pub fn close(mut self, simulation: &mut Simulation) -> BoardConnection {
+        self.linked.check_count_before_close();
+        for note in self.linked.take_notes() {
+            self.handle_note(&note, None);
         }
         let Self {
             connection,
             linked,
-            mut carrier,
+            port_io: mut carrier,
             ..
         } = self;
         let last = linked.close(simulation);
         if let Some(carrier) = &mut carrier {
-            carrier.end(&last);
+            carrier.close(&last);
         }
         connection
     }
 
     /// Reads the board's bytes and advances its time; waits at most 2 ms.
-    pub fn hear(&mut self) {
-        let bytes = match self.carrier.as_mut().map(Carrier::read) {
+    pub fn read_board(&mut self) {
+        let bytes = match self.port_io.as_mut().map(PortIo::read) {
             Some(Ok(bytes)) => bytes,
             Some(Err(error)) => {
-                self.lose(&error);
+                self.handle_port_loss(&error);
                 Vec::new()
             }
             None => Vec::new(),
         };
-        let answered = self.being_stopped.as_ref().map(Receiver::try_recv);
+        let answered = self.stop_answer.as_ref().map(Receiver::try_recv);
         if let Some(Ok(answered)) = answered {
-            self.being_stopped = None;
-            self.linked.stopped_by_holder(&answered);
+            self.stop_answer = None;
+            self.linked.handle_guard_stop(&answered);
         }
         let now = self.clock.now();
-        let jump = self.clock.take_jump();
+        let jump = self.clock.take_wall_clock_jump();
         if !jump.is_zero() {
-            self.linked.judge_absence(jump);
+            self.linked.handle_host_gap(jump);
         }
         if self.linked.is_opening() {
             // The first dictionary of a board is written to the disk here: this absence
             // does not count.
-            self.away = Away {
-                heard: now,
-                ..Away::default()
+            self.absence = PortAbsence {
+                last_read: now,
+                ..PortAbsence::default()
             };
         }
-        self.away.hear(now);
+        self.absence.record_read(now);
         self.linked.pump(&bytes, now);
         if self.linked.state() == LinkState::Opening {
             // The board reports all differences again.
             self.differences.clear();
         }
         let traffic = self.linked.traffic();
-        if traffic.reports != self.reports {
-            self.reports = traffic.reports;
-            keep(&mut self.trips, traffic.round_trip, TRIPS);
+        if traffic.reports != self.report_count {
+            self.report_count = traffic.reports;
+            push_limited(&mut self.round_trips, traffic.round_trip, MAX_ROUND_TRIPS);
         }
     }
 
     /// Handles the loss of the port or of its holder.
-    fn lose(&mut self, error: &std::io::Error) {
-        let orphan = self.carrier.take().and_then(|mut it| it.take_orphan());
-        let cause = ports::gone(error);
+    fn handle_port_loss(&mut self, error: &std::io::Error) {
+        let orphan = self.port_io.take().and_then(|mut it| it.take_orphan());
+        let cause = ports::failure_message(error);
         tracing::error!("{cause}");
-        self.linked.lost(cause);
+        self.linked.handle_port_failure(cause);
         match orphan {
-            Some(Orphan::Stopped(answered)) => self.linked.stopped_by_holder(&answered),
-            Some(Orphan::BeingStopped(answered)) => self.being_stopped = Some(answered),
+            Some(Orphan::Stopped(answered)) => self.linked.handle_guard_stop(&answered),
+            Some(Orphan::BeingStopped(answered)) => self.stop_answer = Some(answered),
             None => {}
         }
     }
 
     /// Whether the computer is too busy to read the port in time.
-    pub fn is_hurried(&self) -> bool {
-        self.away.longest().0 > BUSY
+    pub fn is_busy(&self) -> bool {
+        self.absence.longest().0 > BUSY_ABSENCE
     }
 
     pub fn state(&self) -> LinkState {
@@ -244,50 +244,54 @@ impl Drive {
     }
 
     /// Whether the slides may still be moving.
-    pub fn is_behind(&self) -> bool {
-        self.linked.is_behind()
+    pub fn has_pending_motion(&self) -> bool {
+        self.linked.has_pending_motion()
     }
 
     pub fn may_tick(&mut self) -> bool {
-        self.linked.may_tick()
+        self.linked.can_tick()
     }
 
     /// Prepares the simulation for a tick.
-    pub fn before(&mut self, simulation: &mut Simulation) {
-        self.linked.before(simulation);
+    pub fn before_tick(&mut self, simulation: &mut Simulation) {
+        self.linked.before_tick(simulation);
     }
 
     /// Collects what a tick has commanded.
-    pub fn after(&mut self, simulation: &mut Simulation) {
-        self.linked.after(simulation);
+    pub fn after_tick(&mut self, simulation: &mut Simulation) {
+        self.linked.after_tick(simulation);
     }
 
     /// Writes the bytes that wait, and the log.
-    pub fn speak(&mut self, program: Option<&str>) {
-        let written = match &mut self.carrier {
+    pub fn write_board(&mut self, program: Option<&str>) {
+        let written = match &mut self.port_io {
             Some(carrier) => {
-                carrier.renew(self.linked.needs_guard());
-                carrier.stop_with(&self.linked.stop_bytes());
+                carrier.renew_lease(self.linked.needs_guard());
+                carrier.set_stop_bytes(&self.linked.stop_bytes());
                 carrier.write(self.linked.tx())
             }
             None => self.linked.tx().len(),
         };
-        self.linked.consumed(written);
-        for note in self.linked.notes() {
-            self.note(&note, program);
+        self.linked.mark_written(written);
+        for note in self.linked.take_notes() {
+            self.handle_note(&note, program);
         }
-        if let Some(carrier) = &mut self.carrier {
+        if let Some(carrier) = &mut self.port_io {
             let linked = &self.linked;
-            let said = carrier.traffic(|outward, collected| linked.next_text(outward, collected));
-            keep(&mut self.exchanges, said, EXCHANGES);
+            let lines = carrier
+                .take_traffic(|outward, collected| linked.next_traffic_text(outward, collected));
+            push_limited(&mut self.traffic_lines, lines, MAX_TRAFFIC_LINES);
         }
     }
 
-    fn note(&mut self, note: &Note, program: Option<&str>) {
+    fn handle_note(&mut self, note: &LinkNote, program: Option<&str>) {
         match note {
-            Note::Learned { name, packed } => self.remember(name, packed),
-            Note::Differs(difference) => self.differences.push(difference.clone()),
-            &Note::Checked {
+            LinkNote::DictionaryReceived {
+                name,
+                compressed: packed,
+            } => self.keep_dictionary(name, packed),
+            LinkNote::SettingDiffers(difference) => self.differences.push(difference.clone()),
+            &LinkNote::CountChecked {
                 program: ended,
                 commanded,
                 counted,
@@ -305,8 +309,8 @@ impl Drive {
                     true => say::counts_agree(),
                     false => say::counts_differ(),
                 };
-                let said = say::position_check(
-                    utc(SystemTime::now()),
+                let message = say::position_check(
+                    format_utc(SystemTime::now()),
                     name,
                     commanded.x.0,
                     commanded.z.0,
@@ -314,61 +318,65 @@ impl Drive {
                     z,
                     result,
                 );
-                self.write_log(&said.to_string());
-                keep(&mut self.log, [PositionCheck { said, agrees }], LOG_LINES);
+                self.write_log(&message.to_string());
+                push_limited(
+                    &mut self.position_checks,
+                    [PositionCheck { message, agrees }],
+                    MAX_LOG_LINES,
+                );
             }
         }
     }
 
     /// Keeps a dictionary; without a folder the program reads it from the board each time.
-    fn remember(&self, name: &str, packed: &[u8]) {
-        let Some(folder) = &self.connection.boards else {
+    fn keep_dictionary(&self, name: &str, packed: &[u8]) {
+        let Some(folder) = &self.connection.dictionary_folder else {
             return;
         };
         let plain = |letter: char| letter.is_ascii_alphanumeric() || "._-".contains(letter);
         let name: String = name
             .chars()
             .map(|letter| if plain(letter) { letter } else { '-' })
-            .take(LONGEST_NAME)
+            .take(MAX_NAME_CHARS)
             .collect();
-        let file = folder.join(format!("{name}.{DICTIONARY}"));
+        let file = folder.join(format!("{name}.{DICTIONARY_EXTENSION}"));
         let _ = std::fs::create_dir_all(folder).and_then(|()| atomic::write(&file, packed));
     }
 
     fn write_log(&mut self, line: &str) {
-        let Some(path) = &self.connection.log else {
+        let Some(path) = &self.connection.log_path else {
             return;
         };
         let file = OpenOptions::new().create(true).append(true).open(path);
         if let Err(error) = file.and_then(|mut file| writeln!(file, "{line}")) {
             tracing::error!("{}: {error}", path.display());
-            let said = say::subject_reason(path.display(), say::as_written(error));
-            self.said.push(said);
+            let message = say::subject_reason(path.display(), say::as_written(error));
+            self.messages.push(message);
             // Reported once; position checks continue without their log.
-            self.connection.log = None;
+            self.connection.log_path = None;
         }
     }
 
     /// Takes the messages for the operator.
-    pub fn said(&mut self) -> Vec<Message> {
-        core::mem::take(&mut self.said)
+    pub fn take_messages(&mut self) -> Vec<Message> {
+        core::mem::take(&mut self.messages)
     }
 
     /// Keeps a snapshot until the slides have reached its positions.
-    pub fn keep_picture(&mut self, snapshot: Snapshot) {
-        self.pictures.push_back((self.linked.stamp(), snapshot));
+    pub fn keep_snapshot(&mut self, snapshot: PanelSnapshot) {
+        self.snapshots.push_back((self.linked.stamp(), snapshot));
     }
 
     /// Returns the newest snapshot whose motion the board has made.
-    pub fn due_picture(&mut self) -> Option<Snapshot> {
+    pub fn take_due_snapshot(&mut self) -> Option<PanelSnapshot> {
         // After a stop, the board may never make the motion of waiting snapshots.
-        self.pictures
-            .retain(|(stamp, _)| !self.linked.is_void(*stamp));
+        self.snapshots
+            .retain(|(stamp, _)| !self.linked.is_discarded(*stamp));
         let mut due = None;
-        while let Some((stamp, _)) = self.pictures.front()
-            && self.linked.has_made(*stamp)
+        while let Some((stamp, _)) = self.snapshots.front()
+            && self.linked.has_executed(*stamp)
         {
-            due = self.pictures.pop_front();
+            due = self.snapshots.pop_front();
         }
         due.map(|(_, snapshot)| snapshot)
     }
@@ -381,50 +389,50 @@ impl Drive {
 
     /// Compares the board's count with the commanded pulses now.
     pub fn check(&mut self) {
-        self.linked.check();
+        self.linked.check_count();
     }
 
     /// Starts or stops the views for the link page.
-    pub const fn watch(&mut self, on: bool) {
-        self.watched = on;
+    pub const fn request_view(&mut self, on: bool) {
+        self.view_requested = on;
     }
 
     /// Whether the port is open; its reads then pace the kernel.
     pub const fn has_port(&self) -> bool {
-        self.carrier.is_some()
+        self.port_io.is_some()
     }
 
     /// Whether RESET has requested to reopen the lost board.
-    pub const fn is_to_be_reopened(&self) -> bool {
-        self.linked.is_to_be_reopened()
+    pub const fn needs_reopen(&self) -> bool {
+        self.linked.needs_reopening()
     }
 
     /// Returns the view for the link page, if it is watched and due.
     pub fn due_view(&mut self) -> Option<LinkView> {
         let now = self.clock.now();
-        if !self.watched || now < self.next_view {
+        if !self.view_requested || now < self.next_view {
             return None;
         }
         self.next_view = now + VIEW_INTERVAL;
-        Some(self.view())
+        Some(self.make_view())
     }
 
-    fn view(&self) -> LinkView {
-        let mut trips: Vec<_> = self.trips.iter().copied().collect();
+    fn make_view(&self) -> LinkView {
+        let mut trips: Vec<_> = self.round_trips.iter().copied().collect();
         trips.sort_unstable();
         let worst = trips.last().copied();
         let linked = &self.linked;
         let settled = linked.state() == LinkState::Configure;
         LinkView {
             state: linked.state(),
-            connected: !linked.is_opening()
+            is_connected: !linked.is_opening()
                 && !matches!(linked.state(), LinkState::Off | LinkState::Lost),
             protocol: linked.config().protocol,
             port: linked.config().port.clone(),
             board: linked.board().clone(),
             position_known: linked.knows_position(),
             round_trip: worst.map(|worst| (trips[trips.len() / 2], worst)),
-            away: self.away.longest(),
+            absence: self.absence.longest(),
             outstanding: linked.outstanding(),
             lookahead: linked.config().lookahead(),
             traffic: linked.traffic(),
@@ -439,8 +447,8 @@ impl Drive {
             } else {
                 Vec::new()
             },
-            exchanges: self.exchanges.iter().cloned().collect(),
-            log: self.log.iter().cloned().collect(),
+            traffic_lines: self.traffic_lines.iter().cloned().collect(),
+            position_checks: self.position_checks.iter().cloned().collect(),
         }
     }
 }
@@ -455,32 +463,35 @@ fn file_name(path: &str) -> String {
 }
 
 /// Reads the dictionaries of known boards. The caller ignores damaged ones.
-fn met_before(folder: &Path) -> Vec<Vec<u8>> {
+fn read_dictionaries(folder: &Path) -> Vec<Vec<u8>> {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return Vec::new();
     };
     let mut files: Vec<PathBuf> = entries
         .flatten()
         .map(|entry| entry.path())
-        .filter(|path| path.extension().is_some_and(|end| end == DICTIONARY))
+        .filter(|path| {
+            path.extension()
+                .is_some_and(|end| end == DICTIONARY_EXTENSION)
+        })
         .collect();
     files.sort();
     let short = |path: &PathBuf| {
-        std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() <= LONGEST_FILE)
+        std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() <= MAX_FILE_BYTES)
     };
     files
         .iter()
         .filter(|path| short(path))
-        .take(MOST_BOARDS)
+        .take(MAX_BOARDS)
         .filter_map(|path| std::fs::read(path).ok())
         .collect()
 }
 
 /// Appends to a list and drops its oldest entries above a limit.
-fn keep<T>(kept: &mut VecDeque<T>, new: impl IntoIterator<Item = T>, most: usize) {
-    kept.extend(new);
-    while kept.len() > most {
-        kept.pop_front();
+fn push_limited<T>(list: &mut VecDeque<T>, new: impl IntoIterator<Item = T>, limit: usize) {
+    list.extend(new);
+    while list.len() > limit {
+        list.pop_front();
     }
 }
 
@@ -489,19 +500,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_longest_absence_is_kept_and_that_of_late_forgotten() {
+    fn longest_absence_is_kept_and_the_recent_one_expires() {
         let ms = Duration::from_millis;
-        let mut away = Away::default();
+        let mut away = PortAbsence::default();
         for at in [2, 4, 94, 96] {
-            away.hear(ms(at));
+            away.record_read(ms(at));
         }
         assert_eq!(away.longest(), (ms(90), ms(90)));
         // Two intervals later it is not recent any more.
         for at in (96..12_000).step_by(2) {
-            away.hear(ms(at));
+            away.record_read(ms(at));
         }
         assert_eq!(away.longest(), (ms(2), ms(90)));
-        away.hear(ms(12_040));
+        away.record_read(ms(12_040));
         assert_eq!(away.longest().0, ms(42));
     }
 }

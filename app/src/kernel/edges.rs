@@ -11,16 +11,16 @@ use gsk_panel::panel::KeyEvent;
 
 /// Shortest time a contact stays closed, ticks: the ladder sees a click between two
 /// frames.
-const SHORTEST_PRESS: u64 = 50;
+const MIN_PRESS_TICKS: u64 = 50;
 /// Shortest time a contact stays open before the next press of the same key, ticks: three
 /// samples of the input filter and two slots of the ladder.
-const SHORTEST_REST: u64 = 28;
+const MIN_REST_TICKS: u64 = 28;
 /// How long a key pressed by a screen reader stays down, ticks.
-const TAP: u64 = 100;
+const TAP_TICKS: u64 = 100;
 
 /// A change of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Edge {
+pub(super) enum KeyEdge {
     Down(Key),
     Up(Key),
     /// Pressed and released.
@@ -29,9 +29,9 @@ pub(super) enum Edge {
     Type(char),
 }
 
-impl Edge {
+impl KeyEdge {
     /// Returns the key that goes down.
-    const fn pressed(self) -> Option<Key> {
+    const fn pressed_key(self) -> Option<Key> {
         match self {
             Self::Down(key) | Self::Tap(key) => Some(key),
             Self::Up(_) | Self::Type(_) => None,
@@ -41,34 +41,34 @@ impl Edge {
 
 /// When a key is released.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Release {
+enum ReleaseTiming {
     /// With the next tick after its press: fingers that roll from key to key stay below
     /// No.119, the number of keys accepted at a time.
-    ByItself,
+    NextTick,
     /// With its edge.
     WithEdge,
     /// With its edge, after the shortest press; it waits for no other key.
     Contact,
 }
 
-const fn release(key: Key) -> Release {
+const fn release_timing(key: Key) -> ReleaseTiming {
     match key.row().role {
-        KeyRole::Character(..) => Release::ByItself,
-        KeyRole::Machine(_) | KeyRole::OvertravelRelease => Release::Contact,
-        KeyRole::Edit if matches!(key, Key::Eob) => Release::ByItself,
+        KeyRole::Character(..) => ReleaseTiming::NextTick,
+        KeyRole::Machine(_) | KeyRole::OvertravelRelease => ReleaseTiming::Contact,
+        KeyRole::Edit if matches!(key, Key::Eob) => ReleaseTiming::NextTick,
         // The level of the key starts the MDI block.
-        KeyRole::Edit if matches!(key, Key::Output) => Release::Contact,
-        KeyRole::Edit | KeyRole::Page | KeyRole::EmergencyStop => Release::WithEdge,
+        KeyRole::Edit if matches!(key, Key::Output) => ReleaseTiming::Contact,
+        KeyRole::Edit | KeyRole::Page | KeyRole::EmergencyStop => ReleaseTiming::WithEdge,
     }
 }
 
 /// Whether a key ends a motion: it takes all earlier presses with it at once.
-const fn stops(key: Key) -> bool {
+const fn ends_motion(key: Key) -> bool {
     matches!(key, Key::Reset | Key::FeedHold | Key::SpindleStop)
 }
 
 /// Whether a key starts a motion.
-pub(super) const fn moves(key: Key) -> bool {
+pub(super) const fn starts_motion(key: Key) -> bool {
     matches!(
         key,
         Key::XUp
@@ -87,61 +87,64 @@ pub(super) const fn moves(key: Key) -> bool {
 
 /// Edges that wait, and keys that are down.
 #[derive(Debug, Default)]
-pub(super) struct Edges {
-    waiting: VecDeque<Edge>,
+pub(super) struct KeyEdgeQueue {
+    pending: VecDeque<KeyEdge>,
     /// Keys that are down, with the tick of their press.
     down: BTreeMap<Key, u64>,
     /// Ticks at which keys come up.
     releases: Vec<(u64, Key)>,
     /// Contacts that stay open until a tick.
-    rests: BTreeMap<Key, u64>,
+    open_until: BTreeMap<Key, u64>,
 }
 
-impl Edges {
+impl KeyEdgeQueue {
     /// Adds a change of a key.
-    pub fn push(&mut self, edge: Edge) {
-        if let Edge::Up(key) = edge
-            && release(key) == Release::Contact
+    pub fn push(&mut self, edge: KeyEdge) {
+        if let KeyEdge::Up(key) = edge
+            && release_timing(key) == ReleaseTiming::Contact
             && self.down.contains_key(&key)
-            && !self.waiting.iter().any(|edge| edge.pressed() == Some(key))
+            && !self
+                .pending
+                .iter()
+                .any(|edge| edge.pressed_key() == Some(key))
         {
             // A release ends its motion even if other keys wait.
-            self.let_go(key, SHORTEST_PRESS);
+            self.schedule_release(key, MIN_PRESS_TICKS);
             return;
         }
-        self.waiting.push_back(edge);
+        self.pending.push_back(edge);
     }
 
     /// Whether a key is down.
-    pub fn any_down(&self) -> bool {
+    pub fn has_key_down(&self) -> bool {
         !self.down.is_empty()
     }
 
     /// Drops all edges and releases all keys.
     pub fn clear(&mut self) {
-        self.waiting.clear();
+        self.pending.clear();
         self.down.clear();
         self.releases.clear();
-        self.rests.clear();
+        self.open_until.clear();
     }
 
     /// Returns the events for the panel at a tick.
-    pub fn due(&mut self, tick: u64) -> Vec<KeyEvent> {
+    pub fn take_due(&mut self, tick: u64) -> Vec<KeyEvent> {
         let mut events = Vec::new();
-        if self.releases.is_empty() && self.waiting.is_empty() {
+        if self.releases.is_empty() && self.pending.is_empty() {
             return events;
         }
-        self.come_up(tick, &mut events);
-        let stop = |edge: &Edge| edge.pressed().is_some_and(stops);
-        for _ in 0..self.waiting.iter().rposition(stop).map_or(0, |at| at + 1) {
-            self.next(tick, &mut events);
+        self.apply_releases(tick, &mut events);
+        let stop = |edge: &KeyEdge| edge.pressed_key().is_some_and(ends_motion);
+        for _ in 0..self.pending.iter().rposition(stop).map_or(0, |at| at + 1) {
+            self.apply_next(tick, &mut events);
         }
-        while let Some(edge) = self.waiting.front().copied() {
-            if !self.may(edge, tick) {
+        while let Some(edge) = self.pending.front().copied() {
+            if !self.is_due(edge, tick) {
                 break;
             }
-            self.next(tick, &mut events);
-            if !matches!(edge, Edge::Up(_)) {
+            self.apply_next(tick, &mut events);
+            if !matches!(edge, KeyEdge::Up(_)) {
                 break;
             }
         }
@@ -149,36 +152,36 @@ impl Edges {
     }
 
     /// Whether an edge is due at a tick.
-    fn may(&self, edge: Edge, tick: u64) -> bool {
-        let rested = |key| self.rests.get(&key).is_none_or(|until| *until <= tick);
+    fn is_due(&self, edge: KeyEdge, tick: u64) -> bool {
+        let rested = |key| self.open_until.get(&key).is_none_or(|until| *until <= tick);
         match edge {
-            Edge::Up(_) => true,
-            Edge::Type(_) => self.releases.is_empty(),
-            Edge::Down(key) | Edge::Tap(key) => self.releases.is_empty() && rested(key),
+            KeyEdge::Up(_) => true,
+            KeyEdge::Type(_) => self.releases.is_empty(),
+            KeyEdge::Down(key) | KeyEdge::Tap(key) => self.releases.is_empty() && rested(key),
         }
     }
 
-    fn next(&mut self, tick: u64, events: &mut Vec<KeyEvent>) {
-        match self.waiting.pop_front() {
-            Some(Edge::Down(key)) => {
+    fn apply_next(&mut self, tick: u64, events: &mut Vec<KeyEvent>) {
+        match self.pending.pop_front() {
+            Some(KeyEdge::Down(key)) => {
                 self.press(key, tick, events);
-                if release(key) == Release::ByItself {
-                    self.let_go(key, 1);
+                if release_timing(key) == ReleaseTiming::NextTick {
+                    self.schedule_release(key, 1);
                 }
             }
-            Some(Edge::Tap(key)) => {
+            Some(KeyEdge::Tap(key)) => {
                 self.press(key, tick, events);
-                self.let_go(key, TAP);
+                self.schedule_release(key, TAP_TICKS);
             }
-            Some(Edge::Up(key)) => {
-                let shortest = match release(key) {
-                    Release::Contact => SHORTEST_PRESS,
-                    Release::ByItself | Release::WithEdge => 1,
+            Some(KeyEdge::Up(key)) => {
+                let shortest = match release_timing(key) {
+                    ReleaseTiming::Contact => MIN_PRESS_TICKS,
+                    ReleaseTiming::NextTick | ReleaseTiming::WithEdge => 1,
                 };
-                self.let_go(key, shortest);
-                self.come_up(tick, events);
+                self.schedule_release(key, shortest);
+                self.apply_releases(tick, events);
             }
-            Some(Edge::Type(character)) => events.push(KeyEvent::Type(character)),
+            Some(KeyEdge::Type(character)) => events.push(KeyEvent::Type(character)),
             None => {}
         }
     }
@@ -192,7 +195,7 @@ impl Edges {
         events.push(KeyEvent::Down(key));
     }
 
-    fn let_go(&mut self, key: Key, shortest: u64) {
+    fn schedule_release(&mut self, key: Key, shortest: u64) {
         if let Some(since) = self.down.get(&key)
             && !self.releases.iter().any(|(_, waiting)| *waiting == key)
         {
@@ -200,15 +203,15 @@ impl Edges {
         }
     }
 
-    fn come_up(&mut self, tick: u64, events: &mut Vec<KeyEvent>) {
-        self.rests.retain(|_, until| *until > tick);
+    fn apply_releases(&mut self, tick: u64, events: &mut Vec<KeyEvent>) {
+        self.open_until.retain(|_, until| *until > tick);
         let due = self.releases.extract_if(.., |(at, _)| *at <= tick);
         for (_, key) in due {
             if self.down.remove(&key).is_some() {
                 events.push(KeyEvent::Up(key));
             }
-            if release(key) == Release::Contact {
-                self.rests.insert(key, tick + SHORTEST_REST);
+            if release_timing(key) == ReleaseTiming::Contact {
+                self.open_until.insert(key, tick + MIN_REST_TICKS);
             }
         }
     }
@@ -219,36 +222,36 @@ mod tests {
     use super::*;
 
     /// Collects the panel's events with their ticks until the queue is empty.
-    fn played(edges: &mut Edges, from: u64) -> Vec<(u64, KeyEvent)> {
-        let mut told = Vec::new();
+    fn play(edges: &mut KeyEdgeQueue, from: u64) -> Vec<(u64, KeyEvent)> {
+        let mut timed_events = Vec::new();
         for tick in from..from + 2000 {
-            told.extend(edges.due(tick).into_iter().map(|event| (tick, event)));
+            timed_events.extend(edges.take_due(tick).into_iter().map(|event| (tick, event)));
         }
-        told
+        timed_events
     }
 
-    fn downs(told: &[(u64, KeyEvent)]) -> Vec<KeyEvent> {
+    fn downs(timed_events: &[(u64, KeyEvent)]) -> Vec<KeyEvent> {
         let pressed = |event: &KeyEvent| matches!(event, KeyEvent::Down(_) | KeyEvent::Type(_));
-        let events = told.iter().map(|(_, event)| *event);
+        let events = timed_events.iter().map(|(_, event)| *event);
         events.filter(pressed).collect()
     }
 
     #[test]
     fn keys_of_one_picture_go_down_one_after_the_other() {
-        let mut edges = Edges::default();
+        let mut edges = KeyEdgeQueue::default();
         let typed = [Key::G, Key::Digit0, Key::Digit0, Key::X, Key::Eob];
         for key in typed {
-            edges.push(Edge::Down(key));
-            edges.push(Edge::Up(key));
+            edges.push(KeyEdge::Down(key));
+            edges.push(KeyEdge::Up(key));
         }
-        edges.push(Edge::Type('Q'));
-        let told = played(&mut edges, 7);
+        edges.push(KeyEdge::Type('Q'));
+        let timed_events = play(&mut edges, 7);
         let mut expected = typed.map(KeyEvent::Down).to_vec();
         expected.push(KeyEvent::Type('Q'));
-        assert_eq!(downs(&told), expected);
+        assert_eq!(downs(&timed_events), expected);
         let mut held = 0;
         let mut last = 0;
-        for (tick, event) in told {
+        for (tick, event) in timed_events {
             match event {
                 KeyEvent::Down(_) => {
                     assert!(tick > last, "one press a tick");
@@ -260,52 +263,52 @@ mod tests {
             }
             assert!((0..=1).contains(&held), "one key at a time");
         }
-        assert!(!edges.any_down());
+        assert!(!edges.has_key_down());
     }
 
     #[test]
     fn fingers_that_roll_over_hold_one_key_at_a_time() {
-        let mut edges = Edges::default();
+        let mut edges = KeyEdgeQueue::default();
         let typed = [Key::X, Key::Digit1, Key::Digit2, Key::Digit5, Key::Eob];
-        for edge in [Edge::Down, Edge::Up] {
+        for edge in [KeyEdge::Down, KeyEdge::Up] {
             for key in typed {
                 edges.push(edge(key));
             }
         }
-        let told = played(&mut edges, 0);
-        assert_eq!(downs(&told), typed.map(KeyEvent::Down));
-        assert!(!edges.any_down());
+        let timed_events = play(&mut edges, 0);
+        assert_eq!(downs(&timed_events), typed.map(KeyEvent::Down));
+        assert!(!edges.has_key_down());
     }
 
     #[test]
     fn a_contact_is_closed_and_open_long_enough() {
-        let mut edges = Edges::default();
+        let mut edges = KeyEdgeQueue::default();
         for _ in 0..2 {
-            edges.push(Edge::Down(Key::SingleBlock));
-            edges.push(Edge::Up(Key::SingleBlock));
+            edges.push(KeyEdge::Down(Key::SingleBlock));
+            edges.push(KeyEdge::Up(Key::SingleBlock));
         }
-        let told = played(&mut edges, 0);
+        let timed_events = play(&mut edges, 0);
         let [down, up] = [KeyEvent::Down, KeyEvent::Up].map(|event| event(Key::SingleBlock));
-        let again = SHORTEST_PRESS + SHORTEST_REST;
+        let again = MIN_PRESS_TICKS + MIN_REST_TICKS;
         let expected = [
             (0, down),
-            (SHORTEST_PRESS, up),
+            (MIN_PRESS_TICKS, up),
             (again, down),
-            (again + SHORTEST_PRESS, up),
+            (again + MIN_PRESS_TICKS, up),
         ];
-        assert_eq!(told, expected);
+        assert_eq!(timed_events, expected);
     }
 
     #[test]
     fn a_key_held_for_another_is_down_with_it() {
-        let mut edges = Edges::default();
-        for edge in [Edge::Down(Key::Cancel), Edge::Down(Key::Reset)] {
+        let mut edges = KeyEdgeQueue::default();
+        for edge in [KeyEdge::Down(Key::Cancel), KeyEdge::Down(Key::Reset)] {
             edges.push(edge);
         }
-        for edge in [Edge::Up(Key::Reset), Edge::Up(Key::Cancel)] {
+        for edge in [KeyEdge::Up(Key::Reset), KeyEdge::Up(Key::Cancel)] {
             edges.push(edge);
         }
-        let events: Vec<_> = played(&mut edges, 0).into_iter().map(|it| it.1).collect();
+        let events: Vec<_> = play(&mut edges, 0).into_iter().map(|it| it.1).collect();
         let cancel = events
             .iter()
             .position(|it| *it == KeyEvent::Up(Key::Cancel));
@@ -317,30 +320,34 @@ mod tests {
     }
 
     #[test]
-    fn a_stop_and_the_release_of_a_contact_wait_behind_nothing() {
-        let mut edges = Edges::default();
-        edges.push(Edge::Down(Key::ZLeft));
-        played(&mut edges, 0);
+    fn a_stop_and_the_release_of_a_contact_do_not_wait() {
+        let mut edges = KeyEdgeQueue::default();
+        edges.push(KeyEdge::Down(Key::ZLeft));
+        play(&mut edges, 0);
         for key in [Key::SingleBlock, Key::DryRun, Key::BlockSkip] {
-            edges.push(Edge::Down(key));
-            edges.push(Edge::Up(key));
+            edges.push(KeyEdge::Down(key));
+            edges.push(KeyEdge::Up(key));
         }
-        edges.push(Edge::Up(Key::ZLeft));
-        assert_eq!(edges.due(2000)[0], KeyEvent::Up(Key::ZLeft));
-        edges.push(Edge::Down(Key::FeedHold));
-        assert!(edges.due(2001).contains(&KeyEvent::Down(Key::FeedHold)));
+        edges.push(KeyEdge::Up(Key::ZLeft));
+        assert_eq!(edges.take_due(2000)[0], KeyEvent::Up(Key::ZLeft));
+        edges.push(KeyEdge::Down(Key::FeedHold));
+        assert!(
+            edges
+                .take_due(2001)
+                .contains(&KeyEvent::Down(Key::FeedHold))
+        );
     }
 
     #[test]
-    fn a_key_pressed_and_let_go_within_one_picture_behind_others_is_a_press() {
-        let mut edges = Edges::default();
-        edges.push(Edge::Down(Key::Jog));
-        edges.push(Edge::Up(Key::Jog));
-        edges.push(Edge::Down(Key::ZLeft));
-        edges.push(Edge::Up(Key::ZLeft));
-        let told = played(&mut edges, 0);
+    fn a_key_pressed_and_released_within_one_frame_after_others_is_a_press() {
+        let mut edges = KeyEdgeQueue::default();
+        edges.push(KeyEdge::Down(Key::Jog));
+        edges.push(KeyEdge::Up(Key::Jog));
+        edges.push(KeyEdge::Down(Key::ZLeft));
+        edges.push(KeyEdge::Up(Key::ZLeft));
+        let timed_events = play(&mut edges, 0);
         let expected = [Key::Jog, Key::ZLeft].map(KeyEvent::Down);
-        assert_eq!(downs(&told), expected);
-        assert!(!edges.any_down());
+        assert_eq!(downs(&timed_events), expected);
+        assert!(!edges.has_key_down());
     }
 }

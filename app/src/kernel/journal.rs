@@ -8,26 +8,26 @@ use tracing::{info, warn};
 use web_time::{Duration, Instant};
 
 /// Least delay of the kernel thread to log.
-const LATE: Duration = Duration::from_millis(100);
+const MIN_LOGGED_DELAY: Duration = Duration::from_millis(100);
 /// Least time between two logged delays.
-const AGAIN: Duration = Duration::from_secs(10);
+const REPEAT_INTERVAL: Duration = Duration::from_secs(10);
 
 /// The state at the last check.
 #[derive(Debug, Default)]
-pub(super) struct Journal {
+pub(super) struct ChangeLog {
     alarms: Vec<Alarm>,
     link: Option<LinkState>,
-    late: Option<Instant>,
+    last_delay_logged: Option<Instant>,
 }
 
-impl Journal {
+impl ChangeLog {
     /// Logs what has changed since the last check.
-    pub(super) fn look(&mut self, cnc: &Cnc, link: Option<LinkState>) {
-        self.look_at_alarms(cnc.alarms());
-        self.look_at_link(link, cnc.alarms().first());
+    pub(super) fn log_changes(&mut self, cnc: &Cnc, link: Option<LinkState>) {
+        self.log_alarm_changes(cnc.alarms());
+        self.log_link_changes(link, cnc.alarms().first());
     }
 
-    fn look_at_alarms(&mut self, now: &[Alarm]) {
+    fn log_alarm_changes(&mut self, now: &[Alarm]) {
         if self.alarms == now {
             return;
         }
@@ -46,7 +46,7 @@ impl Journal {
         self.alarms = now.to_vec();
     }
 
-    fn look_at_link(&mut self, now: Option<LinkState>, alarm: Option<&Alarm>) {
+    fn log_link_changes(&mut self, now: Option<LinkState>, alarm: Option<&Alarm>) {
         if self.link == now {
             return;
         }
@@ -69,11 +69,13 @@ impl Journal {
     }
 
     /// Logs a turn of the kernel thread that was due at `due` and comes late.
-    pub(super) fn turn(&mut self, now: Instant, due: Instant) {
+    pub(super) fn log_delay(&mut self, now: Instant, due: Instant) {
         let late = now.saturating_duration_since(due);
-        let told = self.late.is_some_and(|told| now < told + AGAIN);
-        if late > LATE && !told {
-            self.late = Some(now);
+        let recently_logged = self
+            .last_delay_logged
+            .is_some_and(|logged| now < logged + REPEAT_INTERVAL);
+        if late > MIN_LOGGED_DELAY && !recently_logged {
+            self.last_delay_logged = Some(now);
             warn!(ms = late.as_millis(), "the kernel thread was late");
         }
     }

@@ -6,30 +6,30 @@ use std::sync::Arc;
 use gsk_core::operation::RunState;
 use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
-use gsk_runner::lesson::{Lesson, Practice, View, demonstration_named};
+use gsk_runner::lesson::{Lesson, Practice, PracticeView, find_demonstration};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::stock::Stock;
 
-use super::opening::LastOpened;
-use super::part::PartSide;
-use super::raised::Raised;
-use super::refused::Refusals;
+use super::alarm_history::AlarmHistory;
+use super::key_refusals::KeyRefusals;
+use super::part::KernelPart;
+use super::program_opening::LastOpened;
 use super::{Kernel, Notice};
-use crate::job::Chosen;
+use crate::job::SelectedJob;
 
 /// A command for lessons.
 #[derive(Clone, Debug)]
-pub enum LessonOrder {
+pub enum LessonAction {
     /// Start this lesson at its beginning.
     Begin(Arc<Lesson>),
     /// Demonstrate this lesson from its beginning to its end.
-    Show(Arc<Lesson>),
+    Demonstrate(Arc<Lesson>),
     /// Press the keys of the current step for the learner.
     ShowMe,
     /// Return the practice machine to the beginning of the previous step.
     Back,
     /// Return the practice machine to the beginning of the lesson.
-    Again,
+    Restart,
     /// End the lesson and return to the learner's own machine.
     Leave,
 }
@@ -39,20 +39,20 @@ pub enum LessonOrder {
 pub struct LessonState {
     pub name: String,
     /// Progress of the lesson.
-    pub view: View,
+    pub view: PracticeView,
 }
 
 /// A practice machine, and the learner's own state that it replaces.
 #[derive(Debug)]
-pub(super) struct Practising {
+pub(super) struct PracticeSession {
     practice: Practice,
     own: Box<Emulator>,
-    own_part: PartSide,
+    own_part: KernelPart,
     own_opened: Option<LastOpened>,
-    own_raised: Raised,
+    own_raised: AlarmHistory,
 }
 
-impl Practising {
+impl PracticeSession {
     /// Runs one tick of the practice machine.
     pub(super) fn tick(&mut self, emulator: &mut Emulator) {
         self.practice.tick(emulator);
@@ -72,33 +72,33 @@ impl Practising {
     }
 
     /// Returns the learner's own part: a job set during the lesson applies after it.
-    pub(super) const fn own_part(&mut self) -> &mut PartSide {
+    pub(super) const fn own_part(&mut self) -> &mut KernelPart {
         &mut self.own_part
     }
 }
 
 impl Kernel {
     /// Returns the machine whose memory is saved: the learner's own, also during a lesson.
-    pub(super) fn kept(&self) -> &Emulator {
+    pub(super) fn own_machine(&self) -> &Emulator {
         match &self.lesson {
             Some(lesson) => &lesson.own,
             None => &self.emulator,
         }
     }
 
-    pub(super) fn order_lesson(&mut self, order: LessonOrder) {
+    pub(super) fn execute_lesson_command(&mut self, order: LessonAction) {
         match order {
-            LessonOrder::Begin(lesson) => self.begin_lesson(lesson),
-            LessonOrder::Show(lesson) => self.show_lesson(lesson),
-            LessonOrder::Leave => self.leave_lesson(),
-            LessonOrder::ShowMe => self.at_practice(Practice::show_me),
-            LessonOrder::Back => self.at_practice(Practice::back),
-            LessonOrder::Again => self.at_practice(Practice::again),
+            LessonAction::Begin(lesson) => self.begin_lesson(lesson),
+            LessonAction::Demonstrate(lesson) => self.demonstrate_lesson(lesson),
+            LessonAction::Leave => self.leave_lesson(),
+            LessonAction::ShowMe => self.act_on_practice(Practice::show_me),
+            LessonAction::Back => self.act_on_practice(Practice::go_back),
+            LessonAction::Restart => self.act_on_practice(Practice::restart),
         }
     }
 
-    fn at_practice(&mut self, act: impl FnOnce(&mut Practice, &mut Emulator)) {
-        self.let_go_of_keys();
+    fn act_on_practice(&mut self, act: impl FnOnce(&mut Practice, &mut Emulator)) {
+        self.release_keys();
         if let Some(lesson) = &mut self.lesson {
             act(&mut lesson.practice, &mut self.emulator);
             self.part.fresh_stock();
@@ -106,7 +106,7 @@ impl Kernel {
     }
 
     /// The learner presses a key: this ends a demonstration.
-    pub(super) fn learner_acts(&mut self) {
+    pub(super) fn interrupt_demonstration(&mut self) {
         if let Some(lesson) = &mut self.lesson {
             lesson.practice.interrupt(&mut self.emulator);
         }
@@ -114,75 +114,75 @@ impl Kernel {
 
     fn begin_lesson(&mut self, lesson: Arc<Lesson>) {
         if self.drive.is_some() {
-            return self.say(Notice::Said(say::lesson_not_with_board()));
+            return self.notify(Notice::Message(say::lesson_not_with_board()));
         }
-        if self.own_machine_runs() {
-            return self.say(Notice::Said(say::lesson_not_while_running()));
+        if self.is_own_machine_running() {
+            return self.notify(Notice::Message(say::lesson_not_while_running()));
         }
         let job = lesson.job.clone();
-        self.practise(Practice::begin(lesson), job);
+        self.start_practice(Practice::begin(lesson), job);
     }
 
     /// Starts a demonstration, unless the learner is in a lesson: its progress would be
     /// lost.
-    fn show_lesson(&mut self, lesson: Arc<Lesson>) {
-        let under_way = self.lesson.as_ref().map(Practising::state);
-        if under_way.is_some_and(|it| demonstration_named(&it.name).is_none()) {
-            return self.say(Notice::Said(say::shown_lesson_under_way()));
+    fn demonstrate_lesson(&mut self, lesson: Arc<Lesson>) {
+        let under_way = self.lesson.as_ref().map(PracticeSession::state);
+        if under_way.is_some_and(|it| find_demonstration(&it.name).is_none()) {
+            return self.notify(Notice::Message(say::shown_lesson_under_way()));
         }
         if self.drive.is_some() {
-            return self.say(Notice::Said(say::shown_not_with_board()));
+            return self.notify(Notice::Message(say::shown_not_with_board()));
         }
-        if self.own_machine_runs() {
-            return self.say(Notice::Said(say::shown_not_while_running()));
+        if self.is_own_machine_running() {
+            return self.notify(Notice::Message(say::shown_not_while_running()));
         }
         let job = lesson.job.clone();
-        self.practise(Practice::demonstrate(lesson), job);
+        self.start_practice(Practice::demonstrate(lesson), job);
     }
 
-    fn own_machine_runs(&self) -> bool {
-        let run = self.kept().simulation.cnc.run_state();
+    fn is_own_machine_running(&self) -> bool {
+        let run = self.own_machine().simulation.cnc.run_state();
         !matches!(run, RunState::Reset | RunState::Stop)
     }
 
     /// Replaces the learner's own machine with a practice machine.
-    fn practise(&mut self, begun: Result<(Practice, Emulator), Message>, job: Option<Job>) {
+    fn start_practice(&mut self, begun: Result<(Practice, Emulator), Message>, job: Option<Job>) {
         let (practice, machine) = match begun {
             Ok(begun) => begun,
-            Err(why) => return self.say(Notice::Said(why)),
+            Err(why) => return self.notify(Notice::Message(why)),
         };
         self.leave_lesson();
-        self.let_go_of_keys();
-        let beside = self.part.beside();
-        let own = Practising {
+        self.release_keys();
+        let beside = self.part.empty_for_same_window();
+        let own = PracticeSession {
             practice,
             own: Box::new(core::mem::replace(&mut self.emulator, machine)),
             own_part: core::mem::replace(&mut self.part, beside),
-            own_opened: self.opened.take(),
-            own_raised: core::mem::take(&mut self.raised),
+            own_opened: self.last_opened.take(),
+            own_raised: core::mem::take(&mut self.alarm_history),
         };
         self.lesson = Some(own);
-        self.part.set(Some(Chosen {
+        self.part.set_job(Some(SelectedJob {
             job: job.unwrap_or_else(|| Job::new(Stock::bar(50.0, 0.0, 60.0))),
             file: None,
         }));
-        self.refusals = Refusals::default();
+        self.key_refusals = KeyRefusals::default();
     }
 
     /// Restores the learner's own machine unchanged.
     pub(super) fn leave_lesson(&mut self) {
-        self.let_go_of_keys();
+        self.release_keys();
         if let Some(lesson) = self.lesson.take() {
             self.emulator = *lesson.own;
             self.part = lesson.own_part.with_switches_of(&self.part);
-            self.opened = lesson.own_opened;
-            self.raised = lesson.own_raised;
-            self.refusals = Refusals::default();
+            self.last_opened = lesson.own_opened;
+            self.alarm_history = lesson.own_raised;
+            self.key_refusals = KeyRefusals::default();
         }
     }
 
-    fn let_go_of_keys(&mut self) {
-        self.release_all();
-        self.learner_acts();
+    fn release_keys(&mut self) {
+        self.release_all_keys();
+        self.interrupt_demonstration();
     }
 }

@@ -10,13 +10,13 @@ use gsk_link::{
 
 use gsk_messages::Message;
 
-use crate::carrier::Line;
+use crate::port_io::TrafficLine;
 
 /// A comparison of the board's count with the commanded pulses.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PositionCheck {
     /// Time, program and both counts.
-    pub said: Message,
+    pub message: Message,
     /// Whether the counts agree.
     pub agrees: bool,
 }
@@ -26,7 +26,7 @@ pub struct PositionCheck {
 pub struct LinkView {
     pub state: LinkState,
     /// The board is connected and has reported its settings: its reports are current.
-    pub connected: bool,
+    pub is_connected: bool,
     /// Protocol of the board.
     pub protocol: Protocol,
     /// Name of its port.
@@ -39,7 +39,7 @@ pub struct LinkView {
     pub round_trip: Option<(Duration, Duration)>,
     /// Longest absences of the computer from the port: in the last 5 to 10 s, and since
     /// the board was connected.
-    pub away: (Duration, Duration),
+    pub absence: (Duration, Duration),
     /// Motion that the board holds and may not have made yet.
     pub outstanding: Duration,
     /// Limit of `outstanding`.
@@ -61,7 +61,7 @@ pub struct LinkView {
     /// Settings of the board that must be written before it can move.
     pub differences: Vec<SettingDifference>,
     /// The last 200 lines of traffic, the newest last.
-    pub exchanges: Vec<Line>,
+    pub traffic_lines: Vec<TrafficLine>,
     /// The last 20 lines of the position log, the newest last.
-    pub log: Vec<PositionCheck>,
+    pub position_checks: Vec<PositionCheck>,
 }

@@ -4,41 +4,41 @@ use gsk_link::LinkState;
 use web_time::{Duration, Instant};
 
 use super::drive::Drive;
-use super::{Connection, Kernel, LinkOrder, Notice, PICTURE_TICKS, Snapshot};
-use crate::pace::Pace;
+use super::{BoardConnection, Kernel, LinkAction, Notice, PanelSnapshot, SNAPSHOT_TICKS};
+use crate::pace::TickPacer;
 
 /// Time between two checks of a link without a port.
-const WITHOUT_PORT: Duration = Duration::from_millis(4);
+const NO_PORT_INTERVAL: Duration = Duration::from_millis(4);
 /// Longest time the kernel makes ticks before it reads the port again: on a slow computer
 /// a whole lookahead of ticks would take too long.
-const AT_ONCE: Duration = Duration::from_millis(3);
+const MAX_TICK_TIME: Duration = Duration::from_millis(3);
 /// Ticks between two snapshots on a busy computer.
-const HURRIED_PICTURE_TICKS: u64 = 4 * PICTURE_TICKS;
+const BUSY_SNAPSHOT_TICKS: u64 = 4 * SNAPSHOT_TICKS;
 
 impl Kernel {
     /// Connects a board: it moves the slides from now on. A missing port raises an alarm
     /// of the control.
-    pub fn connect(&mut self, connection: Connection) {
+    pub fn connect(&mut self, connection: BoardConnection) {
         self.disconnect();
         let mut drive = Drive::open(connection, &mut self.emulator.simulation);
-        drive.watch(self.link_watched);
+        drive.request_view(self.link_watched);
         self.drive = Some(drive);
-        self.watch.set_linked(true);
+        self.input_watch.set_linked(true);
     }
 
-    pub(super) fn disconnect(&mut self) -> Option<Connection> {
+    pub(super) fn disconnect(&mut self) -> Option<BoardConnection> {
         let drive = self.drive.take()?;
-        self.watch.set_linked(false);
+        self.input_watch.set_linked(false);
         Some(drive.close(&mut self.emulator.simulation))
     }
 
     /// Returns when the thread has work again; `None`: at once, because a board needs
     /// constant reading.
-    pub(super) fn wakes_at(&self, now: Instant, pace: &Pace) -> Option<Instant> {
+    pub(super) fn wake_time(&self, now: Instant, pace: &TickPacer) -> Option<Instant> {
         match &self.drive {
-            None => Some(pace.next()),
+            None => Some(pace.next_due()),
             Some(drive) if drive.has_port() => None,
-            Some(_) => Some(now + WITHOUT_PORT),
+            Some(_) => Some(now + NO_PORT_INTERVAL),
         }
     }
 
@@ -55,65 +55,68 @@ impl Kernel {
     /// publishes snapshots of what the board has made. Waits 2 ms at most. Returns whether
     /// there is something new to show.
     pub fn run_linked(&mut self) -> bool {
-        self.take_commands();
+        self.execute_commands();
         let Some(mut drive) = self.drive.take() else {
             return false;
         };
-        drive.hear();
+        drive.read_board();
         // Drawing may be what keeps a busy computer from the port.
-        let between = match drive.is_hurried() {
-            true => HURRIED_PICTURE_TICKS,
-            false => PICTURE_TICKS,
+        let snapshot_ticks = match drive.is_busy() {
+            true => BUSY_SNAPSHOT_TICKS,
+            false => SNAPSHOT_TICKS,
         };
         let begun = Instant::now();
-        while begun.elapsed() < AT_ONCE && drive.may_tick() {
-            drive.before(&mut self.emulator.simulation);
+        while begun.elapsed() < MAX_TICK_TIME && drive.may_tick() {
+            drive.before_tick(&mut self.emulator.simulation);
             self.tick();
-            drive.after(&mut self.emulator.simulation);
-            if self.tick.is_multiple_of(between) {
-                drive.keep_picture(self.snapshot());
+            drive.after_tick(&mut self.emulator.simulation);
+            if self.tick.is_multiple_of(snapshot_ticks) {
+                drive.keep_snapshot(self.snapshot());
             }
         }
-        let program = self.opened.as_ref().map(|opened| opened.name.as_str());
-        drive.speak(program);
-        let mut shown = self.show_machine();
+        let program = self.last_opened.as_ref().map(|opened| opened.name.as_str());
+        drive.write_board(program);
+        let mut shown = self.publish_machine();
         if let Some(view) = drive.due_view() {
             self.links.force_push(view);
             shown = true;
         }
-        for said in drive.said() {
-            self.say(Notice::Said(said));
+        for message in drive.take_messages() {
+            self.notify(Notice::Message(message));
             shown = true;
         }
         // The board's state is current, also while no motion is made.
         let board = Some(drive.state());
-        let changed = self.last.as_ref().is_some_and(|last| last.board != board);
-        let again = || self.last.clone().filter(|_| changed);
-        let picture = drive.due_picture().or_else(again);
-        if let Some(picture) = picture.map(|picture| Snapshot { board, ..picture })
-            && self.last.as_ref() != Some(&picture)
+        let changed = self
+            .last_snapshot
+            .as_ref()
+            .is_some_and(|last| last.board != board);
+        let again = || self.last_snapshot.clone().filter(|_| changed);
+        let snapshot = drive.take_due_snapshot().or_else(again);
+        if let Some(snapshot) = snapshot.map(|picture| PanelSnapshot { board, ..picture })
+            && self.last_snapshot.as_ref() != Some(&snapshot)
         {
-            self.pictures.force_push(picture.clone());
-            self.last = Some(picture);
+            self.snapshots.force_push(snapshot.clone());
+            self.last_snapshot = Some(snapshot);
             shown = true;
         }
-        let reopen = drive.is_to_be_reopened();
+        let reopen = drive.needs_reopen();
         self.drive = Some(drive);
         if reopen {
-            self.order(LinkOrder::Reconnect);
+            self.execute_link_command(LinkAction::Reconnect);
         }
         shown
     }
 
-    pub(super) fn order(&mut self, order: LinkOrder) {
+    pub(super) fn execute_link_command(&mut self, order: LinkAction) {
         match (order, &mut self.drive) {
-            (LinkOrder::Reconnect, _) => {
+            (LinkAction::Reconnect, _) => {
                 if let Some(connection) = self.disconnect() {
                     self.connect(connection);
                 }
             }
-            (LinkOrder::WriteSettings, Some(drive)) => drive.write_settings(),
-            (LinkOrder::Check, Some(drive)) => drive.check(),
+            (LinkAction::WriteSettings, Some(drive)) => drive.write_settings(),
+            (LinkAction::Check, Some(drive)) => drive.check(),
             (_, None) => {}
         }
     }

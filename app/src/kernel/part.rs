@@ -4,23 +4,23 @@
 use std::sync::Arc;
 
 use crossbeam::queue::ArrayQueue;
-use gsk_core::command::{Frame, Source};
-use gsk_core::machine::Fault;
+use gsk_core::command::{Frame, SourcePosition};
+use gsk_core::machine::LatheFault;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
-use gsk_runner::machining::Finding;
-use gsk_runner::machining::live::{Live, running};
+use gsk_runner::machining::CollisionFinding;
+use gsk_runner::machining::live_part::{LivePart, running_block};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
 
-use crate::job::Chosen;
+use crate::job::SelectedJob;
 
 /// The part and the lathe around it at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartView {
     pub job: Arc<Job>,
     /// The job is a guess, not read from a file.
-    pub guessed: bool,
+    pub is_guessed: bool,
     /// Half section of what is left of the stock.
     pub section: Arc<Region>,
     /// Tool in the working position, 0 = none.
@@ -32,7 +32,7 @@ pub struct PartView {
     pub zero: Point,
     pub frame: Frame,
     /// Speed of the spindle, r/min; negative in reverse.
-    pub rpm: f64,
+    pub spindle_rpm: f64,
     pub coolant: bool,
     /// The power chuck holds the stock.
     pub clamped: bool,
@@ -43,13 +43,17 @@ pub struct PartView {
     pub tailstock_forward: bool,
     pub door_open: bool,
     /// Collisions so far.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<CollisionFinding>,
     /// The block under execution; `None` while no program runs.
-    pub block: Option<Source>,
+    pub block: Option<SourcePosition>,
 }
 
 /// The faults that a crash causes.
-const CRASH_FAULTS: [Fault; 3] = [Fault::DriveX, Fault::DriveZ, Fault::SpindleBlocked];
+const CRASH_FAULTS: [LatheFault; 3] = [
+    LatheFault::DriveX,
+    LatheFault::DriveZ,
+    LatheFault::SpindleBlocked,
+];
 
 /// Ends the faults of a crash. Faults of another kind stay.
 pub(super) fn end_crash_faults(simulation: &mut Simulation) {
@@ -60,41 +64,41 @@ pub(super) fn end_crash_faults(simulation: &mut Simulation) {
 
 /// The kernel's side of the part.
 #[derive(Debug)]
-pub(super) struct PartSide {
-    live: Option<Live>,
+pub(super) struct KernelPart {
+    live: Option<LivePart>,
     job: Arc<Job>,
-    guessed: bool,
+    is_guessed: bool,
     crash_stops: bool,
     /// A view shows the part.
     visible: bool,
     /// The power chuck has held the stock once.
-    gripped: bool,
+    has_gripped: bool,
     section: Arc<Region>,
     /// The version of the part in `section`.
-    shown: Option<u64>,
+    shown_version: Option<u64>,
     last: Option<PartView>,
     views: Arc<ArrayQueue<PartView>>,
 }
 
-impl PartSide {
+impl KernelPart {
     /// Creates a side without a part.
     pub(super) fn new(views: Arc<ArrayQueue<PartView>>) -> Self {
         Self {
             live: None,
             job: Arc::new(Job::new(gsk_workpiece::stock::Stock::bar(50.0, 0.0, 60.0))),
-            guessed: true,
+            is_guessed: true,
             crash_stops: true,
             visible: false,
-            gripped: false,
+            has_gripped: false,
             section: Arc::default(),
-            shown: None,
+            shown_version: None,
             last: None,
             views,
         }
     }
 
     /// Creates another side without a part for the same window.
-    pub(super) fn beside(&self) -> Self {
+    pub(super) fn empty_for_same_window(&self) -> Self {
         Self::new(Arc::clone(&self.views)).with_switches_of(self)
     }
 
@@ -102,31 +106,31 @@ impl PartSide {
     pub(super) fn with_switches_of(mut self, other: &Self) -> Self {
         self.crash_stops = other.crash_stops;
         self.visible = other.visible;
-        self.show_again();
+        self.force_publish();
         self
     }
 
     /// Publishes the part again although nothing has changed.
-    pub(super) fn show_again(&mut self) {
+    pub(super) fn force_publish(&mut self) {
         self.last = None;
     }
 
     /// Sets another job, on fresh stock; `None`: the program cuts nothing.
-    pub(super) fn set(&mut self, chosen: Option<Chosen>) {
-        self.shown = None;
+    pub(super) fn set_job(&mut self, chosen: Option<SelectedJob>) {
+        self.shown_version = None;
         self.last = None;
         self.live = chosen.map(|chosen| {
             self.job = Arc::new(chosen.job.clone());
-            self.guessed = chosen.file.is_none();
-            Live::new(chosen.machining())
+            self.is_guessed = chosen.file.is_none();
+            LivePart::new(chosen.create_machining())
         });
     }
 
     pub(super) fn fresh_stock(&mut self) {
         if let Some(live) = &mut self.live {
-            live.fresh_stock();
+            live.clamp_new_stock();
         }
-        self.shown = None;
+        self.shown_version = None;
     }
 
     /// Sets whether the lathe stops at a collision.
@@ -137,62 +141,62 @@ impl PartSide {
     /// Whether a view shows the part. Only then is its section published.
     pub(super) fn set_visible(&mut self, visible: bool) {
         self.visible = visible;
-        self.show_again();
+        self.force_publish();
     }
 
     /// Cuts the part after a tick. Returns the first collision in it, and whether it stops the
     /// lathe. A collision stalls the spindle of a simulated lathe and trips the drive that ran
     /// into the part. A real lathe is not stopped: its part may differ from this one.
-    pub(super) fn ticked(
+    pub(super) fn after_tick(
         &mut self,
         simulation: &mut Simulation,
         simulated: bool,
-    ) -> Option<(Finding, bool)> {
-        let finding = *self.live.as_mut()?.ticked(simulation).first()?;
+    ) -> Option<(CollisionFinding, bool)> {
+        let finding = *self.live.as_mut()?.follow_tick(simulation).first()?;
         let stops = self.crash_stops && simulated;
         if stops {
             let left = simulation.cnc.distance_to_go();
             let drive = match left.x.abs() > left.z.abs() {
-                true => Fault::DriveX,
-                false => Fault::DriveZ,
+                true => LatheFault::DriveX,
+                false => LatheFault::DriveZ,
             };
             simulation.lathe.set_fault(drive, true);
-            simulation.lathe.set_fault(Fault::SpindleBlocked, true);
+            simulation.lathe.set_fault(LatheFault::SpindleBlocked, true);
         }
         Some((finding, stops))
     }
 
     /// Publishes the part if a view shows it and it has changed since the last time.
-    pub(super) fn show(&mut self, simulation: &Simulation) -> bool {
+    pub(super) fn publish(&mut self, simulation: &Simulation) -> bool {
         let Some(live) = self.live.as_ref().filter(|_| self.visible) else {
             return false;
         };
         let part = live.machining().scene().part();
-        if self.shown != Some(part.version()) {
-            self.shown = Some(part.version());
+        if self.shown_version != Some(part.version()) {
+            self.shown_version = Some(part.version());
             self.section = Arc::new(part.section());
         }
         let (cnc, lathe) = (&simulation.cnc, &simulation.lathe);
-        self.gripped |= lathe.chuck_clamped();
+        self.has_gripped |= lathe.is_chuck_clamped();
         let tool = lathe.station().unwrap_or(cnc.tool().0);
         let frame = cnc.frame();
         let mounting = live.machining().mounting();
         let view = PartView {
             job: Arc::clone(&self.job),
-            guessed: self.guessed,
+            is_guessed: self.is_guessed,
             section: Arc::clone(&self.section),
             tool,
-            tip: mounting.tip(tool, cnc.position_machine(), &frame),
-            zero: mounting.zero_of(tool, &frame),
+            tip: mounting.tip_in_part(tool, cnc.position_machine(), &frame),
+            zero: mounting.slide_at_part_zero(tool, &frame),
             frame,
-            rpm: lathe.spindle_rpm(),
-            coolant: lathe.coolant(),
-            clamped: lathe.chuck_clamped(),
-            chuck_open: self.gripped && !lathe.chuck_clamped(),
-            tailstock_forward: lathe.tailstock_forward(),
-            door_open: lathe.has_fault(Fault::DoorOpen),
+            spindle_rpm: lathe.spindle_rpm(),
+            coolant: lathe.is_coolant_on(),
+            clamped: lathe.is_chuck_clamped(),
+            chuck_open: self.has_gripped && !lathe.is_chuck_clamped(),
+            tailstock_forward: lathe.is_tailstock_forward(),
+            door_open: lathe.has_fault(LatheFault::DoorOpen),
             findings: live.machining().findings().to_vec(),
-            block: running(simulation),
+            block: running_block(simulation),
         };
         if self.last.as_ref() == Some(&view) {
             return false;

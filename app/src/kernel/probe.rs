@@ -8,13 +8,13 @@ use gsk_core::units::{PerAxis, Point};
 use gsk_panel::emulator::Emulator;
 
 /// Capacity of the sample queue: one minute.
-pub const SAMPLES: usize = 60_000;
+pub const MAX_SAMPLES: usize = 60_000;
 /// Number of PLC bits in a sample.
-pub const BITS: usize = 32;
+pub const MAX_BITS: usize = 32;
 
 /// The machine at the end of one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sample {
+pub struct ScopeSample {
     pub tick: u64,
     /// Commanded machine coordinate, mm (X in radius).
     pub commanded: Point,
@@ -23,11 +23,11 @@ pub struct Sample {
     pub actual: Point,
     /// Following error of the motors, mm (X in radius); `None`: a pulse board cannot
     /// measure it.
-    pub following: Option<Point>,
+    pub following_error: Option<Point>,
     /// Spindle speed, r/min; negative in reverse. `None`: the board has no index.
-    pub spindle: Option<f64>,
+    pub spindle_rpm: Option<f64>,
     /// Commanded spindle speed, r/min; 0 while the spindle is off, negative in reverse.
-    pub spindle_commanded: f64,
+    pub commanded_spindle_rpm: f64,
     /// The watched bits, the first in bit 0.
     pub bits: u32,
 }
@@ -36,21 +36,21 @@ pub struct Sample {
 #[derive(Clone, Debug)]
 pub struct Probe {
     /// The queue that takes the samples.
-    pub queue: Arc<ArrayQueue<Sample>>,
-    /// The watched PLC bits, in the order of [`Sample::bits`].
+    pub queue: Arc<ArrayQueue<ScopeSample>>,
+    /// The watched PLC bits, in the order of [`ScopeSample::bits`].
     pub bits: Vec<Option<BitAddress>>,
 }
 
 /// A probe at work.
 #[derive(Clone, Debug)]
-pub(super) struct Probing {
+pub(super) struct ActiveProbe {
     probe: Probe,
     /// Machine coordinate of the lathe's own zero; it changes when an axis makes its
     /// reference return.
     origin: Option<(PerAxis<bool>, Point)>,
 }
 
-impl Probing {
+impl ActiveProbe {
     pub const fn new(probe: Probe) -> Self {
         Self {
             probe,
@@ -59,41 +59,41 @@ impl Probing {
     }
 
     /// Sets other bits, or another queue.
-    pub fn exchange(&mut self, probe: Probe) {
+    pub fn replace_probe(&mut self, probe: Probe) {
         self.probe = probe;
     }
 
-    pub fn take(&mut self, tick: u64, emulator: &Emulator) {
+    pub fn take_sample(&mut self, tick: u64, emulator: &Emulator) {
         let cnc = &emulator.simulation.cnc;
         let lathe = &emulator.simulation.lathe;
         let real = cnc.has_board();
         let commanded = cnc.position_machine();
-        let slides = lathe.slides();
+        let slides = lathe.slide_position();
         let origin = match self.origin {
-            Some((referenced, origin)) if referenced == cnc.referenced() => origin,
+            Some((referenced, origin)) if referenced == cnc.referenced_axes() => origin,
             _ => {
                 let origin = commanded - slides;
-                self.origin = Some((cnc.referenced(), origin));
+                self.origin = Some((cnc.referenced_axes(), origin));
                 origin
             }
         };
         let memory = cnc.plc().memory();
-        let bits = self.probe.bits.iter().enumerate().take(BITS);
+        let bits = self.probe.bits.iter().enumerate().take(MAX_BITS);
         let bits = bits.fold(0, |bits, (place, address)| {
             let state = address.is_some_and(|address| memory.bit(address));
             bits | u32::from(state) << place
         });
-        let sample = Sample {
+        let sample = ScopeSample {
             tick,
             commanded,
             actual: if real { commanded } else { slides + origin },
-            following: (!real).then(|| lathe.following_error()),
-            spindle: if real {
-                cnc.spindle_of_board()
+            following_error: (!real).then(|| lathe.following_error()),
+            spindle_rpm: if real {
+                cnc.board_spindle_rpm()
             } else {
                 Some(lathe.spindle_rpm())
             },
-            spindle_commanded: cnc.spindle_switched(),
+            commanded_spindle_rpm: cnc.spindle_switched(),
             bits,
         };
         self.probe.queue.force_push(sample);

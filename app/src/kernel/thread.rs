@@ -7,61 +7,61 @@ use gsk_messages::{Message, say};
 use tracing::error;
 use web_time::{Duration, Instant};
 
-use super::journal::Journal;
-use super::{Command, Console, Kernel, Notice, PICTURE_TICKS, Times};
-use crate::ending::{ENDED, Ending};
-use crate::pace::{Pace, Speed};
-use crate::platform::{self, Turning};
+use super::journal::ChangeLog;
+use super::{Command, Console, Kernel, Notice, SNAPSHOT_TICKS, SpeedRatio};
+use crate::pace::{RunSpeed, TickPacer};
+use crate::platform::{self, TaskHandle};
 use crate::retained::Keeper;
+use crate::termination::{TERMINATED_EXIT_CODE, TerminationFlag};
 use crate::{log, output, transfer};
 
 /// Time between two checks whether memory needs to be saved.
-const KEEP: Duration = Duration::from_millis(100);
+const KEEPER_INTERVAL: Duration = Duration::from_millis(100);
 /// Time the window has to close when the program ends.
-const WINDOW_CLOSES: Duration = Duration::from_secs(3);
+const WINDOW_CLOSE_TIMEOUT: Duration = Duration::from_secs(3);
 
-/// Time between two snapshots: the duration of [`PICTURE_TICKS`] on a real lathe.
-const PICTURE: Duration = Duration::from_millis(PICTURE_TICKS);
+/// Time between two snapshots: the duration of [`SNAPSHOT_TICKS`] on a real lathe.
+const SNAPSHOT_INTERVAL: Duration = Duration::from_millis(SNAPSHOT_TICKS);
 /// A program that got no processor time for this duration was asleep.
-const ASLEEP: Duration = Duration::from_secs(2);
+const MIN_SLEEP: Duration = Duration::from_secs(2);
 /// Ticks between two checks of keys and clock.
-const TICKS_A_LOOK: u64 = 40;
+const TICKS_PER_CHECK: u64 = 40;
 /// Longest time the thread makes ticks without other work.
-const AT_ONCE: Duration = Duration::from_millis(10);
+const MAX_TICK_TIME: Duration = Duration::from_millis(10);
 
 /// What the kernel thread needs from its environment.
-pub struct Outside {
+pub struct KernelEnvironment {
     /// Called when there is a new snapshot or notice; it must not wait for the window.
     pub wake: Box<dyn Fn() + Send>,
     /// Saves the memory; `None` without a data directory.
     pub keeper: Option<Keeper>,
     /// The folder for files that the control sends, if there is one.
-    pub partner: Option<PathBuf>,
+    pub partner_folder: Option<PathBuf>,
     /// Requests the end of the program.
-    pub ending: Ending,
+    pub termination: TerminationFlag,
 }
 
 /// Handle of the running kernel thread; dropping it stops the thread.
 #[derive(Debug)]
 pub struct KernelThread {
     console: Console,
-    turning: Option<Turning>,
+    task: Option<TaskHandle>,
 }
 
 impl KernelThread {
     pub fn is_alive(&self) -> bool {
-        self.turning.as_ref().is_some_and(Turning::goes_on)
+        self.task.as_ref().is_some_and(TaskHandle::is_running)
     }
 
     /// Stops the thread and waits until it has saved everything.
     pub fn stop(&mut self) {
-        let Some(turning) = self.turning.take() else {
+        let Some(task) = self.task.take() else {
             return;
         };
         // The queue may be full: the kernel empties it.
         let _ = self.console.commands.send(Command::Quit);
-        if !turning.finish() {
-            output::complain_of(&say::kernel_thread_failed());
+        if !task.finish() {
+            output::report_error(&say::kernel_thread_failed());
         }
     }
 }
@@ -76,182 +76,189 @@ impl Drop for KernelThread {
 ///
 /// # Errors
 /// The system starts no thread.
-pub fn start(kernel: Kernel, console: &Console, outside: Outside) -> std::io::Result<KernelThread> {
-    let mut running = Some(Running::new(kernel, outside, console.clone()));
-    let turning = platform::turn("kernel", move || {
-        let goes_on = running.as_mut().is_some_and(Running::turn);
-        if !goes_on && let Some(running) = running.take() {
-            running.end();
+pub fn start(
+    kernel: Kernel,
+    console: &Console,
+    outside: KernelEnvironment,
+) -> std::io::Result<KernelThread> {
+    let mut kernel_loop = Some(KernelLoop::new(kernel, outside, console.clone()));
+    let task = platform::start_task("kernel", move || {
+        let keep_running = kernel_loop.as_mut().is_some_and(KernelLoop::take_turn);
+        if !keep_running && let Some(kernel_loop) = kernel_loop.take() {
+            kernel_loop.end();
         }
-        goes_on
+        keep_running
     })?;
     Ok(KernelThread {
         console: console.clone(),
-        turning: Some(turning),
+        task: Some(task),
     })
 }
 
 /// The kernel with its clock.
-struct Running {
+struct KernelLoop {
     kernel: Kernel,
-    outside: Outside,
+    outside: KernelEnvironment,
     console: Console,
-    pace: Pace,
-    journal: Journal,
+    pace: TickPacer,
+    journal: ChangeLog,
     /// When the next snapshot is due.
-    picture_at: Instant,
+    next_snapshot: Instant,
     /// A moment just before the window's last command, and the number of commands by then.
-    heard: (Duration, u64),
+    last_command: (Duration, u64),
     /// Time at which the keys that are down were first seen held.
-    held: Option<Duration>,
+    held_since: Option<Duration>,
     /// When the loop last checked the clock.
-    looked: Instant,
+    last_check: Instant,
     /// When the keeper last checked the memory.
-    kept: Instant,
+    last_keeper_check: Instant,
 }
 
-impl Running {
-    fn new(mut kernel: Kernel, outside: Outside, console: Console) -> Self {
+impl KernelLoop {
+    fn new(mut kernel: Kernel, outside: KernelEnvironment, console: Console) -> Self {
         let now = Instant::now();
-        kernel.show();
+        kernel.publish();
         (outside.wake)();
         Self {
             kernel,
             outside,
             console,
-            pace: Pace::new(now),
-            journal: Journal::default(),
-            picture_at: now,
-            heard: (platform::time_with_sleep(), 0),
-            held: None,
-            looked: now,
-            kept: now,
+            pace: TickPacer::new(now),
+            journal: ChangeLog::default(),
+            next_snapshot: now,
+            last_command: (platform::time_with_sleep(), 0),
+            held_since: None,
+            last_check: now,
+            last_keeper_check: now,
         }
     }
 
     /// Makes the ticks that are due and waits for the next ones, or for a command; returns
     /// `false` at the end.
-    fn turn(&mut self) -> bool {
-        if self.kernel.quit || self.outside.ending.is_asked() {
+    fn take_turn(&mut self) -> bool {
+        if self.kernel.quit_requested || self.outside.termination.is_requested() {
             return false;
         }
         let now = Instant::now();
         // The computer may sleep at any moment.
         let awake = platform::time_with_sleep();
-        self.let_go(awake);
-        self.say_after_sleep(now);
-        self.tick(now);
-        self.show(now);
-        self.hand_out_sent();
-        self.keep(now);
-        let goes_on = self.hear(now);
+        self.release_unproven_keys(awake);
+        self.report_sleep(now);
+        self.run_due_ticks(now);
+        self.publish_snapshot(now);
+        self.pass_sent_files();
+        self.save_changes(now);
+        let keep_running = self.wait_for_command(now);
         // The computer may have slept since: a command counts from the moment before it
         // was received.
-        if self.kernel.heard > self.heard.1 {
-            self.heard = (awake, self.kernel.heard);
+        if self.kernel.command_count > self.last_command.1 {
+            self.last_command = (awake, self.kernel.command_count);
         }
-        goes_on
+        keep_running
     }
 
     /// Releases held keys if the window has been silent for too long, or if nothing proves
     /// that they are still held: no motion depends on a release that may never come.
-    fn let_go(&mut self, now: Duration) {
+    fn release_unproven_keys(&mut self, now: Duration) {
         let kernel = &mut self.kernel;
-        if !kernel.keys.any_down() {
-            self.held = None;
-            if kernel.is_linked() && kernel.watch.is_silent(now) {
+        if !kernel.key_edges.has_key_down() {
+            self.held_since = None;
+            if kernel.is_linked() && kernel.input_watch.is_silent(now) {
                 kernel.drop_wheel();
             }
             return;
         }
-        let pressed = *self.held.get_or_insert(now);
-        let silent = kernel.watch.has_window_lapsed(self.heard.0, now);
-        if silent || kernel.watch.has_lapsed(pressed, now) {
-            self.held = None;
-            kernel.let_go();
-            kernel.say(Notice::Said(say::keys_let_go()));
+        let pressed = *self.held_since.get_or_insert(now);
+        let silent = kernel
+            .input_watch
+            .has_window_lapsed(self.last_command.0, now);
+        if silent || kernel.input_watch.has_lapsed(pressed, now) {
+            self.held_since = None;
+            kernel.release_keys_and_wheel();
+            kernel.notify(Notice::Message(say::keys_let_go()));
             (self.outside.wake)();
         }
     }
 
     /// Reports that the machine was not running while the computer slept or the page was
     /// frozen.
-    fn say_after_sleep(&mut self, now: Instant) {
-        let away = now.duration_since(self.looked);
-        self.looked = now;
-        if away > ASLEEP && !self.kernel.is_linked() {
-            let said = say::window_stood_still(away.as_secs());
-            self.kernel.say(Notice::Said(said));
+    fn report_sleep(&mut self, now: Instant) {
+        let away = now.duration_since(self.last_check);
+        self.last_check = now;
+        if away > MIN_SLEEP && !self.kernel.is_linked() {
+            let message = say::window_stood_still(away.as_secs());
+            self.kernel.notify(Notice::Message(message));
             (self.outside.wake)();
         }
     }
 
-    fn tick(&mut self, now: Instant) {
+    fn run_due_ticks(&mut self, now: Instant) {
         let Self { kernel, pace, .. } = self;
         if !kernel.is_linked() {
-            self.journal.turn(now, pace.next());
+            self.journal.log_delay(now, pace.next_due());
         }
         pace.set_speed(kernel.speed(), now);
-        let due = pace.due(now);
+        let due = pace.take_due(now);
         if kernel.is_linked() {
             // The clock of the board counts; the machine runs as fast as it must.
             kernel.speed_percent = 100;
-            kernel.times = None;
+            kernel.speed_ratio = None;
             if kernel.run_linked() {
                 (self.outside.wake)();
             }
         } else {
-            let ran = run(kernel, due, pace.speed(), now + AT_ONCE);
+            let ran = run_ticks(kernel, due, pace.speed(), now + MAX_TICK_TIME);
             pace.give_back(due.saturating_sub(ran));
         }
         let link = kernel.link_state();
-        self.journal.look(&kernel.emulator.simulation.cnc, link);
+        self.journal
+            .log_changes(&kernel.emulator.simulation.cnc, link);
     }
 
     /// Publishes a snapshot when one is due; with a board the snapshots come with its
     /// ticks.
-    fn show(&mut self, now: Instant) {
+    fn publish_snapshot(&mut self, now: Instant) {
         let Self { kernel, pace, .. } = self;
-        if kernel.is_linked() || now < self.picture_at {
+        if kernel.is_linked() || now < self.next_snapshot {
             return;
         }
-        self.picture_at = now + PICTURE;
-        let real = pace.speed() == Speed::REAL;
+        self.next_snapshot = now + SNAPSHOT_INTERVAL;
+        let real = pace.speed() == RunSpeed::REAL;
         kernel.speed_percent = if real {
             speed_percent(pace.ratio())
         } else {
             100
         };
-        kernel.times = (!real).then(|| times(pace.ratio()));
-        if kernel.show() {
+        kernel.speed_ratio = (!real).then(|| round_ratio(pace.ratio()));
+        if kernel.publish() {
             (self.outside.wake)();
         }
     }
 
     /// Passes the files that the control has sent to its partner.
-    fn hand_out_sent(&mut self) {
-        let Some(folder) = &self.outside.partner else {
+    fn pass_sent_files(&mut self) {
+        let Some(folder) = &self.outside.partner_folder else {
             return;
         };
         let files = self.kernel.emulator.panel.take_sent();
         if !files.is_empty() {
             let console = self.console.clone();
-            transfer::write_aside(folder.clone(), files, move |written| {
-                tell_of_transfer(&console, written);
+            transfer::write_in_background(folder.clone(), files, move |written| {
+                report_transfer(&console, written);
             });
         }
     }
 
     /// Saves changes of the memory.
-    fn keep(&mut self, now: Instant) {
+    fn save_changes(&mut self, now: Instant) {
         if let Some(keeper) = &mut self.outside.keeper
-            && now.duration_since(self.kept) > KEEP
+            && now.duration_since(self.last_keeper_check) > KEEPER_INTERVAL
         {
-            self.kept = now;
-            keeper.look(self.kernel.kept());
+            self.last_keeper_check = now;
+            keeper.save_if_changed(self.kernel.own_machine());
             for complaint in keeper.complaints() {
                 error!("not saved: {complaint}");
-                self.kernel.say(Notice::Said(complaint));
+                self.kernel.notify(Notice::Message(complaint));
                 (self.outside.wake)();
             }
         }
@@ -259,9 +266,9 @@ impl Running {
 
     /// Waits for a command, or for the next ticks; returns `false` once every sender is
     /// gone.
-    fn hear(&mut self, now: Instant) -> bool {
+    fn wait_for_command(&mut self, now: Instant) -> bool {
         let kernel = &mut self.kernel;
-        let told = match kernel.wakes_at(now, &self.pace) {
+        let received = match kernel.wake_time(now, &self.pace) {
             Some(until) => platform::receive(&kernel.commands, Some(until)),
             // A wait yields the processor, even with no time to wait: on a busy computer
             // the thread continues tens of milliseconds later, and the board gets no bytes
@@ -271,9 +278,9 @@ impl Running {
                 TryRecvError::Disconnected => RecvTimeoutError::Disconnected,
             }),
         };
-        match told {
+        match received {
             Ok(command) => {
-                kernel.carry_out(command);
+                kernel.execute_command(command);
                 true
             }
             Err(none) => none == RecvTimeoutError::Timeout,
@@ -288,16 +295,16 @@ impl Running {
             mut journal,
             ..
         } = self;
-        kernel.watch.end();
-        kernel.release_all();
+        kernel.input_watch.end();
+        kernel.release_all_keys();
         kernel.leave_lesson();
         kernel.disconnect();
-        journal.look(&kernel.emulator.simulation.cnc, kernel.link_state());
+        journal.log_changes(&kernel.emulator.simulation.cnc, kernel.link_state());
         if let Some(keeper) = outside.keeper {
             kernel.emulator.store_edited();
             keeper.finish(&kernel.emulator);
         }
-        if outside.ending.is_asked() {
+        if outside.termination.is_requested() {
             (outside.wake)();
             wait_for_window(&kernel);
         }
@@ -306,10 +313,10 @@ impl Running {
 
 /// Runs the ticks that are due until time is up or the speed in force changes; returns the
 /// number of ticks. Keys take effect every few ticks.
-fn run(kernel: &mut Kernel, due: u64, speed: Speed, until: Instant) -> u64 {
+fn run_ticks(kernel: &mut Kernel, due: u64, speed: RunSpeed, until: Instant) -> u64 {
     let mut ran = 0;
     loop {
-        let ticks = (due - ran).min(TICKS_A_LOOK);
+        let ticks = (due - ran).min(TICKS_PER_CHECK);
         kernel.run(ticks);
         ran += ticks;
         if ran >= due || kernel.speed() != speed || Instant::now() >= until {
@@ -321,38 +328,38 @@ fn run(kernel: &mut Kernel, due: u64, speed: Speed, until: Instant) -> u64 {
 /// Waits until the window closes after the board has stopped and all is saved; ends the
 /// program without the window if it does not.
 fn wait_for_window(kernel: &Kernel) {
-    let last = Instant::now() + WINDOW_CLOSES;
+    let last = Instant::now() + WINDOW_CLOSE_TIMEOUT;
     while let Ok(command) = platform::receive(&kernel.commands, Some(last)) {
         if matches!(command, Command::Quit) {
             return;
         }
     }
     log::finish();
-    std::process::exit(ENDED.into());
+    std::process::exit(TERMINATED_EXIT_CODE.into());
 }
 
 /// Reports to the operator what happened to files that the control has sent.
-fn tell_of_transfer(console: &Console, written: Result<String, Message>) {
+fn report_transfer(console: &Console, written: Result<String, Message>) {
     match written {
         // A window that is gone needs no message.
-        Ok(what) => drop(console.say.try_send(Notice::Sent(what))),
-        Err(said) => {
-            error!("{said}");
-            let _ = console.say.try_send(Notice::Said(said));
+        Ok(what) => drop(console.notice_sender.try_send(Notice::Sent(what))),
+        Err(message) => {
+            error!("{message}");
+            let _ = console.notice_sender.try_send(Notice::Message(message));
             console.send(Command::TransferFailed);
         }
     }
 }
 
 /// Rounds to two digits, so that snapshots do not change needlessly.
-fn times(ratio: f64) -> Times {
+fn round_ratio(ratio: f64) -> SpeedRatio {
     let step = match ratio {
         ..1.0 => 0.05,
         ..10.0 => 0.5,
         ..100.0 => 5.0,
         _ => 50.0,
     };
-    Times((ratio / step).round() * step)
+    SpeedRatio((ratio / step).round() * step)
 }
 
 /// Rounds down to steps of 5 % below 95 %, so that snapshots do not change needlessly.
@@ -371,20 +378,20 @@ mod tests {
     use gsk_panel::emulator::Emulator;
     use gsk_panel::keys::Key;
 
-    fn running() -> (Running, Console) {
+    fn new_loop() -> (KernelLoop, Console) {
         let (kernel, console) = Kernel::new(Emulator::new(Setup::default()));
-        let outside = Outside {
+        let outside = KernelEnvironment {
             wake: Box::new(|| {}),
             keeper: None,
-            partner: None,
-            ending: Ending::default(),
+            partner_folder: None,
+            termination: TerminationFlag::default(),
         };
-        (Running::new(kernel, outside, console.clone()), console)
+        (KernelLoop::new(kernel, outside, console.clone()), console)
     }
 
     #[test]
-    fn held_keys_are_let_go_after_a_silence_whatever_waits_to_be_heard() {
-        let (mut running, console) = running();
+    fn held_keys_are_released_after_a_silence_despite_waiting_commands() {
+        let (mut kernel_loop, console) = new_loop();
         let held = || Command::Key {
             key: Key::XUp,
             down: true,
@@ -392,30 +399,32 @@ mod tests {
         for _ in 0..2 {
             // A key pressed after the silence is held.
             console.send(held());
-            assert!(running.turn());
+            assert!(kernel_loop.take_turn());
             // The silence counts from the turn that received the key: the computer may
             // sleep before the next one.
-            assert_eq!(running.heard.1, running.kernel.heard);
-            assert!(running.turn());
-            assert!(running.kernel.keys.any_down());
+            assert_eq!(kernel_loop.last_command.1, kernel_loop.kernel.command_count);
+            assert!(kernel_loop.take_turn());
+            assert!(kernel_loop.kernel.key_edges.has_key_down());
             // The computer slept: commands from before the sleep are no sign of life.
-            running.heard.0 = platform::time_with_sleep().saturating_sub(Duration::from_secs(2));
+            kernel_loop.last_command.0 =
+                platform::time_with_sleep().saturating_sub(Duration::from_secs(2));
             console.send(Command::Alive);
-            assert!(running.turn());
-            assert!(!running.kernel.keys.any_down());
+            assert!(kernel_loop.take_turn());
+            assert!(!kernel_loop.kernel.key_edges.has_key_down());
         }
     }
 
     #[test]
-    fn a_sleep_is_said_and_a_short_delay_is_not() {
-        let (mut running, console) = running();
+    fn a_sleep_is_reported_and_a_short_delay_is_not() {
+        let (mut kernel_loop, console) = new_loop();
         let woken = Instant::now();
-        for (away, said) in [(1, None), (7, Some(7))] {
-            running.looked = woken;
-            running.say_after_sleep(woken + Duration::from_secs(away));
-            let heard = console.notices.try_iter().collect::<Vec<_>>();
-            let expected = said.map(|seconds| Notice::Said(say::window_stood_still(seconds)));
-            assert_eq!(heard, Vec::from_iter(expected));
+        for (away, reported_s) in [(1, None), (7, Some(7))] {
+            kernel_loop.last_check = woken;
+            kernel_loop.report_sleep(woken + Duration::from_secs(away));
+            let received = console.notices.try_iter().collect::<Vec<_>>();
+            let expected =
+                reported_s.map(|seconds| Notice::Message(say::window_stood_still(seconds)));
+            assert_eq!(received, Vec::from_iter(expected));
         }
     }
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use gsk_messages::{Message, say};
 use gsk_transfer::{ConnectionLoss, FileName, FileNameError, InvalidCharacter, TransferFault};
 
-use crate::files::program_file::FileError;
+use crate::files::program_file::ProgramFileError;
 use crate::output::WriteError;
 use crate::ports::{self, PortError};
 
@@ -19,7 +19,7 @@ pub enum PcError {
     /// The transfer through the port has failed.
     Files(#[from] FilesError),
     /// A file of the PC cannot be read.
-    File(#[from] FileError),
+    File(#[from] ProgramFileError),
     /// A file of the PC cannot be written.
     Write(#[from] WriteError),
 }
@@ -66,17 +66,17 @@ pub enum FilesError {
     /// A text ended before its last character.
     Broken,
     /// No byte arrived within this time, s.
-    Nothing(u64),
+    NothingReceived(u64),
     /// The other end stopped the line for this time, s.
-    HeldUp(u64),
+    LineStopped(u64),
     /// Some of several files failed; each has been reported.
-    Some,
+    SomeFailed,
     /// A file that has no name at the control.
     NoName(PathBuf),
     /// A name that the control does not permit.
     Name(#[from] FileNameError),
     /// Two files of the same name.
-    Twice {
+    DuplicateName {
         /// The name at the control.
         name: FileName,
         /// The first file.
@@ -85,9 +85,9 @@ pub enum FilesError {
         second: PathBuf,
     },
     /// The file already exists.
-    There(PathBuf),
+    Exists(PathBuf),
     /// The name is taken and there is no terminal to query the operator.
-    NobodyToAsk(FileName),
+    NoTerminal(FileName),
     /// No program number is free.
     NoFreeName(FileName),
     /// The folder has no files for the control.
@@ -103,7 +103,7 @@ pub enum FilesError {
 
 impl FilesError {
     /// Whether the cause is the line or the control, not the command and its files.
-    pub const fn is_of_the_line(&self) -> bool {
+    pub const fn is_line_error(&self) -> bool {
         matches!(
             self,
             Self::Lost(_)
@@ -112,9 +112,9 @@ impl FilesError {
                 | Self::Refused { .. }
                 | Self::Noise
                 | Self::Broken
-                | Self::Nothing(_)
-                | Self::HeldUp(_)
-                | Self::Some
+                | Self::NothingReceived(_)
+                | Self::LineStopped(_)
+                | Self::SomeFailed
         )
     }
 
@@ -123,23 +123,23 @@ impl FilesError {
         let path = |path: &Path| path.display().to_string();
         match self {
             Self::Lost(loss) => loss.message(),
-            Self::Gone(error) => ports::gone(error),
+            Self::Gone(error) => ports::failure_message(error),
             Self::Cancelled => say::transfer_cancelled(),
             Self::Refused { name, fault } => say::subject_reason(name, fault.message()),
             Self::Noise => say::transfer_text_noise(),
             Self::Broken => say::transfer_text_broken(),
-            Self::Nothing(seconds) => say::transfer_nothing_came(seconds),
-            Self::HeldUp(seconds) => say::transfer_stopped_long(seconds),
-            Self::Some => say::transfer_not_all(),
+            Self::NothingReceived(seconds) => say::transfer_nothing_came(seconds),
+            Self::LineStopped(seconds) => say::transfer_stopped_long(seconds),
+            Self::SomeFailed => say::transfer_not_all(),
             Self::NoName(file) => say::transfer_no_name_for(path(file)),
             Self::Name(error) => error.message(),
-            Self::Twice {
+            Self::DuplicateName {
                 name,
                 first,
                 second,
             } => say::transfer_twice(name, path(first), path(second)),
-            Self::There(file) => say::transfer_file_there(path(file)),
-            Self::NobodyToAsk(name) => say::transfer_nobody_to_ask(name),
+            Self::Exists(file) => say::transfer_file_there(path(file)),
+            Self::NoTerminal(name) => say::transfer_nobody_to_ask(name),
             Self::NoFreeName(name) => say::transfer_no_free_name(name),
             Self::Empty(folder) => say::transfer_folder_empty(path(folder)),
             Self::NotText { file, error } => say::subject_reason(path(file), error.message()),

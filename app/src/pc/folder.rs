@@ -6,13 +6,13 @@ use gsk_panel::panel::FileId;
 use gsk_transfer::FileName;
 
 use super::{FilesError, PcError};
-use crate::files::program_file::FileError;
+use crate::files::program_file::ProgramFileError;
 use crate::files::{atomic, subprograms};
 use crate::output::WriteError;
 
 /// A file of the PC and its name at the control.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Chosen {
+pub struct PcFile {
     /// Path on the PC.
     pub path: PathBuf,
     /// Name at the control.
@@ -25,30 +25,30 @@ pub struct Chosen {
 ///
 /// # Errors
 /// The file yields no name, or `NAME` is invalid.
-pub fn chosen(word: &str) -> Result<Chosen, FilesError> {
+pub fn parse_file_word(word: &str) -> Result<PcFile, FilesError> {
     let path = PathBuf::from(word);
     if !path.exists()
         && let Some((file, name)) = word.rsplit_once('=')
     {
-        return Ok(Chosen {
+        return Ok(PcFile {
             path: PathBuf::from(file),
             name: FileName::new(name)?,
         });
     }
-    match named(&path) {
-        Some(name) => Ok(Chosen { path, name }),
+    match control_name(&path) {
+        Some(name) => Ok(PcFile { path, name }),
         None => Err(FilesError::NoName(path)),
     }
 }
 
 /// Returns the name at the control: the file's name, or one made from the program number
 /// in the file's name or first block; `None` without both.
-pub fn named(path: &Path) -> Option<FileName> {
+pub fn control_name(path: &Path) -> Option<FileName> {
     let own = path.file_name().and_then(|name| name.to_str());
     let own = own.filter(|name| FileId::of(name).is_some());
     let number = || {
-        let number =
-            subprograms::number_in_name(path).or_else(|| subprograms::number_in_head(path));
+        let number = subprograms::parse_number_in_name(path)
+            .or_else(|| subprograms::read_number_in_head(path));
         number.map(FileName::from_program)
     };
     own.and_then(|name| FileName::new(name).ok())
@@ -59,10 +59,10 @@ pub fn named(path: &Path) -> Option<FileName> {
 ///
 /// # Errors
 /// Names both.
-pub fn each_once(files: &[Chosen]) -> Result<(), FilesError> {
+pub fn refuse_duplicates(files: &[PcFile]) -> Result<(), FilesError> {
     for (at, file) in files.iter().enumerate() {
         if let Some(first) = files[..at].iter().find(|first| first.name == file.name) {
-            return Err(FilesError::Twice {
+            return Err(FilesError::DuplicateName {
                 name: file.name.clone(),
                 first: first.path.clone(),
                 second: file.path.clone(),
@@ -77,9 +77,9 @@ pub fn each_once(files: &[Chosen]) -> Result<(), FilesError> {
 ///
 /// # Errors
 /// The folder cannot be read, or has no such files.
-pub fn of_folder(folder: &Path) -> Result<Vec<Chosen>, PcError> {
+pub fn list_control_files(folder: &Path) -> Result<Vec<PcFile>, PcError> {
     let entries = std::fs::read_dir(folder).map_err(|error| unreadable(folder, error))?;
-    let mut files: Vec<(u8, Chosen)> = entries
+    let mut files: Vec<(u8, PcFile)> = entries
         .flatten()
         .filter_map(|entry| {
             let name = entry.file_name();
@@ -90,7 +90,7 @@ pub fn of_folder(folder: &Path) -> Result<Vec<Chosen>, PcError> {
                 FileId::Parameters => 2,
             };
             let path = entry.path();
-            path.is_file().then_some((order, Chosen { path, name }))
+            path.is_file().then_some((order, PcFile { path, name }))
         })
         .collect();
     if files.is_empty() {
@@ -100,8 +100,8 @@ pub fn of_folder(folder: &Path) -> Result<Vec<Chosen>, PcError> {
         one.cmp(other)
             .then_with(|| a.name.as_str().cmp(b.name.as_str()))
     });
-    let files: Vec<Chosen> = files.into_iter().map(|(_, file)| file).collect();
-    each_once(&files)?;
+    let files: Vec<PcFile> = files.into_iter().map(|(_, file)| file).collect();
+    refuse_duplicates(&files)?;
     Ok(files)
 }
 
@@ -109,27 +109,27 @@ pub fn of_folder(folder: &Path) -> Result<Vec<Chosen>, PcError> {
 ///
 /// # Errors
 /// Names the file and the error of the system.
-pub fn read(path: &Path) -> Result<Vec<u8>, PcError> {
+pub fn read_file(path: &Path) -> Result<Vec<u8>, PcError> {
     std::fs::read(path).map_err(|error| unreadable(path, error))
 }
 
 fn unreadable(path: &Path, source: std::io::Error) -> PcError {
     let path = path.to_owned();
-    PcError::File(FileError::System { path, source })
+    PcError::File(ProgramFileError::System { path, source })
 }
 
 /// Checks before a transfer that no file would be replaced, unless `overwrite` is set.
 ///
 /// # Errors
 /// Names the first existing file.
-pub fn keep_apart(
+pub fn refuse_existing(
     folder: &Path,
     names: impl Iterator<Item = String>,
     overwrite: bool,
 ) -> Result<(), FilesError> {
     let mut paths = names.map(|name| folder.join(name));
     match paths.find(|path| !overwrite && path.exists()) {
-        Some(path) => Err(FilesError::There(path)),
+        Some(path) => Err(FilesError::Exists(path)),
         None => Ok(()),
     }
 }
@@ -138,7 +138,7 @@ pub fn keep_apart(
 ///
 /// # Errors
 /// Names the folder and the error of the system.
-pub fn make(folder: &Path) -> Result<(), PcError> {
+pub fn make_folder(folder: &Path) -> Result<(), PcError> {
     let made = std::fs::create_dir_all(folder);
     made.map_err(|error| WriteError::new(folder, error).into())
 }
@@ -147,13 +147,13 @@ pub fn make(folder: &Path) -> Result<(), PcError> {
 ///
 /// # Errors
 /// Names the file and the error of the system.
-pub fn write(path: &Path, bytes: &[u8]) -> Result<(), PcError> {
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), PcError> {
     let written = atomic::write(path, bytes);
     written.map_err(|error| WriteError::new(path, error).into())
 }
 
 /// Returns a free path in a folder: with this name, or with a number after it.
-pub fn free(folder: &Path, name: &str) -> PathBuf {
+pub fn free_path(folder: &Path, name: &str) -> PathBuf {
     let (stem, ending) = name.split_once('.').unwrap_or((name, ""));
     let numbered = (2_u32..).map(|number| folder.join(format!("{stem} ({number}).{ending}")));
     let mut names = core::iter::once(folder.join(name)).chain(numbered);

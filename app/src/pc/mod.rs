@@ -4,11 +4,11 @@
 mod error;
 pub mod folder;
 mod names;
-mod remembered;
-mod talk;
+mod session;
+mod transfer_settings;
 pub mod worker;
 
 pub use error::{FilesError, PcError};
 pub use names::free_name;
-pub use remembered::{Item, Remembered, of_window};
-pub use talk::{Talk, Traffic, Watch};
+pub use session::{TransferObserver, TransferSession, TransferTotals};
+pub use transfer_settings::{SendListItem, TransferSettings, load_window_settings};

@@ -15,7 +15,7 @@ use gsk_transfer::{
 };
 use web_time::Duration;
 
-use super::{FilesError, PcError, Talk, Traffic, Watch, folder};
+use super::{FilesError, PcError, TransferObserver, TransferSession, TransferTotals, folder};
 use crate::{platform, ports};
 
 /// A file of the PC to send to the control.
@@ -24,14 +24,14 @@ pub struct ToSend {
     /// Path on the PC.
     pub path: PathBuf,
     /// Location at the control.
-    pub place: RemotePath,
+    pub location: RemotePath,
     /// Replace a file of the same name without a question.
     pub overwrite: bool,
 }
 
 /// A command for the thread.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Order {
+pub enum PcWorkerCommand {
     /// List the ports of the computer.
     FindPorts,
     /// Read the lengths of files on the PC.
@@ -58,7 +58,7 @@ pub enum Order {
     /// Receive files into a folder.
     Receive {
         /// The files at the control.
-        places: Vec<RemotePath>,
+        locations: Vec<RemotePath>,
         /// The folder on the PC.
         into: PathBuf,
     },
@@ -74,19 +74,19 @@ pub enum Order {
         to: FileName,
     },
     /// Write a file that the control has sent unrequested.
-    Keep {
+    StorePushed {
         /// Path on the PC.
         path: PathBuf,
         /// The file.
         file: TransferFile,
     },
     /// The answer to a question of the current job.
-    Answer(Answer),
+    Answer(NameConflictAnswer),
 }
 
 /// State of the connection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Stage {
+pub enum ConnectionStage {
     /// No port is open.
     #[default]
     Closed,
@@ -98,13 +98,13 @@ pub enum Stage {
 
 /// A question of a job: a file name is taken.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Question {
+pub enum NameConflict {
     /// At the control (manual V-3.3).
     AtControl {
         /// The file.
-        place: RemotePath,
+        location: RemotePath,
         /// A free name for the existing file; `None` for data, which have one name only.
-        free: Option<FileName>,
+        free_name: Option<FileName>,
         /// Files in the partition.
         entries: Vec<DirectoryEntry>,
     },
@@ -114,7 +114,7 @@ pub enum Question {
 
 /// What to do with a file whose name is taken.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Choice {
+pub enum NameConflictChoice {
     /// Replace the existing file (`是`).
     Overwrite,
     /// Rename (`否`): the existing file at the control gets this name, or a free one; on
@@ -126,16 +126,16 @@ pub enum Choice {
 
 /// The answer to a question.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Answer {
+pub struct NameConflictAnswer {
     /// What to do with the file.
-    pub choice: Choice,
+    pub choice: NameConflictChoice,
     /// Apply the choice to all other files of this job.
-    pub of_all: bool,
+    pub for_all: bool,
 }
 
 /// What a job does with its files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum FileJobKind {
     /// Send them to the control.
     Send,
     /// Receive them from the control.
@@ -146,7 +146,7 @@ pub enum Kind {
 
 /// Result for one file of a job.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Fate {
+pub enum FileResult {
     /// The file has been sent, received or deleted.
     Done,
     /// The operator has skipped it.
@@ -157,77 +157,77 @@ pub enum Fate {
 
 /// An event for the window.
 #[derive(Clone, Debug, PartialEq)]
-pub enum News {
+pub enum PcWorkerEvent {
     /// The ports of the computer, each by the name that opens it.
     Ports(Vec<String>),
     /// Lengths of files on the PC, bytes; `None`: the file does not exist.
     Lengths(Vec<(PathBuf, Option<u64>)>),
     /// The state of the connection has changed.
-    Stage(Stage),
+    Stage(ConnectionStage),
     /// A command other than a job has failed.
     Failed(Message),
     /// A command other than a job has succeeded.
-    Said(Message),
+    Succeeded(Message),
     /// Files in the partitions of the control.
     Listed(Vec<(Partition, Vec<DirectoryEntry>)>),
     /// A job begins with these files.
-    Begun(Kind, Vec<String>),
+    JobBegun(FileJobKind, Vec<String>),
     /// A file of the job begins, by its index.
-    At(usize),
+    FileBegun(usize),
     /// Progress of the current file, and the number of retransmitted frames.
-    Moves(TransferProgress, u64),
+    Progress(TransferProgress, u64),
     /// A file of the job has ended, by its index.
-    Ended(usize, Fate),
+    FileEnded(usize, FileResult),
     /// Transfer totals so far.
-    Traffic(Traffic),
+    Totals(TransferTotals),
     /// A file name is taken: the job waits for the answer.
-    Asked(Question),
+    Conflict(NameConflict),
     /// The job is finished; the reason, if it has not reached its end.
-    Over(Option<Message>),
+    JobFinished(Option<Message>),
     /// The control has sent a file unrequested (manual V-3.4).
     Pushed(TransferFile),
 }
 
 /// Handle of the thread; dropping it ends the thread.
 #[derive(Debug)]
-pub struct Worker {
-    orders: Sender<Order>,
-    news: Receiver<News>,
+pub struct PcWorker {
+    commands: Sender<PcWorkerCommand>,
+    events: Receiver<PcWorkerEvent>,
     cancel: Arc<AtomicBool>,
 }
 
-impl Worker {
+impl PcWorker {
     /// Starts the thread. It calls `wake` after each event.
     ///
     /// # Errors
     /// The system starts no thread.
     pub fn start(wake: impl Fn() + Send + Sync + 'static) -> io::Result<Self> {
-        let (orders, from_window) = unbounded();
+        let (commands, from_window) = unbounded();
         let (to_window, news) = unbounded();
         let cancel = Arc::new(AtomicBool::new(false));
-        let mut desk = Desk {
-            orders: from_window,
-            tell: Tell {
-                news: to_window,
+        let mut thread = PcWorkerThread {
+            commands: from_window,
+            events: EventSender {
+                events: to_window,
                 wake: Arc::new(wake),
             },
             cancel: Arc::clone(&cancel),
-            talk: None,
-            stage: Stage::Closed,
+            session: None,
+            stage: ConnectionStage::Closed,
         };
-        platform::turn("transfer", move || desk.turn())?;
+        platform::start_task("transfer", move || thread.take_turn())?;
         Ok(Self {
-            orders,
-            news,
+            commands,
+            events: news,
             cancel,
         })
     }
 
     /// Queues a command; the thread carries out earlier ones first.
-    pub fn order(&self, order: Order) {
+    pub fn send_command(&self, order: PcWorkerCommand) {
         self.cancel.store(false, Ordering::Relaxed);
         // A thread that has ended needs no command.
-        let _ = self.orders.send(order);
+        let _ = self.commands.send(order);
     }
 
     /// Cancels the current job (取消).
@@ -236,38 +236,38 @@ impl Worker {
     }
 
     /// Returns the next event, if there is one.
-    pub fn news(&self) -> Option<News> {
-        self.news.try_recv().ok()
+    pub fn next_event(&self) -> Option<PcWorkerEvent> {
+        self.events.try_recv().ok()
     }
 }
 
 /// Reports events to the window.
 #[derive(Clone)]
-struct Tell {
-    news: Sender<News>,
+struct EventSender {
+    events: Sender<PcWorkerEvent>,
     wake: Arc<dyn Fn() + Send + Sync>,
 }
 
-impl Tell {
-    fn tell(&self, news: News) {
+impl EventSender {
+    fn send(&self, news: PcWorkerEvent) {
         // A window that is gone needs no events.
-        let _ = self.news.send(news);
+        let _ = self.events.send(news);
         (self.wake)();
     }
 }
 
 /// Reports the progress of files to the window.
-struct Onlooker {
-    tell: Tell,
+struct ProgressReporter {
+    events: EventSender,
     cancel: Arc<AtomicBool>,
-    last: Option<(TransferProgress, u64)>,
+    last_progress: Option<(TransferProgress, u64)>,
 }
 
-impl Watch for Onlooker {
-    fn moves(&mut self, progress: TransferProgress, retries: u64) {
-        if self.last != Some((progress, retries)) {
-            self.last = Some((progress, retries));
-            self.tell.tell(News::Moves(progress, retries));
+impl TransferObserver for ProgressReporter {
+    fn on_progress(&mut self, progress: TransferProgress, retries: u64) {
+        if self.last_progress != Some((progress, retries)) {
+            self.last_progress = Some((progress, retries));
+            self.events.send(PcWorkerEvent::Progress(progress, retries));
         }
     }
 
@@ -277,30 +277,30 @@ impl Watch for Onlooker {
 }
 
 /// The state of the thread.
-struct Desk {
-    orders: Receiver<Order>,
-    tell: Tell,
+struct PcWorkerThread {
+    commands: Receiver<PcWorkerCommand>,
+    events: EventSender,
     cancel: Arc<AtomicBool>,
-    talk: Option<Talk>,
-    stage: Stage,
+    session: Option<TransferSession>,
+    stage: ConnectionStage,
 }
 
-impl Desk {
+impl PcWorkerThread {
     /// Carries out a command, or moves bytes while there is none; returns whether to
     /// continue.
-    fn turn(&mut self) -> bool {
-        if self.talk.is_none() {
-            return match platform::receive(&self.orders, None) {
+    fn take_turn(&mut self) -> bool {
+        if self.session.is_none() {
+            return match platform::receive(&self.commands, None) {
                 Ok(order) => {
-                    self.carry_out(order);
+                    self.execute(order);
                     true
                 }
                 Err(none) => none == RecvTimeoutError::Timeout,
             };
         }
-        match self.orders.try_recv() {
-            Ok(order) => self.carry_out(order),
-            Err(TryRecvError::Empty) => self.listen(),
+        match self.commands.try_recv() {
+            Ok(order) => self.execute(order),
+            Err(TryRecvError::Empty) => self.poll_idle_line(),
             Err(TryRecvError::Disconnected) => {
                 self.close();
                 return false;
@@ -311,162 +311,177 @@ impl Desk {
 
     /// Handles an idle line: the control may send unrequested, and a cable may be
     /// unplugged.
-    fn listen(&mut self) {
-        let Some(talk) = &mut self.talk else { return };
-        match talk.idle() {
+    fn poll_idle_line(&mut self) {
+        let Some(talk) = &mut self.session else {
+            return;
+        };
+        match talk.poll() {
             Ok(None) => {}
             Ok(Some(file)) => {
-                self.go(Stage::Connected);
-                self.tell.tell(News::Pushed(file));
+                self.set_stage(ConnectionStage::Connected);
+                self.events.send(PcWorkerEvent::Pushed(file));
             }
-            Err(error) => self.failed(&error),
+            Err(error) => self.report_failure(&error),
         }
     }
 
-    fn go(&mut self, stage: Stage) {
+    fn set_stage(&mut self, stage: ConnectionStage) {
         if self.stage != stage {
             self.stage = stage;
-            self.tell.tell(News::Stage(stage));
+            self.events.send(PcWorkerEvent::Stage(stage));
         }
     }
 
     /// Reports an error; without a port or an answer the connection is lost.
-    fn failed(&mut self, error: &PcError) {
-        self.falls_back(error);
-        self.tell.tell(News::Failed(error.message()));
+    fn report_failure(&mut self, error: &PcError) {
+        self.lower_stage(error);
+        self.events.send(PcWorkerEvent::Failed(error.message()));
     }
 
-    fn falls_back(&mut self, error: &PcError) {
+    fn lower_stage(&mut self, error: &PcError) {
         match error {
             PcError::Port(_) | PcError::Files(FilesError::Gone(_)) => {
-                self.talk = None;
-                self.go(Stage::Closed);
+                self.session = None;
+                self.set_stage(ConnectionStage::Closed);
             }
-            error if error.ends_connection() => self.go(Stage::Open),
+            error if error.ends_connection() => self.set_stage(ConnectionStage::Open),
             _ => {}
         }
     }
 
     fn close(&mut self) {
-        if let Some(talk) = self.talk.take()
-            && self.stage == Stage::Connected
+        if let Some(talk) = self.session.take()
+            && self.stage == ConnectionStage::Connected
         {
-            talk.end();
+            talk.close();
         }
-        self.talk = None;
-        self.go(Stage::Closed);
+        self.session = None;
+        self.set_stage(ConnectionStage::Closed);
     }
 
-    fn carry_out(&mut self, order: Order) {
+    fn execute(&mut self, order: PcWorkerCommand) {
         match order {
-            Order::FindPorts => self.tell.tell(News::Ports(found())),
-            Order::Measure(paths) => self.tell.tell(News::Lengths(measured(paths))),
-            Order::Open { port, baud } => self.open(&port, baud),
-            Order::Close => self.close(),
-            Order::Connect => self.connect(),
-            Order::Disconnect => self.disconnect(),
-            Order::List => self.list(),
-            Order::Send(files) => self.send(files),
-            Order::Restore(folder) => self.restore(&folder),
-            Order::Receive { places, into } => self.receive(places, &into),
-            Order::BackUp(folder) => self.back_up(&folder),
-            Order::Delete(places) => self.delete(places),
-            Order::Rename { from, to } => self.rename(from, to),
-            Order::Keep { path, file } => self.tell.tell(kept(&path, &file)),
+            PcWorkerCommand::FindPorts => self.events.send(PcWorkerEvent::Ports(port_names())),
+            PcWorkerCommand::Measure(paths) => self
+                .events
+                .send(PcWorkerEvent::Lengths(file_lengths(paths))),
+            PcWorkerCommand::Open { port, baud } => self.open(&port, baud),
+            PcWorkerCommand::Close => self.close(),
+            PcWorkerCommand::Connect => self.connect(),
+            PcWorkerCommand::Disconnect => self.disconnect(),
+            PcWorkerCommand::List => self.list(),
+            PcWorkerCommand::Send(files) => self.send(files),
+            PcWorkerCommand::Restore(folder) => self.restore(&folder),
+            PcWorkerCommand::Receive {
+                locations: places,
+                into,
+            } => self.receive(places, &into),
+            PcWorkerCommand::BackUp(folder) => self.back_up(&folder),
+            PcWorkerCommand::Delete(places) => self.delete(places),
+            PcWorkerCommand::Rename { from, to } => self.rename(from, to),
+            PcWorkerCommand::StorePushed { path, file } => {
+                self.events.send(store_pushed(&path, &file))
+            }
             // The job that asked has ended meanwhile.
-            Order::Answer(_) => {}
+            PcWorkerCommand::Answer(_) => {}
         }
     }
 
     fn open(&mut self, port: &str, baud: u32) {
         self.close();
-        let watch = Onlooker {
-            tell: self.tell.clone(),
+        let watch = ProgressReporter {
+            events: self.events.clone(),
             cancel: Arc::clone(&self.cancel),
-            last: None,
+            last_progress: None,
         };
-        match Talk::open(port, baud, Box::new(watch)) {
+        match TransferSession::open(port, baud, Box::new(watch)) {
             Ok(talk) => {
-                self.talk = Some(talk);
-                self.go(Stage::Open);
+                self.session = Some(talk);
+                self.set_stage(ConnectionStage::Open);
             }
-            Err(error) => self.failed(&error),
+            Err(error) => self.report_failure(&error),
         }
     }
 
     /// Runs work at the open port and reports its error.
-    fn at_port<T>(&mut self, work: impl FnOnce(&mut Talk) -> Result<T, PcError>) -> Option<T> {
-        let done = work(self.talk.as_mut()?);
+    fn with_port<T>(
+        &mut self,
+        work: impl FnOnce(&mut TransferSession) -> Result<T, PcError>,
+    ) -> Option<T> {
+        let done = work(self.session.as_mut()?);
         match done {
             Ok(done) => Some(done),
             Err(error) => {
-                self.failed(&error);
+                self.report_failure(&error);
                 None
             }
         }
     }
 
     fn connect(&mut self) {
-        if self.at_port(Talk::connect).is_some() {
-            self.go(Stage::Connected);
+        if self.with_port(TransferSession::connect).is_some() {
+            self.set_stage(ConnectionStage::Connected);
             self.list();
         }
     }
 
     fn disconnect(&mut self) {
-        if self.at_port(Talk::take_leave).is_some() {
-            self.go(Stage::Open);
+        if self.with_port(TransferSession::disconnect).is_some() {
+            self.set_stage(ConnectionStage::Open);
         }
     }
 
     fn list(&mut self) {
-        let listed = self.at_port(|talk| {
+        let listed = self.with_port(|talk| {
             let all = Partition::ALL.into_iter();
             all.map(|it| Ok((it, talk.list(it)?))).collect()
         });
         if let Some(listed) = listed {
-            self.tell.tell(News::Listed(listed));
+            self.events.send(PcWorkerEvent::Listed(listed));
         }
     }
 
     fn rename(&mut self, from: RemotePath, to: FileName) {
         let (name, new) = (from.name.clone(), to.clone());
-        let renamed = self.at_port(|talk| talk.change(&name, PcCommand::Rename { from, to }));
+        let renamed = self.with_port(|talk| talk.change(&name, PcCommand::Rename { from, to }));
         if renamed.is_some() {
-            self.tell.tell(News::Said(say::transfer_renamed(name, new)));
+            self.events
+                .send(PcWorkerEvent::Succeeded(say::transfer_renamed(name, new)));
             self.list();
         }
     }
 }
 
 /// Returns the ports of the computer.
-fn found() -> Vec<String> {
+fn port_names() -> Vec<String> {
     // Without a list from the system the user types the port.
-    let found = ports::list().unwrap_or_default();
-    let name = |port: ports::Found| match port.by_id {
+    let found = ports::list_ports().unwrap_or_default();
+    let name = |port: ports::PortInfo| match port.by_id {
         Some(by_id) => by_id.display().to_string(),
         None => port.path,
     };
     found.into_iter().map(name).collect()
 }
 
-fn measured(paths: Vec<PathBuf>) -> Vec<(PathBuf, Option<u64>)> {
+fn file_lengths(paths: Vec<PathBuf>) -> Vec<(PathBuf, Option<u64>)> {
     let measured = |path: PathBuf| {
-        let facts = platform::facts(&path).ok().filter(|facts| facts.is_file);
+        let facts = platform::path_facts(&path)
+            .ok()
+            .filter(|facts| facts.is_file);
         (path, facts.map(|facts| facts.length))
     };
     paths.into_iter().map(measured).collect()
 }
 
-fn kept(path: &Path, file: &TransferFile) -> News {
-    match folder::write(path, &file.bytes) {
+fn store_pushed(path: &Path, file: &TransferFile) -> PcWorkerEvent {
+    match folder::write_file(path, &file.bytes) {
         Ok(()) => {
             let (name, size) = (&file.remote_path.name, file.bytes.len());
-            News::Said(say::transfer_got(name, path.display(), size))
+            PcWorkerEvent::Succeeded(say::transfer_got(name, path.display(), size))
         }
-        Err(error) => News::Failed(error.message()),
+        Err(error) => PcWorkerEvent::Failed(error.message()),
     }
 }
 
 /// Time between two checks of the line while a job waits for an answer.
-const LOOK: Duration = Duration::from_millis(50);
+const ANSWER_POLL_INTERVAL: Duration = Duration::from_millis(50);

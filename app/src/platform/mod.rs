@@ -65,7 +65,7 @@ pub fn refuse_device(path: &Path) -> io::Result<()> {
 
 /// What exists at a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Facts {
+pub struct PathFacts {
     /// A plain file.
     pub is_file: bool,
     /// A folder.

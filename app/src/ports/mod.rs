@@ -10,16 +10,16 @@ use gsk_messages::{Message, say};
 use serialport::FlowControl;
 use web_time::{Duration, Instant};
 
+use crate::message_format::{describe_io_error, describe_port_error};
 use crate::platform::{self, Serial};
-use crate::saying::{of_port, of_system};
 
 /// How long a read waits for its first byte, and a write for space.
-const WAIT: Duration = Duration::from_millis(2);
+const IO_TIMEOUT: Duration = Duration::from_millis(2);
 /// Address for a virtual board on a system without pseudo terminals; the system chooses
 /// the port number.
-const OWN_COMPUTER: &str = "127.0.0.1:0";
+const LOOPBACK_ADDRESS: &str = "127.0.0.1:0";
 /// Time between two attempts to open a port that is in use.
-const BETWEEN: Duration = Duration::from_millis(20);
+const RETRY_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Why a port cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -83,12 +83,18 @@ impl PortError {
     /// Returns the message for the operator.
     pub fn message(&self) -> Message {
         match self {
-            Self::Forbidden { path, error } => say::port_forbidden(path, of_port(error)),
-            Self::NotFound { path, error } => say::port_not_found(path, of_port(error)),
-            Self::NoDevice { path, error } => say::port_no_device(path, of_port(error)),
-            Self::Refused { path, error } => say::port_refused(path, of_port(error)),
-            Self::Unreachable { path, error } => say::port_unreachable(path, of_system(error)),
-            Self::NotOffered { address, error } => say::port_not_offered(address, of_system(error)),
+            Self::Forbidden { path, error } => {
+                say::port_forbidden(path, describe_port_error(error))
+            }
+            Self::NotFound { path, error } => say::port_not_found(path, describe_port_error(error)),
+            Self::NoDevice { path, error } => say::port_no_device(path, describe_port_error(error)),
+            Self::Refused { path, error } => say::port_refused(path, describe_port_error(error)),
+            Self::Unreachable { path, error } => {
+                say::port_unreachable(path, describe_io_error(error))
+            }
+            Self::NotOffered { address, error } => {
+                say::port_not_offered(address, describe_io_error(error))
+            }
             Self::Clone(error) => say::port_not_shared(error),
             Self::NoTerminal(error) => say::port_terminal_refused(error),
             Self::NoName => say::port_terminal_nameless(),
@@ -97,7 +103,7 @@ impl PortError {
         }
     }
 
-    fn opening(path: &str, error: serialport::Error) -> Self {
+    fn from_open_error(path: &str, error: serialport::Error) -> Self {
         let path = path.to_owned();
         match error.kind() {
             serialport::ErrorKind::Io(io::ErrorKind::PermissionDenied) => {
@@ -111,11 +117,11 @@ impl PortError {
 }
 
 /// An open port; closed when dropped.
-pub struct Port(Kind);
+pub struct Port(PortDevice);
 
-enum Kind {
+enum PortDevice {
     Serial(Serial),
-    Tcp(tcp::Connection),
+    Tcp(tcp::TcpConnection),
 }
 
 impl Port {
@@ -124,10 +130,10 @@ impl Port {
     ///
     /// # Errors
     /// The port cannot be opened: names the port and what to do.
-    pub fn open_within(path: &str, baud: u32, patience: Duration) -> Result<Self, PortError> {
+    pub fn open_with_retry(path: &str, baud: u32, timeout: Duration) -> Result<Self, PortError> {
         if let Some(address) = path.strip_prefix(tcp::PREFIX) {
-            return match tcp::Connection::open(address) {
-                Ok(connection) => Ok(Self(Kind::Tcp(connection))),
+            return match tcp::TcpConnection::open(address) {
+                Ok(connection) => Ok(Self(PortDevice::Tcp(connection))),
                 Err(error) => Err(PortError::Unreachable {
                     path: path.to_owned(),
                     error,
@@ -136,19 +142,19 @@ impl Port {
         }
         let begun = Instant::now();
         loop {
-            match Serial::open(serialport::new(path, baud).timeout(WAIT)) {
+            match Serial::open(serialport::new(path, baud).timeout(IO_TIMEOUT)) {
                 Ok(port) => {
                     // Bytes sent to an earlier program.
-                    port.forget_arrived();
-                    return Ok(Self(Kind::Serial(port)));
+                    port.discard_received();
+                    return Ok(Self(PortDevice::Serial(port)));
                 }
                 Err(error)
                     if error.kind() == serialport::ErrorKind::NoDevice
-                        && begun.elapsed() < patience =>
+                        && begun.elapsed() < timeout =>
                 {
-                    thread::sleep(BETWEEN);
+                    thread::sleep(RETRY_INTERVAL);
                 }
-                Err(error) => return Err(PortError::opening(path, error)),
+                Err(error) => return Err(PortError::from_open_error(path, error)),
             }
         }
     }
@@ -157,15 +163,15 @@ impl Port {
     ///
     /// # Errors
     /// The system refuses.
-    pub fn reading(&self, wait: Duration) -> Result<Self, PortError> {
+    pub fn clone_for_reading(&self, wait: Duration) -> Result<Self, PortError> {
         let again = match &self.0 {
-            Kind::Serial(port) => port.try_clone().and_then(|mut port| {
-                port.wait_so_long(wait)?;
-                Ok(Kind::Serial(port))
+            PortDevice::Serial(port) => port.try_clone().and_then(|mut port| {
+                port.set_timeout(wait)?;
+                Ok(PortDevice::Serial(port))
             }),
-            Kind::Tcp(connection) => connection
-                .reading(wait)
-                .map(Kind::Tcp)
+            PortDevice::Tcp(connection) => connection
+                .clone_for_reading(wait)
+                .map(PortDevice::Tcp)
                 .map_err(serialport::Error::from),
         };
         again.map(Self).map_err(PortError::Clone)
@@ -178,24 +184,24 @@ impl Port {
     /// The port cannot be opened: names the port and what to do.
     pub fn open_with_handshake(path: &str, baud: u32) -> Result<Self, PortError> {
         let port = serialport::new(path, baud)
-            .timeout(WAIT)
+            .timeout(IO_TIMEOUT)
             .flow_control(FlowControl::Software);
         Serial::open(port)
-            .map(|port| Self(Kind::Serial(port)))
-            .map_err(|error| PortError::opening(path, error))
+            .map(|port| Self(PortDevice::Serial(port)))
+            .map_err(|error| PortError::from_open_error(path, error))
     }
 
     /// Reads the bytes that have arrived; waits 2 ms for the first one, or the time of
-    /// [`Port::reading`], and returns none after it.
+    /// [`Port::clone_for_reading`], and returns none after it.
     ///
     /// # Errors
     /// The port is gone.
     pub fn read(&mut self) -> io::Result<Vec<u8>> {
         let mut buffer = [0; 4096];
         match self.0.read(&mut buffer) {
-            Ok(0) => Err(closed()),
+            Ok(0) => Err(closed_error()),
             Ok(count) => Ok(buffer[..count].to_vec()),
-            Err(error) if passes(&error) => Ok(Vec::new()),
+            Err(error) if is_transient(&error) => Ok(Vec::new()),
             Err(error) => Err(error),
         }
     }
@@ -209,13 +215,13 @@ impl Port {
             return Ok(0);
         }
         match self.0.write(bytes) {
-            Err(error) if passes(&error) => Ok(0),
+            Err(error) if is_transient(&error) => Ok(0),
             result => result,
         }
     }
 }
 
-impl Kind {
+impl PortDevice {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         match self {
             Self::Serial(port) => port.read(buffer),
@@ -232,7 +238,7 @@ impl Kind {
 }
 
 /// Our end of a port that offers a virtual board to another program.
-pub enum Offer {
+pub enum OfferedPort {
     /// A pseudo terminal. Its other end is kept open here, because the program that opens
     /// it may close it again.
     Terminal {
@@ -242,10 +248,10 @@ pub enum Offer {
         far: Serial,
     },
     /// A network address.
-    Tcp(tcp::Offer),
+    Tcp(tcp::TcpOffer),
 }
 
-impl Offer {
+impl OfferedPort {
     /// Listens at this network address, or opens a pseudo terminal without one; on a
     /// system without pseudo terminals, listens at an address that only this computer
     /// reaches.
@@ -254,7 +260,7 @@ impl Offer {
     /// The system refuses.
     pub fn open(address: Option<&str>) -> Result<Self, PortError> {
         let listen = |address: &str| {
-            let listening = tcp::Offer::listen(address).map(Self::Tcp);
+            let listening = tcp::TcpOffer::listen(address).map(Self::Tcp);
             listening.map_err(|error| PortError::NotOffered {
                 address: address.to_owned(),
                 error,
@@ -263,11 +269,11 @@ impl Offer {
         match address {
             Some(address) => listen(address),
             None => platform::pseudo_terminal().map_or_else(
-                || listen(OWN_COMPUTER),
+                || listen(LOOPBACK_ADDRESS),
                 |ends| {
                     let (mut near, far) = ends.map_err(PortError::NoTerminal)?;
-                    near.wait_so_long(WAIT).map_err(PortError::Terminal)?;
-                    let near = Port(Kind::Serial(near));
+                    near.set_timeout(IO_TIMEOUT).map_err(PortError::Terminal)?;
+                    let near = Port(PortDevice::Serial(near));
                     Ok(Self::Terminal { near, far })
                 },
             ),
@@ -331,7 +337,7 @@ impl Offer {
 }
 
 /// Whether an error only means that the port is busy.
-fn passes(error: &io::Error) -> bool {
+fn is_transient(error: &io::Error) -> bool {
     matches!(
         error.kind(),
         io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted
@@ -339,12 +345,12 @@ fn passes(error: &io::Error) -> bool {
 }
 
 /// Returns the error of a closed connection.
-pub fn closed() -> io::Error {
+pub fn closed_error() -> io::Error {
     io::Error::new(io::ErrorKind::BrokenPipe, say::port_closed().to_string())
 }
 
 /// Returns the message for the failure of an open port.
-pub fn gone(error: &io::Error) -> Message {
+pub fn failure_message(error: &io::Error) -> Message {
     if error.kind() == io::ErrorKind::ConnectionAborted {
         return say::port_holder_gone();
     }
@@ -354,17 +360,17 @@ pub fn gone(error: &io::Error) -> Message {
     let pulled = error.kind() == io::ErrorKind::BrokenPipe
         || error
             .raw_os_error()
-            .is_some_and(|number| platform::PULLED.contains(&number));
+            .is_some_and(|number| platform::UNPLUGGED_ERRORS.contains(&number));
     if pulled {
         say::port_gone()
     } else {
-        say::port_failed(of_system(error))
+        say::port_failed(describe_io_error(error))
     }
 }
 
 /// A port of this computer.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Found {
+pub struct PortInfo {
     /// Path of the device.
     pub path: String,
     /// Its persistent name; `None` where the system has none.
@@ -375,12 +381,12 @@ pub struct Found {
 ///
 /// # Errors
 /// The system does not list its ports.
-pub fn list() -> Result<Vec<Found>, PortError> {
+pub fn list_ports() -> Result<Vec<PortInfo>, PortError> {
     let ports = serialport::available_ports().map_err(PortError::Unknown)?;
-    let names = platform::unchanging_names();
+    let names = platform::persistent_names();
     Ok(ports
         .into_iter()
-        .map(|port| Found {
+        .map(|port| PortInfo {
             by_id: names.get(Path::new(&port.port_name)).cloned(),
             path: port.port_name,
         })

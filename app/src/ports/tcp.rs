@@ -7,23 +7,23 @@ use std::thread;
 
 use web_time::{Duration, Instant};
 
-use super::{WAIT, closed, passes};
+use super::{IO_TIMEOUT, closed_error, is_transient};
 
 /// Prefix of such a port's name: `tcp:HOST:PORT`.
 pub const PREFIX: &str = "tcp:";
 
 /// Longest time for a computer to answer.
-const CONNECTS_WITHIN: Duration = Duration::from_secs(2);
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
 /// Time between two checks for arrived bytes.
-const LOOK: Duration = Duration::from_millis(1);
+const POLL_INTERVAL: Duration = Duration::from_millis(1);
 
 /// A connection to the program at the other end.
-pub struct Connection {
+pub struct TcpConnection {
     stream: TcpStream,
     wait: Duration,
 }
 
-impl Connection {
+impl TcpConnection {
     /// Connects with `HOST:PORT`.
     ///
     /// # Errors
@@ -31,47 +31,50 @@ impl Connection {
     pub fn open(address: &str) -> io::Result<Self> {
         let mut refused = ErrorKind::AddrNotAvailable.into();
         for address in address.to_socket_addrs()? {
-            match TcpStream::connect_timeout(&address, CONNECTS_WITHIN) {
-                Ok(stream) => return Self::of(stream),
+            match TcpStream::connect_timeout(&address, CONNECT_TIMEOUT) {
+                Ok(stream) => return Self::from_stream(stream),
                 Err(error) => refused = error,
             }
         }
         Err(refused)
     }
 
-    fn of(stream: TcpStream) -> io::Result<Self> {
+    fn from_stream(stream: TcpStream) -> io::Result<Self> {
         stream.set_nodelay(true)?;
         stream.set_nonblocking(true)?;
-        Ok(Self { stream, wait: WAIT })
+        Ok(Self {
+            stream,
+            wait: IO_TIMEOUT,
+        })
     }
 
     /// Returns the same connection for a reader that waits this time for the first byte.
     ///
     /// # Errors
     /// The system refuses.
-    pub fn reading(&self, wait: Duration) -> io::Result<Self> {
+    pub fn clone_for_reading(&self, wait: Duration) -> io::Result<Self> {
         let stream = self.stream.try_clone()?;
         Ok(Self { stream, wait })
     }
 }
 
-impl Read for Connection {
+impl Read for TcpConnection {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let begun = Instant::now();
         loop {
             match self.stream.read(buffer) {
-                Err(error) if !passes(&error) => return Err(closed()),
-                Err(_) if begun.elapsed() < self.wait => thread::sleep(LOOK),
+                Err(error) if !is_transient(&error) => return Err(closed_error()),
+                Err(_) if begun.elapsed() < self.wait => thread::sleep(POLL_INTERVAL),
                 result => return result,
             }
         }
     }
 }
 
-impl Write for Connection {
+impl Write for TcpConnection {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self.stream.write(bytes) {
-            Err(error) if !passes(&error) => Err(closed()),
+            Err(error) if !is_transient(&error) => Err(closed_error()),
             result => result,
         }
     }
@@ -83,12 +86,12 @@ impl Write for Connection {
 
 /// A listener that offers a virtual board to one partner at a time, and to the next one
 /// when it is gone.
-pub struct Offer {
+pub struct TcpOffer {
     listener: TcpListener,
-    partner: Option<Connection>,
+    partner: Option<TcpConnection>,
 }
 
-impl Offer {
+impl TcpOffer {
     /// Listens at `HOST:PORT`; with port 0 the system chooses one.
     ///
     /// # Errors
@@ -116,13 +119,13 @@ impl Offer {
     /// # Errors
     /// The system accepts no connection.
     pub fn read(&mut self) -> io::Result<Vec<u8>> {
-        let Some(partner) = self.partner()? else {
-            thread::sleep(WAIT);
+        let Some(partner) = self.accept_partner()? else {
+            thread::sleep(IO_TIMEOUT);
             return Ok(Vec::new());
         };
         let mut buffer = [0; 4096];
         match partner.read(&mut buffer) {
-            Err(error) if passes(&error) => Ok(Vec::new()),
+            Err(error) if is_transient(&error) => Ok(Vec::new()),
             Ok(count) if count > 0 => Ok(buffer[..count].to_vec()),
             _ => {
                 self.partner = None;
@@ -138,17 +141,17 @@ impl Offer {
         {
             match partner.write(bytes) {
                 Ok(count) => bytes = &bytes[count..],
-                Err(error) if passes(&error) => thread::sleep(LOOK),
+                Err(error) if is_transient(&error) => thread::sleep(POLL_INTERVAL),
                 Err(_) => self.partner = None,
             }
         }
     }
 
-    fn partner(&mut self) -> io::Result<Option<&mut Connection>> {
+    fn accept_partner(&mut self) -> io::Result<Option<&mut TcpConnection>> {
         if self.partner.is_none() {
             self.partner = match self.listener.accept() {
-                Ok((stream, _)) => Some(Connection::of(stream)?),
-                Err(error) if passes(&error) => None,
+                Ok((stream, _)) => Some(TcpConnection::from_stream(stream)?),
+                Err(error) if is_transient(&error) => None,
                 Err(error) => return Err(error),
             };
         }
@@ -162,19 +165,19 @@ mod tests {
 
     #[test]
     fn a_partner_that_has_gone_makes_room_for_the_next_one() {
-        let mut offer = Offer::listen("127.0.0.1:0").unwrap();
+        let mut offer = TcpOffer::listen("127.0.0.1:0").unwrap();
         let name = offer.name().unwrap();
         for word in [b"one", b"two"] {
-            let mut partner = Connection::open(name.strip_prefix(PREFIX).unwrap()).unwrap();
+            let mut partner = TcpConnection::open(name.strip_prefix(PREFIX).unwrap()).unwrap();
             partner.write_all(word).unwrap();
-            let mut heard = Vec::new();
-            while heard.len() < word.len() {
-                heard.extend(offer.read().unwrap());
+            let mut received = Vec::new();
+            while received.len() < word.len() {
+                received.extend(offer.read().unwrap());
             }
-            assert_eq!(heard, word);
+            assert_eq!(received, word);
             offer.write(b"ok");
             let mut answer = [0; 2];
-            let mut reading = partner.reading(Duration::from_secs(10)).unwrap();
+            let mut reading = partner.clone_for_reading(Duration::from_secs(10)).unwrap();
             assert_eq!(reading.read(&mut answer).unwrap(), 2);
             drop((partner, reading));
             while offer.partner.is_some() {
@@ -184,18 +187,20 @@ mod tests {
     }
 
     #[test]
-    fn an_end_that_has_gone_is_told() {
+    fn an_end_that_has_gone_is_reported() {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap().to_string();
-        let mut connection = Connection::open(&address).unwrap();
+        let mut connection = TcpConnection::open(&address).unwrap();
         drop(listener.accept().unwrap());
-        let mut reading = connection.reading(Duration::from_secs(10)).unwrap();
+        let mut reading = connection
+            .clone_for_reading(Duration::from_secs(10))
+            .unwrap();
         assert!(!matches!(reading.read(&mut [0; 9]), Ok(1..)));
         drop(listener);
-        assert!(Connection::open(&address).is_err());
+        assert!(TcpConnection::open(&address).is_err());
         // The system takes one or two writes without a receiver before it refuses.
         let refused = (0..1000).any(|_| {
-            thread::sleep(LOOK);
+            thread::sleep(POLL_INTERVAL);
             connection.write(b"?").is_err()
         });
         assert!(refused);

@@ -6,31 +6,31 @@ use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, bounded};
 use gsk_messages::Message;
 use gsk_panel::emulator::Emulator;
 
-use super::snapshot::Snapshot;
-use super::writer::Writer;
-use super::{Restored, Standing};
+use super::snapshot::RetainedSnapshot;
+use super::writer::MemoryWriter;
+use super::{Restored, SavedPosition};
 use crate::files::data_dir::DataDir;
 use crate::output;
-use crate::platform::{self, Turning};
+use crate::platform::{self, TaskHandle};
 
 /// Number of checks between two saves of what changes constantly in a run: counters and
 /// position.
-const COUNTER_LOOKS: u32 = 100;
+const COUNTER_CHECKS: u32 = 100;
 
 /// Number of checks between two saves of a text that is being typed.
-pub(super) const TEXT_LOOKS: u32 = 5;
+pub(super) const TEXT_CHECKS: u32 = 5;
 
 /// A snapshot to write, and a channel for a caller that waits for it.
-type Job = (Snapshot, Option<Sender<()>>);
+type WriteJob = (RetainedSnapshot, Option<Sender<()>>);
 
 /// Saves changes of the memory in a separate thread: a slow disk never holds up the
 /// kernel.
 pub struct Keeper {
-    last: Snapshot,
-    looks: u32,
-    pub(super) to_disk: Option<Sender<Job>>,
+    last_written: RetainedSnapshot,
+    checks: u32,
+    pub(super) to_disk: Option<Sender<WriteJob>>,
     complaints: Receiver<Message>,
-    pub(super) turning: Option<Turning>,
+    pub(super) task: Option<TaskHandle>,
 }
 
 impl Keeper {
@@ -43,11 +43,11 @@ impl Keeper {
         restored: &Restored,
         emulator: &Emulator,
     ) -> std::io::Result<Self> {
-        let (to_disk, from_kernel) = bounded::<Job>(1);
+        let (to_disk, from_kernel) = bounded::<WriteJob>(1);
         let (say, complaints) = bounded(16);
-        let last = Snapshot::of_emulator(emulator);
-        let mut writer = Writer::new(data, restored, Arc::clone(&last.ladder));
-        let turning = platform::turn("memory", move || {
+        let last = RetainedSnapshot::from_emulator(emulator);
+        let mut writer = MemoryWriter::new(data, restored, Arc::clone(&last.ladder));
+        let task = platform::start_task("memory", move || {
             let (snapshot, waiting) = match platform::receive(&from_kernel, None) {
                 Ok(job) => job,
                 Err(none) => return none == RecvTimeoutError::Timeout,
@@ -61,37 +61,42 @@ impl Keeper {
             true
         })?;
         Ok(Self {
-            last,
-            looks: 0,
+            last_written: last,
+            checks: 0,
             to_disk: Some(to_disk),
             complaints,
-            turning: Some(turning),
+            task: Some(task),
         })
     }
 
     /// Saves the memory if it has changed.
-    pub fn look(&mut self, emulator: &Emulator) {
-        self.looks += 1;
-        let now = Snapshot::of_emulator(emulator);
-        if now == self.last {
+    pub fn save_if_changed(&mut self, emulator: &Emulator) {
+        self.checks += 1;
+        let now = RetainedSnapshot::from_emulator(emulator);
+        if now == self.last_written {
             return;
         }
         // A machine zero set by hand is saved at once, unlike the position.
-        let places = |(now, last): (Standing, Standing)| Standing {
+        let keep_position = |(now, last): (SavedPosition, SavedPosition)| SavedPosition {
             zero_kept: now.zero_kept,
             ..last
         };
-        let mut rest = Snapshot {
-            standing: now.standing.zip(self.last.standing).map(places),
+        let mut rest = RetainedSnapshot {
+            position: now
+                .position
+                .zip(self.last_written.position)
+                .map(keep_position),
             ..now.clone()
         };
-        rest.memory.counters = self.last.memory.counters;
-        if rest == self.last && self.looks < COUNTER_LOOKS {
+        rest.memory.counters = self.last_written.memory.counters;
+        if rest == self.last_written && self.checks < COUNTER_CHECKS {
             return;
         }
-        if emulator.panel.edited().is_some() && self.looks < TEXT_LOOKS {
-            rest.memory.programs.clone_from(&self.last.memory.programs);
-            if rest == self.last {
+        if emulator.panel.edited().is_some() && self.checks < TEXT_CHECKS {
+            rest.memory
+                .programs
+                .clone_from(&self.last_written.memory.programs);
+            if rest == self.last_written {
                 return;
             }
         }
@@ -99,21 +104,21 @@ impl Keeper {
         if let Some(to_disk) = &self.to_disk
             && to_disk.try_send((now.clone(), None)).is_ok()
         {
-            self.last = now;
-            self.looks = 0;
+            self.last_written = now;
+            self.checks = 0;
         }
     }
 
     /// Saves everything and waits until it is on the disk.
-    pub fn settle(&mut self, emulator: &Emulator) {
+    pub fn save_and_wait(&mut self, emulator: &Emulator) {
         let (done, written) = bounded(1);
-        let now = Snapshot::of_emulator(emulator);
+        let now = RetainedSnapshot::from_emulator(emulator);
         if let Some(to_disk) = &self.to_disk
             && to_disk.send((now.clone(), Some(done))).is_ok()
             && written.recv().is_ok()
         {
-            self.last = now;
-            self.looks = 0;
+            self.last_written = now;
+            self.checks = 0;
         }
     }
 
@@ -125,13 +130,13 @@ impl Keeper {
     /// Saves everything, waits until it is on the disk and ends the thread.
     pub fn finish(mut self, emulator: &Emulator) {
         if let Some(to_disk) = self.to_disk.take() {
-            let _ = to_disk.send((Snapshot::of_emulator(emulator), None));
+            let _ = to_disk.send((RetainedSnapshot::from_emulator(emulator), None));
         }
-        if let Some(turning) = self.turning.take() {
-            turning.finish();
+        if let Some(task) = self.task.take() {
+            task.finish();
         }
         for complaint in self.complaints() {
-            output::complain_of(&complaint);
+            output::report_error(&complaint);
         }
     }
 }

@@ -23,17 +23,17 @@ use gsk_panel::panel::PanelRetained;
 use serde::{Deserialize, Serialize};
 
 pub use keeper::Keeper;
-use snapshot::{Snapshot, parts};
-use writer::Writer;
+use snapshot::{RetainedSnapshot, parts};
+use writer::MemoryWriter;
 
-use crate::files::data_dir::{DataDir, Loaded};
-use crate::files::decode::Encoding;
-use crate::files::kept::Complaint;
-use crate::saying;
+use crate::files::data_dir::{DataDir, LoadedFile};
+use crate::files::decode::TextEncoding;
+use crate::files::mirrored_files::FileDamage;
+use crate::message_format;
 
 /// Position of the slides, and the coordinates on the display.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Standing {
+pub struct SavedPosition {
     /// Machine coordinates (X as a radius), mm.
     pub machine: Point,
     /// Absolute coordinates, mm.
@@ -54,7 +54,7 @@ pub struct NotSaved(pub Vec<Message>);
 impl NotSaved {
     /// Returns the message for the operator, one file a line.
     pub fn message(&self) -> Message {
-        saying::lines(self.0.iter().cloned())
+        message_format::join_lines(self.0.iter().cloned())
     }
 }
 
@@ -62,11 +62,11 @@ impl NotSaved {
 #[derive(Debug)]
 pub struct Restored {
     /// The encodings of the programs, so that they are written back unchanged.
-    encodings: BTreeMap<u16, Encoding>,
+    encodings: BTreeMap<u16, TextEncoding>,
     /// Messages for damaged files.
     pub complaints: Vec<Message>,
     /// Last position of the slides.
-    pub standing: Option<Standing>,
+    pub position: Option<SavedPosition>,
     /// Saved state of the panel.
     pub panel: Option<PanelRetained>,
 }
@@ -74,12 +74,12 @@ pub struct Restored {
 impl Restored {
     /// Puts the slides to their last position: for sessions that continue with the
     /// machine.
-    pub fn place(&self, setup: &mut Setup) {
-        if let Some(standing) = self.standing {
-            setup.start = Some(standing.machine);
-            setup.absolute = Some(standing.absolute);
-            setup.slides = standing.slides;
-            setup.zero_kept = standing.zero_kept;
+    pub fn place_slides(&self, setup: &mut Setup) {
+        if let Some(position) = self.position {
+            setup.start = Some(position.machine);
+            setup.absolute = Some(position.absolute);
+            setup.slides = position.slides;
+            setup.zero_kept = position.zero_kept;
         }
     }
 
@@ -93,12 +93,12 @@ impl Restored {
 
 /// Loads the memory of a data directory, if there is one, into the setup of a command;
 /// prints damage on standard error.
-pub fn bring_back(data: Option<&DataDir>, setup: &mut Setup) -> Option<Restored> {
+pub fn load_and_report(data: Option<&DataDir>, setup: &mut Setup) -> Option<Restored> {
     let restored = load(data?, setup);
     for complaint in &restored.complaints {
-        crate::output::complain_of(complaint);
+        crate::output::report_error(complaint);
     }
-    restored.place(setup);
+    restored.place_slides(setup);
     Some(restored)
 }
 
@@ -109,17 +109,17 @@ pub fn load(data: &DataDir, setup: &mut Setup) -> Restored {
         part.load(data, name, &mut complaints);
     }
     let mut selected = None;
-    take(data.load("selected"), &mut selected, &mut complaints);
-    let mut standing = None;
-    take(data.load("standing"), &mut standing, &mut complaints);
+    assign_loaded(data.load("selected"), &mut selected, &mut complaints);
+    let mut position = None;
+    assign_loaded(data.load("standing"), &mut position, &mut complaints);
     let mut panel = None;
-    take(data.load("panel"), &mut panel, &mut complaints);
-    complaints.extend(data.complaint().cloned());
-    setup.plc_retained = value(data.load("plc"), &mut complaints);
-    if let Some(ladder) = value(data.ladder(), &mut complaints) {
+    assign_loaded(data.load("panel"), &mut panel, &mut complaints);
+    complaints.extend(data.manifest_damage().cloned());
+    setup.plc_retained = loaded_value(data.load("plc"), &mut complaints);
+    if let Some(ladder) = loaded_value(data.load_ladder(), &mut complaints) {
         setup.ladder = Arc::new(ladder).into();
     }
-    let (programs, damaged) = data.programs();
+    let (programs, damaged) = data.load_programs();
     complaints.extend(damaged);
     let mut encodings = BTreeMap::new();
     for stored in programs {
@@ -132,9 +132,9 @@ pub fn load(data: &DataDir, setup: &mut Setup) -> Restored {
             Ok(number) => {
                 encodings.insert(number, stored.encoding);
             }
-            Err(alarm) => complaints.push(Complaint {
-                name: format!("O{:04}", stored.number),
-                said: say::stored_program_reason(stored.number, alarm.reason()),
+            Err(alarm) => complaints.push(FileDamage {
+                file_name: format!("O{:04}", stored.number),
+                message: say::stored_program_reason(stored.number, alarm.reason()),
             }),
         }
     }
@@ -142,42 +142,42 @@ pub fn load(data: &DataDir, setup: &mut Setup) -> Restored {
         setup.memory.programs.select(ProgramId::Stored(number));
     }
     if !complaints.is_empty() {
-        let names: Vec<&str> = complaints.iter().map(|it| it.name.as_str()).collect();
-        setup
-            .alarms
-            .push(Alarm::new(number::MEMORY_DAMAGED).because(say::as_written(names.join(", "))));
+        let names: Vec<&str> = complaints.iter().map(|it| it.file_name.as_str()).collect();
+        setup.alarms.push(
+            Alarm::new(number::MEMORY_DAMAGED).with_detail(say::as_written(names.join(", "))),
+        );
     }
-    if !data.interrupted().is_empty() {
-        let names = data.interrupted().join(", ");
+    if !data.interrupted_programs().is_empty() {
+        let names = data.interrupted_programs().join(", ");
         setup
             .alarms
-            .push(Alarm::new(number::WRITE_INTERRUPTED).because(say::as_written(names)));
+            .push(Alarm::new(number::WRITE_INTERRUPTED).with_detail(say::as_written(names)));
     }
     Restored {
         encodings,
-        complaints: complaints.into_iter().map(|it| it.said).collect(),
-        standing,
+        complaints: complaints.into_iter().map(|it| it.message).collect(),
+        position,
         panel,
     }
 }
 
-fn take<T>(loaded: Loaded<T>, place: &mut T, complaints: &mut Vec<Complaint>) {
-    if let Some(value) = value(loaded, complaints) {
-        *place = value;
+fn assign_loaded<T>(loaded: LoadedFile<T>, target: &mut T, complaints: &mut Vec<FileDamage>) {
+    if let Some(value) = loaded_value(loaded, complaints) {
+        *target = value;
     }
 }
 
 /// Returns the loaded value, if there is one; adds damage to the complaints.
-fn value<T>(loaded: Loaded<T>, complaints: &mut Vec<Complaint>) -> Option<T> {
+fn loaded_value<T>(loaded: LoadedFile<T>, complaints: &mut Vec<FileDamage>) -> Option<T> {
     match loaded {
-        Loaded::Value(value) => Some(value),
-        Loaded::Recovered(value, said) => {
-            complaints.push(said);
+        LoadedFile::Value(value) => Some(value),
+        LoadedFile::Recovered(value, complaint) => {
+            complaints.push(complaint);
             Some(value)
         }
-        Loaded::Missing => None,
-        Loaded::Damaged(said) => {
-            complaints.push(said);
+        LoadedFile::Missing => None,
+        LoadedFile::Damaged(complaint) => {
+            complaints.push(complaint);
             None
         }
     }
@@ -188,7 +188,7 @@ fn value<T>(loaded: Loaded<T>, complaints: &mut Vec<Complaint>) -> Option<T> {
 /// # Errors
 /// The files that could not be written; all others are written.
 pub fn save(data: DataDir, restored: &Restored, cnc: &Cnc) -> Result<(), NotSaved> {
-    save_once(data, restored, &Snapshot::of(cnc))
+    save_once(data, restored, &RetainedSnapshot::from_cnc(cnc))
 }
 
 /// Saves the memory of a whole emulator in its directory, once.
@@ -200,13 +200,13 @@ pub fn save_emulator(
     restored: &Restored,
     emulator: &Emulator,
 ) -> Result<(), NotSaved> {
-    save_once(data, restored, &Snapshot::of_emulator(emulator))
+    save_once(data, restored, &RetainedSnapshot::from_emulator(emulator))
 }
 
-fn save_once(data: DataDir, restored: &Restored, now: &Snapshot) -> Result<(), NotSaved> {
+fn save_once(data: DataDir, restored: &Restored, now: &RetainedSnapshot) -> Result<(), NotSaved> {
     // Only the window loads another ladder.
     let ladder = Arc::clone(&now.ladder);
-    let failures = Writer::new(Arc::new(data), restored, ladder).write(now);
+    let failures = MemoryWriter::new(Arc::new(data), restored, ladder).write(now);
     if failures.is_empty() {
         Ok(())
     } else {

@@ -3,32 +3,32 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use gsk_core::battery::Memory;
+use gsk_core::battery::BatteryMemory;
 use gsk_core::setup::Setup;
 use gsk_messages::Message;
 use gsk_panel::emulator::Emulator;
 use gsk_project::ProjectState;
 
-use super::snapshot::Snapshot;
-use super::writer::Writer;
+use super::snapshot::RetainedSnapshot;
+use super::writer::MemoryWriter;
 use super::{NotSaved, Restored, load};
 use crate::files::data_dir::DataDir;
-use crate::files::decode::Encoding;
+use crate::files::decode::TextEncoding;
 
 /// Content of a data directory.
 #[derive(Debug)]
-pub struct Held {
+pub struct DataDirContent {
     /// The content as a project.
     pub state: ProjectState,
     /// Everything the battery keeps, with operation level and passwords.
-    pub memory: Memory,
+    pub memory: BatteryMemory,
     restored: Restored,
 }
 
 /// Reads a data directory; missing files take their values from `setup`.
-pub fn held(data: &DataDir, mut setup: Setup) -> Held {
+pub fn read_content(data: &DataDir, mut setup: Setup) -> DataDirContent {
     let restored = load(data, &mut setup);
-    Held {
+    DataDirContent {
         state: ProjectState::from_setup(&setup).with_panel(restored.panel),
         memory: setup.memory,
         restored,
@@ -36,19 +36,19 @@ pub fn held(data: &DataDir, mut setup: Setup) -> Held {
 }
 
 /// Returns the state of a running control, with a text that is being typed.
-pub fn of_emulator(emulator: &Emulator) -> ProjectState {
-    let now = Snapshot::of_emulator(emulator);
+pub fn state_of_emulator(emulator: &Emulator) -> ProjectState {
+    let now = RetainedSnapshot::from_emulator(emulator);
     ProjectState::new(&now.memory, Some(&now.plc), now.ladder, now.panel)
 }
 
-impl Held {
+impl DataDirContent {
     /// Returns the messages for damaged files.
     pub fn complaints(&self) -> &[Message] {
         &self.restored.complaints
     }
 
     /// Returns the encodings of the programs, by number.
-    pub const fn encodings(&self) -> &BTreeMap<u16, Encoding> {
+    pub const fn encodings(&self) -> &BTreeMap<u16, TextEncoding> {
         &self.restored.encodings
     }
 
@@ -61,21 +61,21 @@ impl Held {
         mut self,
         data: DataDir,
         now: &ProjectState,
-        encodings: &BTreeMap<u16, Encoding>,
+        encodings: &BTreeMap<u16, TextEncoding>,
     ) -> Result<(), NotSaved> {
         let mut memory = now.memory().clone();
         memory.authority = self.memory.authority;
-        let snapshot = Snapshot {
+        let snapshot = RetainedSnapshot {
             memory,
             plc: now.retained().clone(),
-            standing: None,
+            position: None,
             panel: now.panel(),
             ladder: Arc::clone(now.ladder()),
         };
         let before = Arc::clone(self.state.ladder());
-        let mut writer = Writer::new(Arc::new(data), &self.restored, before);
+        let mut writer = MemoryWriter::new(Arc::new(data), &self.restored, before);
         self.restored.encodings.extend(encodings);
-        writer.written_as(&self.restored.encodings);
+        writer.set_encodings(&self.restored.encodings);
         let failures = writer.write(&snapshot);
         if failures.is_empty() {
             Ok(())

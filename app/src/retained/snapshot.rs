@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use gsk_core::battery::Memory;
+use gsk_core::battery::BatteryMemory;
 use gsk_core::cnc::Cnc;
 use gsk_core::command::ProgramId;
 use gsk_core::plc::{Ladder, RetainedMemory as PlcRetained};
@@ -12,45 +12,45 @@ use gsk_panel::panel::PanelRetained;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::{Standing, take};
-use crate::files::data_dir::{DataDir, as_ron};
-use crate::files::kept::{Change, Complaint};
+use super::{SavedPosition, assign_loaded};
+use crate::files::data_dir::{DataDir, to_ron_change};
+use crate::files::mirrored_files::{FileChange, FileDamage};
 
 /// Everything that survives power-off.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Snapshot {
+pub(super) struct RetainedSnapshot {
     /// Content of the control's battery-backed memory.
-    pub memory: Memory,
+    pub memory: BatteryMemory,
     pub plc: PlcRetained,
-    pub standing: Option<Standing>,
+    pub position: Option<SavedPosition>,
     pub panel: Option<PanelRetained>,
     /// The ladder that runs from the next power-on.
     pub ladder: Arc<Ladder>,
 }
 
-impl Snapshot {
-    pub(super) fn of(cnc: &Cnc) -> Self {
+impl RetainedSnapshot {
+    pub(super) fn from_cnc(cnc: &Cnc) -> Self {
         Self {
-            memory: cnc.battery(),
+            memory: cnc.battery_memory(),
             plc: cnc.plc().memory().retained(),
             ladder: Arc::clone(cnc.next_ladder().unwrap_or(cnc.plc().ladder())),
-            standing: None,
+            position: None,
             panel: None,
         }
     }
 
     /// Returns the state of a whole emulator, including panel and position.
-    pub(super) fn of_emulator(emulator: &Emulator) -> Self {
+    pub(super) fn from_emulator(emulator: &Emulator) -> Self {
         let cnc = &emulator.simulation.cnc;
-        let mut snapshot = Self::of(cnc);
+        let mut snapshot = Self::from_cnc(cnc);
         if let Some((number, program)) = emulator.panel.edited() {
             snapshot.memory.programs.overlay(number, program);
         }
         Self {
-            standing: Some(Standing {
+            position: Some(SavedPosition {
                 machine: cnc.position_machine(),
                 absolute: cnc.position_absolute(),
-                slides: Some(emulator.simulation.lathe.slides()),
+                slides: Some(emulator.simulation.lathe.slide_position()),
                 zero_kept: cnc.reference_without_switch(),
             }),
             panel: Some(emulator.panel.retained()),
@@ -60,7 +60,7 @@ impl Snapshot {
 
     /// Returns the number of the selected program, if it is stored.
     pub(super) fn selected(&self) -> Option<u16> {
-        match self.memory.programs.current() {
+        match self.memory.programs.selected() {
             Some(ProgramId::Stored(number)) => Some(number),
             _ => None,
         }
@@ -68,30 +68,30 @@ impl Snapshot {
 }
 
 /// A part of the memory that has its own file.
-pub(super) trait Part {
+pub(super) trait MemoryPart {
     /// Reads the file; adds damage to the complaints.
-    fn load(&mut self, data: &DataDir, name: &str, complaints: &mut Vec<Complaint>);
+    fn load(&mut self, data: &DataDir, name: &str, complaints: &mut Vec<FileDamage>);
 
     /// Returns the content of the file.
     ///
     /// # Errors
     /// The value cannot be serialized.
-    fn file(&self, name: &str) -> Result<Change, Message>;
+    fn to_change(&self, name: &str) -> Result<FileChange, Message>;
 }
 
-impl<T: Serialize + DeserializeOwned> Part for T {
-    fn load(&mut self, data: &DataDir, name: &str, complaints: &mut Vec<Complaint>) {
-        take(data.load(name), self, complaints);
+impl<T: Serialize + DeserializeOwned> MemoryPart for T {
+    fn load(&mut self, data: &DataDir, name: &str, complaints: &mut Vec<FileDamage>) {
+        assign_loaded(data.load(name), self, complaints);
     }
 
-    fn file(&self, name: &str) -> Result<Change, Message> {
-        as_ron(name, self)
+    fn to_change(&self, name: &str) -> Result<FileChange, Message> {
+        to_ron_change(name, self)
     }
 }
 
 /// Returns the parts of the control's memory, each with its file name. Programs are not
 /// among them: each has a separate file.
-pub(super) fn parts(memory: &mut Memory) -> [(&'static str, &mut dyn Part); 9] {
+pub(super) fn parts(memory: &mut BatteryMemory) -> [(&'static str, &mut dyn MemoryPart); 9] {
     [
         ("parameters", &mut memory.parameters),
         ("offsets", &mut memory.offsets),

@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use super::keeper::TEXT_LOOKS;
+use super::keeper::TEXT_CHECKS;
 use super::*;
-use gsk_core::cnc::Request;
-use gsk_core::memory::Parameters;
+use gsk_core::cnc::ControlRequest;
+use gsk_core::memory::ControlParameters;
 use gsk_core::plc::Ladder;
 use gsk_core::units::Axis;
 use gsk_panel::emulator::WaitCondition;
 use gsk_panel::keys::Key;
 
-use crate::platform::Turning;
+use crate::platform::TaskHandle;
 
 #[test]
 fn a_loaded_ladder_is_kept_even_if_power_goes_at_once() {
@@ -23,12 +23,13 @@ fn a_loaded_ladder_is_kept_even_if_power_goes_at_once() {
     let keeper = Keeper::start(Arc::clone(&data), &restored, &emulator).expect("thread");
     let ladder = Ladder::compile("END1\nLD R1.0\nOUT R2.0\nEND2\n").expect("compiles");
     let cnc = &mut emulator.simulation.cnc;
-    cnc.request(Request::SetParameterSwitch(true)).expect("on");
+    cnc.request(ControlRequest::SetParameterSwitch(true))
+        .expect("on");
     let edit_key = "X20.0".parse().expect("an address");
     emulator.simulation.cnc.set_panel_key(edit_key, true);
     emulator.run(100);
     let cnc = &mut emulator.simulation.cnc;
-    cnc.request(Request::LoadLadder(Arc::new(ladder.clone())))
+    cnc.request(ControlRequest::LoadLadder(Arc::new(ladder.clone())))
         .expect("taken");
     cnc.power_cycle();
     keeper.finish(&emulator);
@@ -45,7 +46,7 @@ fn without_another_ladder_none_is_written() {
     let emulator = Emulator::new(Setup::default());
     let keeper = Keeper::start(Arc::clone(&data), &restored, &emulator).expect("thread");
     keeper.finish(&emulator);
-    assert_eq!(data.ladder(), Loaded::Missing);
+    assert_eq!(data.load_ladder(), LoadedFile::Missing);
 }
 
 #[test]
@@ -60,12 +61,12 @@ fn a_variable_that_is_not_finite_is_emptied_and_reported() {
     .expect("write");
     let mut setup = Setup::default();
     let restored = load(&data, &mut setup);
-    let values = [500, 501, 600].map(|number| setup.memory.variables.real(number));
+    let values = [500, 501, 600].map(|number| setup.memory.variables.real_value(number));
     assert_eq!(values, [Some(0.0), Some(7.0), Some(2.5)]);
-    let said = restored.complaints[0].to_string();
+    let complaint = restored.complaints[0].to_string();
     assert!(
-        said.contains("line 2: NaN is not a finite number"),
-        "{said}"
+        complaint.contains("line 2: NaN is not a finite number"),
+        "{complaint}"
     );
     assert_eq!(setup.alarms[0].number, number::MEMORY_DAMAGED);
     // The next write contains no such number.
@@ -80,7 +81,7 @@ fn a_variable_that_is_not_finite_is_emptied_and_reported() {
     )
     .expect("write");
     let data = DataDir::open(&folder).expect("open");
-    assert_eq!(load(&data, &mut Setup::default()).standing, None);
+    assert_eq!(load(&data, &mut Setup::default()).position, None);
 }
 
 #[test]
@@ -102,7 +103,7 @@ fn what_is_set_back_or_deleted_is_so_on_the_disk_too() {
             .expect("stored");
     });
     keep(|setup| {
-        let delivered = Parameters::default().value(24);
+        let delivered = ControlParameters::default().value(24);
         assert_eq!(setup.memory.parameters.value(24), 584);
         setup
             .memory
@@ -116,7 +117,7 @@ fn what_is_set_back_or_deleted_is_so_on_the_disk_too() {
     load(&data, &mut setup);
     assert_eq!(
         setup.memory.parameters.value(24),
-        Parameters::default().value(24)
+        ControlParameters::default().value(24)
     );
     assert!(setup.memory.programs.stored(7).is_none());
 }
@@ -132,8 +133,8 @@ fn a_damaged_file_is_alarm_069_and_a_broken_off_writing_101() {
     load(&data, &mut setup);
     let emulator = Emulator::new(setup);
     let alarms = emulator.simulation.cnc.alarms();
-    let said = |number| alarms.iter().find(|alarm| alarm.number == number);
-    let detail = |number| said(number).map(Alarm::detail_en);
+    let find_alarm = |number| alarms.iter().find(|alarm| alarm.number == number);
+    let detail = |number| find_alarm(number).map(Alarm::detail_en);
     assert!(detail(69).is_some_and(|detail| detail.contains("offsets.ron")));
     assert!(detail(101).is_some_and(|detail| detail.contains("O0003")));
 }
@@ -152,13 +153,13 @@ fn what_is_typed_is_on_the_disk_before_its_page_is_left() {
     emulator.type_text("O12");
     emulator.press(Key::Eob);
     emulator.type_text("G0X17");
-    for _ in 0..TEXT_LOOKS {
-        keeper.look(&emulator);
+    for _ in 0..TEXT_CHECKS {
+        keeper.save_if_changed(&emulator);
     }
     // The thread writes all its snapshots before it ends; the emulator is gone, as after a
     // kill.
     keeper.to_disk = None;
-    assert!(keeper.turning.take().is_some_and(Turning::finish));
+    assert!(keeper.task.take().is_some_and(TaskHandle::finish));
     let mut next = Setup::delivered();
     load(&data, &mut next);
     let text = next
@@ -183,7 +184,7 @@ fn every_damage_of_every_file_is_noticed_and_mended() {
     let restored = load(&data, &mut setup);
     save_emulator(data, &restored, &Emulator::new(setup)).expect("saved");
     let read = || {
-        let data = DataDir::read_only(&folder).expect("open");
+        let data = DataDir::open_read_only(&folder).expect("open");
         let mut setup = Setup::delivered();
         let complaints = load(&data, &mut setup).complaints;
         (
@@ -225,8 +226,8 @@ fn every_damage_of_every_file_is_noticed_and_mended() {
             }
             let (complaints, value, found) = read();
             assert_eq!(complaints.len(), 1, "{name}: {complaints:?}");
-            let said = complaints[0].to_string();
-            assert!(said.contains(name), "{said}");
+            let complaint = complaints[0].to_string();
+            assert!(complaint.contains(name), "{complaint}");
             assert_eq!((value, &found), (584, &program), "{name}");
         }
         std::fs::write(&path, good).expect("write");
@@ -270,11 +271,12 @@ fn a_machine_zero_set_by_hand_outlasts_the_process() {
     let mut emulator = Emulator::new(setup);
     let mut keeper = Keeper::start(Arc::clone(&data), &restored, &emulator).expect("thread");
     let cnc = &mut emulator.simulation.cnc;
-    cnc.request(Request::SetMachineZero(Axis::Z)).expect("set");
-    keeper.look(&emulator);
+    cnc.request(ControlRequest::SetMachineZero(Axis::Z))
+        .expect("set");
+    keeper.save_if_changed(&emulator);
     keeper.finish(&emulator);
     let mut next = without_switch();
-    load(&data, &mut next).place(&mut next);
+    load(&data, &mut next).place_slides(&mut next);
     let next = Emulator::new(next);
     let referenced = next.simulation.cnc.reference_without_switch();
     assert!(referenced.z && !referenced.x);
@@ -289,15 +291,15 @@ fn slides_without_a_reference_stand_there_after_the_next_start() {
     let start = || {
         let mut setup = Setup::delivered();
         let restored = load(&data, &mut setup);
-        restored.place(&mut setup);
+        restored.place_slides(&mut setup);
         (Emulator::new(setup), restored)
     };
     let (emulator, restored) = start();
-    let stood = emulator.simulation.lathe.slides();
+    let stood = emulator.simulation.lathe.slide_position();
     assert!(stood.x < -1.0 && stood.z < -1.0);
     let keeper = Keeper::start(Arc::clone(&data), &restored, &emulator).expect("thread");
     keeper.finish(&emulator);
     let (next, _) = start();
-    assert_eq!(next.simulation.lathe.slides(), stood);
+    assert_eq!(next.simulation.lathe.slide_position(), stood);
     assert_eq!(next.simulation.cnc.position_machine(), Point::default());
 }

@@ -7,22 +7,22 @@ use gsk_core::plc::Ladder;
 use gsk_messages::Message;
 
 use super::Restored;
-use super::snapshot::{Snapshot, parts};
-use crate::files::data_dir::{DataDir, as_ladder, as_program, as_ron};
-use crate::files::decode::Encoding;
-use crate::files::kept::Change;
+use super::snapshot::{RetainedSnapshot, parts};
+use crate::files::data_dir::{DataDir, to_ladder_change, to_program_change, to_ron_change};
+use crate::files::decode::TextEncoding;
+use crate::files::mirrored_files::FileChange;
 
 /// Writes the files that differ from the disk.
-pub(super) struct Writer {
+pub(super) struct MemoryWriter {
     data: Arc<DataDir>,
-    encodings: BTreeMap<u16, Encoding>,
+    encodings: BTreeMap<u16, TextEncoding>,
     /// Programs read from the disk or written there: only these can be deleted.
     programs: BTreeSet<u16>,
     /// The ladder of the last power-on: only another one is written.
     ladder: Arc<Ladder>,
 }
 
-impl Writer {
+impl MemoryWriter {
     pub(super) fn new(data: Arc<DataDir>, restored: &Restored, ladder: Arc<Ladder>) -> Self {
         Self {
             data,
@@ -33,24 +33,24 @@ impl Writer {
     }
 
     /// Sets the encodings of programs from elsewhere.
-    pub(super) fn written_as(&mut self, encodings: &BTreeMap<u16, Encoding>) {
+    pub(super) fn set_encodings(&mut self, encodings: &BTreeMap<u16, TextEncoding>) {
         self.encodings.clone_from(encodings);
     }
 
     /// Writes all changed files; returns messages for those that could not be written.
-    pub(super) fn write(&mut self, now: &Snapshot) -> Vec<Message> {
+    pub(super) fn write(&mut self, now: &RetainedSnapshot) -> Vec<Message> {
         let mut changes = Vec::new();
         let mut failures = Vec::new();
-        for change in Self::values(now) {
+        for change in Self::value_changes(now) {
             match change {
                 Ok(change) => changes.push(change),
-                Err(said) => failures.push(said),
+                Err(message) => failures.push(message),
             }
         }
         // New texts first: a renumbered program is always in at least one file.
         for (number, program) in now.memory.programs.iter() {
             let encoding = self.encodings.get(&number).copied().unwrap_or_default();
-            changes.push(as_program(number, Some((program.text(), encoding))));
+            changes.push(to_program_change(number, Some((program.text(), encoding))));
         }
         let programs: BTreeSet<u16> = now
             .memory
@@ -59,9 +59,9 @@ impl Writer {
             .map(|(number, _)| number)
             .collect();
         let gone = self.programs.difference(&programs);
-        changes.extend(gone.map(|number| as_program(*number, None)));
+        changes.extend(gone.map(|number| to_program_change(*number, None)));
         if now.ladder != self.ladder {
-            changes.push(as_ladder(&now.ladder));
+            changes.push(to_ladder_change(&now.ladder));
             self.ladder = Arc::clone(&now.ladder);
         }
         failures.extend(self.data.commit(changes));
@@ -74,22 +74,22 @@ impl Writer {
     }
 
     /// Returns the changed value files. Without a window its own files stay unchanged.
-    fn values(now: &Snapshot) -> Vec<Result<Change, Message>> {
+    fn value_changes(now: &RetainedSnapshot) -> Vec<Result<FileChange, Message>> {
         let mut memory = now.memory.clone();
         let mut values: Vec<_> = parts(&mut memory)
             .into_iter()
-            .map(|(name, part)| part.file(name))
+            .map(|(name, part)| part.to_change(name))
             .collect();
-        values.push(as_ron("plc", &now.plc));
-        values.push(as_ron("selected", &now.selected()));
+        values.push(to_ron_change("plc", &now.plc));
+        values.push(to_ron_change("selected", &now.selected()));
         values.extend(
-            now.standing
-                .map(|standing| as_ron("standing", &Some(standing))),
+            now.position
+                .map(|position| to_ron_change("standing", &Some(position))),
         );
         values.extend(
             now.panel
                 .as_ref()
-                .map(|panel| as_ron("panel", &Some(panel))),
+                .map(|panel| to_ron_change("panel", &Some(panel))),
         );
         values
     }

@@ -1,6 +1,6 @@
 //! The memory of the control as a file store.
 
-use gsk_core::memory::Refusal;
+use gsk_core::memory::WriteRefusal;
 use gsk_messages::Message;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::{FileId, FileRefusal, SerialFile};
@@ -12,37 +12,37 @@ use gsk_transfer::{
 use crate::files::decode;
 
 /// The memory as the partition USER; the other two partitions are empty and read-only.
-pub(super) struct Memory<'a> {
+pub(super) struct SerialFileStore<'a> {
     emulator: &'a mut Emulator,
     /// The full reason why the last file was refused.
-    why: Option<Message>,
+    refusal_reason: Option<Message>,
 }
 
-impl<'a> Memory<'a> {
-    pub(super) const fn of(emulator: &'a mut Emulator) -> Self {
+impl<'a> SerialFileStore<'a> {
+    pub(super) const fn new(emulator: &'a mut Emulator) -> Self {
         Self {
             emulator,
-            why: None,
+            refusal_reason: None,
         }
     }
 
-    pub(super) fn into_why(self) -> Option<Message> {
-        self.why
+    pub(super) fn into_refusal_reason(self) -> Option<Message> {
+        self.refusal_reason
     }
 
-    fn refused(&mut self, refusal: &FileRefusal) -> TransferFault {
-        self.why = Some(refusal.message());
-        fault(refusal)
+    fn record_refusal(&mut self, refusal: &FileRefusal) -> TransferFault {
+        self.refusal_reason = Some(refusal.message());
+        to_fault(refusal)
     }
 }
 
 /// Returns the fault code for the wire.
-fn fault(refusal: &FileRefusal) -> TransferFault {
+fn to_fault(refusal: &FileRefusal) -> TransferFault {
     match refusal {
         FileRefusal::Refused(refusal) => match refusal {
-            Refusal::Mode | Refusal::Running | Refusal::Alarm => TransferFault::Busy,
-            Refusal::ParameterSwitch | Refusal::ProgramSwitch => TransferFault::SwitchOff,
-            Refusal::Level | Refusal::Locked => TransferFault::NoRight,
+            WriteRefusal::Mode | WriteRefusal::Running | WriteRefusal::Alarm => TransferFault::Busy,
+            WriteRefusal::ParameterSwitch | WriteRefusal::ProgramSwitch => TransferFault::SwitchOff,
+            WriteRefusal::Level | WriteRefusal::Locked => TransferFault::NoRight,
         },
         FileRefusal::Missing => TransferFault::NotFound,
         FileRefusal::Exists => TransferFault::Exists,
@@ -53,7 +53,7 @@ fn fault(refusal: &FileRefusal) -> TransferFault {
 }
 
 /// Returns the file to read; the other partitions have none.
-fn found(place: &RemotePath) -> Result<FileId, TransferFault> {
+fn file_to_read(place: &RemotePath) -> Result<FileId, TransferFault> {
     match place.partition {
         Partition::User => FileId::of(place.name.as_str()).ok_or(TransferFault::NotFound),
         Partition::User1 | Partition::User2 => Err(TransferFault::NotFound),
@@ -61,14 +61,14 @@ fn found(place: &RemotePath) -> Result<FileId, TransferFault> {
 }
 
 /// Returns the file to write.
-fn wanted(place: &RemotePath) -> Result<FileId, TransferFault> {
+fn file_to_write(place: &RemotePath) -> Result<FileId, TransferFault> {
     match place.partition {
         Partition::User => FileId::of(place.name.as_str()).ok_or(TransferFault::BadName),
         Partition::User1 | Partition::User2 => Err(TransferFault::Full),
     }
 }
 
-impl FileStore for Memory<'_> {
+impl FileStore for SerialFileStore<'_> {
     fn directory(&mut self, partition: Partition) -> Result<Vec<DirectoryEntry>, TransferFault> {
         if partition != Partition::User {
             return Ok(Vec::new());
@@ -88,17 +88,17 @@ impl FileStore for Memory<'_> {
     }
 
     fn check_put(&mut self, put: &PutRequest) -> Result<(), TransferFault> {
-        let id = wanted(&put.remote_path)?;
+        let id = file_to_write(&put.remote_path)?;
         let may = self.emulator.check_receive(id, put.overwrite);
-        may.map_err(|refusal| self.refused(&refusal))
+        may.map_err(|refusal| self.record_refusal(&refusal))
     }
 
     fn put(&mut self, file: &TransferFile) -> Result<(), TransferFault> {
-        let id = wanted(&file.remote_path)?;
+        let id = file_to_write(&file.remote_path)?;
         let text = match decode::decode(file.bytes.clone()) {
             Ok(decoded) => decoded.text,
             Err(error) => {
-                self.why = Some(error.message());
+                self.refusal_reason = Some(error.message());
                 return Err(TransferFault::Content);
             }
         };
@@ -106,23 +106,23 @@ impl FileStore for Memory<'_> {
         let overwrite = file.overwrite;
         let file = SerialFile { name, text };
         let taken = self.emulator.receive_file(id, file, overwrite);
-        taken.map_err(|refusal| self.refused(&refusal))
+        taken.map_err(|refusal| self.record_refusal(&refusal))
     }
 
     fn get(&mut self, place: &RemotePath) -> Result<Vec<u8>, TransferFault> {
-        let file = self.emulator.send_file(found(place)?);
-        let file = file.map_err(|refusal| fault(&refusal))?;
+        let file = self.emulator.send_file(file_to_read(place)?);
+        let file = file.map_err(|refusal| to_fault(&refusal))?;
         Ok(file.text.into_bytes())
     }
 
     fn delete(&mut self, place: &RemotePath) -> Result<(), TransferFault> {
-        let deleted = self.emulator.delete_file(found(place)?);
-        deleted.map_err(|refusal| fault(&refusal))
+        let deleted = self.emulator.delete_file(file_to_read(place)?);
+        deleted.map_err(|refusal| to_fault(&refusal))
     }
 
     fn rename(&mut self, from: &RemotePath, to: &FileName) -> Result<(), TransferFault> {
         let to = FileId::of(to.as_str()).ok_or(TransferFault::BadName)?;
-        let renamed = self.emulator.rename_file(found(from)?, to);
-        renamed.map_err(|refusal| fault(&refusal))
+        let renamed = self.emulator.rename_file(file_to_read(from)?, to);
+        renamed.map_err(|refusal| to_fault(&refusal))
     }
 }

@@ -14,18 +14,18 @@ use gsk_transfer::{
 };
 use web_time::{Duration, Instant};
 
-use memory::Memory;
-use wire::{Heard, Wire};
+use memory::SerialFileStore;
+use wire::{SerialPortEvent, SerialPortHandle};
 
 /// Longest time the port keeps its rate after a change of parameter 044, until the last
 /// bytes have left: the reply to the file that changed it still has the old rate.
-const LAST_WORDS: Duration = Duration::from_secs(3);
+const RATE_CHANGE_TIMEOUT: Duration = Duration::from_secs(3);
 /// Time for bytes that have left the program to leave the computer.
-const LEAVES: Duration = Duration::from_millis(60);
+const SEND_DELAY: Duration = Duration::from_millis(60);
 
 /// The other end of the line.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum End {
+pub enum SerialEnd {
     /// A port of the computer, or `tcp:HOST:PORT`.
     Port(String),
     /// A new pseudo terminal; a message reports its name.
@@ -34,9 +34,9 @@ pub enum End {
     Listening(String),
 }
 
-impl End {
+impl SerialEnd {
     /// Parses a name of the command line: `pty`, `listen:HOST:PORT`, or a port.
-    pub fn of(name: &str) -> Self {
+    pub fn from_name(name: &str) -> Self {
         match name.strip_prefix("listen:") {
             Some(address) => Self::Listening(address.to_owned()),
             None if name == "pty" => Self::Terminal,
@@ -48,9 +48,9 @@ impl End {
 /// The control's serial port at its line.
 #[derive(Debug)]
 pub struct SerialLine {
-    wire: Wire,
+    wire: SerialPortHandle,
     /// None while the control or its port is off.
-    port: Option<Open>,
+    port: Option<OpenControlPort>,
     framing: Framing,
     line_end: TextLineEnd,
     /// Name of the port while it is open.
@@ -60,14 +60,14 @@ pub struct SerialLine {
 
 /// The port of a control that is on.
 #[derive(Debug)]
-struct Open {
+struct OpenControlPort {
     side: ControlPort,
     baud: u32,
-    shown: PortStatus,
+    shown_status: PortStatus,
     /// Start of a difference between the rate and parameter 044.
-    outdated: Option<Instant>,
+    outdated_since: Option<Instant>,
     /// When bytes were last sent.
-    spoken: HostTime,
+    last_sent: HostTime,
 }
 
 impl SerialLine {
@@ -75,9 +75,9 @@ impl SerialLine {
     ///
     /// # Errors
     /// The system starts no thread.
-    pub fn open(end: End, text: Option<TextLineEnd>) -> std::io::Result<Self> {
+    pub fn open(end: SerialEnd, text: Option<TextLineEnd>) -> std::io::Result<Self> {
         Ok(Self {
-            wire: Wire::open(end)?,
+            wire: SerialPortHandle::open(end)?,
             port: None,
             framing: match text {
                 Some(_) => Framing::Text,
@@ -91,17 +91,17 @@ impl SerialLine {
 
     /// Runs the port after a tick of the control; returns messages for the operator.
     pub fn tick(&mut self, emulator: &mut Emulator) -> Vec<Message> {
-        let mut said = Vec::new();
+        let mut messages = Vec::new();
         let rate = emulator.panel.baud_rate(&emulator.simulation.cnc);
-        self.follow_rate(rate, emulator, &mut said);
+        self.follow_rate(rate, emulator, &mut messages);
         let now = self.begun.elapsed();
-        while let Some(heard) = self.wire.heard() {
-            self.heard(heard, now, emulator, &mut said);
+        while let Some(event) = self.wire.next_event() {
+            self.handle_event(event, now, emulator, &mut messages);
         }
         let broken_off = emulator.panel.take_aborted();
         let to_send = emulator.panel.take_port_files();
         let Some(port) = &mut self.port else {
-            return said;
+            return messages;
         };
         if broken_off {
             port.side.abort();
@@ -110,20 +110,20 @@ impl SerialLine {
             match self.name {
                 Some(_) => port
                     .side
-                    .send(to_send.into_iter().filter_map(pushed).collect()),
+                    .send(to_send.into_iter().filter_map(to_transfer_file).collect()),
                 None => emulator.show_port_state(Communication::NotConnected),
             }
         }
-        let mut memory = Memory::of(emulator);
+        let mut memory = SerialFileStore::new(emulator);
         port.side.advance(now, &mut memory);
-        let mut why = memory.into_why();
+        let mut why = memory.into_refusal_reason();
         port.side.write(now, |bytes| {
-            port.spoken = now;
-            self.wire.give(bytes)
+            port.last_sent = now;
+            self.wire.send(bytes)
         });
         let status = port.side.status(now);
-        if status != port.shown {
-            port.shown = status;
+        if status != port.shown_status {
+            port.shown_status = status;
             emulator.show_port_state(match status {
                 PortStatus::Idle => Communication::Idle,
                 PortStatus::Receiving => Communication::Receiving,
@@ -131,52 +131,57 @@ impl SerialLine {
             });
         }
         while let Some(event) = port.side.next_event() {
-            if let Some(shown) = word(&event) {
+            if let Some(shown) = shown_state(&event) {
                 emulator.show_port_state(shown);
             }
-            said.extend(sentence(event, &mut why));
+            messages.extend(event_message(event, &mut why));
         }
-        said
+        messages
     }
 
     /// Follows parameters 044 and 002.5 and the power of the control.
-    fn follow_rate(&mut self, rate: Option<u32>, emulator: &mut Emulator, said: &mut Vec<Message>) {
+    fn follow_rate(
+        &mut self,
+        rate: Option<u32>,
+        emulator: &mut Emulator,
+        messages: &mut Vec<Message>,
+    ) {
         let now = self.begun.elapsed();
         match (&mut self.port, rate) {
             (None, None) => {}
             (Some(port), None) => {
-                if port.shown != PortStatus::Idle {
+                if port.shown_status != PortStatus::Idle {
                     emulator.show_port_state(Communication::Idle);
                 }
                 self.port = None;
             }
-            (Some(port), Some(baud)) if port.baud == baud => port.outdated = None,
+            (Some(port), Some(baud)) if port.baud == baud => port.outdated_since = None,
             (Some(port), Some(baud)) => {
-                let since = *port.outdated.get_or_insert_with(Instant::now);
-                let leaves = port.side.is_drained() && now > port.spoken + LEAVES;
-                if leaves || since.elapsed() > LAST_WORDS {
-                    self.begin(baud, said);
+                let since = *port.outdated_since.get_or_insert_with(Instant::now);
+                let has_left = port.side.is_drained() && now > port.last_sent + SEND_DELAY;
+                if has_left || since.elapsed() > RATE_CHANGE_TIMEOUT {
+                    self.open_side(baud, messages);
                 }
             }
-            (None, Some(baud)) => self.begin(baud, said),
+            (None, Some(baud)) => self.open_side(baud, messages),
         }
     }
 
-    fn begin(&mut self, baud: u32, said: &mut Vec<Message>) {
-        self.port = Some(Open {
+    fn open_side(&mut self, baud: u32, messages: &mut Vec<Message>) {
+        self.port = Some(OpenControlPort {
             side: ControlPort::new(baud, self.framing, self.line_end),
             baud,
-            shown: PortStatus::Idle,
-            outdated: None,
-            spoken: HostTime::ZERO,
+            shown_status: PortStatus::Idle,
+            outdated_since: None,
+            last_sent: HostTime::ZERO,
         });
         self.wire.set_rate(baud);
         // A pseudo terminal stays open at every rate.
-        said.extend(self.opened());
+        messages.extend(self.opened_message());
     }
 
     /// Returns the message that the port is open at the control's rate.
-    fn opened(&self) -> Option<Message> {
+    fn opened_message(&self) -> Option<Message> {
         let (name, port) = (self.name.as_ref()?, self.port.as_ref()?);
         Some(match port.side.framing() {
             Framing::Frames => say::serial_line_opened(name, port.baud),
@@ -184,32 +189,32 @@ impl SerialLine {
         })
     }
 
-    fn heard(
+    fn handle_event(
         &mut self,
-        heard: Heard,
+        event: SerialPortEvent,
         now: HostTime,
         emulator: &mut Emulator,
-        said: &mut Vec<Message>,
+        messages: &mut Vec<Message>,
     ) {
-        match heard {
-            Heard::Opened(name) => {
+        match event {
+            SerialPortEvent::Opened(name) => {
                 let known = self.name.replace(name);
                 if known != self.name {
-                    said.extend(self.opened());
+                    messages.extend(self.opened_message());
                 }
             }
-            Heard::Gone(why) => {
+            SerialPortEvent::Gone(why) => {
                 self.name = None;
                 if let Some(port) = &mut self.port
-                    && port.shown != PortStatus::Idle
+                    && port.shown_status != PortStatus::Idle
                 {
-                    port.shown = PortStatus::Idle;
+                    port.shown_status = PortStatus::Idle;
                     port.side = ControlPort::new(port.baud, self.framing, self.line_end);
                     emulator.show_port_state(Communication::Failed);
                 }
-                said.push(say::serial_line_not_opened(why));
+                messages.push(say::serial_line_not_opened(why));
             }
-            Heard::Bytes(bytes) => {
+            SerialPortEvent::Bytes(bytes) => {
                 if let Some(port) = &mut self.port {
                     port.side.receive(&bytes, now);
                 }
@@ -220,7 +225,7 @@ impl SerialLine {
 
 /// Makes a transfer of a file that the control sends. Data replace data; a program never
 /// replaces another one (alarm 073 at a control, a question at a PC).
-fn pushed(file: SerialFile) -> Option<TransferFile> {
+fn to_transfer_file(file: SerialFile) -> Option<TransferFile> {
     // The control's own file names are valid.
     let name = FileName::new(&file.name).ok()?;
     Some(TransferFile {
@@ -234,7 +239,7 @@ fn pushed(file: SerialFile) -> Option<TransferFile> {
 }
 
 /// Returns the state to show on the LCD.
-const fn word(event: &ControlEvent) -> Option<Communication> {
+const fn shown_state(event: &ControlEvent) -> Option<Communication> {
     match event {
         // A query whether a file exists starts no transfer; for a text alarm 073 reports
         // it.
@@ -251,7 +256,7 @@ const fn word(event: &ControlEvent) -> Option<Communication> {
 }
 
 /// Returns the message for an event; `why`: a longer reason than the wire carries.
-fn sentence(event: ControlEvent, why: &mut Option<Message>) -> Option<Message> {
+fn event_message(event: ControlEvent, why: &mut Option<Message>) -> Option<Message> {
     Some(match event {
         ControlEvent::Received(name) => say::serial_received(name),
         ControlEvent::Sent(name) => say::serial_sent(name),

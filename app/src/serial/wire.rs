@@ -8,20 +8,20 @@ use crossbeam::channel::{Receiver, Sender, TryRecvError, bounded};
 use gsk_messages::Message;
 use web_time::Duration;
 
-use super::End;
-use crate::ports::{self, Offer, Port, PortError};
+use super::SerialEnd;
+use crate::ports::{self, OfferedPort, Port, PortError};
 
 /// Capacity of the queues, chunks in each direction.
-const QUEUE: usize = 64;
+const QUEUE_CAPACITY: usize = 64;
 /// Time between two attempts to open a port.
-const AGAIN: Duration = Duration::from_secs(1);
+const RETRY_INTERVAL: Duration = Duration::from_secs(1);
 /// Time between two checks whether the program still runs.
-const LOOK: Duration = Duration::from_millis(20);
+const CHECK_INTERVAL: Duration = Duration::from_millis(20);
 /// How long to retry a port that is opened again at another rate.
-const IN_USE: Duration = Duration::from_millis(500);
+const OPEN_RETRY_TIME: Duration = Duration::from_millis(500);
 
 /// An event of the port.
-pub(super) enum Heard {
+pub(super) enum SerialPortEvent {
     /// The port is open under this name.
     Opened(String),
     /// The port cannot be opened or has failed; the thread tries again.
@@ -30,7 +30,7 @@ pub(super) enum Heard {
 }
 
 /// A command for the port.
-enum Order {
+enum SerialPortCommand {
     Bytes(Vec<u8>),
     /// Rate from now on, bits a second.
     Rate(u32),
@@ -38,57 +38,60 @@ enum Order {
 
 /// The kernel's end.
 #[derive(Debug)]
-pub(super) struct Wire {
-    to_port: Sender<Order>,
-    from_port: Receiver<Heard>,
+pub(super) struct SerialPortHandle {
+    to_port: Sender<SerialPortCommand>,
+    from_port: Receiver<SerialPortEvent>,
 }
 
-impl Wire {
+impl SerialPortHandle {
     /// Starts the thread; it opens the port once the rate is set.
-    pub(super) fn open(end: End) -> io::Result<Self> {
-        let (to_port, orders) = bounded(QUEUE);
-        let (heard, from_port) = bounded(QUEUE);
-        let mut carrier = Carrier {
+    pub(super) fn open(end: SerialEnd) -> io::Result<Self> {
+        let (to_port, commands) = bounded(QUEUE_CAPACITY);
+        let (events, from_port) = bounded(QUEUE_CAPACITY);
+        let mut port_thread = SerialPortThread {
             end,
-            orders,
-            heard,
+            commands,
+            events,
             baud: None,
-            rest: Vec::new(),
-            told: None,
+            unsent: Vec::new(),
+            last_error: None,
         };
         thread::Builder::new()
             .name("serial".to_owned())
-            .spawn(move || while carrier.carry().is_some() {})?;
+            .spawn(move || while port_thread.run().is_some() {})?;
         Ok(Self { to_port, from_port })
     }
 
     /// Sets the rate of the port, bits a second.
     pub(super) fn set_rate(&self, baud: u32) {
         // The thread empties the queue, or has ended.
-        let _ = self.to_port.send(Order::Rate(baud));
+        let _ = self.to_port.send(SerialPortCommand::Rate(baud));
     }
 
     /// Queues bytes; returns how many are taken now.
-    pub(super) fn give(&self, bytes: &[u8]) -> usize {
-        match self.to_port.try_send(Order::Bytes(bytes.to_vec())) {
+    pub(super) fn send(&self, bytes: &[u8]) -> usize {
+        match self
+            .to_port
+            .try_send(SerialPortCommand::Bytes(bytes.to_vec()))
+        {
             Ok(()) => bytes.len(),
             Err(_) => 0,
         }
     }
 
     /// Returns the next event, if there is one.
-    pub(super) fn heard(&self) -> Option<Heard> {
+    pub(super) fn next_event(&self) -> Option<SerialPortEvent> {
         self.from_port.try_recv().ok()
     }
 }
 
 /// An open end of the line.
-enum Line {
+enum OpenEnd {
     Port(Port),
-    Offer(Offer),
+    Offer(OfferedPort),
 }
 
-impl Line {
+impl OpenEnd {
     fn read(&mut self) -> io::Result<Vec<u8>> {
         match self {
             Self::Port(port) => port.read(),
@@ -105,88 +108,88 @@ impl Line {
 }
 
 /// The state of the thread.
-struct Carrier {
-    end: End,
-    orders: Receiver<Order>,
-    heard: Sender<Heard>,
+struct SerialPortThread {
+    end: SerialEnd,
+    commands: Receiver<SerialPortCommand>,
+    events: Sender<SerialPortEvent>,
     baud: Option<u32>,
     /// Bytes that the port has not taken yet.
-    rest: Vec<u8>,
+    unsent: Vec<u8>,
     /// The last reported reason why the port is not open.
-    told: Option<Message>,
+    last_error: Option<Message>,
 }
 
-impl Carrier {
+impl SerialPortThread {
     /// Opens the port and moves bytes until it is gone, or has another rate; `None`: the
     /// program has ended.
-    fn carry(&mut self) -> Option<()> {
-        self.rest.clear();
+    fn run(&mut self) -> Option<()> {
+        self.unsent.clear();
         let mut line = loop {
             let Some(baud) = self.baud else {
-                self.wait(LOOK)?;
+                self.wait(CHECK_INTERVAL)?;
                 continue;
             };
             match self.open(baud) {
                 Ok((line, name)) => {
-                    self.told = None;
-                    self.heard.send(Heard::Opened(name)).ok()?;
+                    self.last_error = None;
+                    self.events.send(SerialPortEvent::Opened(name)).ok()?;
                     break line;
                 }
                 Err(error) => {
-                    let said = error.message();
-                    if self.told.as_ref() != Some(&said) {
-                        self.told = Some(said.clone());
-                        self.heard.send(Heard::Gone(said)).ok()?;
+                    let message = error.message();
+                    if self.last_error.as_ref() != Some(&message) {
+                        self.last_error = Some(message.clone());
+                        self.events.send(SerialPortEvent::Gone(message)).ok()?;
                     }
-                    self.wait(AGAIN)?;
+                    self.wait(RETRY_INTERVAL)?;
                 }
             }
         };
         let baud = self.baud;
         loop {
-            self.hear_orders()?;
+            self.receive_commands()?;
             // An offered end has the rate of the program that opens it.
-            if self.baud != baud && matches!(line, Line::Port(_)) {
+            if self.baud != baud && matches!(line, OpenEnd::Port(_)) {
                 return Some(());
             }
-            let done = line.write(&self.rest).and_then(|taken| {
-                self.rest.drain(..taken);
+            let done = line.write(&self.unsent).and_then(|taken| {
+                self.unsent.drain(..taken);
                 line.read()
             });
             match done {
                 Ok(bytes) if bytes.is_empty() => {}
-                Ok(bytes) => self.heard.send(Heard::Bytes(bytes)).ok()?,
+                Ok(bytes) => self.events.send(SerialPortEvent::Bytes(bytes)).ok()?,
                 Err(error) => {
-                    let said = ports::gone(&error);
-                    self.told = Some(said.clone());
-                    self.heard.send(Heard::Gone(said)).ok()?;
-                    return self.wait(AGAIN);
+                    let message = ports::failure_message(&error);
+                    self.last_error = Some(message.clone());
+                    self.events.send(SerialPortEvent::Gone(message)).ok()?;
+                    return self.wait(RETRY_INTERVAL);
                 }
             }
         }
     }
 
-    fn open(&self, baud: u32) -> Result<(Line, String), PortError> {
-        let offered = |offer: Offer| {
+    fn open(&self, baud: u32) -> Result<(OpenEnd, String), PortError> {
+        let offered = |offer: OfferedPort| {
             let name = offer.name()?;
-            Ok((Line::Offer(offer), name))
+            Ok((OpenEnd::Offer(offer), name))
         };
         match &self.end {
-            End::Port(name) => {
-                let port = Port::open_within(name, baud, IN_USE)?;
-                Ok((Line::Port(port), name.clone()))
+            SerialEnd::Port(name) => {
+                let port = Port::open_with_retry(name, baud, OPEN_RETRY_TIME)?;
+                Ok((OpenEnd::Port(port), name.clone()))
             }
-            End::Terminal => offered(Offer::open(None)?),
-            End::Listening(address) => offered(Offer::open(Some(address))?),
+            SerialEnd::Terminal => offered(OfferedPort::open(None)?),
+            SerialEnd::Listening(address) => offered(OfferedPort::open(Some(address))?),
         }
     }
 
     /// Takes commands as long as the port keeps up; `None`: the program has ended.
-    fn hear_orders(&mut self) -> Option<()> {
-        while self.rest.is_empty() {
-            match self.orders.try_recv() {
-                Ok(Order::Bytes(bytes)) => self.rest = bytes,
-                Ok(Order::Rate(baud)) => self.baud = Some(baud),
+    fn receive_commands(&mut self) -> Option<()> {
+        while self.unsent.is_empty() {
+            match self.commands.try_recv() {
+                Ok(SerialPortCommand::Bytes(bytes)) => self.unsent = bytes,
+                Ok(SerialPortCommand::Rate(baud)) => self.baud = Some(baud),
                 Err(TryRecvError::Empty) => return Some(()),
                 Err(TryRecvError::Disconnected) => return None,
             }
@@ -200,15 +203,15 @@ impl Carrier {
         let mut waited = Duration::ZERO;
         while waited < time {
             loop {
-                match self.orders.try_recv() {
-                    Ok(Order::Bytes(_)) => {}
-                    Ok(Order::Rate(baud)) => self.baud = Some(baud),
+                match self.commands.try_recv() {
+                    Ok(SerialPortCommand::Bytes(_)) => {}
+                    Ok(SerialPortCommand::Rate(baud)) => self.baud = Some(baud),
                     Err(TryRecvError::Empty) => break,
                     Err(TryRecvError::Disconnected) => return None,
                 }
             }
-            thread::sleep(LOOK);
-            waited += LOOK;
+            thread::sleep(CHECK_INTERVAL);
+            waited += CHECK_INTERVAL;
         }
         Some(())
     }

@@ -9,24 +9,24 @@ pub const RATE: u32 = 22_050;
 pub const OUTPUTS: usize = 4;
 
 /// A slide is at rest when no state arrived for this time, s.
-const STANDS_AFTER: f32 = 0.15;
+const REST_AFTER_S: f32 = 0.15;
 /// Speed limit of the pitch of a slide, mm/s.
-const FASTEST: f32 = 300.0;
+const MAX_SLIDE_MM_PER_S: f32 = 300.0;
 /// Share of its remaining difference by which a tone changes with each sample.
 const GLIDE: f32 = 1.0 / 1500.0;
 /// Number of tones of an alarm, and the length of one with its pause, s.
 const BEEPS: u32 = 3;
-const BEEP: f32 = 0.3;
+const BEEP_S: f32 = 0.3;
 
 /// The state of the machine that makes its sound.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Heard {
+pub struct SoundState {
     /// Keys that are down.
     pub keys: Vec<Key>,
     /// Y0 to Y3: relays and valves.
     pub outputs: [u8; OUTPUTS],
     /// Absolute speed of the spindle, r/min.
-    pub spindle: f32,
+    pub spindle_rpm: f32,
     /// Position of the slides, X as a radius and Z, mm.
     pub slides: [f32; 2],
     /// Number of the active alarm.
@@ -60,12 +60,12 @@ struct Strike {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mixer {
     /// The last state; `None` before the first one.
-    heard: Option<Heard>,
+    last_state: Option<SoundState>,
     spindle: Tone,
     slides: [Tone; 2],
     strikes: Vec<Strike>,
     /// Samples since the last state.
-    silent: u32,
+    samples_since_state: u32,
     /// Remaining samples of the alarm tones.
     beeps: u32,
     /// State of the noise generator.
@@ -73,7 +73,7 @@ pub struct Mixer {
 }
 
 impl Tone {
-    fn next(&mut self) -> f32 {
+    fn next_sample(&mut self) -> f32 {
         self.pitch += (self.to_pitch - self.pitch) * GLIDE;
         self.level += (self.to_level - self.level) * GLIDE;
         self.phase = (self.phase + self.pitch / RATE as f32).fract();
@@ -83,7 +83,7 @@ impl Tone {
     }
 
     /// Sets the target; at level 0 the tone keeps its pitch while it fades out.
-    const fn to(&mut self, pitch: f32, level: f32) {
+    const fn set_target(&mut self, pitch: f32, level: f32) {
         self.to_level = level;
         if level > 0.0 {
             self.to_pitch = pitch;
@@ -93,29 +93,29 @@ impl Tone {
 
 impl Mixer {
     /// Takes a state of the machine.
-    pub fn hear(&mut self, heard: &Heard) {
-        let spindle = heard.spindle.abs().min(10_000.0);
+    pub fn update(&mut self, state: &SoundState) {
+        let spindle = state.spindle_rpm.abs().min(10_000.0);
         // Six pulses of the motor a turn; louder with speed.
         let level = match spindle < 1.0 {
             true => 0.0,
             false => 0.05 + 0.1 * (spindle / 3000.0).min(1.0),
         };
-        self.spindle.to(30.0 + spindle / 10.0, level);
-        let Some(before) = self.heard.replace(heard.clone()) else {
+        self.spindle.set_target(30.0 + spindle / 10.0, level);
+        let Some(before) = self.last_state.replace(state.clone()) else {
             // The first state changes nothing audible.
             return;
         };
-        let passed = self.silent.max(RATE / 200) as f32 / RATE as f32;
+        let passed = self.samples_since_state.max(RATE / 200) as f32 / RATE as f32;
         for (slide, tone) in self.slides.iter_mut().enumerate() {
-            let way = heard.slides.get(slide).zip(before.slides.get(slide));
-            let way = way.map_or(0.0, |(now, before)| (now - before).abs());
-            let speed = (way / passed).min(FASTEST);
-            let level = if way > 0.0 { 0.06 } else { 0.0 };
+            let distance = state.slides.get(slide).zip(before.slides.get(slide));
+            let distance = distance.map_or(0.0, |(now, before)| (now - before).abs());
+            let speed = (distance / passed).min(MAX_SLIDE_MM_PER_S);
+            let level = if distance > 0.0 { 0.06 } else { 0.0 };
             // The pitches of the two slides differ by a fifth.
-            let low = if slide == 0 { 90.0 } else { 60.0 };
-            tone.to(low + speed * 8.0, level);
+            let base_hz = if slide == 0 { 90.0 } else { 60.0 };
+            tone.set_target(base_hz + speed * 8.0, level);
         }
-        for key in heard.keys.iter().filter(|key| !before.keys.contains(key)) {
+        for key in state.keys.iter().filter(|key| !before.keys.contains(key)) {
             let pitch = if *key == Key::EmergencyStop {
                 700.0
             } else {
@@ -123,23 +123,23 @@ impl Mixer {
             };
             self.strike(pitch, 0.3, 0.25, 0.985);
         }
-        let up = before.keys.iter().filter(|key| !heard.keys.contains(key));
+        let up = before.keys.iter().filter(|key| !state.keys.contains(key));
         for _ in up {
             self.strike(1500.0, 0.3, 0.12, 0.98);
         }
-        let (now, then) = (heard.outputs, before.outputs);
+        let (now, then) = (state.outputs, before.outputs);
         for (now, then) in now.into_iter().zip(then) {
             for bit in (0..8).filter(|bit| ((now ^ then) >> bit) & 1 == 1) {
                 let on = (now >> bit) & 1 == 1;
                 self.strike(if on { 420.0 } else { 300.0 }, 0.7, 0.35, 0.994);
             }
         }
-        if heard.alarm.is_some() && heard.alarm != before.alarm {
-            self.beeps = (BEEP * RATE as f32) as u32 * BEEPS;
-        } else if heard.alarm.is_none() {
+        if state.alarm.is_some() && state.alarm != before.alarm {
+            self.beeps = (BEEP_S * RATE as f32) as u32 * BEEPS;
+        } else if state.alarm.is_none() {
             self.beeps = 0;
         }
-        self.silent = 0;
+        self.samples_since_state = 0;
     }
 
     fn strike(&mut self, pitch: f32, noise: f32, level: f32, decay: f32) {
@@ -159,23 +159,23 @@ impl Mixer {
     pub fn fill(&mut self, samples: &mut [i16], volume: u8) {
         let volume = f32::from(volume.min(100)) / 100.0;
         for sample in samples {
-            let loud = self.next() * volume;
+            let loud = self.next_sample() * volume;
             // No sum of sounds overflows.
             let soft = loud / (1.0 + loud.abs());
             *sample = (soft * f32::from(i16::MAX)) as i16;
         }
     }
 
-    fn next(&mut self) -> f32 {
-        self.silent = self.silent.saturating_add(1);
-        if self.silent as f32 > STANDS_AFTER * RATE as f32 {
+    fn next_sample(&mut self) -> f32 {
+        self.samples_since_state = self.samples_since_state.saturating_add(1);
+        if self.samples_since_state as f32 > REST_AFTER_S * RATE as f32 {
             for tone in &mut self.slides {
-                tone.to(0.0, 0.0);
+                tone.set_target(0.0, 0.0);
             }
         }
-        let mut sum = self.spindle.next();
+        let mut sum = self.spindle.next_sample();
         for tone in &mut self.slides {
-            sum += tone.next();
+            sum += tone.next_sample();
         }
         // Xorshift: the same noise every time.
         self.noise = self.noise.max(1);
@@ -191,7 +191,7 @@ impl Mixer {
         }
         self.strikes.retain(|strike| strike.level > 0.001);
         if self.beeps > 0 {
-            let length = (BEEP * RATE as f32) as u32;
+            let length = (BEEP_S * RATE as f32) as u32;
             let phase = (self.beeps as f32 * 880.0 / RATE as f32).fract();
             if self.beeps % length > length / 2 {
                 sum += 0.2 * wave(phase);
@@ -223,17 +223,17 @@ mod tests {
         ((square / samples.len() as f64).sqrt(), crossings)
     }
 
-    fn heard() -> Heard {
-        Heard::default()
+    fn rest_state() -> SoundState {
+        SoundState::default()
     }
 
     #[test]
-    fn a_machine_at_rest_is_silent_whatever_stood_before() {
+    fn a_machine_at_rest_is_silent_whatever_its_first_state() {
         let mut mixer = Mixer::default();
-        mixer.hear(&Heard {
+        mixer.update(&SoundState {
             outputs: [0xff; OUTPUTS],
             alarm: Some(207),
-            ..heard()
+            ..rest_state()
         });
         assert_eq!(listen(&mut mixer, 0.5).0, 0.0);
     }
@@ -243,9 +243,9 @@ mod tests {
         let mut mixer = Mixer::default();
         let mut pitch = Vec::new();
         for rpm in [500.0, 1000.0, 3000.0] {
-            mixer.hear(&Heard {
-                spindle: rpm,
-                ..heard()
+            mixer.update(&SoundState {
+                spindle_rpm: rpm,
+                ..rest_state()
             });
             listen(&mut mixer, 1.0);
             let (loud, crossings) = listen(&mut mixer, 1.0);
@@ -258,7 +258,7 @@ mod tests {
             pitch.push(crossings);
         }
         assert!(pitch.is_sorted());
-        mixer.hear(&heard());
+        mixer.update(&rest_state());
         listen(&mut mixer, 2.0);
         assert!(listen(&mut mixer, 0.2).0 < 1.0);
     }
@@ -269,9 +269,9 @@ mod tests {
             let mut mixer = Mixer::default();
             let mut last = (0.0, 0.0);
             for picture in 0..60 {
-                mixer.hear(&Heard {
+                mixer.update(&SoundState {
                     slides: [0.0, picture as f32 * step],
-                    ..heard()
+                    ..rest_state()
                 });
                 last = listen(&mut mixer, 1.0 / 60.0);
             }
@@ -286,29 +286,29 @@ mod tests {
     }
 
     #[test]
-    fn keys_relays_and_an_alarm_are_heard_once_each() {
+    fn keys_relays_and_an_alarm_sound_once_each() {
         for changed in [
-            Heard {
+            SoundState {
                 keys: vec![Key::Reset],
-                ..heard()
+                ..rest_state()
             },
-            Heard {
+            SoundState {
                 outputs: [0, 0b100, 0, 0],
-                ..heard()
+                ..rest_state()
             },
-            Heard {
+            SoundState {
                 alarm: Some(207),
-                ..heard()
+                ..rest_state()
             },
         ] {
             let mut mixer = Mixer::default();
-            mixer.hear(&heard());
+            mixer.update(&rest_state());
             assert_eq!(listen(&mut mixer, 0.1).0, 0.0);
-            mixer.hear(&changed);
+            mixer.update(&changed);
             let (loud, _) = listen(&mut mixer, 0.1);
             assert!(loud > 200.0, "{changed:?}: {loud}");
             listen(&mut mixer, 1.0);
-            mixer.hear(&changed);
+            mixer.update(&changed);
             assert!(listen(&mut mixer, 0.5).0 < 1.0, "{changed:?}");
         }
     }
@@ -317,11 +317,11 @@ mod tests {
     fn everything_at_once_stays_in_range_and_comes_again_bit_by_bit() {
         let play = || {
             let mut mixer = Mixer::default();
-            mixer.hear(&heard());
-            mixer.hear(&Heard {
+            mixer.update(&rest_state());
+            mixer.update(&SoundState {
                 keys: KEYS.iter().map(|row| row.key).collect(),
                 outputs: [0xff; OUTPUTS],
-                spindle: f32::MAX,
+                spindle_rpm: f32::MAX,
                 slides: [f32::MAX, -1e30],
                 alarm: Some(207),
             });
@@ -334,10 +334,10 @@ mod tests {
         assert!(loudest < Some(32_000), "{loudest:?}");
         assert_eq!(samples, play());
         let mut mixer = Mixer::default();
-        mixer.hear(&heard());
-        mixer.hear(&Heard {
-            spindle: 3000.0,
-            ..heard()
+        mixer.update(&rest_state());
+        mixer.update(&SoundState {
+            spindle_rpm: 3000.0,
+            ..rest_state()
         });
         let mut samples = vec![1; 1000];
         mixer.fill(&mut samples, 0);

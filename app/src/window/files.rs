@@ -1,7 +1,7 @@
 //! Chooses files in a thread, with the desktop's dialog if there is one, else with the dialog
 //! of this program. Cancelling shows no message.
 
-mod browser;
+mod file_browser;
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -10,13 +10,13 @@ use egui::{Context, Id};
 
 use crate::kernel::Notice;
 use crate::platform::{self, FileDialog};
-pub use browser::Browser;
 use crossbeam::channel::Sender;
+pub use file_browser::FileBrowser;
 use gsk_messages::{Language, Message, say};
 
 /// What the operator chooses.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Wanted {
+pub enum FileChoice {
     /// An existing file with one of these extensions; the string names the file type.
     Open(String, Vec<&'static str>),
     /// An existing folder.
@@ -26,96 +26,96 @@ pub enum Wanted {
 }
 
 /// Called in a thread with the chosen file. A returned message appears on the message line.
-type Then = Box<dyn FnOnce(PathBuf) -> Option<Message> + Send>;
+type OnChosen = Box<dyn FnOnce(PathBuf) -> Option<Message> + Send>;
 
 /// A choice for the dialog of this program.
-struct Ask {
-    wanted: Wanted,
-    then: Then,
-    say: Sender<Notice>,
+struct ChoiceRequest {
+    choice: FileChoice,
+    on_chosen: OnChosen,
+    notices: Sender<Notice>,
 }
 
 /// The choices that wait for the dialog of this program.
 #[derive(Clone, Default)]
-struct Asked(Arc<Mutex<Vec<Ask>>>);
+struct PendingChoices(Arc<Mutex<Vec<ChoiceRequest>>>);
 
-impl Asked {
-    fn of(context: &Context) -> Self {
+impl PendingChoices {
+    fn of_context(context: &Context) -> Self {
         let id = Id::unique("asked for files");
         context.data_mut(|data| data.get_temp_mut_or_default::<Self>(id).clone())
     }
 
-    fn take(&self) -> Option<Ask> {
+    fn take(&self) -> Option<ChoiceRequest> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).pop()
     }
 
-    fn put(&self, ask: Ask) {
-        let mut asked = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        asked.push(ask);
+    fn add(&self, request: ChoiceRequest) {
+        let mut requests = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        requests.push(request);
     }
 }
 
-/// Lets the operator choose a file and calls `then` with it in a thread. Messages go to `say`.
-pub fn choose(
+/// Lets the operator choose a file and calls `on_chosen` with it in a thread. Messages go to `say`.
+pub fn choose_file(
     context: &Context,
     language: Language,
-    say: &Sender<Notice>,
-    wanted: Wanted,
-    then: impl FnOnce(PathBuf) -> Option<Message> + Send + 'static,
+    notices: &Sender<Notice>,
+    choice: FileChoice,
+    on_chosen: impl FnOnce(PathBuf) -> Option<Message> + Send + 'static,
 ) {
-    let asked = Asked::of(context);
-    let ask = Ask {
-        wanted,
-        then: Box::new(then),
-        say: say.clone(),
+    let pending = PendingChoices::of_context(context);
+    let request = ChoiceRequest {
+        choice,
+        on_chosen: Box::new(on_chosen),
+        notices: notices.clone(),
     };
     let waker = context.clone();
-    beside(context, say, move || {
-        if platform::file_dialog_answers() {
-            platform::choose_file(dialog(&ask.wanted, language), move |path| {
-                if let Some(said) = (ask.then)(path) {
+    run_in_thread(context, notices, move || {
+        if platform::has_file_dialog() {
+            platform::choose_file(desktop_dialog(&request.choice, language), move |path| {
+                if let Some(message) = (request.on_chosen)(path) {
                     // A window that is closed needs no message.
-                    let _ = ask.say.try_send(Notice::Said(said));
+                    let _ = request.notices.try_send(Notice::Message(message));
                 }
                 waker.request_repaint();
             });
             return None;
         }
-        asked.put(ask);
+        pending.add(request);
         waker.request_repaint();
         None
     });
 }
 
 /// The settings of the desktop's dialog.
-fn dialog(wanted: &Wanted, language: Language) -> FileDialog {
-    match wanted.clone() {
-        Wanted::Open(kind, endings) => FileDialog::Open {
+fn desktop_dialog(choice: &FileChoice, language: Language) -> FileDialog {
+    match choice.clone() {
+        FileChoice::Open(kind, endings) => FileDialog::Open {
             kind,
             endings,
             all: say::window_all_files().text(language),
         },
-        Wanted::Folder => FileDialog::Folder,
-        Wanted::Save(name, ending) => FileDialog::Save { name, ending },
+        FileChoice::Folder => FileDialog::Folder,
+        FileChoice::Save(name, ending) => FileDialog::Save { name, ending },
     }
 }
 
 /// Runs `job` in a thread and sends its message to `say`.
-pub fn beside(
+pub fn run_in_thread(
     context: &Context,
-    say: &Sender<Notice>,
+    notices: &Sender<Notice>,
     job: impl FnOnce() -> Option<Message> + Send + 'static,
 ) {
     let context = context.clone();
-    let telling = say.clone();
-    let started = platform::beside("files", move || {
-        if let Some(said) = job() {
+    let thread_notices = notices.clone();
+    let started = platform::run_in_background("files", move || {
+        if let Some(message) = job() {
             // A window that is closed needs no message.
-            let _ = telling.try_send(Notice::Said(said));
+            let _ = thread_notices.try_send(Notice::Message(message));
         }
         context.request_repaint();
     });
     if let Err(error) = started {
-        let _ = say.try_send(Notice::Said(say::as_written(error)));
+        let _ = notices.try_send(Notice::Message(say::as_written(error)));
     }
 }

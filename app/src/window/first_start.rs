@@ -8,21 +8,21 @@ use egui::{Align, Button, Color32, Context, Key, Layout as Flow, RichText, Scrol
 use gsk_core::model::ModelId;
 
 use super::Window;
-use super::files::{self, Wanted};
+use super::files::{self, FileChoice};
 use super::focus;
-use super::layout::{Layout, Layouts};
-use super::view::View;
+use super::layout::{Layouts, WindowLayout};
+use super::view::ViewId;
 use crate::kernel::Console;
 use crate::{loading, platform};
 use gsk_messages::{Language, Message, say};
 
 /// Height of an answer, points: large enough for a finger.
-const ANSWER: f32 = 44.0;
+const ANSWER_HEIGHT: f32 = 44.0;
 /// Least width of an answer, points.
-const LEAST: f32 = 150.0;
+const MIN_ANSWER_WIDTH: f32 = 150.0;
 /// Greatest width of the column of questions, points.
-const WIDEST: f32 = 720.0;
-const WRONG: Color32 = Color32::from_rgb(255, 150, 110);
+const MAX_COLUMN_WIDTH: f32 = 720.0;
+const ERROR_COLOR: Color32 = Color32::from_rgb(255, 150, 110);
 
 /// The purpose for which the operator uses the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,10 +39,10 @@ struct PurposeRow {
     purpose: Purpose,
     name: fn() -> Message,
     /// Description of the screen that opens.
-    shows: fn() -> Message,
-    layout: Layout,
+    description: fn() -> Message,
+    layout: WindowLayout,
     /// A view that is docked in addition to those of the layout.
-    view: Option<View>,
+    view: Option<ViewId>,
 }
 
 /// The purposes in the order of the answers.
@@ -50,29 +50,29 @@ static PURPOSES: [PurposeRow; 3] = [
     PurposeRow {
         purpose: Purpose::Learning,
         name: say::first_learning,
-        shows: say::first_learning_shows,
-        layout: Layout::Learner,
+        description: say::first_learning_shows,
+        layout: WindowLayout::Learner,
         view: None,
     },
     PurposeRow {
         purpose: Purpose::Checking,
         name: say::first_checking,
-        shows: say::first_checking_shows,
-        layout: Layout::Programmer,
+        description: say::first_checking_shows,
+        layout: WindowLayout::Programmer,
         view: None,
     },
     PurposeRow {
         purpose: Purpose::OwnLathe,
         name: say::first_own_lathe,
-        shows: say::first_own_lathe_shows,
-        layout: Layout::Panel,
-        view: Some(View::Link),
+        description: say::first_own_lathe_shows,
+        layout: WindowLayout::Panel,
+        view: Some(ViewId::Link),
     },
 ];
 
 impl Purpose {
     /// Opens the layout and the view for this purpose.
-    pub fn open(self, layouts: &mut Layouts) {
+    pub fn apply(self, layouts: &mut Layouts) {
         let Some(row) = PURPOSES.iter().find(|row| row.purpose == self) else {
             return;
         };
@@ -83,56 +83,56 @@ impl Purpose {
             layouts.dock(view);
         }
         // The panel is shown first where both do not fit.
-        layouts.bring(None);
+        layouts.bring_to_front(None);
     }
 }
 
 /// The answers to the questions.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Answers {
+pub struct FirstStartAnswers {
     pub purpose: Purpose,
     pub model: ModelId,
     /// The machine file; `None`: the simulated lathe as delivered.
-    pub machine: Option<PathBuf>,
+    pub machine_file: Option<PathBuf>,
 }
 
 /// How the operator has left the questions.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Left {
+pub enum FirstStartEnd {
     /// All questions are answered.
-    Answered(Answers),
+    Answered(FirstStartAnswers),
     /// Without answers; the questions do not appear again.
     Skipped,
 }
 
 /// A machine file that was chosen in a file dialog, or its error.
-type Chosen = Arc<Mutex<Option<Result<PathBuf, Message>>>>;
+type ChosenMachine = Arc<Mutex<Option<Result<PathBuf, Message>>>>;
 
 /// The page of the questions while it is open.
 #[derive(Debug)]
 pub struct FirstStart {
     purpose: Option<Purpose>,
     model: ModelId,
-    machine: Option<PathBuf>,
-    wrong: Option<Message>,
-    chosen: Chosen,
+    machine_file: Option<PathBuf>,
+    file_error: Option<Message>,
+    chosen_file: ChosenMachine,
     /// Whether the page asks for the control and the lathe. A page in a browser has no files.
-    asks_lathe: bool,
+    has_lathe_question: bool,
     /// Whether the first answer has received the keyboard focus.
-    begun: bool,
+    has_set_focus: bool,
 }
 
 impl FirstStart {
     /// Creates the page. `changeable`: another control model can be turned on.
-    pub fn new(model: ModelId, machine: Option<PathBuf>, changeable: bool) -> Self {
+    pub fn new(model: ModelId, machine_file: Option<PathBuf>, changeable: bool) -> Self {
         Self {
             purpose: None,
             model,
-            machine,
-            wrong: None,
-            chosen: Chosen::default(),
-            asks_lathe: changeable && platform::has_folders(),
-            begun: false,
+            machine_file,
+            file_error: None,
+            chosen_file: ChosenMachine::default(),
+            has_lathe_question: changeable && platform::has_folders(),
+            has_set_focus: false,
         }
     }
 
@@ -143,9 +143,9 @@ impl FirstStart {
         ui: &mut Ui,
         language: &mut Language,
         console: &Console,
-    ) -> Option<Left> {
-        self.take_chosen();
-        let mut left = None;
+    ) -> Option<FirstStartEnd> {
+        self.take_machine_file();
+        let mut end = None;
         let frame = egui::Frame::new()
             .fill(Color32::from_gray(22))
             .inner_margin(egui::Margin::symmetric(16, 10));
@@ -154,187 +154,209 @@ impl FirstStart {
                 .id_salt("first start")
                 .auto_shrink([false, false])
                 .show(ui, |ui| {
-                    let width = ui.available_width().min(WIDEST);
-                    let beside = (ui.available_width() - width) / 2.0;
+                    let width = ui.available_width().min(MAX_COLUMN_WIDTH);
+                    let side_margin = (ui.available_width() - width) / 2.0;
                     ui.horizontal_top(|ui| {
-                        ui.add_space(beside);
+                        ui.add_space(side_margin);
                         ui.allocate_ui_with_layout(
                             vec2(width, 0.0),
                             Flow::top_down(Align::Min),
                             |ui| {
                                 ui.set_width(width);
-                                left = self.questions(ui, language, console);
+                                end = self.show_questions(ui, language, console);
                             },
                         );
                     });
-                    focus::follow(ui);
+                    focus::scroll_to_focus(ui);
                 });
         });
         if ui.input(|input| input.key_pressed(Key::Escape)) {
-            left = Some(Left::Skipped);
+            end = Some(FirstStartEnd::Skipped);
         }
-        left
+        end
     }
 
-    fn questions(
+    fn show_questions(
         &mut self,
         ui: &mut Ui,
         language: &mut Language,
         console: &Console,
-    ) -> Option<Left> {
+    ) -> Option<FirstStartEnd> {
         // The first question is in both languages.
         let both = [Language::Zh, Language::En].map(|it| say::first_language().text(it));
         ui.heading(both.join("    "));
         ui.horizontal_wrapped(|ui| {
             for (answer, other) in [(Language::Zh, Language::En), (Language::En, Language::Zh)] {
                 let name = say::window_other_language().text(other);
-                let asked = option(ui, *language == answer, &name, LEAST);
-                if !self.begun && *language == answer {
-                    self.begun = true;
-                    asked.request_focus();
+                let answer_button = answer_option(ui, *language == answer, &name, MIN_ANSWER_WIDTH);
+                if !self.has_set_focus && *language == answer {
+                    self.has_set_focus = true;
+                    answer_button.request_focus();
                 }
-                if asked.clicked() {
+                if answer_button.clicked() {
                     *language = answer;
                 }
             }
         });
-        let said = |said: Message| said.text(*language);
-        heading(ui, &said(say::first_what_for()));
+        let text = |message: Message| message.text(*language);
+        show_heading(ui, &text(say::first_what_for()));
         for row in &PURPOSES {
             let chosen = self.purpose == Some(row.purpose);
-            if option(ui, chosen, &said((row.name)()), ui.available_width()).clicked() {
+            if answer_option(ui, chosen, &text((row.name)()), ui.available_width()).clicked() {
                 self.purpose = Some(row.purpose);
             }
-            ui.weak(said((row.shows)()));
+            ui.weak(text((row.description)()));
         }
-        if self.asks_lathe {
-            heading(ui, &said(say::first_which_control()));
+        if self.has_lathe_question {
+            show_heading(ui, &text(say::first_which_control()));
             ui.horizontal_wrapped(|ui| {
                 for id in ModelId::ALL.into_iter().filter(|id| !id.is_mill()) {
-                    if option(ui, self.model == id, id.name(), LEAST).clicked() {
+                    if answer_option(ui, self.model == id, id.name(), MIN_ANSWER_WIDTH).clicked() {
                         self.model = id;
                     }
                 }
             });
-            heading(ui, &said(say::first_which_lathe()));
-            self.lathe(ui, *language, console);
+            show_heading(ui, &text(say::first_which_lathe()));
+            self.show_lathe_question(ui, *language, console);
         }
         ui.add_space(18.0);
-        let mut left = None;
+        let mut end = None;
         ui.horizontal_wrapped(|ui| {
-            let begin = RichText::new(said(say::first_begin())).size(16.0);
-            let begin = Button::new(begin).min_size(vec2(LEAST, ANSWER));
+            let begin = RichText::new(text(say::first_begin())).size(16.0);
+            let begin = Button::new(begin).min_size(vec2(MIN_ANSWER_WIDTH, ANSWER_HEIGHT));
             let begin = ui.add_enabled(self.purpose.is_some(), begin);
-            let begin = begin.on_disabled_hover_text(said(say::first_answer_all()));
+            let begin = begin.on_disabled_hover_text(text(say::first_answer_all()));
             if let (true, Some(purpose)) = (begin.clicked(), self.purpose) {
-                left = Some(Left::Answered(Answers {
+                end = Some(FirstStartEnd::Answered(FirstStartAnswers {
                     purpose,
                     model: self.model,
-                    machine: self.machine.clone(),
+                    machine_file: self.machine_file.clone(),
                 }));
             }
-            let skip = Button::new(said(say::first_skip())).min_size(vec2(LEAST, ANSWER));
+            let skip = Button::new(text(say::first_skip()))
+                .min_size(vec2(MIN_ANSWER_WIDTH, ANSWER_HEIGHT));
             if ui.add(skip).clicked() {
-                left = Some(Left::Skipped);
+                end = Some(FirstStartEnd::Skipped);
             }
         });
-        ui.weak(said(say::first_again()));
-        left
+        ui.weak(text(say::first_again()));
+        end
     }
 
     /// Draws the question about the lathe of the control.
-    fn lathe(&mut self, ui: &mut Ui, language: Language, console: &Console) {
+    fn show_lathe_question(&mut self, ui: &mut Ui, language: Language, console: &Console) {
         ui.horizontal_wrapped(|ui| {
             let simulated = say::first_simulated().text(language);
-            if option(ui, self.machine.is_none(), &simulated, LEAST).clicked() {
-                self.machine = None;
-                self.wrong = None;
+            if answer_option(
+                ui,
+                self.machine_file.is_none(),
+                &simulated,
+                MIN_ANSWER_WIDTH,
+            )
+            .clicked()
+            {
+                self.machine_file = None;
+                self.file_error = None;
             }
-            let name = self.machine.as_ref().and_then(|path| path.file_name());
+            let name = self.machine_file.as_ref().and_then(|path| path.file_name());
             let file = match name {
                 Some(name) => say::first_machine_file_is(name.to_string_lossy()),
                 None => say::first_machine_file(),
             };
-            let file = option(ui, self.machine.is_some(), &file.text(language), LEAST);
+            let file = answer_option(
+                ui,
+                self.machine_file.is_some(),
+                &file.text(language),
+                MIN_ANSWER_WIDTH,
+            );
             if file.clicked() {
-                self.choose(ui.ctx(), language, console);
+                self.choose_machine_file(ui.ctx(), language, console);
             }
         });
         let hint = say::first_machine_file_hint().text(language);
         ui.weak(hint);
-        if let Some(wrong) = &self.wrong {
-            ui.label(RichText::new(wrong.text(language)).color(WRONG));
+        if let Some(wrong) = &self.file_error {
+            ui.label(RichText::new(wrong.text(language)).color(ERROR_COLOR));
         }
     }
 
-    fn choose(&self, context: &Context, language: Language, console: &Console) {
-        let chosen = Arc::clone(&self.chosen);
+    fn choose_machine_file(&self, context: &Context, language: Language, console: &Console) {
+        let chosen = Arc::clone(&self.chosen_file);
         let name = say::first_machine_files().text(language);
-        let wanted = Wanted::Open(name, vec!["ron"]);
-        files::choose(context, language, &console.say, wanted, move |path| {
-            let path = std::path::absolute(&path).unwrap_or(path);
-            let read = loading::machine(&path).map_err(|error| error.message());
-            let answer = read.map(|_| path);
-            *chosen.lock().unwrap_or_else(PoisonError::into_inner) = Some(answer);
-            None
-        });
+        let choice = FileChoice::Open(name, vec!["ron"]);
+        files::choose_file(
+            context,
+            language,
+            &console.notice_sender,
+            choice,
+            move |path| {
+                let path = std::path::absolute(&path).unwrap_or(path);
+                let checked = loading::load_machine(&path).map_err(|error| error.message());
+                let answer = checked.map(|_| path);
+                *chosen.lock().unwrap_or_else(PoisonError::into_inner) = Some(answer);
+                None
+            },
+        );
     }
 
-    fn take_chosen(&mut self) {
-        let mut chosen = self.chosen.lock().unwrap_or_else(PoisonError::into_inner);
+    fn take_machine_file(&mut self) {
+        let mut chosen = self
+            .chosen_file
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
         match chosen.take() {
             Some(Ok(path)) => {
-                self.machine = Some(path);
-                self.wrong = None;
+                self.machine_file = Some(path);
+                self.file_error = None;
             }
-            Some(Err(said)) => self.wrong = Some(said),
+            Some(Err(error)) => self.file_error = Some(error),
             None => {}
         }
     }
 }
 
-fn heading(ui: &mut Ui, text: &str) {
+fn show_heading(ui: &mut Ui, text: &str) {
     ui.add_space(14.0);
     ui.heading(text);
 }
 
 /// Draws an answer as a button that is large enough for a finger.
-fn option(ui: &mut Ui, chosen: bool, name: &str, width: f32) -> egui::Response {
+fn answer_option(ui: &mut Ui, is_chosen: bool, name: &str, width: f32) -> egui::Response {
     let text = RichText::new(name).size(16.0);
     ui.add(
-        Button::selectable(chosen, text)
-            .min_size(vec2(width, ANSWER))
+        Button::selectable(is_chosen, text)
+            .min_size(vec2(width, ANSWER_HEIGHT))
             .frame_when_inactive(true),
     )
 }
 
 impl Window {
     /// Opens the questions of the first start instead of the panel.
-    pub fn ask_first(&mut self) {
-        let (model, machine) = (self.models.shown, self.settings.machine.clone());
-        self.first_start = Some(FirstStart::new(model, machine, self.models.changeable));
+    pub fn open_first_start(&mut self) {
+        let (model, machine) = (self.models.current, self.settings.machine.clone());
+        self.first_start = Some(FirstStart::new(model, machine, self.models.is_changeable));
     }
 
     /// Draws the questions of the first start and applies the answers. Returns whether they
     /// are visible: never while a board moves real slides.
-    pub(super) fn asks_first(&mut self, ui: &mut Ui) -> bool {
+    pub(super) fn show_first_start(&mut self, ui: &mut Ui) -> bool {
         if self.board().is_some() {
             return false;
         }
-        let Some(asked) = &mut self.first_start else {
+        let Some(page) = &mut self.first_start else {
             return false;
         };
-        let left = asked.show(ui, &mut self.settings.language, &self.console);
-        self.pointer = None;
-        let Some(left) = left else { return true };
+        let end = page.show(ui, &mut self.settings.language, &self.console);
+        self.pointer_position = None;
+        let Some(end) = end else { return true };
         self.first_start = None;
         self.settings.first_start = false;
-        if let Left::Answered(answers) = left {
-            answers.purpose.open(&mut self.settings.layouts);
-            let same = answers.machine == self.settings.machine;
-            self.settings.machine = answers.machine;
-            if !same || answers.model != self.models.shown {
-                self.models.asked = Some(answers.model);
+        if let FirstStartEnd::Answered(answers) = end {
+            answers.purpose.apply(&mut self.settings.layouts);
+            let same = answers.machine_file == self.settings.machine;
+            self.settings.machine = answers.machine_file;
+            if !same || answers.model != self.models.current {
+                self.models.requested = Some(answers.model);
             }
         }
         true

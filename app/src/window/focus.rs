@@ -4,30 +4,30 @@ mod list;
 
 use egui::{Context, Event, EventFilter, FocusDirection, Id, Key, Memory, Response, Ui};
 
-pub use list::{List, ROW, link, row, tick};
+pub use list::{FocusList, ROW_SENSE, check_row, link_row, selectable_row};
 
 /// Margin around a widget that is scrolled into view, points.
-const AROUND: f32 = 4.0;
+const SCROLL_MARGIN: f32 = 4.0;
 
 /// Scrolls to the widget that has just gained the focus. Call it after the content of a scroll
 /// area has been drawn.
-pub fn follow(ui: &Ui) {
+pub fn scroll_to_focus(ui: &Ui) {
     let focused = ui.memory(Memory::focused);
     let response = focused.and_then(|id| ui.read_response(id));
     let Some(response) = response.filter(Response::gained_focus) else {
         return;
     };
     // A text that is larger than its area scrolls to its cursor itself.
-    let (place, room) = (response.rect, ui.clip_rect());
-    let has_room = place.width() <= room.width() && place.height() <= room.height();
-    if has_room && !room.contains_rect(place) && ui.min_rect().contains(place.center()) {
-        ui.scroll_to_rect(place.expand(AROUND), None);
+    let (widget, visible) = (response.rect, ui.clip_rect());
+    let fits = widget.width() <= visible.width() && widget.height() <= visible.height();
+    if fits && !visible.contains_rect(widget) && ui.min_rect().contains(widget.center()) {
+        ui.scroll_to_rect(widget.expand(SCROLL_MARGIN), None);
     }
 }
 
 /// Moves the focus past the resize edge of a panel. The edge is for the mouse: with the focus
 /// it would do nothing and be invisible. Call it before the panel is drawn.
-pub fn pass_over_edge(ui: &Ui, panel: &str) {
+pub fn skip_resize_edge(ui: &Ui, panel: &str) {
     let edge = ui.scope_id().with(panel).with("__resize");
     if ui.memory(|memory| memory.has_focus(edge)) {
         let direction = match ui.input(|input| input.modifiers.shift) {
@@ -40,9 +40,9 @@ pub fn pass_over_edge(ui: &Ui, panel: &str) {
 
 /// Reserves the cursor keys for this widget while it has the focus. Call it in each frame in
 /// which it has. The widget removes the keys without modifiers from the events.
-pub fn keep_keys(ui: &Ui, id: Id) {
-    hold(ui.ctx(), id, true);
-    ui.data_mut(|data| data.insert_temp(place_of_keeper(), id));
+pub fn reserve_cursor_keys(ui: &Ui, id: Id) {
+    lock_focus(ui.ctx(), id, true);
+    ui.data_mut(|data| data.insert_temp(reserving_widget_id(), id));
     // The filter takes effect in the next frame: request one before the next key.
     if !ui.memory(|memory| memory.had_focus_last_frame(id)) {
         ui.request_repaint();
@@ -65,36 +65,36 @@ pub fn take_keys(ui: &Ui, mut take: impl FnMut(Key) -> bool) {
 }
 
 /// Whether the focused widget has reserved the cursor keys from the panel.
-pub fn keeps_keys(context: &Context) -> bool {
+pub fn are_cursor_keys_reserved(context: &Context) -> bool {
     let focused = context.memory(Memory::focused);
-    let keeper: Option<Id> = context.data(|data| data.get_temp(place_of_keeper()));
-    focused.is_some() && focused == keeper
+    let reserving_id: Option<Id> = context.data(|data| data.get_temp(reserving_widget_id()));
+    focused.is_some() && focused == reserving_id
 }
 
 /// Leaves the cursor keys to the panel while a button has the focus: one key does one thing
 /// (WINDOW-23). In an open menu they move between the entries. Call it after everything has
 /// been drawn.
-pub fn leave_keys(context: &Context) {
+pub fn release_cursor_keys(context: &Context) {
     if let Some(focused) = context.memory(Memory::focused)
         && !context.text_edit_focused()
-        && !keeps_keys(context)
+        && !are_cursor_keys_reserved(context)
     {
-        hold(context, focused, !egui::Popup::is_any_open(context));
+        lock_focus(context, focused, !egui::Popup::is_any_open(context));
     }
 }
 
-/// Sets whether egui moves the focus with the cursor keys (`held` false) or leaves them to the
+/// Sets whether egui moves the focus with the cursor keys (`is_locked` false) or leaves them to the
 /// widget (true).
-fn hold(context: &Context, id: Id, held: bool) {
+fn lock_focus(context: &Context, id: Id, is_locked: bool) {
     let filter = EventFilter {
-        horizontal_arrows: held,
-        vertical_arrows: held,
+        horizontal_arrows: is_locked,
+        vertical_arrows: is_locked,
         ..EventFilter::default()
     };
     context.memory_mut(|memory| memory.set_focus_lock_filter(id, filter));
 }
 
-fn place_of_keeper() -> Id {
+fn reserving_widget_id() -> Id {
     Id::unique("keeper")
 }
 
@@ -106,7 +106,7 @@ pub const fn is_cursor(key: Key) -> bool {
 }
 
 /// Whether an event presses a cursor key with a modifier, which jogs an axis.
-pub fn jogs(event: &Event) -> bool {
+pub fn is_axis_key(event: &Event) -> bool {
     match event {
         Event::Key {
             key,

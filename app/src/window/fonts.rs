@@ -3,16 +3,16 @@
 
 use std::sync::Arc;
 
-use super::surroundings;
+use super::theme;
 use egui::epaint::text::{GlyphBitmap, GlyphRasterizer, GlyphRasterizerRequest, RasterizedGlyph};
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, ColorImage, FontData, FontDefinitions, FontFamily, FontId, vec2};
 use gsk_panel::fonts::{CHINESE, LATIN, MONO};
 
 /// Height of a glyph, dots.
-const DOTS: f32 = 16.0;
+const GLYPH_HEIGHT_DOTS: f32 = 16.0;
 /// Rows above the base line.
-const ASCENT: f32 = 14.0;
+const ASCENT_DOTS: f32 = 14.0;
 
 /// Installs the fonts in a context. Repeated calls are allowed.
 pub fn install(context: &egui::Context) {
@@ -34,8 +34,8 @@ pub fn install(context: &egui::Context) {
 
 /// The size at which a glyph is drawn, physical pixels. Near a whole multiple of its dots it
 /// is that multiple, so that strokes stay sharp.
-fn drawn_size(size_px: f32) -> f32 {
-    let nearest = (size_px / DOTS).round() * DOTS;
+fn snap_size(size_px: f32) -> f32 {
+    let nearest = (size_px / GLYPH_HEIGHT_DOTS).round() * GLYPH_HEIGHT_DOTS;
     if nearest > 0.0 && (nearest - size_px).abs() <= nearest * 0.08 {
         nearest
     } else {
@@ -50,15 +50,15 @@ fn rasterize(request: &GlyphRasterizerRequest<'_>) -> Option<RasterizedGlyph> {
         return None;
     }
     let glyph = gsk_panel::glyphs::glyph(character)?;
-    let scale = drawn_size(request.font_size_px) / DOTS;
+    let scale = snap_size(request.font_size_px) / GLYPH_HEIGHT_DOTS;
     let width = glyph.get_width() as f32 * scale;
     let size = [
         (width.ceil() as usize).max(1),
-        ((DOTS * scale).ceil() as usize).max(1),
+        ((GLYPH_HEIGHT_DOTS * scale).ceil() as usize).max(1),
     ];
     let coverage = |x: usize, y: usize| {
         let (x, y) = (x as f32 / scale, y as f32 / scale);
-        covered(glyph, x, y, 1.0 / scale)
+        ink_share(glyph, x, y, 1.0 / scale)
     };
     let pixels = (0..size[0] * size[1])
         .map(|index| {
@@ -73,7 +73,7 @@ fn rasterize(request: &GlyphRasterizerRequest<'_>) -> Option<RasterizedGlyph> {
         })
         .collect();
     let image = ColorImage::new(size, pixels);
-    let offset_px = vec2(0.0, -(ASCENT * scale).round());
+    let offset_px = vec2(0.0, -(ASCENT_DOTS * scale).round());
     let bitmap = GlyphBitmap {
         image,
         offset_px,
@@ -86,7 +86,7 @@ fn rasterize(request: &GlyphRasterizerRequest<'_>) -> Option<RasterizedGlyph> {
 }
 
 /// Share of a square of the glyph that is ink, 0–1. `left`, `top` and `side` are in dots.
-fn covered(glyph: &unifont::Glyph, left: f32, top: f32, side: f32) -> f32 {
+fn ink_share(glyph: &unifont::Glyph, left: f32, top: f32, side: f32) -> f32 {
     let span = |start: f32, dots: usize| {
         let first = start.floor() as usize;
         let last = ((start + side).ceil() as usize).min(dots);
@@ -97,7 +97,7 @@ fn covered(glyph: &unifont::Glyph, left: f32, top: f32, side: f32) -> f32 {
         ((start + side).min(dot + 1.0) - start.max(dot)).max(0.0)
     };
     let mut ink = 0.0;
-    for y in span(top, DOTS as usize) {
+    for y in span(top, GLYPH_HEIGHT_DOTS as usize) {
         for x in span(left, glyph.get_width()) {
             if glyph.get_pixel(x, y) {
                 ink += overlap(left, x) * overlap(top, y);
@@ -108,12 +108,12 @@ fn covered(glyph: &unifont::Glyph, left: f32, top: f32, side: f32) -> f32 {
 }
 
 /// Gap between two hyphens, as a share of the font size.
-const GAP: f32 = 0.14;
+const HYPHEN_GAP: f32 = 0.14;
 
 /// Lays out a text so that two hyphens remain two. Without the gap, those of the font touch
 /// and look like one long dash.
-pub fn words(text: &str, font_id: FontId, color: Color32) -> LayoutJob {
-    let gap = GAP * font_id.size;
+pub fn layout_text(text: &str, font_id: FontId, color: Color32) -> LayoutJob {
+    let gap = HYPHEN_GAP * font_id.size;
     let format = TextFormat {
         font_id,
         color,
@@ -133,7 +133,7 @@ pub fn words(text: &str, font_id: FontId, color: Color32) -> LayoutJob {
 /// Sets up a context for the window: fonts, theme, style. Tests use it, too.
 pub fn set_up(context: &egui::Context) {
     install(context);
-    surroundings::install(context);
+    theme::install(context);
     context.set_theme(egui::Theme::Dark);
     // The window handles the zoom keys itself.
     context.options_mut(|options| options.zoom_with_keyboard = false);
@@ -154,7 +154,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn there_is_room_between_two_hyphens() {
+    fn two_hyphens_have_a_gap() {
         let context = egui::Context::default();
         set_up(&context);
         let width = |job: LayoutJob| {
@@ -169,7 +169,7 @@ mod tests {
             width
         };
         let font = || FontId::proportional(14.0);
-        let drawn = words("--link", font(), Color32::WHITE);
+        let drawn = layout_text("--link", font(), Color32::WHITE);
         let plain = LayoutJob::simple("--link".to_owned(), font(), Color32::WHITE, 1000.0);
         assert!(width(drawn) > width(plain) + 1.0);
     }

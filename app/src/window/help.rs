@@ -2,8 +2,8 @@
 //! the panel (WINDOW-12); lists when an alarm was raised, and starts demonstrations
 //! (WINDOW-21).
 
-mod raised;
-mod shown;
+mod alarm_history;
+mod demonstrations;
 
 use egui::{Color32, Context, Frame, Key, Margin, RichText, ScrollArea, TextEdit, Ui};
 use gsk_core::model::ModelId;
@@ -11,72 +11,72 @@ use gsk_help::{Subject, Topic, article, search_model, topic, topic_of};
 use gsk_messages::{Language, say};
 use gsk_panel::alarm_log::AlarmRecord;
 
-use super::clear;
 use super::focus;
-use super::placing::View;
-use crate::kernel::{LessonOrder, Snapshot};
+use super::panel_placement::PlacedArea;
+use super::stop_key_clearance;
+use crate::kernel::{LessonAction, PanelSnapshot};
 
 /// Size of the window, points.
-const SIZE: [f32; 2] = [440.0, 420.0];
+const WINDOW_SIZE: [f32; 2] = [440.0, 420.0];
 /// Width and height that the frame and the title add, points.
-const FRAME: egui::Vec2 = egui::vec2(20.0, 48.0);
+const FRAME_SIZE: egui::Vec2 = egui::vec2(20.0, 48.0);
 /// Greatest count of topics in a search result.
-const LISTED: usize = 60;
+const MAX_LISTED: usize = 60;
 
 /// A request from the help window.
 #[derive(Clone, Debug)]
-pub enum Asked {
+pub enum HelpRequest {
     /// A command for the demonstration on the practice machine.
-    Lesson(LessonOrder),
+    Lesson(LessonAction),
     /// Show the program view at the block that raised this alarm.
     Block(Box<AlarmRecord>),
 }
 
 /// The help window.
 #[derive(Debug, Default)]
-pub struct Help {
-    open: bool,
-    question: String,
+pub struct HelpWindow {
+    is_open: bool,
+    query: String,
     /// The last query with its model, and the topics found. The search reads all texts: too
     /// slow for every frame.
-    found: ((ModelId, String), Vec<&'static Topic>),
+    search_result: ((ModelId, String), Vec<&'static Topic>),
     /// The topics that were read; the last one is shown.
-    read: Vec<&'static Topic>,
+    history: Vec<&'static Topic>,
     /// Whether a press on the panel shows its topic instead of pressing the key.
-    explains: bool,
+    explains_presses: bool,
 }
 
-impl Help {
+impl HelpWindow {
     /// Opens the window at a topic, or with `None` at the last one. Closes it when it already
     /// shows that topic.
-    pub fn ask(&mut self, about: Option<&'static Topic>) {
-        let shown = self.read.last().copied();
-        if self.open && (about.is_none() || about == shown) {
-            self.open = false;
-            self.explains = false;
+    pub fn toggle(&mut self, topic: Option<&'static Topic>) {
+        let current = self.history.last().copied();
+        if self.is_open && (topic.is_none() || topic == current) {
+            self.is_open = false;
+            self.explains_presses = false;
             return;
         }
-        self.open = true;
-        self.question.clear();
-        if let Some(about) = about {
-            self.turn_to(about);
+        self.is_open = true;
+        self.query.clear();
+        if let Some(topic) = topic {
+            self.push_topic(topic);
         }
     }
 
     /// Whether a press on the panel shows its topic instead of pressing the key.
-    pub const fn explains(&self) -> bool {
-        self.open && self.explains
+    pub const fn is_explaining(&self) -> bool {
+        self.is_open && self.explains_presses
     }
 
     /// Shows the topic of a part that was pressed while presses are explained.
-    pub fn explain(&mut self, about: &'static Topic) {
-        self.question.clear();
-        self.turn_to(about);
+    pub fn show_pressed(&mut self, topic: &'static Topic) {
+        self.query.clear();
+        self.push_topic(topic);
     }
 
-    fn turn_to(&mut self, about: &'static Topic) {
-        if self.read.last() != Some(&about) {
-            self.read.push(about);
+    fn push_topic(&mut self, topic: &'static Topic) {
+        if self.history.last() != Some(&topic) {
+            self.history.push(topic);
         }
     }
 
@@ -85,135 +85,142 @@ impl Help {
         &mut self,
         context: &Context,
         language: Language,
-        picture: Option<&Snapshot>,
-        placed: &[View],
-    ) -> Option<Asked> {
-        if !self.open {
+        snapshot: Option<&PanelSnapshot>,
+        placed: &[PlacedArea],
+    ) -> Option<HelpRequest> {
+        if !self.is_open {
             return None;
         }
         // The window opens below the top bar and covers no key that stops the machine.
         let mut screen = context.content_rect();
-        screen.min.y += super::BAR;
-        let wanted = egui::Vec2::from(SIZE) + FRAME;
-        let room = clear::room(screen, &clear::stops(placed), |room| {
-            clear::worth(room, wanted, placed)
-        });
-        let most = room.size() - FRAME;
-        let size = egui::Vec2::from(SIZE).min(most);
+        screen.min.y += super::TOP_BAR_HEIGHT;
+        let wanted_size = egui::Vec2::from(WINDOW_SIZE) + FRAME_SIZE;
+        let area = stop_key_clearance::best_rect(
+            screen,
+            &stop_key_clearance::stop_key_rects(placed),
+            |room| stop_key_clearance::rate_beside_panel(room, wanted_size, placed),
+        );
+        let max_size = area.size() - FRAME_SIZE;
+        let size = egui::Vec2::from(WINDOW_SIZE).min(max_size);
         let mut open = true;
-        let asked = egui::Window::new(say::window_help_title().text(language))
+        let request = egui::Window::new(say::window_help_title().text(language))
             .id(egui::Id::unique("help"))
             .collapsible(false)
             .default_size(size)
-            .max_size(most)
-            .default_pos(room.right_top() - egui::vec2(wanted.x.min(room.width()), 0.0))
-            .constrain_to(room)
+            .max_size(max_size)
+            .default_pos(area.right_top() - egui::vec2(wanted_size.x.min(area.width()), 0.0))
+            .constrain_to(area)
             .open(&mut open)
-            .show(context, |ui| self.inside(ui, language, picture));
-        self.open &= open;
-        self.explains &= self.open;
-        asked.and_then(|asked| asked.inner).flatten()
+            .show(context, |ui| self.show_content(ui, language, snapshot));
+        self.is_open &= open;
+        self.explains_presses &= self.is_open;
+        request.and_then(|response| response.inner).flatten()
     }
 
-    fn inside(
+    fn show_content(
         &mut self,
         ui: &mut Ui,
         language: Language,
-        picture: Option<&Snapshot>,
-    ) -> Option<Asked> {
+        snapshot: Option<&PanelSnapshot>,
+    ) -> Option<HelpRequest> {
         ui.horizontal(|ui| {
             let back = egui::Button::new("⬅");
-            let back = ui.add_enabled(self.read.len() > 1 && self.question.is_empty(), back);
+            let back = ui.add_enabled(self.history.len() > 1 && self.query.is_empty(), back);
             let back = back.on_hover_text(say::window_help_back().text(language));
             if back.clicked() {
-                self.read.pop();
+                self.history.pop();
             }
             let explain = say::window_help_explain().text(language);
-            ui.toggle_value(&mut self.explains, explain)
+            ui.toggle_value(&mut self.explains_presses, explain)
                 .on_hover_text(say::window_help_explain_hint().text(language));
             let hint = say::window_help_hint().text(language);
-            let field = TextEdit::singleline(&mut self.question).hint_text(hint);
+            let field = TextEdit::singleline(&mut self.query).hint_text(hint);
             let field = ui.add(field.desired_width(f32::INFINITY));
             if field.has_focus() && ui.input(|input| input.key_pressed(Key::Escape)) {
-                self.question.clear();
+                self.query.clear();
             }
         });
         ui.separator();
-        let under_way = picture.and_then(|picture| picture.lesson.as_ref());
-        let mut asked = under_way.and_then(|state| shown::under_way(ui, state, language));
+        let lesson = snapshot.and_then(|picture| picture.lesson.as_ref());
+        let mut request =
+            lesson.and_then(|state| demonstrations::show_running(ui, state, language));
         ScrollArea::vertical()
             .auto_shrink([false, false])
             .show(ui, |ui| {
-                let below = self.text(ui, language, picture);
-                asked = asked.take().or(below);
-                focus::follow(ui);
+                let topic_request = self.show_topics(ui, language, snapshot);
+                request = request.take().or(topic_request);
+                focus::scroll_to_focus(ui);
             });
-        asked
+        request
     }
 
-    fn text(
+    fn show_topics(
         &mut self,
         ui: &mut Ui,
         language: Language,
-        picture: Option<&Snapshot>,
-    ) -> Option<Asked> {
-        if !self.question.trim().is_empty() {
-            let model = picture.map(|picture| picture.model).unwrap_or_default();
-            let looked_up = (model, self.question.clone());
-            if self.found.0 != looked_up {
-                self.found = (looked_up, search_model(model, &self.question));
+        snapshot: Option<&PanelSnapshot>,
+    ) -> Option<HelpRequest> {
+        if !self.query.trim().is_empty() {
+            let model = snapshot.map(|picture| picture.model).unwrap_or_default();
+            let search = (model, self.query.clone());
+            if self.search_result.0 != search {
+                self.search_result = (search, search_model(model, &self.query));
             }
-            match &self.found.1[..] {
+            match &self.search_result.1[..] {
                 [] => {
                     ui.label(say::window_help_nothing().text(language));
                 }
-                [only] => return show_topic(ui, only, language, picture),
+                [only] => return show_topic(ui, only, language, snapshot),
                 several => {
-                    if let Some(chosen) = list(ui, several, language) {
-                        self.question.clear();
-                        self.turn_to(chosen);
+                    if let Some(chosen) = show_topic_list(ui, several, language) {
+                        self.query.clear();
+                        self.push_topic(chosen);
                     }
                 }
             }
             return None;
         }
-        let Some(shown) = self.read.last() else {
+        let Some(current) = self.history.last() else {
             ui.label(say::window_help_begin().text(language));
             return None;
         };
         // Another model may have been turned on since then: a code is explained for the
         // current model.
-        let model = picture.map(|picture| picture.model).unwrap_or_default();
-        let shown = topic_of(model, shown.subject).unwrap_or(shown);
-        let asked = show_topic(ui, shown, language, picture);
-        if let Some(chosen) = list(ui, &related(shown.subject), language) {
-            self.turn_to(chosen);
+        let model = snapshot.map(|picture| picture.model).unwrap_or_default();
+        let current = topic_of(model, current.subject).unwrap_or(current);
+        let request = show_topic(ui, current, language, snapshot);
+        if let Some(chosen) = show_topic_list(ui, &related_topics(current.subject), language) {
+            self.push_topic(chosen);
         }
-        asked
+        request
     }
 }
 
 /// Draws topics by their headings. Returns the one that was clicked.
-fn list(ui: &mut Ui, topics: &[&'static Topic], language: Language) -> Option<&'static Topic> {
+fn show_topic_list(
+    ui: &mut Ui,
+    topics: &[&'static Topic],
+    language: Language,
+) -> Option<&'static Topic> {
     let name = say::window_help_list_name().text(language);
-    let count = topics.len().min(LISTED);
-    let list = focus::List::begin(ui, "topics", &name, count, None);
-    let mut chosen = list.entered().and_then(|at| topics.get(at).copied());
-    for (at, topic) in topics.iter().take(LISTED).enumerate() {
-        let link = focus::link(ui, article(topic, language).heading.into());
-        if list.row(ui, at, &link) {
+    let count = topics.len().min(MAX_LISTED);
+    let list = focus::FocusList::begin(ui, "topics", &name, count, None);
+    let mut chosen = list.entered_row().and_then(|at| topics.get(at).copied());
+    for (at, topic) in topics.iter().take(MAX_LISTED).enumerate() {
+        let link = focus::link_row(ui, article(topic, language).heading.into());
+        if list.show_cursor(ui, at, &link) {
             chosen = Some(*topic);
         }
     }
-    if topics.len() > LISTED {
-        ui.weak(say::help_more(topics.len() - LISTED).text(language));
+    if topics.len() > MAX_LISTED {
+        ui.weak(say::help_more(topics.len() - MAX_LISTED).text(language));
     }
     chosen
 }
 
 /// Topics related to a subject: the bits of a state parameter, the parameter of a bit, the
 /// page of a field.
-fn related(subject: Subject<'_>) -> Vec<&'static Topic> {
+fn related_topics(subject: Subject<'_>) -> Vec<&'static Topic> {
     match subject {
         Subject::Parameter(number) => (0..8)
             .rev()
@@ -230,21 +237,21 @@ fn show_topic(
     ui: &mut Ui,
     topic: &Topic,
     language: Language,
-    picture: Option<&Snapshot>,
-) -> Option<Asked> {
+    snapshot: Option<&PanelSnapshot>,
+) -> Option<HelpRequest> {
     show_article(ui, topic, language);
     // Demonstrations run on a GSK980TD only.
-    let asked = match topic.model {
-        None => shown::offered(ui, topic.subject, language),
+    let request = match topic.model {
+        None => demonstrations::show_offers(ui, topic.subject, language),
         Some(_) => None,
     };
-    let raised = match topic.subject {
-        Subject::Alarm(number) => {
-            picture.and_then(|picture| raised::of(ui, number, &picture.raised, language))
-        }
+    let history_request = match topic.subject {
+        Subject::Alarm(number) => snapshot.and_then(|picture| {
+            alarm_history::show_occurrences(ui, number, &picture.alarm_records, language)
+        }),
         _ => None,
     };
-    asked.or(raised)
+    request.or(history_request)
 }
 
 /// Draws the article of a topic.

@@ -3,33 +3,35 @@
 use egui::{Color32, Context, RichText, Vec2};
 use gsk_panel::keys::{KEYS, KeyRole, KeyRow};
 
-use super::clear;
 use super::layout::LAYOUTS;
-use super::placing::View;
+use super::panel_placement::PlacedArea;
+use super::stop_key_clearance;
 use super::view::{VIEWS, key_name};
 use gsk_messages::{Language, say};
 
 /// Preferred and least size of the map, and the size that frame and title add, points.
-const SIZE: Vec2 = Vec2::new(980.0, 620.0);
-const LEAST: Vec2 = Vec2::new(240.0, 120.0);
-const FRAME: Vec2 = Vec2::new(20.0, 48.0);
+const MAP_SIZE: Vec2 = Vec2::new(980.0, 620.0);
+const MIN_SIZE: Vec2 = Vec2::new(240.0, 120.0);
+const FRAME_SIZE: Vec2 = Vec2::new(20.0, 48.0);
 
 /// Draws the map. Returns false when the operator closes it.
-pub fn show(context: &Context, language: Language, placed: &[View]) -> bool {
+pub fn show(context: &Context, language: Language, placed: &[PlacedArea]) -> bool {
     let mut open = true;
     // The map covers no key that stops the machine.
-    let room = clear::room(context.content_rect(), &clear::stops(placed), |room| {
-        room.width().min(SIZE.x) * room.height().min(SIZE.y)
-    });
-    let size = (room.size() - FRAME).min(SIZE).max(LEAST);
+    let area = stop_key_clearance::best_rect(
+        context.content_rect(),
+        &stop_key_clearance::stop_key_rects(placed),
+        |room| room.width().min(MAP_SIZE.x) * room.height().min(MAP_SIZE.y),
+    );
+    let size = (area.size() - FRAME_SIZE).min(MAP_SIZE).max(MIN_SIZE);
     let window = egui::Window::new(say::window_keys_title().text(language))
         .id(egui::Id::unique("key map"))
         .collapsible(false)
         .resizable(false)
         .fixed_size(size)
         .pivot(egui::Align2::CENTER_CENTER)
-        .fixed_pos(room.center())
-        .constrain_to(room)
+        .fixed_pos(area.center())
+        .constrain_to(area)
         .open(&mut open);
     window.show(context, |ui| {
         for text in [
@@ -41,7 +43,7 @@ pub fn show(context: &Context, language: Language, placed: &[View]) -> bool {
         }
         let views = VIEWS
             .iter()
-            .filter(|row| row.view.is_there())
+            .filter(|row| row.view.is_available())
             .filter_map(|row| Some((row.key?, row.name)));
         let layouts = LAYOUTS.iter().map(|row| (row.key, row.name));
         let views = views
@@ -53,11 +55,11 @@ pub fn show(context: &Context, language: Language, placed: &[View]) -> bool {
             .auto_shrink([false, false])
             .show(ui, |ui| {
                 let columns = ((ui.available_width() / 300.0).floor() as usize).clamp(1, 3);
-                let rows: Vec<&KeyRow> = listed().collect();
+                let rows: Vec<&KeyRow> = listed_keys().collect();
                 let length = rows.len().div_ceil(columns);
                 ui.columns(columns, |columns| {
                     for (ui, rows) in columns.iter_mut().zip(rows.chunks(length.max(1))) {
-                        table(ui, rows, language);
+                        show_table(ui, rows, language);
                     }
                 });
             });
@@ -67,12 +69,12 @@ pub fn show(context: &Context, language: Language, placed: &[View]) -> bool {
 
 /// The rows of the map. Letters, digits and signs press the key with their legend: one line
 /// describes them all.
-fn listed() -> impl Iterator<Item = &'static KeyRow> {
+fn listed_keys() -> impl Iterator<Item = &'static KeyRow> {
     KEYS.iter()
         .filter(|row| !matches!(row.role, KeyRole::Character(..)) && !row.pc.is_empty())
 }
 
-fn table(ui: &mut egui::Ui, rows: &[&KeyRow], language: Language) {
+fn show_table(ui: &mut egui::Ui, rows: &[&KeyRow], language: Language) {
     let id = rows.first().map_or("", |row| row.id);
     egui::Grid::new(("keys", id))
         .num_columns(2)

@@ -4,15 +4,15 @@ use egui::{Context, Event, Key as PcKey, Modifiers};
 use gsk_panel::keys::Key;
 
 use super::focus;
-use super::held::Holder;
+use super::held_keys::KeyHolder;
 
 /// The action of a PC key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PcAction {
     /// Press a panel key.
-    Press(Holder, Key),
+    Press(KeyHolder, Key),
     /// Release the key that the holder presses.
-    Release(Holder),
+    Release(KeyHolder),
     /// Enter a character for which the panel has no key.
     Type(char),
     /// Turn the handwheel by this count of graduations, clockwise positive.
@@ -23,9 +23,9 @@ pub enum PcAction {
 
 /// The action of a keyboard event. Repeats of a held key have none: the control repeats keys
 /// itself.
-pub fn action(event: &Event) -> Option<PcAction> {
+pub fn action_of(event: &Event) -> Option<PcAction> {
     if let Event::Text(text) = event {
-        return typed(text);
+        return type_action(text);
     }
     let Event::Key {
         key,
@@ -37,11 +37,11 @@ pub fn action(event: &Event) -> Option<PcAction> {
     else {
         return None;
     };
-    if let Some(graduations) = wheel(*key, *modifiers) {
+    if let Some(graduations) = handwheel_graduations(*key, *modifiers) {
         // A held key continues to turn the wheel.
         return pressed.then_some(PcAction::Turn(graduations));
     }
-    let holder = Holder::Keyboard(*key);
+    let holder = KeyHolder::Keyboard(*key);
     if !pressed {
         return Some(PcAction::Release(holder));
     }
@@ -57,18 +57,18 @@ pub fn action(event: &Event) -> Option<PcAction> {
 
 /// Filters the events for the panel while a button or a menu of the window has the focus:
 /// Enter and Space press that button and no panel key. Any other character removes the focus.
-pub fn beside_focus(context: &Context, mut events: Vec<Event>) -> Vec<Event> {
+pub fn filter_for_focus(context: &Context, mut events: Vec<Event>) -> Vec<Event> {
     let Some(focused) = context.memory(egui::Memory::focused) else {
         return events;
     };
-    events.retain(|event| !presses_focused(event));
-    let typed = |event: &Event| match event {
+    events.retain(|event| !is_widget_press(event));
+    let is_character = |event: &Event| match event {
         Event::Key {
             key, pressed: true, ..
         } => panel_key(*key, Modifiers::NONE).is_some() && key.name().chars().count() == 1,
         _ => false,
     };
-    if events.iter().any(typed) {
+    if events.iter().any(is_character) {
         context.memory_mut(|memory| memory.surrender_focus(focused));
     }
     events
@@ -76,29 +76,29 @@ pub fn beside_focus(context: &Context, mut events: Vec<Event>) -> Vec<Event> {
 
 /// Removes the cursor keys from the events while a list or a splitter uses them (WINDOW-27):
 /// they jog no axis. Returns whether the operator pressed an axis key; this removes the focus.
-pub fn beside_keeper(context: &Context, events: &mut Vec<Event>) -> bool {
+pub fn remove_axis_keys_in_list(context: &Context, events: &mut Vec<Event>) -> bool {
     let focused = context.memory(egui::Memory::focused);
-    let Some(focused) = focused.filter(|_| focus::keeps_keys(context)) else {
+    let Some(focused) = focused.filter(|_| focus::are_cursor_keys_reserved(context)) else {
         return false;
     };
-    let before = events.len();
-    events.retain(|event| !focus::jogs(event));
-    let tried = events.len() < before;
-    if tried {
+    let count_before = events.len();
+    events.retain(|event| !focus::is_axis_key(event));
+    let pressed_axis_key = events.len() < count_before;
+    if pressed_axis_key {
         context.memory_mut(|memory| memory.surrender_focus(focused));
     }
-    tried
+    pressed_axis_key
 }
 
 /// Filters the events for the panel where a menu was open. The Escape that closes the menu is
-/// also RESET only if `may_stop` (WINDOW-26). The cursor keys move in the menu.
-pub fn beside_menu(mut events: Vec<Event>, may_stop: bool) -> Vec<Event> {
+/// also RESET only if `is_running` (WINDOW-26). The cursor keys move in the menu.
+pub fn filter_for_menu(mut events: Vec<Event>, is_running: bool) -> Vec<Event> {
     let in_menu = |event: &Event| match event {
         Event::Key {
             key: PcKey::Escape,
             pressed: true,
             ..
-        } => !may_stop,
+        } => !is_running,
         Event::Key {
             key,
             pressed: true,
@@ -113,7 +113,7 @@ pub fn beside_menu(mut events: Vec<Event>, may_stop: bool) -> Vec<Event> {
 
 /// Whether an event always reaches the panel, whatever has the focus: feed hold, emergency
 /// stop, and every key release.
-pub fn stops(event: &Event) -> bool {
+pub fn is_stop_or_release(event: &Event) -> bool {
     match event {
         Event::Key { pressed: false, .. } => true,
         Event::Key { key, .. } => matches!(key, PcKey::F10 | PcKey::F12),
@@ -122,7 +122,7 @@ pub fn stops(event: &Event) -> bool {
 }
 
 /// Whether an event presses the widget with the focus.
-fn presses_focused(event: &Event) -> bool {
+fn is_widget_press(event: &Event) -> bool {
     match event {
         Event::Key {
             key, pressed: true, ..
@@ -133,7 +133,7 @@ fn presses_focused(event: &Event) -> bool {
 }
 
 /// Graduations of the keys that turn the handwheel: `]` clockwise, `[` back; ten with Shift.
-fn wheel(key: PcKey, modifiers: Modifiers) -> Option<i32> {
+fn handwheel_graduations(key: PcKey, modifiers: Modifiers) -> Option<i32> {
     let graduations = if modifiers.shift { 10 } else { 1 };
     match key {
         _ if modifiers.ctrl || modifiers.alt => None,
@@ -144,7 +144,7 @@ fn wheel(key: PcKey, modifiers: Modifiers) -> Option<i32> {
 }
 
 /// The action of a character without a panel key: `D`, `Q`, `#`, … The others arrive as keys.
-fn typed(text: &str) -> Option<PcAction> {
+fn type_action(text: &str) -> Option<PcAction> {
     let mut characters = text.chars();
     let character = characters.next()?.to_ascii_uppercase();
     let printable = character.is_ascii_graphic() && characters.next().is_none();
@@ -157,23 +157,23 @@ fn typed(text: &str) -> Option<PcAction> {
 fn panel_key(key: PcKey, modifiers: Modifiers) -> Option<Key> {
     let name = plain_name(key);
     let mut combined = String::new();
-    for (held, word) in [
+    for (held, prefix) in [
         (modifiers.ctrl, "Ctrl+"),
         (modifiers.alt, "Alt+"),
         (modifiers.shift, "Shift+"),
     ] {
         if held {
-            combined.push_str(word);
+            combined.push_str(prefix);
         }
     }
     combined.push_str(name);
     // Shift makes no difference for letters and signs: `x` and `X` are one key. Feed hold and
     // emergency stop work with every modifier.
     let only_shift = modifiers.shift && !modifiers.ctrl && !modifiers.alt;
-    let stops = matches!(key, PcKey::F10 | PcKey::F12);
+    let is_stop_key = matches!(key, PcKey::F10 | PcKey::F12);
     Key::from_pc_key(&combined).or_else(|| {
         let character = name.chars().count() == 1;
-        if stops || (only_shift && character) {
+        if is_stop_key || (only_shift && character) {
             Key::from_pc_key(name)
         } else {
             None
@@ -215,28 +215,28 @@ mod tests {
     }
 
     #[test]
-    fn enter_presses_the_button_that_has_the_focus_and_nothing_of_the_panel() {
+    fn enter_presses_the_focused_button_and_no_panel_key() {
         let context = Context::default();
         let plain = Modifiers::default();
         let enter = || vec![event(PcKey::Enter, plain, true, false)];
-        assert_eq!(beside_focus(&context, enter()), enter());
+        assert_eq!(filter_for_focus(&context, enter()), enter());
         let button = egui::Id::unique("button");
         context.memory_mut(|memory| memory.request_focus(button));
-        assert_eq!(beside_focus(&context, enter()), []);
+        assert_eq!(filter_for_focus(&context, enter()), []);
         let stop = vec![event(PcKey::F12, plain, true, false)];
-        assert_eq!(beside_focus(&context, stop.clone()), stop);
+        assert_eq!(filter_for_focus(&context, stop.clone()), stop);
         assert_eq!(context.memory(egui::Memory::focused), Some(button));
         let letter = vec![event(PcKey::X, plain, true, false)];
-        assert_eq!(beside_focus(&context, letter.clone()), letter);
+        assert_eq!(filter_for_focus(&context, letter.clone()), letter);
         assert_eq!(context.memory(egui::Memory::focused), None);
-        assert_eq!(beside_focus(&context, enter()), enter());
+        assert_eq!(filter_for_focus(&context, enter()), enter());
     }
 
     #[test]
-    fn brackets_turn_the_handwheel_and_go_on_while_held() {
+    fn brackets_turn_the_handwheel_and_repeat_while_held() {
         let plain = Modifiers::default();
         let shift = Modifiers::SHIFT;
-        let turned = |key, modifiers, repeat| action(&event(key, modifiers, true, repeat));
+        let turned = |key, modifiers, repeat| action_of(&event(key, modifiers, true, repeat));
         assert_eq!(
             turned(PcKey::CloseBracket, plain, false),
             Some(PcAction::Turn(1))
@@ -250,10 +250,10 @@ mod tests {
             Some(PcAction::Turn(10))
         );
         assert_eq!(
-            action(&event(PcKey::CloseBracket, plain, false, false)),
+            action_of(&event(PcKey::CloseBracket, plain, false, false)),
             None
         );
-        assert_eq!(action(&Event::Text("]".to_owned())), None);
+        assert_eq!(action_of(&Event::Text("]".to_owned())), None);
     }
 
     /// Every PC key of the table exists in egui, with its modifiers.
@@ -272,7 +272,7 @@ mod tests {
                 name = rest;
             }
             let found = PcKey::ALL.iter().find(|key| {
-                action(&event(**key, modifiers, true, false)).is_some_and(
+                action_of(&event(**key, modifiers, true, false)).is_some_and(
                     |action| matches!(action, PcAction::Press(_, key) if key == row.key),
                 )
             });
@@ -286,20 +286,20 @@ mod tests {
     }
 
     #[test]
-    fn repeats_and_shift_do_no_harm() {
+    fn repeats_are_ignored_and_shift_keeps_the_key() {
         let plain = Modifiers::default();
-        assert_eq!(action(&event(PcKey::F12, plain, true, true)), None);
+        assert_eq!(action_of(&event(PcKey::F12, plain, true, true)), None);
         let shift = Modifiers {
             shift: true,
             ..plain
         };
         assert!(matches!(
-            action(&event(PcKey::X, shift, true, false)),
+            action_of(&event(PcKey::X, shift, true, false)),
             Some(PcAction::Press(_, Key::X))
         ));
         assert_eq!(
-            action(&event(PcKey::X, plain, false, false)),
-            Some(PcAction::Release(Holder::Keyboard(PcKey::X)))
+            action_of(&event(PcKey::X, plain, false, false)),
+            Some(PcAction::Release(KeyHolder::Keyboard(PcKey::X)))
         );
     }
 
@@ -310,10 +310,10 @@ mod tests {
                 (PcKey::F12, Key::EmergencyStop),
                 (PcKey::F10, Key::FeedHold),
             ] {
-                let done = action(&event(pc, modifiers, true, false));
+                let action = action_of(&event(pc, modifiers, true, false));
                 assert!(
-                    matches!(done, Some(PcAction::Press(_, key)) if key == panel),
-                    "{modifiers:?} {pc:?}: {done:?}"
+                    matches!(action, Some(PcAction::Press(_, key)) if key == panel),
+                    "{modifiers:?} {pc:?}: {action:?}"
                 );
             }
         }
@@ -321,7 +321,7 @@ mod tests {
 
     /// No key of a view or a layout is a stop key.
     #[test]
-    fn views_and_layouts_leave_the_stops_alone() {
+    fn views_and_layouts_use_no_stop_key() {
         use crate::window::layout::LAYOUTS;
         use crate::window::view::VIEWS;
         let keys =
@@ -337,14 +337,14 @@ mod tests {
     #[test]
     fn characters_without_a_key_are_typed() {
         assert_eq!(
-            action(&Event::Text("q".to_owned())),
+            action_of(&Event::Text("q".to_owned())),
             Some(PcAction::Type('Q'))
         );
         assert_eq!(
-            action(&Event::Text("#".to_owned())),
+            action_of(&Event::Text("#".to_owned())),
             Some(PcAction::Type('#'))
         );
-        assert_eq!(action(&Event::Text("x".to_owned())), None);
-        assert_eq!(action(&Event::Text("车".to_owned())), None);
+        assert_eq!(action_of(&Event::Text("x".to_owned())), None);
+        assert_eq!(action_of(&Event::Text("车".to_owned())), None);
     }
 }

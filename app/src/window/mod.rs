@@ -1,42 +1,42 @@
 //! Draws the main window (bars, panes, panel, dialogs) and dispatches its input. It uses
 //! neither threads nor eframe: tests drive it as the program does.
 
-mod alarm_line;
-mod answers;
+mod alarm_text;
 pub mod app;
-mod at_end;
-mod badge;
-mod clear;
-mod face;
-mod figures;
+mod faceplate_image;
 mod files;
 mod first_start;
 mod focus;
 pub mod fonts;
-mod hearing;
-mod held;
+mod frame_figures;
+mod held_keys;
 mod help;
+mod incoming;
 mod key_map;
 mod keyboard;
 pub mod layout;
 mod lcd;
 mod long_press;
-mod message;
-mod news;
-mod opener;
+mod message_line;
+mod pane_area;
+mod panel_placement;
+mod panel_pointer;
 mod panel_view;
-mod placing;
-mod pointing;
+mod program_opener;
 mod questions;
-mod reader;
-pub mod refusal;
-mod room;
+mod real_machine_bar;
+mod request;
+mod right_aligned;
 mod samples;
+mod screen_reader;
 mod settings;
-mod status;
-mod surroundings;
+pub mod startup_error;
+mod status_message;
+mod stop_key_clearance;
+mod theme;
 mod tips;
 mod top_bar;
+mod top_bar_requests;
 pub mod view;
 mod views;
 mod zoom;
@@ -51,77 +51,77 @@ use gsk_link::LinkState;
 use gsk_panel::alarm_log::AlarmRecord;
 use gsk_panel::keys::Key;
 
-use crate::files::lessons::Lessons;
+use crate::files::lessons::AvailableLessons;
 use crate::input_watch::QUERY_INTERVAL;
-use crate::kernel::{Command, Console, KeysReversed, Snapshot};
+use crate::kernel::{Command, Console, KeysReversed, PanelSnapshot};
 use crate::platform;
-use crate::sound::Sounds;
-use files::Browser;
+use crate::sound::MachineSound;
+use files::FileBrowser;
 use first_start::FirstStart;
-use held::{Change, Held};
-use help::Help;
+use held_keys::{HeldKeys, PanelKeyChange};
+use help::HelpWindow;
 use keyboard::PcAction;
 use long_press::LongPress;
-use message::Message;
-use opener::Opener;
-use pointing::Pointing;
+use panel_pointer::PanelPointer;
+use program_opener::ProgramOpener;
 use questions::Questions;
-pub use settings::Settings;
-use view::View;
+pub use settings::WindowSettings;
+use status_message::StatusMessage;
+use view::ViewId;
 use views::Views;
-pub use views::project::Chosen;
+pub use views::project::ProjectSelection;
 
 pub use key_map::pc_name;
 
 pub const TITLE: &str = "GSK980TD";
 /// Height of the bar at the top, points.
-const BAR: f32 = 28.0;
+const TOP_BAR_HEIGHT: f32 = 28.0;
 /// Height of the message line at the bottom, points.
-const STATUS: f32 = 22.0;
+const MESSAGE_LINE_HEIGHT: f32 = 22.0;
 
 /// The state of the main window, from one frame to the next.
 pub struct Window {
     console: Console,
-    picture: Option<Snapshot>,
-    settings: Settings,
-    opened: Option<PathBuf>,
-    message: Option<Message>,
-    held: Held<Key>,
-    pointing: Pointing,
-    opener: Opener,
-    key_map: bool,
-    help: Help,
+    snapshot: Option<PanelSnapshot>,
+    settings: WindowSettings,
+    opened_program: Option<PathBuf>,
+    message: Option<StatusMessage>,
+    held_keys: HeldKeys<Key>,
+    pointing: PanelPointer,
+    opener: ProgramOpener,
+    is_key_map_open: bool,
+    help: HelpWindow,
     /// Where each area of the panel was drawn in the last frame.
-    placed: Vec<placing::View>,
-    pointer: Option<Pos2>,
+    placed_areas: Vec<panel_placement::PlacedArea>,
+    pointer_position: Option<Pos2>,
     questions: Questions,
-    browser: Browser,
+    browser: FileBrowser,
     views: Views,
     lcd: lcd::Lcd,
-    face: face::Face,
+    faceplate: faceplate_image::FaceplateImage,
     models: Models,
     first_start: Option<FirstStart>,
     long_press: LongPress,
     /// Directions of the axis keys that the machine reverses, for their tool tips.
-    reversed: KeysReversed,
+    reversed_keys: KeysReversed,
     /// Whether the kernel already sends the LCD in the other language, too.
-    translates: bool,
-    sounds: Sounds,
+    is_translation_requested: bool,
+    sounds: MachineSound,
 }
 
 /// The control model in use and the request for another one.
 #[derive(Clone, Copy, Debug, Default)]
 struct Models {
-    shown: ModelId,
-    asked: Option<ModelId>,
+    current: ModelId,
+    requested: Option<ModelId>,
     /// Whether the operator can choose another model.
-    changeable: bool,
+    is_changeable: bool,
 }
 
 impl Window {
     /// Creates a window that is connected to the kernel's `console`.
-    pub fn new(console: Console, settings: Settings) -> Self {
-        let opener = Opener::new(console.clone());
+    pub fn new(console: Console, settings: WindowSettings) -> Self {
+        let opener = ProgramOpener::new(console.clone());
         let views = Views::new(
             &console,
             settings.solid,
@@ -131,94 +131,96 @@ impl Window {
         );
         Self {
             console,
-            picture: None,
+            snapshot: None,
             settings,
-            opened: None,
+            opened_program: None,
             message: None,
-            held: Held::default(),
-            pointing: Pointing::default(),
+            held_keys: HeldKeys::default(),
+            pointing: PanelPointer::default(),
             opener,
-            key_map: false,
-            help: Help::default(),
-            placed: Vec::new(),
-            pointer: None,
+            is_key_map_open: false,
+            help: HelpWindow::default(),
+            placed_areas: Vec::new(),
+            pointer_position: None,
             questions: Questions::default(),
-            browser: Browser::default(),
+            browser: FileBrowser::default(),
             views,
             lcd: lcd::Lcd::default(),
-            face: face::Face::default(),
+            faceplate: faceplate_image::FaceplateImage::default(),
             models: Models::default(),
             first_start: None,
             long_press: LongPress::default(),
-            reversed: KeysReversed::default(),
-            translates: false,
-            sounds: Sounds::default(),
+            reversed_keys: KeysReversed::default(),
+            is_translation_requested: false,
+            sounds: MachineSound::default(),
         }
     }
 
-    /// Sets the name of the control model in use. `changeable` allows the operator to request
+    /// Sets the name of the control model in use. `is_changeable` allows the operator to request
     /// another one.
-    pub const fn set_model(&mut self, shown: ModelId, changeable: bool) {
+    pub const fn set_model(&mut self, current: ModelId, is_changeable: bool) {
         self.models = Models {
-            shown,
-            asked: None,
-            changeable,
+            current,
+            requested: None,
+            is_changeable,
         };
     }
 
     /// Takes the control model that the operator requested since the last call.
-    pub const fn take_model(&mut self) -> Option<ModelId> {
-        self.models.asked.take()
+    pub const fn take_requested_model(&mut self) -> Option<ModelId> {
+        self.models.requested.take()
     }
 
     /// Opens the project in `folder` and lists its differences from the control.
-    pub fn compare(&mut self, context: &egui::Context, folder: PathBuf) {
+    pub fn compare_project(&mut self, context: &egui::Context, folder: PathBuf) {
         self.views.project().open(folder, true, context);
-        self.show_view(View::Project);
+        self.show_view(ViewId::Project);
     }
 
-    fn show_view(&mut self, view: View) {
+    fn show_view(&mut self, view: ViewId) {
         let layouts = &mut self.settings.layouts;
         if !layouts.is_open(view) {
             layouts.toggle(view);
         } else if layouts.docked().contains(&view) {
-            layouts.bring(Some(view));
+            layouts.bring_to_front(Some(view));
         }
     }
 
     /// Takes the project files that the operator chose to take over. The caller turns the
     /// control off to do so.
-    pub const fn take_chosen(&mut self) -> Option<Chosen> {
-        self.views.project().take_chosen()
+    pub const fn take_project_selection(&mut self) -> Option<ProjectSelection> {
+        self.views.project().take_selection()
     }
 
     /// Enables the drawing of the panel. Tests without a display leave it off.
     pub const fn paint_panel(&mut self) {
-        self.face.turn_on();
+        self.faceplate.enable();
     }
 
     /// What is stored for the next start.
-    pub const fn settings(&self) -> &Settings {
+    pub const fn settings(&self) -> &WindowSettings {
         &self.settings
     }
 
     /// Stores the size and position of the window in the settings.
-    pub fn remember_place(&mut self, context: &egui::Context) {
-        if let Some(place) = context.input(|input| layout::floating::place(input.viewport())) {
-            self.settings.layouts.window = Some(place);
+    pub fn store_geometry(&mut self, context: &egui::Context) {
+        if let Some(geometry) =
+            context.input(|input| layout::floating::normal_geometry(input.viewport()))
+        {
+            self.settings.layouts.window = Some(geometry);
         }
     }
 
-    /// Shows `said` on the message line.
-    pub fn say(&mut self, said: impl Into<gsk_messages::Message>) {
-        self.message = Some(Message::Said(said.into()));
+    /// Shows `message` on the message line.
+    pub fn show_message(&mut self, message: impl Into<gsk_messages::Message>) {
+        self.message = Some(StatusMessage::Text(message.into()));
     }
 
     /// Sets the lessons of a teacher, which are listed with those of the program, and the
     /// errors of the lessons that cannot be used.
-    pub fn set_lessons(&mut self, lessons: Lessons) {
+    pub fn set_lessons(&mut self, lessons: AvailableLessons) {
         let view = self.views.lessons();
-        view.set_lessons(lessons.lessons, lessons.wrong);
+        view.set_lessons(lessons.lessons, lessons.errors);
     }
 
     /// Opens a program file, or a project by its `project.gpr`. The result appears on the
@@ -226,48 +228,50 @@ impl Window {
     pub fn open(&mut self, context: &egui::Context, path: PathBuf) {
         let is_project = path
             .file_name()
-            .is_some_and(|name| name == crate::project::HEAD);
+            .is_some_and(|name| name == crate::project::PROJECT_FILE);
         if let Some(folder) = path
             .parent()
             .filter(|_| is_project && platform::has_folders())
         {
-            self.compare(context, folder.to_owned());
+            self.compare_project(context, folder.to_owned());
             return;
         }
         self.opener.open(path, context);
     }
 
     /// Shows that the kernel has ended unexpectedly, and lets the window close.
-    pub fn kernel_gone(&mut self) {
-        self.message = Some(Message::KernelGone);
-        self.close_without_asking();
+    pub fn report_kernel_end(&mut self) {
+        self.message = Some(StatusMessage::KernelEnded);
+        self.allow_closing();
     }
 
     /// Lets the window close without the question about unsaved work.
-    pub const fn close_without_asking(&mut self) {
-        self.questions.let_close();
+    pub const fn allow_closing(&mut self) {
+        self.questions.allow_closing();
     }
 
     pub fn title(&self) -> String {
-        badge::title(self.models.shown.name(), self.board())
+        real_machine_bar::window_title(self.models.current.name(), self.board())
     }
 
     /// State of the board that moves real slides; `None` without a board.
     fn board(&self) -> Option<LinkState> {
-        self.picture.as_ref().and_then(|picture| picture.board)
+        self.snapshot.as_ref().and_then(|picture| picture.board)
     }
 
     /// The latest state of the control that the window shows; `None` before the first one.
-    pub const fn picture(&self) -> Option<&Snapshot> {
-        self.picture.as_ref()
+    pub const fn snapshot(&self) -> Option<&PanelSnapshot> {
+        self.snapshot.as_ref()
     }
 
     /// Releases all held keys: the window is hidden or has lost the focus.
-    pub fn let_go(&mut self) {
-        self.pointing.forget();
-        self.long_press.forget();
-        let changes = self.held.release_all();
-        self.console.watch.set_holders(self.held.holders());
+    pub fn release_keys(&mut self) {
+        self.pointing.reset();
+        self.long_press.reset();
+        let changes = self.held_keys.release_all();
+        self.console
+            .input_watch
+            .set_holders(self.held_keys.holders());
         self.send(&changes);
     }
 
@@ -276,103 +280,109 @@ impl Window {
         // Checked here because the key that closes the menu is consumed later.
         let menu = egui::Popup::is_any_open(ui.ctx());
         self.receive();
-        self.follow_sound();
-        let why_not = self.model_choice().why_not;
-        self.views.project().set_why_not(why_not);
+        self.update_sound();
+        let refusal = self.model_choice().refusal;
+        self.views.project().set_refusal(refusal);
         let only_docks = ui.ctx().embed_viewports();
-        self.settings.layouts.set_only_docks(only_docks);
-        if self.views.lessons().take_begun() && !self.settings.layouts.is_open(View::Machine) {
+        self.settings.layouts.set_single_window(only_docks);
+        if self.views.lessons().take_begun() && !self.settings.layouts.is_open(ViewId::Machine) {
             // The learner sees what his keys do to the part.
-            self.settings.layouts.dock_beside(View::Machine);
+            self.settings.layouts.dock_beside(ViewId::Machine);
         }
         self.views.follow(ui.ctx(), &self.settings.layouts);
-        self.take_files(ui);
-        zoom::follow(ui.ctx(), &self.settings);
+        self.take_dropped_files(ui);
+        zoom::apply(ui.ctx(), &self.settings);
         let language = self.settings.language;
-        badge::show(ui, "panel", self.board(), language);
+        real_machine_bar::show(ui, "panel", self.board(), language);
         let slim = Frame::new()
             .fill(egui::Color32::from_gray(34))
             .inner_margin(Margin::symmetric(8, 0));
         let bar = Panel::top("bar")
-            .exact_size(BAR)
+            .exact_size(TOP_BAR_HEIGHT)
             .frame(slim)
             .show_separator_line(false);
-        let asked = bar
+        let requests = bar
             .show(ui, |ui| {
-                let opened = self.opened.as_ref();
-                let picture = self.picture.as_ref();
+                let opened = self.opened_program.as_ref();
+                let picture = self.snapshot.as_ref();
                 let models = self.model_choice();
                 top_bar::show(ui, &self.settings, opened, picture, &models)
             })
             .inner;
-        let line = Panel::bottom("status")
-            .exact_size(STATUS)
+        let status_panel = Panel::bottom("status")
+            .exact_size(MESSAGE_LINE_HEIGHT)
             .frame(slim)
             .show_separator_line(false);
-        line.show(ui, |ui| self.status(ui));
+        status_panel.show(ui, |ui| self.show_message_line(ui));
         // The central panel has no frame: the clear colour fills what the panel leaves free.
         egui::CentralPanel::default()
             .frame(Frame::NONE)
             .show(ui, |ui| {
-                if !self.asks_first(ui) {
-                    self.panes(ui);
+                if !self.show_first_start(ui) {
+                    self.show_panes(ui);
                 }
             });
-        clear::remember(ui.ctx(), &self.placed);
+        stop_key_clearance::store_stop_keys(ui.ctx(), &self.placed_areas);
         self.settings.solid = self.views.lathe().is_solid();
-        let finished = self.views.lessons().finished();
+        let finished = self.views.lessons().finished_lessons();
         if self.settings.lessons != *finished {
             self.settings.lessons.clone_from(finished);
         }
-        let transfer = self.views.transfer().remembered();
+        let transfer = self.views.transfer().settings();
         if self.settings.transfer != *transfer {
             self.settings.transfer.clone_from(transfer);
         }
-        let projects = self.views.project().remembered();
+        let projects = self.views.project().settings();
         if self.settings.projects != *projects {
             self.settings.projects.clone_from(projects);
         }
-        if let Some(asked) = asked {
-            if asked.shows_something() {
+        if let Some(requests) = requests {
+            if requests.needs_window_area() {
                 self.first_start = None;
             }
-            self.answer(asked, ui);
+            self.handle_request(requests, ui);
         }
-        if self.key_map {
-            self.key_map = key_map::show(ui.ctx(), language, &self.placed);
+        if self.is_key_map_open {
+            self.is_key_map_open = key_map::show(ui.ctx(), language, &self.placed_areas);
         }
-        let picture = self.picture.as_ref();
-        match self.help.show(ui.ctx(), language, picture, &self.placed) {
-            Some(help::Asked::Lesson(order)) => self.console.send(Command::Lesson(order)),
-            Some(help::Asked::Block(occurrence)) => self.show_block(*occurrence),
+        let picture = self.snapshot.as_ref();
+        match self
+            .help
+            .show(ui.ctx(), language, picture, &self.placed_areas)
+        {
+            Some(help::HelpRequest::Lesson(order)) => self.console.send(Command::Lesson(order)),
+            Some(help::HelpRequest::Block(occurrence)) => self.show_block(*occurrence),
             None => {}
         }
-        let picture = self.picture.as_ref();
-        let unsaved = self.views.unsaved();
+        let picture = self.snapshot.as_ref();
+        let unsaved = self.views.first_unsaved();
         self.questions
             .show(ui.ctx(), language, picture, &self.console, unsaved);
-        let (board, lcd) = (self.board(), self.lcd.place());
-        let beside = self.browser.show(ui.ctx(), language, lcd);
-        self.keyboard(ui, menu);
-        self.typed(&beside.stops);
+        let (board, lcd) = (self.board(), self.lcd.bounds());
+        let browser_input = self.browser.show(ui.ctx(), language, lcd);
+        self.handle_keyboard(ui, menu);
+        self.handle_keys(&browser_input.stop_events);
         let layouts = &mut self.settings.layouts;
-        let typed = self
+        let view_input = self
             .views
             .show_floating(ui.ctx(), language, board, lcd, layouts);
-        if typed.jogs_in_list {
-            self.axis_key_in_list();
+        if view_input.jogs_in_list {
+            self.explain_axis_key_in_list();
         }
-        self.typed(&typed.events);
+        self.handle_keys(&view_input.events);
         if let Some(request) = self.views.take_sample() {
             self.opener.open_sample(request, ui.ctx());
         }
-        focus::leave_keys(ui.ctx());
-        let focused = typed.focused || beside.focused || ui.input(|input| input.focused);
+        focus::release_cursor_keys(ui.ctx());
+        let focused =
+            view_input.has_focus || browser_input.has_focus || ui.input(|input| input.focused);
         if !focused {
-            self.let_go();
+            self.release_keys();
         }
-        self.console.watch.set_holders(self.held.holders());
-        if self.held.any() {
+        self.console
+            .input_watch
+            .set_holders(self.held_keys.holders());
+        if self.held_keys.has_any() {
             // The kernel releases all keys when it receives no `Alive` command from the
             // window, or when the display does not show the keys as held.
             self.console.send(Command::Alive);
@@ -381,47 +391,50 @@ impl Window {
     }
 
     /// Count of the pieces of the tool path in the machine view.
-    pub fn pieces_of_path(&mut self) -> usize {
-        self.views.lathe().pieces()
+    pub fn count_path_pieces(&mut self) -> usize {
+        self.views.lathe().segment_count()
     }
 
     /// Whether RESET may have something to stop; true while the state is unknown.
-    fn may_stop(&self) -> bool {
-        self.picture.as_ref().is_none_or(|it| {
+    fn is_running_or_unknown(&self) -> bool {
+        self.snapshot.as_ref().is_none_or(|it| {
             let board = matches!(it.board, Some(LinkState::Moving | LinkState::Homing));
-            it.moves || board || matches!(it.run, RunState::Run | RunState::Hold)
+            it.is_moving || board || matches!(it.run_state, RunState::Run | RunState::Hold)
         })
     }
 
     /// Handles the PC keyboard. While a text field has the focus, only the stop keys reach the
     /// panel. `menu`: a menu was open when the keys arrived.
-    fn keyboard(&mut self, ui: &Ui, menu: bool) {
+    fn handle_keyboard(&mut self, ui: &Ui, menu: bool) {
         let events: Vec<Event> = ui.input(|input| input.events.clone());
         if ui.ctx().text_edit_focused() || self.first_start.is_some() {
-            let stops: Vec<Event> = events.into_iter().filter(keyboard::stops).collect();
-            self.typed(&stops);
+            let stops: Vec<Event> = events
+                .into_iter()
+                .filter(keyboard::is_stop_or_release)
+                .collect();
+            self.handle_keys(&stops);
             return;
         }
-        zoom::typed(ui.ctx(), &events, &mut self.settings);
-        let mut events = keyboard::beside_focus(ui.ctx(), events);
-        if keyboard::beside_keeper(ui.ctx(), &mut events) {
-            self.axis_key_in_list();
+        zoom::handle_keys(ui.ctx(), &events, &mut self.settings);
+        let mut events = keyboard::filter_for_focus(ui.ctx(), events);
+        if keyboard::remove_axis_keys_in_list(ui.ctx(), &mut events) {
+            self.explain_axis_key_in_list();
         }
         if menu {
-            events = keyboard::beside_menu(events, self.may_stop());
+            events = keyboard::filter_for_menu(events, self.is_running_or_unknown());
         }
-        if let Some(view) = view::toggled(&events) {
+        if let Some(view) = view::view_of_pressed_key(&events) {
             self.settings.layouts.toggle(view);
         }
-        if let Some(layout) = layout::chosen(&events) {
+        if let Some(layout) = layout::layout_of_pressed_key(&events) {
             self.settings.layouts.choose(layout);
         }
-        self.typed(&events);
+        self.handle_keys(&events);
     }
 
     /// Shows that an axis key moved the cursor of a list and no axis.
-    fn axis_key_in_list(&mut self) {
-        self.message = Some(Message::KeyRefused(
+    fn explain_axis_key_in_list(&mut self) {
+        self.message = Some(StatusMessage::KeyRefused(
             gsk_messages::say::window_axis_key_in_list(),
         ));
     }
@@ -433,33 +446,35 @@ impl Window {
         };
         let program = self.views.program();
         program.show_block(source.program, source.line, occurrence.block);
-        self.show_view(View::Program);
+        self.show_view(ViewId::Program);
     }
 
     /// The help topic of the current alarm.
-    fn standing(&self) -> Option<&'static Topic> {
-        let alarm = self.picture.as_ref()?.alarm.as_ref()?;
+    fn alarm_topic(&self) -> Option<&'static Topic> {
+        let alarm = self.snapshot.as_ref()?.alarm.as_ref()?;
         topic(Subject::Alarm(alarm.row()?.number))
     }
 
-    fn typed(&mut self, events: &[Event]) {
+    fn handle_keys(&mut self, events: &[Event]) {
         for event in events {
-            match keyboard::action(event) {
+            match keyboard::action_of(event) {
                 Some(PcAction::Help) => {
-                    let about = self.pointer.and_then(|at| self.pointed_at(at));
-                    self.help.ask(about.or_else(|| self.standing()));
+                    let about = self
+                        .pointer_position
+                        .and_then(|at| self.topic_at_position(at));
+                    self.help.toggle(about.or_else(|| self.alarm_topic()));
                 }
                 Some(PcAction::Turn(graduations)) => self.console.send(Command::Turn(graduations)),
                 Some(PcAction::Type(character)) => {
-                    self.held.forget_kept();
+                    self.held_keys.drop_waiting_latch();
                     self.console.send(Command::Type(character));
                 }
                 Some(PcAction::Press(holder, key)) => {
-                    let changes = self.held.press(holder, key);
+                    let changes = self.held_keys.press(holder, key);
                     self.send(&changes);
                 }
                 Some(PcAction::Release(holder)) => {
-                    let changes = self.held.set(holder, None);
+                    let changes = self.held_keys.set(holder, None);
                     self.send(&changes);
                 }
                 None => {}
@@ -467,11 +482,11 @@ impl Window {
         }
     }
 
-    fn send(&self, changes: &[Change<Key>]) {
+    fn send(&self, changes: &[PanelKeyChange<Key>]) {
         for change in changes {
             self.console.send(Command::Key {
                 key: change.key,
-                down: change.down,
+                down: change.is_down,
             });
         }
     }
@@ -480,8 +495,8 @@ impl Window {
 /// The key with its printed legend in brackets: `[超程解除]`.
 fn key_label(key: Key) -> String {
     let printed = key.row().legend.iter();
-    let shown = printed.filter(|line| !line.is_ascii()).copied();
-    let shown: String = shown.collect();
+    let chinese = printed.filter(|line| !line.is_ascii()).copied();
+    let shown: String = chinese.collect();
     match shown.is_empty() {
         true => format!("[{}]", key.row().legend.concat()),
         false => format!("[{shown}]"),

@@ -8,27 +8,27 @@ use gsk_panel::faceplate::{self, FaceState, Outline, PanelPart, PartKind};
 use gsk_panel::keys::{Key, STRIP};
 use gsk_panel::screen::{COLUMNS, ROWS};
 
-use super::placing::{self, View};
-use super::{Command, Message, Window, reader, tips};
+use super::panel_placement::{self, PlacedArea};
+use super::{Command, StatusMessage, Window, screen_reader, tips};
 use gsk_messages::{Language, say};
 
 /// The ring around a latched key.
-const RING: Color32 = Color32::from_rgb(255, 150, 0);
+const LATCH_COLOR: Color32 = Color32::from_rgb(255, 150, 0);
 
 /// The ring around a key that a lesson asks the operator to press.
-const ASKED: Color32 = Color32::from_rgb(60, 220, 255);
+const LESSON_COLOR: Color32 = Color32::from_rgb(60, 220, 255);
 
 /// Draws a ring around a key.
-fn ring(painter: &Painter, view: View, part: &PanelPart, colour: Color32) {
-    let rect = view.rect(part.rect);
-    let width = (4.0 * view.scale).max(2.0);
+fn draw_ring(painter: &Painter, placed: PlacedArea, part: &PanelPart, colour: Color32) {
+    let rect = placed.to_window(part.rect);
+    let width = (4.0 * placed.scale).max(2.0);
     let stroke = Stroke::new(width, colour);
     match part.outline {
         Outline::Round => {
             painter.circle_stroke(rect.center(), rect.width() / 2.0 + width, stroke);
         }
         Outline::Rounded(radius) => {
-            let radius = radius * view.scale;
+            let radius = radius * placed.scale;
             painter.rect_stroke(rect, radius, stroke, StrokeKind::Outside);
         }
     }
@@ -50,64 +50,66 @@ fn pressed_at(event: &Event) -> Option<Pos2> {
 }
 
 /// Whether a key only ever stops the machine. It also works while help explains pressed keys.
-const fn stops(key: Key) -> bool {
+const fn is_stop_key(key: Key) -> bool {
     matches!(key, Key::EmergencyStop | Key::Reset | Key::FeedHold)
 }
 
 impl Window {
     /// Draws the panel and handles mouse and fingers on it.
-    pub(super) fn panel(&mut self, ui: &mut Ui) {
-        let views = placing::views(ui.max_rect(), ui.pixels_per_point());
-        self.areas(ui, &views);
+    pub(super) fn show_panel(&mut self, ui: &mut Ui) {
+        let placed = panel_placement::place_panel(ui.max_rect(), ui.pixels_per_point());
+        self.show_areas(ui, &placed);
     }
 
     /// Draws the keys that stop the machine while the panel is not visible.
-    pub(super) fn stops(&mut self, ui: &mut Ui) {
-        let views = placing::stops(ui.max_rect(), ui.pixels_per_point());
+    pub(super) fn show_stop_keys(&mut self, ui: &mut Ui) {
+        let placed = panel_placement::place_stop_keys(ui.max_rect(), ui.pixels_per_point());
         self.lcd.hide();
-        self.areas(ui, &views);
+        self.show_areas(ui, &placed);
     }
 
     /// Draws the placed areas of the panel, with the LCD if it is among them.
-    fn areas(&mut self, ui: &mut Ui, views: &[View]) {
-        self.point(ui, views);
+    fn show_areas(&mut self, ui: &mut Ui, placed: &[PlacedArea]) {
+        self.handle_pointer(ui, placed);
         let painter = ui.painter().clone();
-        let picture = self.picture.take();
-        self.reversed = picture
+        let snapshot = self.snapshot.take();
+        self.reversed_keys = snapshot
             .as_ref()
             .map(|it| it.keys_reversed)
             .unwrap_or_default();
-        let mut pressed: Vec<Key> = self.held.keys().collect();
-        if let Some(picture) = &picture {
+        let mut pressed: Vec<Key> = self.held_keys.keys().collect();
+        if let Some(picture) = &snapshot {
             pressed.extend(&picture.pressed);
         }
         let state = FaceState {
-            y: picture.as_ref().map_or(&[], |picture| &picture.y[..]),
+            y: snapshot
+                .as_ref()
+                .map_or(&[], |picture| &picture.y_memory[..]),
             pressed: &pressed,
             lcd: None,
-            wheel: picture.as_ref().map_or(0, |picture| picture.wheel),
-            real: picture.as_ref().is_some_and(|it| it.board.is_some()),
-            model: picture.as_ref().map(|it| it.model).unwrap_or_default(),
+            wheel: snapshot.as_ref().map_or(0, |picture| picture.wheel),
+            real: snapshot.as_ref().is_some_and(|it| it.board.is_some()),
+            model: snapshot.as_ref().map(|it| it.model).unwrap_or_default(),
         };
-        self.face.paint(&painter, views, &state);
-        let mut taps = Vec::new();
-        for view in views {
+        self.faceplate.paint(&painter, placed, &state);
+        let mut tapped_keys = Vec::new();
+        for view in placed {
             for part in view.area.parts() {
-                taps.extend(self.describe(ui, &part, *view, &state));
+                tapped_keys.extend(self.add_part_widget(ui, &part, *view, &state));
             }
         }
-        for key in taps {
-            self.held.forget_kept();
+        for key in tapped_keys {
+            self.held_keys.drop_waiting_latch();
             self.console.send(Command::Tap(key));
         }
         let lcd = faceplate::lcd();
-        let screen = views.iter().find(|view| view.area.rect.encloses(&lcd));
-        let screen = screen.map(|view| view.rect(lcd));
-        if let (Some(picture), Some(place)) = (&picture, screen) {
+        let screen = placed.iter().find(|view| view.area.rect.encloses(&lcd));
+        let screen = screen.map(|view| view.to_window(lcd));
+        if let (Some(picture), Some(bounds)) = (&snapshot, screen) {
             self.lcd
-                .paint(&painter, place, &picture.screen, picture.brightness);
-            let lcd = ui.interact(place, ui.scope_id().with("lcd"), Sense::HOVER);
-            self.translate(lcd.hovered());
+                .paint(&painter, bounds, &picture.screen, picture.brightness);
+            let lcd = ui.interact(bounds, ui.scope_id().with("lcd"), Sense::HOVER);
+            self.request_translation(lcd.hovered());
             lcd.widget_info(|| WidgetInfo {
                 current_text_value: Some(picture.screen.text()),
                 ..WidgetInfo::labeled(
@@ -116,10 +118,10 @@ impl Window {
                     say::window_lcd().text(self.settings.language),
                 )
             });
-            reader::rows(ui, &lcd, place, &picture.screen);
+            screen_reader::add_lcd_rows(ui, &lcd, bounds, &picture.screen);
             let tip = self
-                .cell(self.pointer)
-                .map(|(row, column)| tips::lcd(picture, row, column, self.settings.language));
+                .lcd_cell(self.pointer_position)
+                .map(|(row, column)| tips::lcd_tip(picture, row, column, self.settings.language));
             if let Some(tip) = tip.filter(|tip| !tip.is_empty()) {
                 lcd.on_hover_ui_at_pointer(|ui| {
                     for line in tip {
@@ -128,32 +130,32 @@ impl Window {
                 });
             }
         }
-        for key in self.views.lessons().marked() {
+        for key in self.views.lessons().marked_keys() {
             if let Some(part) = faceplate::part_of(key)
-                && let Some(view) = placing::of_part(views, part)
+                && let Some(view) = panel_placement::area_of_part(placed, part)
             {
-                ring(&painter, *view, part, ASKED);
+                draw_ring(&painter, *view, part, LESSON_COLOR);
             }
         }
-        if let Some(part) = self.held.kept().and_then(faceplate::part_of)
-            && let Some(view) = placing::of_part(views, part)
+        if let Some(part) = self.held_keys.latched_key().and_then(faceplate::part_of)
+            && let Some(view) = panel_placement::area_of_part(placed, part)
         {
-            ring(&painter, *view, part, RING);
+            draw_ring(&painter, *view, part, LATCH_COLOR);
         }
-        self.picture = picture;
+        self.snapshot = snapshot;
     }
 
     /// Gives a part its accessible name and tool tip. Returns the key if a screen reader has
     /// pressed it.
-    fn describe(
+    fn add_part_widget(
         &self,
         ui: &Ui,
         part: &PanelPart,
-        view: View,
+        placed: PlacedArea,
         state: &FaceState<'_>,
     ) -> Option<Key> {
         let language = self.settings.language;
-        let rect = view.rect(part.rect);
+        let rect = placed.to_window(part.rect);
         match part.what {
             PartKind::Key(key) => {
                 let row = key.row();
@@ -173,19 +175,24 @@ impl Window {
                 } else {
                     lit
                 };
-                let kept = self.held.kept() == Some(key);
+                let is_latched = self.held_keys.latched_key() == Some(key);
                 response.widget_info(|| WidgetInfo {
                     selected,
-                    current_text_value: kept.then(|| say::window_key_is_kept().text(language)),
+                    current_text_value: is_latched
+                        .then(|| say::window_key_is_kept().text(language)),
                     ..WidgetInfo::labeled(Role::Button, true, name)
                 });
-                if kept {
-                    reader::state(ui, &response, &say::window_key_is_kept().text(language));
+                if is_latched {
+                    screen_reader::add_state(
+                        ui,
+                        &response,
+                        &say::window_key_is_kept().text(language),
+                    );
                 }
                 let by_screen_reader =
                     response.clicked() && response.interact_pointer_pos().is_none();
-                let reversed = self.reversed;
-                response.on_hover_ui(|ui| tips::key(ui, language, row, reversed));
+                let reversed = self.reversed_keys;
+                response.on_hover_ui(|ui| tips::show_key_tip(ui, language, row, reversed));
                 by_screen_reader.then_some(key)
             }
             PartKind::Strip(index) => {
@@ -197,16 +204,16 @@ impl Window {
                 };
                 let name = say::window_lamp(name).text(language);
                 let lit = lamp.lamp.is_set_in(state.y);
-                let word = match lit {
+                let state_text = match lit {
                     true => say::window_lamp_on(),
                     false => say::window_lamp_off(),
                 };
                 response.widget_info(|| WidgetInfo {
-                    current_text_value: Some(word.text(language)),
+                    current_text_value: Some(state_text.text(language)),
                     ..WidgetInfo::labeled(Role::Status, true, &name)
                 });
-                reader::state(ui, &response, &word.text(language));
-                response.on_hover_ui(|ui| tips::lamp(ui, language, lamp, lit));
+                screen_reader::add_state(ui, &response, &state_text.text(language));
+                response.on_hover_ui(|ui| tips::show_lamp_tip(ui, language, lamp, lit));
                 None
             }
             PartKind::Handwheel => {
@@ -227,13 +234,13 @@ impl Window {
     }
 
     /// The help topic about a position in the window: a key, a lamp, a cell of the LCD.
-    pub(super) fn pointed_at(&self, at: Pos2) -> Option<&'static Topic> {
-        if let Some((row, column)) = self.cell(Some(at)) {
-            let picture = self.picture.as_ref()?;
-            let (model, page) = (picture.model, picture.page);
-            return topic_at(model, page, &picture.screen, row, column);
+    pub(super) fn topic_at_position(&self, position: Pos2) -> Option<&'static Topic> {
+        if let Some((row, column)) = self.lcd_cell(Some(position)) {
+            let snapshot = self.snapshot.as_ref()?;
+            let (model, page) = (snapshot.model, snapshot.page);
+            return topic_at(model, page, &snapshot.screen, row, column);
         }
-        let (x, y) = placing::units(&self.placed, at)?;
+        let (x, y) = panel_placement::to_panel(&self.placed_areas, position)?;
         match faceplate::part_at(x, y)?.what {
             PartKind::Key(key) => topic(Subject::Key(key.id())),
             PartKind::Strip(index) => topic(Subject::Lamp(STRIP.get(index)?.id)),
@@ -242,8 +249,8 @@ impl Window {
     }
 
     /// Row and column of the LCD at a position in the window.
-    fn cell(&self, at: Option<Pos2>) -> Option<(usize, usize)> {
-        let (x, y) = placing::units(&self.placed, at?)?;
+    fn lcd_cell(&self, position: Option<Pos2>) -> Option<(usize, usize)> {
+        let (x, y) = panel_placement::to_panel(&self.placed_areas, position?)?;
         let lcd = faceplate::lcd();
         let cell = |from: f32, size: f32, count: usize| (from / size * count as f32) as usize;
         let row = cell(y - lcd.y, lcd.h, ROWS);
@@ -252,70 +259,75 @@ impl Window {
     }
 
     /// Requests the LCD in the other language, too, while the pointer is on it.
-    fn translate(&mut self, wanted: bool) {
-        if self.translates != wanted {
-            self.translates = wanted;
-            self.console.send(Command::Translate(wanted));
+    fn request_translation(&mut self, is_requested: bool) {
+        if self.is_translation_requested != is_requested {
+            self.is_translation_requested = is_requested;
+            self.console.send(Command::Translate(is_requested));
         }
     }
 
     /// Opens help for a long press on the panel, or shows the tip of the LCD on the message
     /// line.
-    fn press_long(&mut self, ui: &Ui, events: &[Event], free: &dyn Fn(Pos2) -> bool) {
+    fn handle_long_press(&mut self, ui: &Ui, events: &[Event], is_panel: &dyn Fn(Pos2) -> bool) {
         let now = ui.input(|input| input.time);
-        let stayed = self.long_press.follow(events, now);
-        if self.long_press.watches() {
+        let long_pressed = self.long_press.handle_events(events, now);
+        if self.long_press.is_waiting() {
             let soon = std::time::Duration::from_millis(100);
             ui.ctx().request_repaint_after(soon);
         }
-        let Some(at) = stayed.filter(|at| free(*at)) else {
+        let Some(at) = long_pressed.filter(|at| is_panel(*at)) else {
             return;
         };
-        let key = placing::units(&self.placed, at);
+        let key = panel_placement::to_panel(&self.placed_areas, at);
         let key = key.and_then(|(x, y)| faceplate::part_at(x, y)?.key());
-        if let (Some((row, column)), Some(picture)) = (self.cell(Some(at)), &self.picture) {
-            let lines = tips::lcd(picture, row, column, self.settings.language);
-            self.message = Some(Message::Said(say::as_written(lines.join("   "))));
+        if let (Some((row, column)), Some(picture)) = (self.lcd_cell(Some(at)), &self.snapshot) {
+            let lines = tips::lcd_tip(picture, row, column, self.settings.language);
+            self.message = Some(StatusMessage::Text(say::as_written(lines.join("   "))));
         }
-        if key.is_none_or(tips::explains_when_held)
-            && let Some(about) = self.pointed_at(at)
+        if key.is_none_or(tips::has_long_press_help)
+            && let Some(about) = self.topic_at_position(at)
         {
-            self.help.ask(Some(about));
+            self.help.toggle(Some(about));
         }
     }
 
-    fn point(&mut self, ui: &Ui, views: &[View]) {
-        let own = ui.layer_id();
+    fn handle_pointer(&mut self, ui: &Ui, placed: &[PlacedArea]) {
+        let own_layer = ui.layer_id();
         let context = ui.ctx().clone();
-        let room = ui.max_rect();
-        let free = |at: Pos2| {
-            room.contains(at) && context.layer_id_at(at).is_none_or(|layer| layer == own)
+        let bounds = ui.max_rect();
+        let is_panel = |at: Pos2| {
+            bounds.contains(at)
+                && context
+                    .layer_id_at(at)
+                    .is_none_or(|layer| layer == own_layer)
         };
         let mut events = ui.input(|input| input.events.clone());
         let pointer = ui.input(|input| input.pointer.latest_pos());
-        self.pointer = pointer.filter(|at| free(*at));
-        self.placed = views.to_vec();
-        self.press_long(ui, &events, &free);
-        if self.help.explains() {
+        self.pointer_position = pointer.filter(|at| is_panel(*at));
+        self.placed_areas = placed.to_vec();
+        self.handle_long_press(ui, &events, &is_panel);
+        if self.help.is_explaining() {
             events.retain(|event| {
-                let Some(at) = pressed_at(event).filter(|at| free(*at)) else {
+                let Some(at) = pressed_at(event).filter(|at| is_panel(*at)) else {
                     return true;
                 };
-                if let Some(about) = self.pointed_at(at) {
-                    self.help.explain(about);
+                if let Some(about) = self.topic_at_position(at) {
+                    self.help.show_pressed(about);
                 }
-                placing::units(views, at)
+                panel_placement::to_panel(placed, at)
                     .and_then(|(x, y)| faceplate::part_at(x, y)?.key())
-                    .is_some_and(stops)
+                    .is_some_and(is_stop_key)
             });
         }
-        let done = self.pointing.follow(&events, views, &mut self.held, &free);
-        self.send(&done.changes);
-        if let Some(key) = done.not_kept {
-            self.message = Some(Message::NotKept(key));
+        let result = self
+            .pointing
+            .handle_events(&events, placed, &mut self.held_keys, &is_panel);
+        self.send(&result.changes);
+        if let Some(key) = result.not_latched {
+            self.message = Some(StatusMessage::KeyNotLatched(key));
         }
-        if done.detents != 0 {
-            self.console.send(Command::Turn(done.detents));
+        if result.detents != 0 {
+            self.console.send(Command::Turn(result.detents));
         }
     }
 }

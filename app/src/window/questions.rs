@@ -4,19 +4,19 @@
 use egui::{Align2, Context, ViewportCommand, Window};
 use gsk_core::operation::RunState;
 
-use super::clear;
-use crate::kernel::{Command, Console, Opened, Snapshot, Storing};
+use super::stop_key_clearance;
+use crate::kernel::{Command, Console, OpenedProgram, PanelSnapshot, StorePolicy};
 use gsk_messages::{Language, Message, say};
 
 /// Progress of a request to close the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Closing {
+enum CloseRequest {
     #[default]
-    Open,
+    None,
     /// The close was requested while a program runs or work is unsaved.
-    Asked,
+    Pending,
     /// The window closes without a question.
-    Agreed,
+    Confirmed,
 }
 
 /// The operator's work that is not saved.
@@ -29,7 +29,7 @@ pub enum Unsaved {
 
 impl Unsaved {
     /// The question, and the consequence of closing.
-    fn words(self) -> [Message; 2] {
+    fn question(self) -> [Message; 2] {
         match self {
             Self::Text => [say::question_text_unsaved(), say::question_text_is_lost()],
             Self::Job => [say::question_job_unsaved(), say::question_job_is_lost()],
@@ -39,25 +39,25 @@ impl Unsaved {
 }
 
 /// Preferred size of a question, points.
-const ROOM: egui::Vec2 = egui::vec2(520.0, 180.0);
+const QUESTION_SIZE: egui::Vec2 = egui::vec2(520.0, 180.0);
 
 /// The open questions.
 #[derive(Debug, Default)]
 pub struct Questions {
-    closing: Closing,
+    closing: CloseRequest,
     /// A program file to open, and its program number, which the memory already has.
-    taken: Option<(Box<Opened>, u16)>,
+    number_conflict: Option<(Box<OpenedProgram>, u16)>,
 }
 
 impl Questions {
     /// Lets the window close without a question from now on.
-    pub const fn let_close(&mut self) {
-        self.closing = Closing::Agreed;
+    pub const fn allow_closing(&mut self) {
+        self.closing = CloseRequest::Confirmed;
     }
 
     /// Asks what to do with an opened program whose `number` the memory already has.
-    pub fn ask_for_place(&mut self, opened: Box<Opened>, number: u16) {
-        self.taken = Some((opened, number));
+    pub fn ask_about_number(&mut self, opened: Box<OpenedProgram>, number: u16) {
+        self.number_conflict = Some((opened, number));
     }
 
     /// Draws the open questions and carries out the answers.
@@ -65,52 +65,52 @@ impl Questions {
         &mut self,
         context: &Context,
         language: Language,
-        picture: Option<&Snapshot>,
+        snapshot: Option<&PanelSnapshot>,
         console: &Console,
         unsaved: Option<Unsaved>,
     ) {
-        self.closing(context, language, picture, unsaved);
-        self.place(context, language, console);
+        self.show_close_question(context, language, snapshot, unsaved);
+        self.show_number_question(context, language, console);
     }
 
-    fn closing(
+    fn show_close_question(
         &mut self,
         context: &Context,
         language: Language,
-        picture: Option<&Snapshot>,
+        snapshot: Option<&PanelSnapshot>,
         unsaved: Option<Unsaved>,
     ) {
-        let Some([title, consequence, agree]) = loss(picture, unsaved) else {
-            if self.closing == Closing::Asked {
-                self.closing = Closing::Open;
+        let Some([title, consequence, agree]) = close_question(snapshot, unsaved) else {
+            if self.closing == CloseRequest::Pending {
+                self.closing = CloseRequest::None;
             }
             return;
         };
-        let asked = context.input(|input| input.viewport().close_requested());
-        if asked && self.closing != Closing::Agreed {
+        let is_requested = context.input(|input| input.viewport().close_requested());
+        if is_requested && self.closing != CloseRequest::Confirmed {
             context.send_viewport_cmd(ViewportCommand::CancelClose);
-            self.closing = Closing::Asked;
+            self.closing = CloseRequest::Pending;
         }
-        if self.closing != Closing::Asked {
+        if self.closing != CloseRequest::Pending {
             return;
         }
-        let [title, consequence] = [title, consequence].map(|said| said.text(language));
+        let [title, consequence] = [title, consequence].map(|message| message.text(language));
         let answers = [
             say::question_do_not_close().text(language),
             agree.text(language),
         ];
-        match ask(context, "closing", &title, &consequence, &answers) {
+        match show_question(context, "closing", &title, &consequence, &answers) {
             Some(1) => {
-                self.closing = Closing::Agreed;
+                self.closing = CloseRequest::Confirmed;
                 context.send_viewport_cmd(ViewportCommand::Close);
             }
-            Some(_) => self.closing = Closing::Open,
+            Some(_) => self.closing = CloseRequest::None,
             None => {}
         }
     }
 
-    fn place(&mut self, context: &Context, language: Language, console: &Console) {
-        let Some((opened, number)) = &self.taken else {
+    fn show_number_question(&mut self, context: &Context, language: Language, console: &Console) {
+        let Some((opened, number)) = &self.number_conflict else {
             return;
         };
         let name = &opened.name;
@@ -121,15 +121,18 @@ impl Questions {
             say::question_only_run_file().text(language),
             say::window_cancel().text(language),
         ];
-        let answer = ask(context, "place", &title, &consequence, &answers);
+        let answer = show_question(context, "place", &title, &consequence, &answers);
         let Some(answer) = answer else { return };
         let storing = match answer {
-            0 => Some(Storing::Replace),
-            1 => Some(Storing::RunOnly),
+            0 => Some(StorePolicy::Replace),
+            1 => Some(StorePolicy::RunOnly),
             _ => None,
         };
-        if let (Some((opened, _)), Some(storing)) = (self.taken.take(), storing) {
-            let opened = Opened { storing, ..*opened };
+        if let (Some((opened, _)), Some(storing)) = (self.number_conflict.take(), storing) {
+            let opened = OpenedProgram {
+                store_policy: storing,
+                ..*opened
+            };
             console.send(Command::Open(Box::new(opened)));
         }
     }
@@ -137,17 +140,20 @@ impl Questions {
 
 /// What closing the window would end or lose: the question, the consequence, and the answer
 /// that confirms. `None`: nothing.
-fn loss(picture: Option<&Snapshot>, unsaved: Option<Unsaved>) -> Option<[Message; 3]> {
-    let run = picture.map(|picture| picture.run);
+fn close_question(
+    snapshot: Option<&PanelSnapshot>,
+    unsaved: Option<Unsaved>,
+) -> Option<[Message; 3]> {
+    let run = snapshot.map(|picture| picture.run_state);
     let title = match run {
         Some(RunState::Run) => say::question_program_runs(),
         Some(RunState::Hold) => say::question_program_held(),
         _ => {
-            let [title, loss] = unsaved?.words();
+            let [title, loss] = unsaved?.question();
             return Some([title, loss, say::question_close_anyway()]);
         }
     };
-    let linked = picture.is_some_and(|picture| picture.board.is_some());
+    let linked = snapshot.is_some_and(|picture| picture.board.is_some());
     let consequence = if linked {
         say::question_closing_stops_board()
     } else {
@@ -157,7 +163,7 @@ fn loss(picture: Option<&Snapshot>, unsaved: Option<Unsaved>) -> Option<[Message
 }
 
 /// Draws a question and returns the index of the clicked answer.
-pub fn ask(
+pub fn show_question(
     context: &Context,
     id: &str,
     title: &str,
@@ -170,14 +176,14 @@ pub fn ask(
         .collapsible(false)
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, [0.0, -60.0])
-        .constrain_to(clear::free(context, ROOM))
+        .constrain_to(stop_key_clearance::free_rect(context, QUESTION_SIZE))
         .show(context, |ui| {
             ui.add_space(6.0);
             ui.label(consequence);
             ui.add_space(10.0);
             ui.horizontal(|ui| {
-                for (index, words) in answers.iter().enumerate() {
-                    if ui.button(words).clicked() {
+                for (index, answer_text) in answers.iter().enumerate() {
+                    if ui.button(answer_text).clicked() {
                         answer = Some(index);
                     }
                 }

@@ -4,28 +4,28 @@ use std::path::Path;
 
 use gsk_core::program::{self, Program};
 
-use crate::job::{self, Chosen};
-use crate::kernel::{Opened, Storing};
+use crate::job::{self, SelectedJob};
+use crate::kernel::{OpenedProgram, StorePolicy};
 use gsk_messages::{Language, Message, say};
 
 #[derive(Debug)]
-pub struct Sample {
+pub struct ProgramSample {
     /// Name of its file.
     pub name: &'static str,
     /// Description of what it demonstrates.
-    shows: fn() -> Message,
+    description: fn() -> Message,
     text: &'static str,
     /// Text of its job file (stock and tools), if it has one.
     job: Option<&'static str>,
     /// Texts of the subprograms that it calls.
-    calls: &'static [&'static str],
+    subprograms: &'static [&'static str],
 }
 
 /// A sample that was chosen.
 #[derive(Clone, Copy, Debug)]
 pub struct SampleRequest {
     /// The sample.
-    pub sample: &'static Sample,
+    pub sample: &'static ProgramSample,
     /// The lathe cuts it at once.
     pub starts: bool,
 }
@@ -44,18 +44,18 @@ macro_rules! sample {
         Some(text!($job))
     };
     ($name:literal, $shows:ident $(, job $job:literal)? $(, calls $called:literal)*) => {
-        Sample {
+        ProgramSample {
             name: $name,
-            shows: say::$shows,
+            description: say::$shows,
             text: text!($name),
             job: sample!(@job $($job)?),
-            calls: &[$(text!($called)),*],
+            subprograms: &[$(text!($called)),*],
         }
     };
 }
 
 /// The samples in the order of the menu.
-pub static SAMPLES: [Sample; 7] = [
+pub static SAMPLES: [ProgramSample; 7] = [
     sample!(
         "01-stepped-shaft.CNC",
         sample_stepped_shaft,
@@ -82,27 +82,27 @@ pub static SAMPLES: [Sample; 7] = [
 ];
 
 /// The samples that run to their end.
-pub fn good_samples() -> impl Iterator<Item = &'static Sample> {
+pub fn good_samples() -> impl Iterator<Item = &'static ProgramSample> {
     SAMPLES
         .iter()
         .filter(|sample| !sample.name.starts_with("faulty/"))
 }
 
-impl Sample {
+impl ProgramSample {
     /// What the sample demonstrates, for the menu.
-    pub fn shows(&self, language: Language) -> String {
-        (self.shows)().text(language)
+    pub fn description_text(&self, language: Language) -> String {
+        (self.description)().text(language)
     }
 
     /// The sample as a program to open in the control.
-    pub fn opened(&self) -> Opened {
-        let called = self.calls.iter().map(|text| Program::new(*text));
-        let mut parts = program::split(self.text).into_iter();
+    pub fn to_opened(&self) -> OpenedProgram {
+        let called = self.subprograms.iter().map(|text| Program::new(*text));
+        let mut parts = program::split_programs(self.text).into_iter();
         let program = parts.next();
-        Opened {
+        OpenedProgram {
             name: self.name.to_owned(),
             path: None,
-            storing: Storing::Ask,
+            store_policy: StorePolicy::AskOperator,
             program: program.unwrap_or_else(|| Program::new(self.text)),
             subprograms: parts.chain(called).collect(),
         }
@@ -110,12 +110,13 @@ impl Sample {
 }
 
 /// The job of a sample, which is found by the text of its program; `None` for other programs.
-pub fn job_of(program: &Program) -> Option<Chosen> {
-    let is_it = |sample: &&Sample| sample.opened().program.text() == program.text();
-    let sample = SAMPLES.iter().find(is_it)?;
+pub fn job_of(program: &Program) -> Option<SelectedJob> {
+    let is_same_text =
+        |sample: &&ProgramSample| sample.to_opened().program.text() == program.text();
+    let sample = SAMPLES.iter().find(is_same_text)?;
     let file = sample.name.replace(".CNC", ".job.ron");
     let job = job::parse(Path::new(&file), sample.job?).ok()?;
-    Some(Chosen {
+    Some(SelectedJob {
         job,
         file: Some(file.into()),
     })
@@ -127,7 +128,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     #[test]
-    fn every_sample_of_the_folder_is_in_the_menu_with_a_number_of_its_own() {
+    fn every_sample_of_the_folder_is_in_the_menu_with_a_unique_number() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/programs");
         let mut files = BTreeSet::new();
         for place in ["", "faulty/"] {
@@ -140,15 +141,15 @@ mod tests {
         }
         let names = SAMPLES.iter().map(|sample| sample.name.to_owned());
         assert_eq!(names.collect::<BTreeSet<_>>(), files);
-        let numbers = SAMPLES.iter().map(|it| it.opened().program.number());
+        let numbers = SAMPLES.iter().map(|it| it.to_opened().program.number());
         let numbers: BTreeSet<_> = numbers.map(Option::unwrap).collect();
         assert_eq!(numbers.len(), SAMPLES.len());
         for sample in good_samples() {
-            let chosen = job_of(&sample.opened().program).unwrap();
+            let chosen = job_of(&sample.to_opened().program).unwrap();
             assert!(!chosen.job.tools.is_empty(), "{}", sample.name);
         }
         assert!(job_of(&Program::new("O0001\nM30\n")).is_none());
-        let pin = SAMPLES[2].opened();
+        let pin = SAMPLES[2].to_opened();
         assert_eq!(pin.subprograms[0].number(), Some(1031));
     }
 }

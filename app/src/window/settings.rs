@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::layout::Layouts;
-use super::views::project::Projects;
-use crate::pc::Remembered;
+use super::views::project::ProjectSettings;
+use crate::pc::TransferSettings;
 use gsk_messages::Language;
 
 /// Greatest count of recent programs.
-const MOST: usize = 10;
+const MAX_RECENT: usize = 10;
 
 /// The stored settings of the window.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Settings {
+pub struct WindowSettings {
     /// Language of menus and messages.
     pub language: Language,
     /// The recently opened programs, the newest first.
@@ -30,9 +30,9 @@ pub struct Settings {
     /// Names of the finished lessons.
     pub lessons: BTreeSet<String>,
     /// Port, baud rate and files of the transfer view.
-    pub transfer: Remembered,
+    pub transfer: TransferSettings,
     /// The last projects.
-    pub projects: Projects,
+    pub projects: ProjectSettings,
     /// Whether the questions of the first start are still unanswered.
     pub first_start: bool,
     /// The lathe that was chosen at the first start; `None`: the simulated lathe as delivered.
@@ -45,7 +45,7 @@ pub struct Settings {
     pub sound: Option<u8>,
 }
 
-impl Default for Settings {
+impl Default for WindowSettings {
     fn default() -> Self {
         Self {
             language: Language::Zh,
@@ -54,8 +54,8 @@ impl Default for Settings {
             light: false,
             solid: false,
             lessons: BTreeSet::new(),
-            transfer: Remembered::default(),
-            projects: Projects::default(),
+            transfer: TransferSettings::default(),
+            projects: ProjectSettings::default(),
             first_start: false,
             machine: None,
             zoom: None,
@@ -65,12 +65,12 @@ impl Default for Settings {
     }
 }
 
-impl Settings {
+impl WindowSettings {
     /// Adds a program at the front of the recent ones.
-    pub fn remember(&mut self, path: &Path) {
+    pub fn add_recent(&mut self, path: &Path) {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         self.recent.retain(|known| *known != path);
         self.recent.insert(0, path);
-        self.recent.truncate(MOST);
+        self.recent.truncate(MAX_RECENT);
     }
 }

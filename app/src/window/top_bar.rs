@@ -10,85 +10,85 @@ use egui::{Align2, Area, Color32, Frame, Order, Rect, RichText, ScrollArea, Tool
 use gsk_core::alarm::Alarm;
 use gsk_core::model::ModelId;
 
-use super::Settings;
-use super::alarm_line;
-use super::at_end;
+use super::WindowSettings;
+use super::alarm_text;
 use super::focus;
 use super::fonts;
-use super::layout::Layout;
-use super::samples::Sample;
-use super::view::{VIEWS, View};
-use super::views::project::ProjectCommand;
-use crate::kernel::{Imposed, Snapshot, Times};
-use crate::pace::Speed;
+use super::layout::WindowLayout;
+use super::right_aligned;
+use super::samples::ProgramSample;
+use super::view::{VIEWS, ViewId};
+use super::views::project::ProjectViewCommand;
+use crate::kernel::{ForcedState, PanelSnapshot, SpeedRatio};
+use crate::pace::RunSpeed;
 use gsk_messages::{Language, Message, say};
 
 /// Widget name of the group at the right end of the bar.
-const RIGHT: &str = "bar right";
+const RIGHT_GROUP: &str = "bar right";
 /// Below this width the program menus become one menu, points.
-const NARROW: f32 = 620.0;
+const NARROW_WIDTH: f32 = 620.0;
 
 /// Background of the sign that inputs are forced or faults are set.
-const IMPOSED: Color32 = Color32::from_rgb(255, 196, 90);
+const WARNING_COLOR: Color32 = Color32::from_rgb(255, 196, 90);
 
-const ALARM: Color32 = Color32::from_rgb(255, 120, 96);
+const ALARM_COLOR: Color32 = Color32::from_rgb(255, 120, 96);
 
 /// A request from the top bar.
 #[derive(Clone, Debug)]
-pub enum Asked {
+pub enum TopBarRequest {
     /// Choose a program file and open it.
-    Choose,
+    ChooseProgram,
     /// Open this program file or project.
     Open(PathBuf),
     /// Open a sample program.
-    Sample(&'static Sample),
+    Sample(&'static ProgramSample),
     /// Carry out a command of the project view.
-    Project(ProjectCommand),
+    Project(ProjectViewCommand),
     /// Use a layout.
-    Layout(Layout),
+    Layout(WindowLayout),
     /// Switch between the light and the dark theme.
-    Light,
+    ToggleLight,
     /// Set the volume of the machine's sound, per cent; `None`: off.
     Sound(Option<u8>),
     /// Switch between keys as large as a finger and keys of any size.
-    Fingers,
+    ToggleFingers,
     /// Set the zoom, per cent; `None`: chosen by the monitor.
     Zoom(Option<u16>),
     /// Open or close a view.
-    View(View),
+    ToggleView(ViewId),
     /// Open or close the lessons.
-    Lessons,
+    ToggleLessons,
     /// End the lesson and return to the learner's machine.
     LeaveLesson,
     /// Set the speed at which programs run.
-    Speed(Speed),
+    Speed(RunSpeed),
     /// Release all forced bits.
-    FreeBits,
+    ReleaseBits,
     /// Clear all faults and release all held inputs.
-    Mend,
+    ClearFaults,
     /// Turn another control model on.
     Model(ModelId),
     /// Show the questions of the first start again.
     FirstStart,
     /// Show or hide the key map.
-    Keys,
+    ToggleKeyMap,
     /// Open the help.
     Help,
     /// Switch to the other language.
-    Language,
+    SwitchLanguage,
 }
 
-impl Asked {
+impl TopBarRequest {
     /// Whether the request shows something that the questions of the first start would cover.
-    pub const fn shows_something(&self) -> bool {
+    pub const fn needs_window_area(&self) -> bool {
         matches!(
             self,
-            Self::Choose
+            Self::ChooseProgram
                 | Self::Open(_)
                 | Self::Sample(_)
                 | Self::Layout(_)
-                | Self::View(_)
-                | Self::Lessons
+                | Self::ToggleView(_)
+                | Self::ToggleLessons
                 | Self::Model(_)
         )
     }
@@ -98,52 +98,53 @@ impl Asked {
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
     /// The model that is on.
-    pub shown: ModelId,
+    pub current: ModelId,
     /// Whether another model can be chosen at all.
-    pub offered: bool,
+    pub is_offered: bool,
     /// Why another model cannot be turned on now; `None`: it can.
-    pub why_not: Option<Message>,
+    pub refusal: Option<Message>,
 }
 
 /// Draws the bar and returns the operator's request.
 pub fn show(
     ui: &mut Ui,
-    settings: &Settings,
+    settings: &WindowSettings,
     opened: Option<&PathBuf>,
-    picture: Option<&Snapshot>,
+    snapshot: Option<&PanelSnapshot>,
     models: &ModelChoice,
-) -> Option<Asked> {
+) -> Option<TopBarRequest> {
     let (language, layouts) = (settings.language, &settings.layouts);
-    let imposed = picture.map(|picture| picture.imposed).unwrap_or_default();
+    let imposed = snapshot.map(|picture| picture.forced).unwrap_or_default();
     let is_open = |view| layouts.is_open(view);
-    let mut asked = None;
+    let mut request = None;
     ui.horizontal_centered(|ui| {
         // Menus that do not fit beside the right group scroll: nothing overlaps.
-        let right = at_end::width(ui, RIGHT, 320.0);
-        let room = (ui.available_width() - right - ui.spacing().item_spacing.x).max(40.0);
+        let right_width = right_aligned::last_width(ui, RIGHT_GROUP, 320.0);
+        let menu_width =
+            (ui.available_width() - right_width - ui.spacing().item_spacing.x).max(40.0);
         ScrollArea::horizontal()
             .id_salt("bar")
-            .max_width(room)
+            .max_width(menu_width)
             .scroll_bar_visibility(ScrollBarVisibility::AlwaysHidden)
             .show(ui, |ui| {
                 ui.horizontal_centered(|ui| {
-                    if room < NARROW {
+                    if menu_width < NARROW_WIDTH {
                         ui.menu_button(say::program_file().text(language), |ui| {
-                            asked = menus::programs(ui, settings, opened);
+                            request = menus::show_programs(ui, settings, opened);
                         });
                     } else {
-                        asked = menus::programs(ui, settings, opened);
+                        request = menus::show_programs(ui, settings, opened);
                     }
                     ui.menu_button(say::window_layouts().text(language), |ui| {
-                        asked = menus::looks(ui, settings, models).or(asked.take());
+                        request = menus::show_appearance(ui, settings, models).or(request.take());
                     });
                     ui.menu_button(say::window_views().text(language), |ui| {
-                        asked = menus::views(ui, settings).or(asked.take());
+                        request = menus::show_views(ui, settings).or(request.take());
                     });
-                    if !models.shown.is_main() {
-                        let name = RichText::new(models.shown.name()).color(IMPOSED);
+                    if !models.current.is_main() {
+                        let name = RichText::new(models.current.name()).color(WARNING_COLOR);
                         ui.label(name)
-                            .on_hover_text(say::model_is_on(models.shown.name()).text(language));
+                            .on_hover_text(say::model_is_on(models.current.name()).text(language));
                     }
                     if let Some(opened) = opened {
                         let name = opened.file_name().unwrap_or_default().to_string_lossy();
@@ -151,58 +152,63 @@ pub fn show(
                             .on_hover_text(opened.display().to_string());
                     }
                 });
-                focus::follow(ui);
+                focus::scroll_to_focus(ui);
             });
-        at_end::show(ui, RIGHT, 320.0, |ui| {
-            if imposed != Imposed::default() {
-                asked = standing(ui, language, imposed, &is_open).or(asked.take());
+        right_aligned::show(ui, RIGHT_GROUP, 320.0, |ui| {
+            if imposed != ForcedState::default() {
+                request = show_imposed_sign(ui, language, imposed, &is_open).or(request.take());
             }
-            if picture.is_some_and(|picture| picture.lesson.is_some()) {
-                asked = practises(ui, language, is_open(View::Lesson)).or(asked.take());
+            if snapshot.is_some_and(|picture| picture.lesson.is_some()) {
+                request =
+                    show_practice_sign(ui, language, is_open(ViewId::Lesson)).or(request.take());
             }
-            if let Some(picture) = picture {
-                asked = speeds(ui, language, picture).or(asked.take());
+            if let Some(picture) = snapshot {
+                request = show_speeds(ui, language, picture).or(request.take());
             }
-            for (words, answer) in [
-                (say::window_help(), Asked::Help),
-                (say::window_keys(), Asked::Keys),
-                (say::window_other_language(), Asked::Language),
+            for (label, button_request) in [
+                (say::window_help(), TopBarRequest::Help),
+                (say::window_keys(), TopBarRequest::ToggleKeyMap),
+                (say::window_other_language(), TopBarRequest::SwitchLanguage),
             ] {
-                if ui.button(words.text(language)).clicked() {
-                    asked = Some(answer);
+                if ui.button(label.text(language)).clicked() {
+                    request = Some(button_request);
                 }
             }
         });
     });
-    asked
+    request
 }
 
 /// Draws the menu of program speeds. With a board the speed is fixed.
-fn speeds(ui: &mut Ui, language: Language, picture: &Snapshot) -> Option<Asked> {
-    let name = |speed: Speed| match speed {
-        Speed::Percent(percent) => format!("{}x", f64::from(percent) / 100.0),
-        Speed::Fastest => say::window_speed_fastest().text(language),
+fn show_speeds(ui: &mut Ui, language: Language, snapshot: &PanelSnapshot) -> Option<TopBarRequest> {
+    let name = |speed: RunSpeed| match speed {
+        RunSpeed::Percent(percent) => format!("{}x", f64::from(percent) / 100.0),
+        RunSpeed::Fastest => say::window_speed_fastest().text(language),
     };
-    let linked = picture.board.is_some();
-    let chosen = if linked { Speed::REAL } else { picture.speed };
-    let words = match picture.times {
-        Some(Times(times)) => {
-            let now = (times * 100.0).round() / 100.0;
-            say::window_speed_now(name(chosen), now).text(language)
+    let has_board = snapshot.board.is_some();
+    let chosen = if has_board {
+        RunSpeed::REAL
+    } else {
+        snapshot.speed
+    };
+    let label = match snapshot.speed_ratio {
+        Some(SpeedRatio(times)) => {
+            let measured = (times * 100.0).round() / 100.0;
+            say::window_speed_now(name(chosen), measured).text(language)
         }
         None => say::window_speed(name(chosen)).text(language),
     };
-    let hint = match linked {
+    let hint = match has_board {
         true => say::window_speed_of_board(),
         false => say::window_speed_hint(),
     };
-    let mut asked = None;
-    let bar = ui.add_enabled_ui(!linked, |ui| {
-        ui.menu_button(words, |ui| {
-            for speed in Speed::CHOICES {
+    let mut request = None;
+    let bar = ui.add_enabled_ui(!has_board, |ui| {
+        ui.menu_button(label, |ui| {
+            for speed in RunSpeed::CHOICES {
                 let entry = egui::Button::selectable(speed == chosen, name(speed));
                 if ui.add(entry).clicked() {
-                    asked = Some(Asked::Speed(speed));
+                    request = Some(TopBarRequest::Speed(speed));
                     ui.close();
                 }
             }
@@ -211,78 +217,85 @@ fn speeds(ui: &mut Ui, language: Language, picture: &Snapshot) -> Option<Asked> 
     });
     let hint = hint.text(language);
     bar.inner.on_hover_text(&hint).on_disabled_hover_text(&hint);
-    asked
+    request
 }
 
 /// Draws the sign that the practice machine replaces the learner's machine, with its menu.
-fn practises(ui: &mut Ui, language: Language, is_open: bool) -> Option<Asked> {
-    let mut asked = None;
+fn show_practice_sign(ui: &mut Ui, language: Language, is_open: bool) -> Option<TopBarRequest> {
+    let mut request = None;
     let text = RichText::new(say::window_lesson_menu().text(language)).color(Color32::BLACK);
-    let button = egui::Button::new(text).fill(IMPOSED);
+    let button = egui::Button::new(text).fill(WARNING_COLOR);
     egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
         ui.label(say::lesson_practice_hint().text(language));
         let entries = [
-            (!is_open, say::window_lesson_open(), Asked::Lessons),
-            (true, say::lesson_leave(), Asked::LeaveLesson),
+            (
+                !is_open,
+                say::window_lesson_open(),
+                TopBarRequest::ToggleLessons,
+            ),
+            (true, say::lesson_leave(), TopBarRequest::LeaveLesson),
         ];
         for (shown, name, answer) in entries {
             if shown && ui.button(name.text(language)).clicked() {
-                asked = Some(answer);
+                request = Some(answer);
                 ui.close();
             }
         }
     });
-    asked
+    request
 }
 
 /// Draws the sign that bits or inputs are forced or faults are set, even while their view is
 /// closed. Its menu opens the view or clears them.
-fn standing(
+fn show_imposed_sign(
     ui: &mut Ui,
     language: Language,
-    imposed: Imposed,
-    is_open: &impl Fn(View) -> bool,
-) -> Option<Asked> {
-    let held = imposed.bits + imposed.inputs;
-    let mut words = Vec::new();
-    if held > 0 {
-        words.push(say::window_forced(held).text(language));
+    imposed: ForcedState,
+    is_open: &impl Fn(ViewId) -> bool,
+) -> Option<TopBarRequest> {
+    let forced = imposed.forced_bits + imposed.forced_inputs;
+    let mut labels = Vec::new();
+    if forced > 0 {
+        labels.push(say::window_forced(forced).text(language));
     }
     if imposed.faults > 0 {
-        words.push(say::window_faults(imposed.faults).text(language));
+        labels.push(say::window_faults(imposed.faults).text(language));
     }
-    let mut asked = None;
-    let text = RichText::new(words.join("   ")).color(Color32::BLACK);
-    let button = egui::Button::new(text).fill(IMPOSED);
+    let mut request = None;
+    let text = RichText::new(labels.join("   ")).color(Color32::BLACK);
+    let button = egui::Button::new(text).fill(WARNING_COLOR);
     egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
-        let mut entry = |ui: &mut Ui, words: String, answer: Asked| {
+        let mut entry = |ui: &mut Ui, words: String, answer: TopBarRequest| {
             if ui.button(words).clicked() {
-                asked = Some(answer);
+                request = Some(answer);
                 ui.close();
             }
         };
-        if imposed.bits > 0 {
-            let words = say::window_release_bits(imposed.bits).text(language);
-            entry(ui, words, Asked::FreeBits);
+        if imposed.forced_bits > 0 {
+            let words = say::window_release_bits(imposed.forced_bits).text(language);
+            entry(ui, words, TopBarRequest::ReleaseBits);
         }
-        let broken = imposed.inputs + imposed.faults;
-        if broken > 0 {
-            let words = say::window_mend(broken).text(language);
-            entry(ui, words, Asked::Mend);
+        let clearable = imposed.forced_inputs + imposed.faults;
+        if clearable > 0 {
+            let words = say::window_mend(clearable).text(language);
+            entry(ui, words, TopBarRequest::ClearFaults);
         }
-        for (view, stands) in [(View::Ladder, imposed.bits), (View::Bench, broken)] {
+        for (view, count) in [
+            (ViewId::Ladder, imposed.forced_bits),
+            (ViewId::Bench, clearable),
+        ] {
             let row = VIEWS.iter().find(|row| row.view == view);
-            if let Some(row) = row.filter(|_| stands > 0 && !is_open(view)) {
+            if let Some(row) = row.filter(|_| count > 0 && !is_open(view)) {
                 let words = say::window_open_view((row.name)()).text(language);
-                entry(ui, words, Asked::View(view));
+                entry(ui, words, TopBarRequest::ToggleView(view));
             }
         }
     });
-    asked
+    request
 }
 
 /// Draws the text of the message line: a message, else a hint.
-pub fn status(ui: &mut Ui, message: Option<&str>, warning: bool, hint: &str) {
+pub fn show_message(ui: &mut Ui, message: Option<&str>, warning: bool, hint: &str) {
     ui.horizontal_centered(|ui| {
         let (text, colour) = match message {
             Some(message) if warning => (message, Color32::from_rgb(255, 196, 90)),
@@ -290,7 +303,7 @@ pub fn status(ui: &mut Ui, message: Option<&str>, warning: bool, hint: &str) {
             None => (hint, Color32::from_gray(140)),
         };
         let font = egui::TextStyle::Body.resolve(ui.style());
-        let label = egui::Label::new(fonts::words(text, font, colour)).truncate();
+        let label = egui::Label::new(fonts::layout_text(text, font, colour)).truncate();
         ui.add(label).on_hover_text(text);
     });
 }
@@ -300,9 +313,9 @@ pub fn status(ui: &mut Ui, message: Option<&str>, warning: bool, hint: &str) {
 pub fn crash(ui: &mut Ui, text: &str, language: Language) -> bool {
     ui.horizontal_centered(|ui| {
         let words = RichText::new(say::window_free_lathe().text(language)).color(Color32::BLACK);
-        let button = ui.add(egui::Button::new(words).fill(IMPOSED));
+        let button = ui.add(egui::Button::new(words).fill(WARNING_COLOR));
         let hint = say::window_free_lathe_hint().text(language);
-        let label = egui::Label::new(RichText::new(text).color(ALARM)).truncate();
+        let label = egui::Label::new(RichText::new(text).color(ALARM_COLOR)).truncate();
         ui.add(label).on_hover_text(text);
         button.on_hover_text(hint).clicked()
     })
@@ -311,9 +324,9 @@ pub fn crash(ui: &mut Ui, text: &str, language: Language) -> bool {
 
 /// Draws the current alarm on the message line. Its tool tip with cause and remedy is drawn
 /// over the LCD: it covers no key of the panel.
-pub fn alarm(ui: &mut Ui, alarm: &Alarm, language: Language, lcd: Option<Rect>) {
+pub fn show_alarm(ui: &mut Ui, alarm: &Alarm, language: Language, lcd: Option<Rect>) {
     ui.horizontal_centered(|ui| {
-        let text = RichText::new(alarm_line::short(alarm, language)).color(ALARM);
+        let text = RichText::new(alarm_text::one_line(alarm, language)).color(ALARM_COLOR);
         let label = egui::Label::new(text)
             .truncate()
             .show_tooltip_when_elided(false);
@@ -330,7 +343,7 @@ pub fn alarm(ui: &mut Ui, alarm: &Alarm, language: Language, lcd: Option<Rect>) 
         tip.show(ui.ctx(), |ui| {
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_max_width(lcd.width() - 2.0 * ui.spacing().window_margin.leftf() - 4.0);
-                ui.label(alarm_line::long(alarm, language));
+                ui.label(alarm_text::with_remedy(alarm, language));
             });
         });
     });

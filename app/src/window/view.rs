@@ -9,7 +9,7 @@ use gsk_messages::{Message, say};
 
 /// A view that can be docked beside the panel or have a separate window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum View {
+pub enum ViewId {
     Scope,
     Bench,
     Ladder,
@@ -24,9 +24,9 @@ pub enum View {
     Project,
 }
 
-impl View {
+impl ViewId {
     /// Whether the view shows the live state of the machine and the PLC.
-    pub const fn monitors(self) -> bool {
+    pub const fn is_monitor(self) -> bool {
         matches!(
             self,
             Self::Bench | Self::Ladder | Self::Commission | Self::Data
@@ -34,7 +34,7 @@ impl View {
     }
 
     /// Whether this platform has the view. A page in a browser has neither ports nor folders.
-    pub const fn is_there(self) -> bool {
+    pub const fn is_available(self) -> bool {
         match self {
             Self::Transfer => platform::has_ports(),
             Self::Project => platform::has_folders(),
@@ -49,120 +49,123 @@ impl View {
 }
 
 pub struct ViewRow {
-    pub view: View,
+    pub view: ViewId,
     pub name: fn() -> Message,
     /// The key that opens and closes the view, pressed with Shift; `None`: menu only.
     pub key: Option<Key>,
     /// Whether the view is docked when it opens for the first time. Otherwise it opens in a
     /// separate window.
-    pub docks: bool,
+    pub opens_docked: bool,
     /// Initial size of its separate window, points.
     pub size: [f32; 2],
     /// Least size of its separate window, points.
-    pub least: [f32; 2],
+    pub min_size: [f32; 2],
 }
 
 /// The views in the order of the menu.
 pub static VIEWS: [ViewRow; 11] = [
     ViewRow {
-        view: View::Machine,
+        view: ViewId::Machine,
         name: say::window_view_machine,
         key: Some(Key::F1),
-        docks: false,
+        opens_docked: false,
         size: [900.0, 640.0],
-        least: [300.0, 220.0],
+        min_size: [300.0, 220.0],
     },
     ViewRow {
-        view: View::Scope,
+        view: ViewId::Scope,
         name: say::window_view_scope,
         key: Some(Key::F2),
-        docks: false,
+        opens_docked: false,
         size: [1120.0, 720.0],
-        least: [600.0, 360.0],
+        min_size: [600.0, 360.0],
     },
     ViewRow {
-        view: View::Bench,
+        view: ViewId::Bench,
         name: say::window_view_bench,
         key: Some(Key::F3),
-        docks: false,
+        opens_docked: false,
         size: [1000.0, 640.0],
-        least: [600.0, 320.0],
+        min_size: [600.0, 320.0],
     },
     ViewRow {
-        view: View::Ladder,
+        view: ViewId::Ladder,
         name: say::window_view_ladder,
         key: Some(Key::F4),
-        docks: false,
+        opens_docked: false,
         size: [1240.0, 780.0],
-        least: [640.0, 360.0],
+        min_size: [640.0, 360.0],
     },
     ViewRow {
-        view: View::Link,
+        view: ViewId::Link,
         name: say::window_view_link,
         key: Some(Key::F5),
-        docks: false,
+        opens_docked: false,
         size: [1040.0, 740.0],
-        least: [640.0, 320.0],
+        min_size: [640.0, 320.0],
     },
     ViewRow {
-        view: View::Program,
+        view: ViewId::Program,
         name: say::window_view_program,
         key: Some(Key::F11),
-        docks: false,
+        opens_docked: false,
         size: [900.0, 760.0],
-        least: [480.0, 320.0],
+        min_size: [480.0, 320.0],
     },
     ViewRow {
-        view: View::Lesson,
+        view: ViewId::Lesson,
         name: say::window_view_lesson,
         key: Some(Key::Home),
-        docks: true,
+        opens_docked: true,
         size: [420.0, 520.0],
-        least: [220.0, 260.0],
+        min_size: [220.0, 260.0],
     },
     ViewRow {
-        view: View::Transfer,
+        view: ViewId::Transfer,
         name: say::window_view_transfer,
         key: None,
-        docks: false,
+        opens_docked: false,
         size: [860.0, 560.0],
-        least: [520.0, 360.0],
+        min_size: [520.0, 360.0],
     },
     ViewRow {
-        view: View::Commission,
+        view: ViewId::Commission,
         name: say::window_view_commission,
         key: Some(Key::End),
-        docks: false,
+        opens_docked: false,
         size: [860.0, 700.0],
-        least: [520.0, 320.0],
+        min_size: [520.0, 320.0],
     },
     ViewRow {
-        view: View::Data,
+        view: ViewId::Data,
         name: say::window_view_data,
         key: None,
-        docks: false,
+        opens_docked: false,
         size: [1000.0, 700.0],
-        least: [520.0, 400.0],
+        min_size: [520.0, 400.0],
     },
     ViewRow {
-        view: View::Project,
+        view: ViewId::Project,
         name: say::window_view_project,
         key: None,
-        docks: false,
+        opens_docked: false,
         size: [1000.0, 700.0],
-        least: [280.0, 260.0],
+        min_size: [280.0, 260.0],
     },
 ];
 
 /// The view whose key is pressed in `events`, if any.
-pub fn toggled(events: &[Event]) -> Option<View> {
-    let mut rows = VIEWS.iter().filter(|row| row.view.is_there());
-    let row = rows.find(|row| row.key.is_some_and(|key| shifted(events, key)));
+pub fn view_of_pressed_key(events: &[Event]) -> Option<ViewId> {
+    let mut rows = VIEWS.iter().filter(|row| row.view.is_available());
+    let row = rows.find(|row| {
+        row.key
+            .is_some_and(|key| is_pressed_with_shift(events, key))
+    });
     row.map(|row| row.view)
 }
 
 /// Whether `wanted` is pressed with Shift as the only modifier.
-pub fn shifted(events: &[Event], wanted: Key) -> bool {
+pub fn is_pressed_with_shift(events: &[Event], wanted: Key) -> bool {
     events.iter().any(|event| {
         matches!(
             event,
@@ -183,7 +186,7 @@ mod tests {
     use crate::window::layout::LAYOUTS;
 
     #[test]
-    fn the_key_of_a_view_is_nobody_elses() {
+    fn every_view_key_is_unique() {
         let views = VIEWS.iter().filter_map(|row| row.key);
         let layouts = LAYOUTS.iter().map(|row| row.key);
         let mut seen = Vec::new();

@@ -2,18 +2,18 @@
 
 use egui::{Context, Event, Id, Key, Vec2};
 
-use super::Settings;
+use super::WindowSettings;
 
 /// The choices of the menu, per cent.
-pub const CHOICES: [u16; 8] = [75, 100, 125, 150, 175, 200, 250, 300];
+pub const ZOOM_CHOICES: [u16; 8] = [75, 100, 125, 150, 175, 200, 250, 300];
 /// Pixels of the shorter side of a monitor at which the zoom is 100 per cent.
-const SHORTER_SIDE: f32 = 1080.0;
+const REFERENCE_SIDE: f32 = 1080.0;
 
 /// Zoom for a monitor with `pixels` whose system reports no scale, per cent: a multiple of 50,
 /// at least 100. `native`: physical pixels per point that the system reports.
-pub fn by_monitor(pixels: Vec2, native: f32) -> u16 {
-    let times = pixels.min_elem() / SHORTER_SIDE / native.max(0.1);
-    let halves = (times * 2.0).floor().clamp(2.0, 6.0);
+pub fn zoom_for_monitor(pixels: Vec2, native: f32) -> u16 {
+    let ratio = pixels.min_elem() / REFERENCE_SIDE / native.max(0.1);
+    let halves = (ratio * 2.0).floor().clamp(2.0, 6.0);
     (halves * 50.0) as u16
 }
 
@@ -22,41 +22,41 @@ pub fn by_monitor(pixels: Vec2, native: f32) -> u16 {
 struct Monitor {
     pixels: Vec2,
     /// Physical pixels per point that the system reports.
-    native: f32,
+    pixels_per_point: f32,
 }
 
 impl Monitor {
     /// The monitor of the context, as soon as the system reports it.
-    fn of(context: &Context) -> Option<Self> {
+    fn of_context(context: &Context) -> Option<Self> {
         let id = Id::unique("monitor");
-        let known = context.data(|data| data.get_temp(id));
+        let cached = context.data(|data| data.get_temp(id));
         // With a zoom, the reported size in points is out of date for some frames.
-        if known.is_some() || (context.zoom_factor() - 1.0).abs() > 0.001 {
-            return known;
+        if cached.is_some() || (context.zoom_factor() - 1.0).abs() > 0.001 {
+            return cached;
         }
         let per_point = context.pixels_per_point();
-        let found = context.input(|input| {
+        let monitor = context.input(|input| {
             let viewport = input.viewport();
             Some(Self {
                 pixels: viewport.monitor_size? * per_point,
-                native: viewport.native_pixels_per_point?,
+                pixels_per_point: viewport.native_pixels_per_point?,
             })
         });
-        if let Some(found) = found {
+        if let Some(found) = monitor {
             context.data_mut(|data| data.insert_temp(id, found));
         }
-        found
+        monitor
     }
 }
 
 /// Applies the zoom of the settings, or of the monitor, from the next frame on. Returns the
 /// size of the monitor in points of this zoom, once it is in effect.
-pub fn follow(context: &Context, settings: &Settings) -> Option<Vec2> {
-    let monitor = Monitor::of(context);
-    let asked = monitor.map_or(100, |it| by_monitor(it.pixels, it.native));
-    let wanted = f32::from(settings.zoom.unwrap_or(asked)) / 100.0;
-    if (context.zoom_factor() - wanted).abs() > 0.001 {
-        context.set_zoom_factor(wanted);
+pub fn apply(context: &Context, settings: &WindowSettings) -> Option<Vec2> {
+    let monitor = Monitor::of_context(context);
+    let monitor_zoom = monitor.map_or(100, |it| zoom_for_monitor(it.pixels, it.pixels_per_point));
+    let zoom_factor = f32::from(settings.zoom.unwrap_or(monitor_zoom)) / 100.0;
+    if (context.zoom_factor() - zoom_factor).abs() > 0.001 {
+        context.set_zoom_factor(zoom_factor);
         return None;
     }
     Some(monitor?.pixels / context.pixels_per_point())
@@ -64,8 +64,8 @@ pub fn follow(context: &Context, settings: &Settings) -> Option<Vec2> {
 
 /// Handles the zoom keys: Ctrl with plus or minus selects the next choice, Ctrl+0 leaves the
 /// zoom to the monitor.
-pub fn typed(context: &Context, events: &[Event], settings: &mut Settings) {
-    let now = (context.zoom_factor() * 100.0).round() as u16;
+pub fn handle_keys(context: &Context, events: &[Event], settings: &mut WindowSettings) {
+    let current = (context.zoom_factor() * 100.0).round() as u16;
     for event in events {
         let Event::Key {
             key,
@@ -80,8 +80,8 @@ pub fn typed(context: &Context, events: &[Event], settings: &mut Settings) {
             continue;
         }
         let chosen = match key {
-            Key::Plus | Key::Equals => CHOICES.into_iter().find(|it| *it > now),
-            Key::Minus => CHOICES.into_iter().rfind(|it| *it < now),
+            Key::Plus | Key::Equals => ZOOM_CHOICES.into_iter().find(|it| *it > current),
+            Key::Minus => ZOOM_CHOICES.into_iter().rfind(|it| *it < current),
             Key::Num0 => {
                 settings.zoom = None;
                 continue;
@@ -98,7 +98,7 @@ mod tests {
     use egui::vec2;
 
     #[test]
-    fn only_a_monitor_whose_system_says_nothing_asks_for_more() {
+    fn only_a_monitor_without_system_scale_is_zoomed() {
         for (pixels, native, per_cent) in [
             (vec2(1024.0, 768.0), 1.0, 100),
             (vec2(1920.0, 1080.0), 1.0, 100),
@@ -108,7 +108,11 @@ mod tests {
             (vec2(800.0, 1280.0), 1.0, 100),
             (vec2(7680.0, 4320.0), 1.0, 300),
         ] {
-            assert_eq!(by_monitor(pixels, native), per_cent, "{pixels} at {native}");
+            assert_eq!(
+                zoom_for_monitor(pixels, native),
+                per_cent,
+                "{pixels} at {native}"
+            );
         }
     }
 }

@@ -1,12 +1,12 @@
 //! The command line with programs of a mill.
 
-use super::{Scratch, said};
+use super::{TempFile, run_gsk};
 
 const COVER: &[u8] = b"O0001\nT1 M06\nG54 G90 G00 X0 Y0\nG43 H1 Z5\nG01 Z-2 F100\nG03 X0 Y0 I10 F300\nG00 Z50\nM30\n";
 
 #[test]
-fn check_and_plot_take_a_mill() {
-    let program = Scratch::new("cover.nc", COVER);
+fn check_and_plot_accept_a_mill() {
+    let program = TempFile::new("cover.nc", COVER);
     let options = [
         "--model",
         "gsk980mdi",
@@ -15,9 +15,9 @@ fn check_and_plot_take_a_mill() {
         "--mill-offset",
         "1=80,5",
     ];
-    let mut words = vec!["check", program.path(), "--json"];
-    words.extend(options);
-    let (code, out, err) = said(&words);
+    let mut arguments = vec!["check", program.path(), "--json"];
+    arguments.extend(options);
+    let (code, out, err) = run_gsk(&arguments);
     assert_eq!(code, 0, "{err}");
     let report: serde_json::Value = serde_json::from_str(&out).unwrap();
     assert_eq!(
@@ -25,13 +25,13 @@ fn check_and_plot_take_a_mill() {
         serde_json::json!([100.0, 50.0, -70.0])
     );
     assert_eq!(report["box"]["y"], serde_json::json!([-50.0, 10.0]));
-    words[2] = "--lang=zh";
-    let (_, out, _) = said(&words);
+    arguments[2] = "--lang=zh";
+    let (_, out, _) = run_gsk(&arguments);
     assert!(out.contains("Y -50 … 10"), "{out}");
-    let picture = Scratch::new("cover.svg", b"");
+    let picture = TempFile::new("cover.svg", b"");
     let mut words = vec!["plot", program.path(), "-o", picture.path()];
     words.extend(options);
-    assert_eq!(said(&words).0, 0);
+    assert_eq!(run_gsk(&words).0, 0);
     let svg = std::fs::read_to_string(picture.path()).unwrap();
     for view in [">XY<", ">XZ<", ">YZ<", ">isometric<"] {
         assert!(svg.contains(view), "{view}");
@@ -40,8 +40,8 @@ fn check_and_plot_take_a_mill() {
 
 #[test]
 fn an_alarm_of_a_mill_names_its_block() {
-    let program = Scratch::new("wrong.nc", b"O0001\nG00 X1\nG71 P1 Q2\nM30\n");
-    let (code, out, _) = said(&["check", program.path(), "--model", "gsk980mdi"]);
+    let program = TempFile::new("wrong.nc", b"O0001\nG00 X1\nG71 P1 Q2\nM30\n");
+    let (code, out, _) = run_gsk(&["check", program.path(), "--model", "gsk980mdi"]);
     assert_eq!(code, 1);
     assert!(
         out.contains("P/S 010") && out.contains("line 3: G71 P1 Q2"),
@@ -50,18 +50,18 @@ fn an_alarm_of_a_mill_names_its_block() {
 }
 
 #[test]
-fn nothing_runs_a_mill() {
-    let program = Scratch::new("cover.nc", COVER);
-    for words in [
+fn a_mill_program_cannot_be_run() {
+    let program = TempFile::new("cover.nc", COVER);
+    for arguments in [
         &["run", program.path(), "--model", "gsk980mdi"][..],
         &["operate", program.path(), "--model", "gsk980mdi"],
         &["--model", "gsk980mdi"],
     ] {
-        let (code, _, err) = said(words);
-        assert_eq!(code, 2, "{words:?} {err}");
-        assert!(err.contains("checked and drawn"), "{words:?} {err}");
+        let (code, _, err) = run_gsk(arguments);
+        assert_eq!(code, 2, "{arguments:?} {err}");
+        assert!(err.contains("checked and drawn"), "{arguments:?} {err}");
     }
-    for (words, option) in [
+    for (arguments, option) in [
         (
             &["check", program.path(), "--mill-start", "0,0,0"][..],
             "--mill-start",
@@ -89,42 +89,42 @@ fn nothing_runs_a_mill() {
             "53=1,2,3",
         ),
     ] {
-        let (code, _, err) = said(words);
-        assert!(code == 2 && err.contains(option), "{words:?} {err}");
+        let (code, _, err) = run_gsk(arguments);
+        assert!(code == 2 && err.contains(option), "{arguments:?} {err}");
     }
 }
 
 #[test]
-fn a_mill_is_set_up_by_figures() {
-    let (code, out, _) = said(&["mill", "gear", "--counts", "131072", "--lead", "4"]);
+fn mill_commands_compute_parameters() {
+    let (code, out, _) = run_gsk(&["mill", "gear", "--counts", "131072", "--lead", "4"]);
     assert_eq!((code, out.trim()), (0, "015 = 4096, 016 = 125 (32.768000)"));
     let words = "mill pitch --origin 60 --interval 10 --value 60=6 --value 61=4 -- -10 10";
     let words: Vec<&str> = words.split(' ').collect();
-    let (code, out, _) = said(&words);
+    let (code, out, _) = run_gsk(&words);
     assert_eq!(code, 0);
     assert!(out.contains("-10006") && out.contains("10004"), "{out}");
     let words = "mill pitch --origin 0 --interval 10 --value 0=9 --value 1=7 -- -10 10";
     let words: Vec<&str> = words.split(' ').collect();
-    let (code, out, _) = said(&words);
+    let (code, out, _) = run_gsk(&words);
     assert_eq!(code, 0);
     assert!(out.contains("-10000") && out.contains("10007"), "{out}");
-    let file = Scratch::new("negative.ren", b"axis: X\nspacing: 10\n-10 6\n");
+    let file = TempFile::new("negative.ren", b"axis: X\nspacing: 10\n-10 6\n");
     let words = "mill pitch --origin 0 --interval 10 --lang en --ren";
     let mut words: Vec<&str> = words.split(' ').collect();
     words.push(file.path());
-    let (code, _, err) = said(&words);
+    let (code, _, err) = run_gsk(&words);
     assert!(code == 2 && err.contains("least number"), "{err}");
 }
 
 #[test]
-fn a_renishaw_text_is_added_and_written_again() {
+fn a_renishaw_file_is_added_to_the_table_and_exported() {
     let text = b"Axis: Y\nSpacing: 10\nBacklash: 8\n-10 6\n10 4\n20 -1\n";
-    let file = Scratch::new("y.ren", text);
-    let out_file = Scratch::new("out.ren", b"");
-    let words = "mill pitch --origin 60 --interval 10 --value 61=1 --lang en --ren";
-    let mut words: Vec<&str> = words.split(' ').collect();
-    words.push(file.path());
-    let (code, out, err) = said(&words);
+    let file = TempFile::new("y.ren", text);
+    let out_file = TempFile::new("out.ren", b"");
+    let command = "mill pitch --origin 60 --interval 10 --value 61=1 --lang en --ren";
+    let mut arguments: Vec<&str> = command.split(' ').collect();
+    arguments.push(file.path());
+    let (code, out, err) = run_gsk(&arguments);
     assert_eq!(code, 0, "{err}");
     for row in [
         "axis Y",
@@ -135,36 +135,36 @@ fn a_renishaw_text_is_added_and_written_again() {
     ] {
         assert!(out.contains(row), "{out}");
     }
-    words.extend(["--export", out_file.path()]);
-    let (code, _, err) = said(&words);
+    arguments.extend(["--export", out_file.path()]);
+    let (code, _, err) = run_gsk(&arguments);
     assert_eq!(code, 0, "{err}");
-    let again = "mill pitch --origin 60 --interval 10 --lang en --ren";
-    let mut again: Vec<&str> = again.split(' ').collect();
-    again.push(out_file.path());
-    assert_eq!(said(&again).1, out);
-    let off_grid = Scratch::new("z.ren", b"spacing: 10\n-10 6\n15 4\n");
-    let other = [&words[..], &["--axis", "x"]].concat();
-    let (code, _, err) = said(&other);
+    let second_arguments = "mill pitch --origin 60 --interval 10 --lang en --ren";
+    let mut second_arguments: Vec<&str> = second_arguments.split(' ').collect();
+    second_arguments.push(out_file.path());
+    assert_eq!(run_gsk(&second_arguments).1, out);
+    let off_grid = TempFile::new("z.ren", b"spacing: 10\n-10 6\n15 4\n");
+    let with_axis = [&arguments[..], &["--axis", "x"]].concat();
+    let (code, _, err) = run_gsk(&with_axis);
     assert!(code == 2 && err.contains("it is of Y"), "{err}");
-    let no_axis = Scratch::new("w.ren", b"axis: W\n10 1\n");
-    *again.last_mut().unwrap() = no_axis.path();
-    let (code, _, err) = said(&again);
+    let no_axis = TempFile::new("w.ren", b"axis: W\n10 1\n");
+    *second_arguments.last_mut().unwrap() = no_axis.path();
+    let (code, _, err) = run_gsk(&second_arguments);
     assert!(
         code == 2 && err.contains("W") && err.contains("X, Y, Z"),
         "{err}"
     );
-    *words.last_mut().unwrap() = file.path();
-    let (code, _, err) = said(&words);
+    *arguments.last_mut().unwrap() = file.path();
+    let (code, _, err) = run_gsk(&arguments);
     assert!(code != 0, "over what it is read from: {err}");
-    again.pop();
-    again.push(off_grid.path());
-    let (code, _, err) = said(&again);
+    second_arguments.pop();
+    second_arguments.push(off_grid.path());
+    let (code, _, err) = run_gsk(&second_arguments);
     assert!(code == 2 && err.contains('3'), "{err}");
 }
 
 #[test]
 fn parameters_and_keys_of_a_mill_are_listed() {
-    let (code, out, _) = said(&["parameters", "--model", "gsk980mdi", "520"]);
+    let (code, out, _) = run_gsk(&["parameters", "--model", "gsk980mdi", "520"]);
     assert_eq!(code, 0);
     assert!(out.contains("520.7") && out.contains("NAT"), "{out}");
     assert!(
@@ -172,9 +172,9 @@ fn parameters_and_keys_of_a_mill_are_listed() {
             .any(|it| it.starts_with("520.0") && it.contains(" no ")),
         "{out}"
     );
-    let (_, out, _) = said(&["parameters", "--model", "ncb08"]);
+    let (_, out, _) = run_gsk(&["parameters", "--model", "ncb08"]);
     assert!(out.contains("041"), "{out}");
-    let (code, out, _) = said(&[
+    let (code, out, _) = run_gsk(&[
         "mill",
         "keys",
         "016=01001000",
@@ -186,21 +186,21 @@ fn parameters_and_keys_of_a_mill_are_listed() {
         (code, out.as_str()),
         (0, "016: RST  G\n024: no key is pressed\n")
     );
-    let (code, _, err) = said(&["mill", "keys", "015=00000001"]);
+    let (code, _, err) = run_gsk(&["mill", "keys", "015=00000001"]);
     assert!(code == 2 && err.contains("015"), "{err}");
-    let (_, out, _) = said(&["mill", "homing", "--lang", "en"]);
+    let (_, out, _) = run_gsk(&["mill", "homing", "--lang", "en"]);
     assert!(out.contains("032") && out.contains("1246"), "{out}");
-    let file = Scratch::new(
+    let file = TempFile::new(
         "mill.par",
         b"# of the machine\n1010=4\n40188.6=1\n31=3000\n",
     );
     let words = ["mill", "homing", "--lang", "en", "--params", file.path()];
-    let (code, out, _) = said(&[&words[..], &["--param", "13.3=1"]].concat());
+    let (code, out, _) = run_gsk(&[&words[..], &["--param", "13.3=1"]].concat());
     assert!(code == 0 && out.lines().count() == 5, "{out}");
     assert!(out.contains("A: method D (188.6 = 1): - at 3000"), "{out}");
-    let file = Scratch::new("wrong.par", b"31=3000\n32=1\n");
-    let (code, _, err) = said(&["mill", "homing", "--params", file.path(), "--lang", "en"]);
+    let file = TempFile::new("wrong.par", b"31=3000\n32=1\n");
+    let (code, _, err) = run_gsk(&["mill", "homing", "--params", file.path(), "--lang", "en"]);
     assert!(code == 2 && err.contains("line 2"), "{err}");
-    let (_, out, _) = said(&["mill", "backlash", "00001010", "--lang", "en"]);
+    let (_, out, _) = run_gsk(&["mill", "backlash", "00001010", "--lang", "en"]);
     assert!(out.contains("10000"), "{out}");
 }

@@ -10,30 +10,30 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use crate::process::executable;
-use crate::twin::Twin;
+use crate::twin::TwinProcess;
 
 /// Attempts of a test that may fail because the computer is too busy.
 pub const ATTEMPTS: u32 = 20;
 
-pub fn gsk(arguments: &[&str]) -> Command {
+pub fn gsk_command(arguments: &[&str]) -> Command {
     let mut command = executable();
     command.args(arguments);
     command
 }
 
 /// A temporary folder with files and the machine file of the virtual board.
-pub struct Folder {
+pub struct BoardFolder {
     path: PathBuf,
     firmware: &'static str,
 }
 
-impl Folder {
+impl BoardFolder {
     pub fn new(name: &str, firmware: &'static str, files: &[(&str, &str)]) -> Self {
         let name = format!("gsk980td-{}-{name}", std::process::id());
         let path = std::env::temp_dir().join(name);
         std::fs::create_dir_all(&path).unwrap();
         let print = ["link", "twin", "--firmware", firmware, "--print-machine"];
-        let machine = gsk(&print).output().unwrap();
+        let machine = gsk_command(&print).output().unwrap();
         std::fs::write(path.join("twin.ron"), machine.stdout).unwrap();
         for (name, text) in files {
             std::fs::write(path.join(name), text).unwrap();
@@ -46,20 +46,20 @@ impl Folder {
     }
 
     /// Starts a board and writes its settings, as its owner does first.
-    pub fn board(&self) -> Twin {
-        let twin = Twin::play(&["--firmware", self.firmware]);
+    pub fn start_board(&self) -> TwinProcess {
+        let twin = TwinProcess::start(&["--firmware", self.firmware]);
         if self.firmware != "klipper" {
             let machine = self.path("twin.ron");
             let test = ["link", "test", &twin.port, "--write-settings", "--machine"];
             let gear = [machine.as_str(), "--param", "17=5", "--param", "18=5"];
-            gsk(&[&test[..], &gear].concat()).output().unwrap();
+            gsk_command(&[&test[..], &gear].concat()).output().unwrap();
         }
         twin
     }
 
     /// A command that runs at a board.
-    pub fn at(&self, twin: &Twin, arguments: &[&str]) -> Command {
-        let mut command = gsk(arguments);
+    pub fn command_at(&self, twin: &TwinProcess, arguments: &[&str]) -> Command {
+        let mut command = gsk_command(arguments);
         command
             .args(["--link", &twin.port, "--machine", &self.path("twin.ron")])
             .args(["--data", &self.path("data")])
@@ -77,7 +77,7 @@ impl Folder {
     }
 }
 
-impl Drop for Folder {
+impl Drop for BoardFolder {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.path);
     }

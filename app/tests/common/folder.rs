@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use crate::process::executable;
 
 /// A temporary folder. It is removed when it is dropped.
-pub struct Folder(pub PathBuf);
+pub struct TempFolder(pub PathBuf);
 
-impl Folder {
+impl TempFolder {
     /// Creates an empty folder. `name` is unique among the tests.
     pub fn new(name: &str) -> Self {
         let name = format!("gsk980td-{}-{name}", std::process::id());
@@ -27,7 +27,7 @@ impl Folder {
     }
 
     /// Runs a command in this folder. Returns exit code, standard output and standard error.
-    pub fn call(&self, command: &str) -> (i32, String, String) {
+    pub fn run(&self, command: &str) -> (i32, String, String) {
         let output = executable()
             .args(command.split_whitespace())
             .current_dir(&self.0)
@@ -39,13 +39,13 @@ impl Folder {
     }
 }
 
-impl Drop for Folder {
+impl Drop for TempFolder {
     fn drop(&mut self) {
         let _ = fs::remove_dir_all(&self.0);
     }
 }
 
-impl Deref for Folder {
+impl Deref for TempFolder {
     type Target = Path;
 
     fn deref(&self) -> &Path {
@@ -53,7 +53,7 @@ impl Deref for Folder {
     }
 }
 
-impl AsRef<Path> for Folder {
+impl AsRef<Path> for TempFolder {
     fn as_ref(&self) -> &Path {
         self
     }

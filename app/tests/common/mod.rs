@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
 pub mod folder;
-pub mod hand;
+pub mod mouse_operator;
 pub mod windows;
 
 use std::path::Path;
@@ -11,43 +11,47 @@ use std::time::Duration;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use gsk_app::kernel::{Console, Kernel};
-use gsk_app::window::layout::{Layout, Layouts};
-use gsk_app::window::{Settings, Window, fonts};
+use gsk_app::window::layout::{Layouts, WindowLayout};
+use gsk_app::window::{Window, WindowSettings, fonts};
 use gsk_core::setup::Setup;
 use gsk_messages::Language;
 use gsk_panel::emulator::Emulator;
 
 /// A window with its kernel. The kernel runs only when the test calls it.
-pub struct Bench {
+pub struct WindowBench {
     pub kernel: Kernel,
     /// A second handle of the window's console.
     pub console: Console,
     pub harness: Harness<'static, Window>,
 }
 
-impl Bench {
+impl WindowBench {
     /// A control that is on and has finished its self-test.
     pub fn new() -> Self {
-        Self::with(Setup::default())
+        Self::with_setup(Setup::default())
     }
 
     /// The same with a setup.
-    pub fn with(setup: Setup) -> Self {
-        Self::sized(setup, Layouts::of(Layout::Panel), egui::vec2(1280.0, 806.0))
+    pub fn with_setup(setup: Setup) -> Self {
+        Self::with_layouts(
+            setup,
+            Layouts::with_layout(WindowLayout::Panel),
+            egui::vec2(1280.0, 806.0),
+        )
     }
 
     /// The same with layouts, in a window of `size` points.
-    pub fn sized(setup: Setup, layouts: Layouts, size: egui::Vec2) -> Self {
-        let settings = Settings {
+    pub fn with_layouts(setup: Setup, layouts: Layouts, size: egui::Vec2) -> Self {
+        let settings = WindowSettings {
             language: Language::En,
             layouts,
-            ..Settings::default()
+            ..WindowSettings::default()
         };
-        Self::remembering(setup, settings, size)
+        Self::with_settings(setup, settings, size)
     }
 
     /// The same with stored settings.
-    pub fn remembering(setup: Setup, settings: Settings, size: egui::Vec2) -> Self {
+    pub fn with_settings(setup: Setup, settings: WindowSettings, size: egui::Vec2) -> Self {
         let (kernel, console) = Kernel::new(Emulator::new(setup));
         let harness = Harness::builder()
             .with_size(size)
@@ -69,7 +73,7 @@ impl Bench {
     pub fn run(&mut self, ms: u64) {
         self.harness.step();
         self.kernel.run(ms);
-        self.kernel.show();
+        self.kernel.publish();
         self.harness.step();
     }
 
@@ -90,7 +94,7 @@ impl Bench {
     }
 
     #[track_caller]
-    pub fn lcd_shows(&self, text: &str) {
+    pub fn assert_lcd_contains(&self, text: &str) {
         let lcd = self.lcd();
         assert!(lcd.contains(text), "no `{text}` on the LCD:\n{lcd}");
     }
@@ -99,12 +103,12 @@ impl Bench {
     pub fn shown_u(&self) -> f64 {
         let lcd = self.lcd();
         let row = lcd.lines().nth(3).unwrap_or_default();
-        let figure = row
+        let number = row
             .split_whitespace()
             .last()
             .and_then(|figure| figure.parse().ok());
-        assert!(figure.is_some(), "no coordinate in row 3:\n{lcd}");
-        figure.unwrap_or_default()
+        assert!(number.is_some(), "no coordinate in row 3:\n{lcd}");
+        number.unwrap_or_default()
     }
 
     /// Opens a program as the dialog, a dropped file and `--program` do.
@@ -114,16 +118,16 @@ impl Bench {
             .join(file);
         let context = self.harness.ctx.clone();
         self.harness.state_mut().open(&context, path);
-        let opened = (0..1000).any(|_| {
+        let is_open = (0..1000).any(|_| {
             std::thread::sleep(Duration::from_millis(10));
             self.run(1);
             // The program view may show the message, too.
-            let says = |words| {
+            let shows = |words| {
                 let mut all = self.harness.query_all_by_label_contains(words);
                 all.next().is_some()
             };
-            says("Opened ") || says(", no alarm") || says(": P/S ") || says(": PLC ")
+            shows("Opened ") || shows(", no alarm") || shows(": P/S ") || shows(": PLC ")
         });
-        assert!(opened, "{file} is not opened");
+        assert!(is_open, "{file} is not opened");
     }
 }

@@ -4,7 +4,7 @@ use std::process::Command;
 
 /// A command that runs the program with English messages on every system.
 pub fn executable() -> Command {
-    let mut call = Command::new(env!("CARGO_BIN_EXE_gsk980td"));
-    call.env("LC_ALL", "C");
-    call
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gsk980td"));
+    command.env("LC_ALL", "C");
+    command
 }

@@ -12,16 +12,16 @@ use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 /// A virtual board at a pseudo terminal.
-pub struct Twin {
+pub struct TwinProcess {
     child: Child,
-    said: Receiver<String>,
+    output: Receiver<String>,
     /// The path of its port.
     pub port: String,
 }
 
-impl Twin {
+impl TwinProcess {
     /// Starts `gsk980td link twin` with these options.
-    pub fn play(options: &[&str]) -> Self {
+    pub fn start(options: &[&str]) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
             .args(["link", "twin", "--seconds", "1800"])
             .args(options)
@@ -31,22 +31,26 @@ impl Twin {
             .unwrap();
         let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
         let port = lines.next().unwrap().unwrap();
-        let (sender, said) = channel();
+        let (sender, output) = channel();
         std::thread::spawn(move || {
             for line in lines.map_while(Result::ok) {
                 // The test may have ended.
                 let _ = sender.send(line);
             }
         });
-        Self { child, said, port }
+        Self {
+            child,
+            output,
+            port,
+        }
     }
 
     /// Waits for the next printed line that contains `what`, and returns it without its time.
-    pub fn says(&self, what: &str, longest: Duration) -> Option<String> {
-        let end = Instant::now() + longest;
+    pub fn wait_for_line(&self, what: &str, time_limit: Duration) -> Option<String> {
+        let end = Instant::now() + time_limit;
         loop {
-            let left = end.saturating_duration_since(Instant::now());
-            let line = self.said.recv_timeout(left).ok()?;
+            let remaining = end.saturating_duration_since(Instant::now());
+            let line = self.output.recv_timeout(remaining).ok()?;
             let (_, line) = line.trim().split_once(' ').unwrap();
             if line.contains(what) {
                 return Some(line.trim().to_owned());
@@ -55,8 +59,8 @@ impl Twin {
     }
 
     /// The lines that it has printed and that were not read yet.
-    pub fn has_said(&self) -> Vec<String> {
-        self.said.try_iter().collect()
+    pub fn printed_lines(&self) -> Vec<String> {
+        self.output.try_iter().collect()
     }
 
     /// Ends the process, as if the board were unplugged.
@@ -67,14 +71,14 @@ impl Twin {
     }
 }
 
-impl Drop for Twin {
+impl Drop for TwinProcess {
     fn drop(&mut self) {
         self.unplug();
     }
 }
 
 /// Sends a signal, by its name, to a process.
-pub fn signal(name: &str, process: u32) {
+pub fn send_signal(name: &str, process: u32) {
     let sent = Command::new("kill")
         .args([format!("-{name}"), process.to_string()])
         .status()

@@ -8,35 +8,35 @@ use egui::{
     ViewportInfo, pos2,
 };
 
-use super::Bench;
+use super::WindowBench;
 
 /// A separate window as it was drawn.
-pub struct Shown {
+pub struct DrawnWindow {
     /// Its rectangle on the screen without frame and title; `None` if it requested no
     /// position.
-    pub place: Option<Rect>,
+    pub bounds: Option<Rect>,
     /// Its labels, each with its centre.
     pub labels: Vec<(String, Pos2)>,
 }
 
-impl Shown {
+impl DrawnWindow {
     /// The centre of a label.
-    pub fn label(&self, words: &str) -> Option<Pos2> {
-        let label = self.labels.iter().find(|(label, _)| label == words);
-        label.map(|(_, place)| *place)
+    pub fn label_center(&self, text: &str) -> Option<Pos2> {
+        let label = self.labels.iter().find(|(label, _)| label == text);
+        label.map(|(_, center)| *center)
     }
 }
 
 /// The windows beside the main one.
-pub struct Windows {
-    all: Rc<RefCell<Vec<Shown>>>,
+pub struct ViewWindows {
+    all: Rc<RefCell<Vec<DrawnWindow>>>,
     /// Input for the first of them.
     events: Rc<RefCell<Vec<Event>>>,
 }
 
-impl Windows {
+impl ViewWindows {
     /// Lets views have separate windows from now on.
-    pub fn of(bench: &Bench) -> Self {
+    pub fn enable(bench: &WindowBench) -> Self {
         bench.harness.ctx.set_embed_viewports(false);
         let windows = Self {
             all: Rc::default(),
@@ -44,14 +44,14 @@ impl Windows {
         };
         let (all, events) = (Rc::clone(&windows.all), Rc::clone(&windows.events));
         Context::set_immediate_viewport_renderer(move |context, window| {
-            let shown = draw(context, window, events.take());
+            let shown = draw_window(context, window, events.take());
             all.borrow_mut().push(shown);
         });
         windows
     }
 
     /// Draws the next frame and returns its windows.
-    pub fn look(&self, bench: &mut Bench) -> Vec<Shown> {
+    pub fn draw_frame(&self, bench: &mut WindowBench) -> Vec<DrawnWindow> {
         self.all.borrow_mut().clear();
         bench.harness.step();
         self.all.take()
@@ -59,9 +59,9 @@ impl Windows {
 
     /// Clicks a label in the first window.
     #[track_caller]
-    pub fn click(&self, bench: &mut Bench, label: &str) {
-        let shown = self.look(bench);
-        let pos = shown.first().and_then(|it| it.label(label));
+    pub fn click(&self, bench: &mut WindowBench, label: &str) {
+        let windows = self.draw_frame(bench);
+        let pos = windows.first().and_then(|it| it.label_center(label));
         let pos = pos.expect("there is no such label");
         self.events.borrow_mut().push(Event::PointerMoved(pos));
         for pressed in [true, false] {
@@ -71,12 +71,16 @@ impl Windows {
                 pressed,
                 modifiers: Modifiers::default(),
             });
-            self.look(bench);
+            self.draw_frame(bench);
         }
     }
 }
 
-fn draw(context: &Context, mut window: ImmediateViewport<'_>, events: Vec<Event>) -> Shown {
+fn draw_window(
+    context: &Context,
+    mut window: ImmediateViewport<'_>,
+    events: Vec<Event>,
+) -> DrawnWindow {
     let (size, corner) = (window.builder.inner_size, window.builder.position);
     let id = window.ids.this;
     let input = RawInput {
@@ -95,11 +99,11 @@ fn draw(context: &Context, mut window: ImmediateViewport<'_>, events: Vec<Event>
     let labels = nodes.filter_map(|(_, node)| {
         let bounds = node.bounds().unwrap_or_default();
         let (x, y) = ((bounds.x0 + bounds.x1) / 2.0, (bounds.y0 + bounds.y1) / 2.0);
-        let words = node.label().or_else(|| node.value())?;
-        Some((words.to_owned(), pos2(x as f32, y as f32)))
+        let text = node.label().or_else(|| node.value())?;
+        Some((text.to_owned(), pos2(x as f32, y as f32)))
     });
-    Shown {
-        place: corner
+    DrawnWindow {
+        bounds: corner
             .zip(size)
             .map(|(corner, size)| Rect::from_min_size(corner, size)),
         labels: labels.collect(),

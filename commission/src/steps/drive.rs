@@ -2,7 +2,7 @@
 //! III-12.5).
 
 use gsk_core::axis::gear_speed_limit;
-use gsk_core::memory::{Parameters, parameter};
+use gsk_core::memory::{ControlParameters, parameter};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
@@ -24,7 +24,10 @@ pub enum DriveKind {
 ///
 /// # Errors
 /// None in practice: the control accepts the values.
-pub fn propose_acceleration(kind: DriveKind, parameters: &Parameters) -> Result<Proposal, Message> {
+pub fn propose_acceleration(
+    kind: DriveKind,
+    parameters: &ControlParameters,
+) -> Result<Proposal, Message> {
     let at_most = |number, limit| set_value(number, parameters.value(number).min(limit));
     let at_least = |number, limit| set_value(number, parameters.value(number).max(limit));
     let changes = match kind {
@@ -90,7 +93,7 @@ const USABLE_SHARE: f64 = 0.8;
 pub fn propose_rapid_rate(
     axis: Axis,
     following_error: FollowingErrorReading,
-    parameters: &Parameters,
+    parameters: &ControlParameters,
 ) -> Result<Proposal, Message> {
     let (measured, allowed) = (following_error.measured.0.abs(), following_error.allowed.0);
     if !(measured.is_finite() && allowed.is_finite() && measured > 0.0 && allowed > 0.0) {

@@ -1,7 +1,7 @@
 //! Proposes the electronic gear from nameplates or from a measured move (manual III-12.3).
 
 use gsk_core::axis::{gear_speed_limit, pulse_weight};
-use gsk_core::memory::{Parameters, PitchTable, parameter};
+use gsk_core::memory::{ControlParameters, PitchTable, parameter};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
@@ -26,7 +26,7 @@ pub struct MeasuredMove {
 pub fn propose_gear_from_drive(
     axis: Axis,
     drive: &DriveTrain,
-    parameters: &Parameters,
+    parameters: &ControlParameters,
 ) -> Result<Proposal, Message> {
     let (multiply, divide) = parameters.gear(axis);
     let increment = pulse_weight(axis, parameters) * f64::from(multiply) / f64::from(divide);
@@ -50,7 +50,7 @@ const LEAD_TOLERANCE: f64 = 200e-6;
 pub fn propose_gear_from_move(
     axis: Axis,
     slide_move: MeasuredMove,
-    parameters: &Parameters,
+    parameters: &ControlParameters,
 ) -> Result<Proposal, Message> {
     let (commanded, measured) = (slide_move.commanded.0, slide_move.measured.0);
     if !(commanded.is_finite() && measured.is_finite()) || commanded.abs() < 1.0 {
@@ -73,7 +73,7 @@ fn propose_gear(
     axis: Axis,
     target_ratio: f64,
     tolerance: f64,
-    parameters: &Parameters,
+    parameters: &ControlParameters,
 ) -> Result<Proposal, Message> {
     let ratio = find_nearest_ratio(target_ratio, tolerance)?;
     let mut changes = vec![
@@ -119,7 +119,7 @@ const fn max_approach_rate(axis: Axis, limit: f64) -> f64 {
 }
 
 /// Limits an approach rate to what both axes reach: parameter 113 applies to both.
-pub(super) fn limit_approach_rate(requested_rate: i32, parameters: &Parameters) -> i32 {
+pub(super) fn limit_approach_rate(requested_rate: i32, parameters: &ControlParameters) -> i32 {
     let limits = [Axis::X, Axis::Z].into_iter().filter_map(|axis| {
         let limit = gear_speed_limit(axis, parameters)?;
         Some(max_approach_rate(axis, limit).floor() as i32)

@@ -1,7 +1,7 @@
 //! Tests of the commissioning steps.
 
 use gsk_core::axis::gear_speed_limit;
-use gsk_core::memory::{Parameters, PitchTable, parameter};
+use gsk_core::memory::{ControlParameters, PitchTable, parameter};
 use gsk_core::units::Axis;
 
 use super::*;
@@ -22,7 +22,7 @@ fn changed(proposal: &Proposal) -> Vec<(u16, i32)> {
 
 #[test]
 fn multiplying_gear_limits_rapid_rate() {
-    let parameters = Parameters::default();
+    let parameters = ControlParameters::default();
     let made = |commanded, measured| MeasuredMove {
         commanded: SlideTravel(commanded),
         measured: SlideTravel(measured),
@@ -55,7 +55,7 @@ fn multiplying_gear_limits_rapid_rate() {
 /// Parameter 113 applies to both axes, and is twice the rate of X.
 #[test]
 fn reference_approach_stays_below_gear_limit() {
-    let approach = |parameters: &Parameters, method| {
+    let approach = |parameters: &ControlParameters, method| {
         let proposal = propose_reference(Axis::X, method, parameters).unwrap();
         let (mut then, mut none) = (parameters.clone(), PitchTable::default());
         for change in proposal.changes {
@@ -63,7 +63,7 @@ fn reference_approach_stays_below_gear_limit() {
         }
         then.value(parameter::ZERO_HIGH_SPEED)
     };
-    let mut parameters = Parameters::default();
+    let mut parameters = ControlParameters::default();
     let both = ZeroMethod::SwitchAndSignal;
     assert_eq!(approach(&parameters, both), 7600);
     parameters.set(parameter::Z_MULTIPLIER, 2).unwrap();
@@ -81,7 +81,7 @@ fn reference_approach_stays_below_gear_limit() {
 
 #[test]
 fn proposals_match_manual_values() {
-    let parameters = Parameters::default();
+    let parameters = ControlParameters::default();
     let stepper = propose_acceleration(DriveKind::Stepper, &parameters).unwrap();
     let stepper = changed(&stepper);
     for row in [
@@ -105,7 +105,7 @@ fn proposals_match_manual_values() {
 
 #[test]
 fn rapid_rate_keeps_following_error_reserve() {
-    let parameters = Parameters::default();
+    let parameters = ControlParameters::default();
     let lag = |measured, allowed| FollowingErrorReading {
         measured: SlideTravel(measured),
         allowed: SlideTravel(allowed),
@@ -119,7 +119,7 @@ fn rapid_rate_keeps_following_error_reserve() {
 
 #[test]
 fn spindle_voltage_is_corrected_before_speed() {
-    let mut parameters = Parameters::default();
+    let mut parameters = ControlParameters::default();
     let read = SpindleSpeed {
         gear: 2,
         rpm: 2200.0,
@@ -140,7 +140,7 @@ fn spindle_voltage_is_corrected_before_speed() {
 
 #[test]
 fn backlash_is_measured_without_compensation() {
-    let mut parameters = Parameters::default();
+    let mut parameters = ControlParameters::default();
     let reading = |a, b| BacklashReading {
         a: SlideTravel(a),
         b: SlideTravel(b),

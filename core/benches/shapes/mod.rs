@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 struct Random(u32);
 
 impl Random {
-    const fn between(&mut self, least: i32, most: i32) -> i32 {
+    const fn number_between(&mut self, least: i32, most: i32) -> i32 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 17;
         self.0 ^= self.0 << 5;
@@ -63,8 +63,8 @@ impl Writer {
 }
 
 /// All shapes with their names.
-pub fn all() -> [(&'static str, String); 6] {
-    let [lines, arcs, calls, contour] = long(100_000);
+pub fn all_shapes() -> [(&'static str, String); 6] {
+    let [lines, arcs, calls, contour] = long_shapes(100_000);
     [
         lines,
         arcs,
@@ -76,7 +76,7 @@ pub fn all() -> [(&'static str, String); 6] {
 }
 
 /// The shapes of any length, with this number of moves.
-pub fn long(moves: u32) -> [(&'static str, String); 4] {
+pub fn long_shapes(moves: u32) -> [(&'static str, String); 4] {
     [
         ("short lines", short_lines(moves)),
         ("mixed arcs", mixed_arcs(moves)),
@@ -95,7 +95,7 @@ pub fn short_lines(blocks: u32) -> String {
             back = -back;
         }
         let outward = if writer.x < 40_000 { 2 } else { -2 };
-        let (x, z) = (random.between(1, 20), random.between(20, 60));
+        let (x, z) = (random.number_between(1, 20), random.number_between(20, 60));
         writer.cut("", outward * x, -back * z, "");
     }
     writer.end()
@@ -113,7 +113,7 @@ fn mixed_arcs(blocks: u32) -> String {
             along = -1;
         }
         let outward = if writer.x < 60_000 { 1 } else { -1 };
-        let radius = random.between(1, 9) * 100;
+        let radius = random.number_between(1, 9) * 100;
         writer.cut("G01 ", outward * 2 * radius, along * 700, "");
         // About a centre beside the tool in Z, then about one beside it in X.
         let turn = if outward == along { "G02 " } else { "G03 " };
@@ -173,7 +173,7 @@ fn compensated_contour(blocks: u32) -> String {
                 writer.cut("G03 ", 0, -1000, " R1.");
                 writer.line("G01");
             } else {
-                let x = 40_000 + 2 * random.between(-60, 60) - writer.x;
+                let x = 40_000 + 2 * random.number_between(-60, 60) - writer.x;
                 writer.cut("", x, -1000, "");
             }
         }

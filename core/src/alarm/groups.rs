@@ -3,7 +3,7 @@
 use super::number;
 
 /// Alarms of a board that is not connected. The next successful connection clears them.
-pub(crate) const OF_OPENING: [u16; 4] = [
+pub(crate) const CONNECTION_ALARMS: [u16; 4] = [
     number::BOARD_SILENT,
     number::BOARD_UNSUPPORTED,
     number::BOARD_SETTINGS,
@@ -12,13 +12,13 @@ pub(crate) const OF_OPENING: [u16; 4] = [
 
 /// Whether a board can raise the alarm before it has been identified: its slides have not
 /// moved then.
-pub(crate) const fn comes_before_motion(number: u16) -> bool {
+pub(crate) const fn can_precede_motion(number: u16) -> bool {
     matches!(number, number::BOARD_SILENT..=number::BOARD_CANNOT)
 }
 
 /// Whether RESET leaves the alarm in force. The emergency stop ends with its contact only,
 /// 100 with the parameter switch, 000 with the power.
-pub const fn outlives_reset(number: u16) -> bool {
+pub const fn survives_reset(number: u16) -> bool {
     matches!(
         number,
         number::POWER_CYCLE | number::EMERGENCY_STOP | number::PARAMETER_SWITCH
@@ -26,13 +26,13 @@ pub const fn outlives_reset(number: u16) -> bool {
 }
 
 /// Whether the alarm's line on the screen names the damaged part of the memory.
-pub const fn is_of_memory(number: u16) -> bool {
+pub const fn is_memory_alarm(number: u16) -> bool {
     matches!(number, number::MEMORY_DAMAGED | number::WRITE_INTERRUPTED)
 }
 
 /// Whether the alarm belongs to the corner before its arc. The move before the corner is
 /// not begun then.
-pub(crate) const fn is_of_corner(number: u16) -> bool {
+pub(crate) const fn is_corner_alarm(number: u16) -> bool {
     matches!(
         number,
         number::NOSE_CENTER_AT_START | number::NOSE_CENTER_AT_END
@@ -41,7 +41,7 @@ pub(crate) const fn is_of_corner(number: u16) -> bool {
 
 /// Whether the alarm comes from a call, a jump, a profile or a macro: the block would have
 /// changed which block is executed next.
-pub(crate) const fn leads_elsewhere(number: u16) -> bool {
+pub(crate) const fn is_control_flow_alarm(number: u16) -> bool {
     matches!(
         number,
         number::PROFILE_RANGE
@@ -55,7 +55,7 @@ pub(crate) const fn leads_elsewhere(number: u16) -> bool {
 }
 
 /// Whether the alarm reports an unsuitable speed or direction of the spindle.
-pub(crate) const fn is_of_spindle(number: u16) -> bool {
+pub(crate) const fn is_spindle_alarm(number: u16) -> bool {
     matches!(
         number,
         number::NO_FEED | number::THREAD_SPEED | number::TAILSTOCK_WHILE_TURNING

@@ -12,12 +12,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::memory::Parameters;
+use crate::memory::ControlParameters;
 use crate::units::{Axis, TICK_S, round_to_i64};
 
 /// How the compensation is distributed over time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-enum Output {
+enum BacklashMethod {
     /// Method A: at a steady rate, increments per tick.
     Steady(f64),
     /// Method B: with constant acceleration, increments/s².
@@ -28,7 +28,7 @@ enum Output {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Backlash {
     amount: i64,
-    output: Output,
+    output: BacklashMethod,
     /// Direction in which no compensation is needed.
     first_negative: bool,
     /// Direction of the last motion.
@@ -42,16 +42,16 @@ pub(super) struct Backlash {
 
 impl Backlash {
     /// State at power-on. `per_mm`: increments per mm; `per_pulse`: increments per pulse.
-    pub fn new(axis: Axis, parameters: &Parameters, per_mm: f64, per_pulse: f64) -> Self {
+    pub fn new(axis: Axis, parameters: &ControlParameters, per_mm: f64, per_pulse: f64) -> Self {
         let amount = parameters.backlash(axis) * per_mm;
-        let output = if parameters.backlash_accelerates() {
+        let output = if parameters.is_backlash_accelerated() {
             let rate = parameters.rapid_rate(axis) / 60.0;
             let time = parameters.rapid_time(axis) / 1000.0;
-            Output::Accelerated((rate / time.max(TICK_S)).max(1e-3) * per_mm)
+            BacklashMethod::Accelerated((rate / time.max(TICK_S)).max(1e-3) * per_mm)
         } else {
-            Output::Steady(parameters.backlash_frequency() * TICK_S * per_pulse)
+            BacklashMethod::Steady(parameters.backlash_frequency() * TICK_S * per_pulse)
         };
-        let first_negative = parameters.reference_is_negative(axis);
+        let first_negative = parameters.is_reference_negative(axis);
         Self {
             amount: libm::round(amount) as i64,
             output,
@@ -65,7 +65,7 @@ impl Backlash {
     }
 
     /// The compensation for the direction of the last motion.
-    const fn wanted(&self) -> i64 {
+    const fn target(&self) -> i64 {
         match (self.negative, self.first_negative) {
             (true, false) => -self.amount,
             (false, true) => self.amount,
@@ -75,64 +75,67 @@ impl Backlash {
 
     /// Advances one tick in which the axis moved by `way` increments.
     #[inline]
-    pub fn tick(&mut self, way: i64) {
+    pub fn tick(&mut self, increments: i64) {
         if self.amount != 0 {
-            self.give_out(way);
+            self.advance(increments);
         }
     }
 
-    fn give_out(&mut self, way: i64) {
-        if way != 0 && self.negative != (way < 0) {
-            self.negative = way < 0;
+    fn advance(&mut self, increments: i64) {
+        if increments != 0 && self.negative != (increments < 0) {
+            self.negative = increments < 0;
             self.from = self.given;
-            self.to = self.wanted() as f64;
+            self.to = self.target() as f64;
             self.ticks = 0;
         }
         if self.given != self.to {
             self.ticks += 1;
-            self.given = self.after(self.ticks);
+            self.given = self.compensation_after(self.ticks);
         }
     }
 
     /// The compensation at a number of ticks after the reversal.
-    fn after(&self, ticks: u32) -> f64 {
-        let way = (self.to - self.from).abs();
-        let made = match self.output {
-            Output::Steady(rate) => rate * f64::from(ticks),
-            Output::Accelerated(acceleration) => {
-                let (time, whole) = (f64::from(ticks) * TICK_S, 2.0 * (way / acceleration).sqrt());
+    fn compensation_after(&self, ticks: u32) -> f64 {
+        let distance = (self.to - self.from).abs();
+        let done = match self.output {
+            BacklashMethod::Steady(rate) => rate * f64::from(ticks),
+            BacklashMethod::Accelerated(acceleration) => {
+                let (time, whole) = (
+                    f64::from(ticks) * TICK_S,
+                    2.0 * (distance / acceleration).sqrt(),
+                );
                 let left = whole - time;
                 if left <= 0.0 {
-                    way
+                    distance
                 } else if time <= left {
                     acceleration * time * time / 2.0
                 } else {
-                    way - acceleration * left * left / 2.0
+                    distance - acceleration * left * left / 2.0
                 }
             }
         };
-        if made >= way {
+        if done >= distance {
             self.to
         } else if self.to > self.from {
-            self.from + made
+            self.from + done
         } else {
-            self.from - made
+            self.from - done
         }
     }
 
     /// The compensation now, whole increments.
-    pub fn given(&self) -> i64 {
+    pub fn compensation(&self) -> i64 {
         round_to_i64(self.given)
     }
 
     /// Takes over new parameters at a standstill. The play stays on the side of the last
     /// motion and counts as taken up.
-    pub(crate) fn reconfigured(&self, changed: Self) -> Self {
+    pub(crate) fn with_parameters(&self, changed: Self) -> Self {
         let mut new = Self {
             negative: self.negative,
             ..changed
         };
-        new.to = new.wanted() as f64;
+        new.to = new.target() as f64;
         new.given = new.to;
         new
     }
@@ -149,7 +152,7 @@ mod tests {
 
     /// Z with 0.1 mm of play: 100 increments.
     fn backlash(changes: &[(u16, i32)]) -> Backlash {
-        let mut parameters = Parameters::default();
+        let mut parameters = ControlParameters::default();
         parameters.set(35, 100).unwrap();
         for (number, value) in changes {
             parameters.set(*number, *value).unwrap();
@@ -157,18 +160,18 @@ mod tests {
         Backlash::new(Axis::Z, &parameters, 1000.0, 1.0)
     }
 
-    fn ticks_to_settle(backlash: &mut Backlash, way: i64) -> (i64, u32) {
-        backlash.tick(way);
+    fn ticks_to_settle(backlash: &mut Backlash, increments: i64) -> (i64, u32) {
+        backlash.tick(increments);
         let mut ticks = 1;
         while !backlash.is_settled() {
             backlash.tick(0);
             ticks += 1;
         }
-        (backlash.given(), ticks)
+        (backlash.compensation(), ticks)
     }
 
     #[test]
-    fn it_comes_and_goes_with_the_direction() {
+    fn compensation_follows_the_direction() {
         let mut one = backlash(&[]);
         assert_eq!(ticks_to_settle(&mut one, 5).0, 0);
         assert_eq!(ticks_to_settle(&mut one, -1).0, -100);
@@ -177,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_move_against_006_has_it() {
+    fn the_first_move_against_006_is_compensated() {
         let mut one = backlash(&[(6, 0b10)]);
         assert_eq!(ticks_to_settle(&mut one, -1).0, 0);
         assert_eq!(ticks_to_settle(&mut one, 1).0, 100);
@@ -206,12 +209,12 @@ mod tests {
     }
 
     #[test]
-    fn a_reversal_while_it_is_given_out_turns_it_back() {
+    fn a_reversal_during_compensation_reverses_it() {
         let mut one = backlash(&[(11, 0)]);
         for _ in 0..20 {
             one.tick(-1);
         }
-        assert_eq!(one.given(), -40);
+        assert_eq!(one.compensation(), -40);
         assert_eq!(ticks_to_settle(&mut one, 1), (0, 20));
     }
 }

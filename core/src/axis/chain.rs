@@ -5,33 +5,33 @@ use serde::{Deserialize, Serialize};
 
 use super::backlash::Backlash;
 use super::pitch::PitchCurve;
-use crate::memory::{Parameters, PitchTable};
+use crate::memory::{ControlParameters, PitchTable};
 use crate::units::{Axis, PerAxis, Point, Pulses, round_to_i64};
 
 /// The least output increment of an axis, mm of slide travel: X 0.0005 with
 /// diameter programming (001.2 = 0), 0.001 with radius programming; Z 0.001. With
 /// an inch machine (004.0 SCW) 0.0001 inch takes the place of 0.001 mm.
-pub(crate) fn least_increment(axis: Axis, parameters: &Parameters) -> f64 {
+pub(crate) fn least_increment(axis: Axis, parameters: &ControlParameters) -> f64 {
     match axis {
-        Axis::X if !parameters.radius_programming() => parameters.least_increment() / 2.0,
-        _ => parameters.least_increment(),
+        Axis::X if !parameters.is_radius_programming() => parameters.least_increment_mm() / 2.0,
+        _ => parameters.least_increment_mm(),
     }
 }
 
 /// Slide travel of one pulse, mm: the weight that the drive must be set to.
-pub fn pulse_weight(axis: Axis, parameters: &Parameters) -> f64 {
+pub fn pulse_weight(axis: Axis, parameters: &ControlParameters) -> f64 {
     let (multiply, divide) = parameters.gear(axis);
     least_increment(axis, parameters) * f64::from(divide) / f64::from(multiply)
 }
 
 /// Whether pulses count down towards positive coordinates (008.0 DIRX, 008.1 DIRZ).
-pub(crate) fn motor_reversed(axis: Axis, parameters: &Parameters) -> bool {
+pub(crate) fn is_motor_reversed(axis: Axis, parameters: &ControlParameters) -> bool {
     !parameters.counts_up(axis)
 }
 
 /// The highest speed of an axis with a gear that multiplies (CMR > CMD), mm/min. Above it
 /// the control raises alarm 097 (manual III-12.4). `None`: the gear sets no limit.
-pub fn gear_speed_limit(axis: Axis, parameters: &Parameters) -> Option<f64> {
+pub fn gear_speed_limit(axis: Axis, parameters: &ControlParameters) -> Option<f64> {
     let (multiply, divide) = parameters.gear(axis);
     let base = match axis {
         Axis::X => 3800.0,
@@ -56,10 +56,10 @@ struct Chain {
     base: i64,
     /// Corrections in force at the origin, increments.
     #[serde(rename = "without")]
-    without: i64,
+    origin_correction: i64,
     /// Distance that machine lock has kept the slide from moving, mm.
     #[serde(rename = "locked_away")]
-    locked_away: f64,
+    locked_distance: f64,
     /// Commanded coordinate of the last tick, mm.
     commanded: f64,
     /// Increments from the origin at the last tick.
@@ -69,49 +69,50 @@ struct Chain {
 }
 
 impl Chain {
-    fn new(axis: Axis, parameters: &Parameters, table: &PitchTable) -> Self {
+    fn new(axis: Axis, parameters: &ControlParameters, table: &PitchTable) -> Self {
         let (multiply, divide) = parameters.gear(axis);
         let least = least_increment(axis, parameters);
         let per_pulse = f64::from(divide) / f64::from(multiply);
         let per_thousandth = match axis {
-            Axis::X if !parameters.radius_programming() => 2,
+            Axis::X if !parameters.is_radius_programming() => 2,
             Axis::X | Axis::Z => 1,
         };
         let mut new = Self {
             per_mm: 1.0 / least,
             multiply: multiply.into(),
             divide: divide.into(),
-            reversed: motor_reversed(axis, parameters),
+            reversed: is_motor_reversed(axis, parameters),
             backlash: Backlash::new(axis, parameters, 1.0 / least, per_pulse),
             pitch: PitchCurve::new(axis, parameters, table, per_thousandth),
             origin: 0.0,
             base: 0,
-            without: 0,
-            locked_away: 0.0,
+            origin_correction: 0,
+            locked_distance: 0.0,
             commanded: 0.0,
             increments: 0,
             correction: 0,
         };
-        new.correction = new.pitch_here();
-        new.without = new.correction;
+        new.correction = new.pitch_correction();
+        new.origin_correction = new.correction;
         new
     }
 
-    fn slide(&self) -> f64 {
-        self.commanded - self.locked_away
+    fn slide_position(&self) -> f64 {
+        self.commanded - self.locked_distance
     }
 
-    fn pitch_here(&self) -> i64 {
+    fn pitch_correction(&self) -> i64 {
         if self.pitch.is_off() {
             return 0;
         }
-        self.pitch.at(round_to_i64(self.slide() * self.per_mm))
+        self.pitch
+            .correction_at(round_to_i64(self.slide_position() * self.per_mm))
     }
 
     /// The position in whole increments with its corrections, then geared. The fraction of
     /// a pulse that is left over counts again with the next increment.
     fn pulses(&self) -> i64 {
-        let increments = self.increments + self.corrections() - self.without;
+        let increments = self.increments + self.corrections() - self.origin_correction;
         let geared = match self.divide {
             // The most frequent case; the division is the slowest step here.
             1 => increments * self.multiply,
@@ -123,9 +124,9 @@ impl Chain {
     /// The position between two counts, with the same corrections; the count changes
     /// halfway. The left-over fraction of a pulse delays the change: the position is
     /// shifted by that fraction, and stretched around the origin.
-    fn fine(&self) -> f64 {
-        let increments = (self.slide() - self.origin) * self.per_mm;
-        let increments = increments + (self.corrections() - self.without) as f64;
+    fn fine_pulses(&self) -> f64 {
+        let increments = (self.slide_position() - self.origin) * self.per_mm;
+        let increments = increments + (self.corrections() - self.origin_correction) as f64;
         let per_increment = self.multiply as f64 / self.divide as f64;
         let geared = increments * per_increment;
         let first = 1.0 - 0.5 * per_increment.min(1.0);
@@ -138,7 +139,7 @@ impl Chain {
     }
 
     fn corrections(&self) -> i64 {
-        self.correction + self.backlash.given()
+        self.correction + self.backlash.compensation()
     }
 
     fn advance(&mut self, commanded: f64, locked: bool) {
@@ -147,56 +148,56 @@ impl Chain {
         if locked {
             // The slide stays on its pulse: even the rounding of the two sums must not make
             // one.
-            self.locked_away += moved;
+            self.locked_distance += moved;
             return;
         }
-        let increments = round_to_i64((self.slide() - self.origin) * self.per_mm);
+        let increments = round_to_i64((self.slide_position() - self.origin) * self.per_mm);
         self.backlash.tick(increments - self.increments);
         self.increments = increments;
-        self.correction = self.pitch_here();
+        self.correction = self.pitch_correction();
     }
 
     /// Takes up the backlash before the axis moves by `way`.
-    fn lean(&mut self, way: f64) {
-        let increments = round_to_i64(way * self.per_mm);
+    fn take_up_backlash(&mut self, distance: f64) {
+        let increments = round_to_i64(distance * self.per_mm);
         self.backlash.tick(increments.signum());
     }
 
     /// Makes the position of a pulse count the machine zero. Returns the coordinate of the
     /// present position.
-    fn zero_at(&mut self, count: i64) -> f64 {
+    fn set_zero_at(&mut self, count: i64) -> f64 {
         let from_base = count - self.base;
         let from_base = if self.reversed { -from_base } else { from_base };
         let geared = from_base as f64 * self.divide as f64 / self.multiply as f64;
         // The same corrections were in force when the signal came.
-        let increments = geared - (self.corrections() - self.without) as f64;
-        self.commanded = self.slide() - (self.origin + increments / self.per_mm);
+        let increments = geared - (self.corrections() - self.origin_correction) as f64;
+        self.commanded = self.slide_position() - (self.origin + increments / self.per_mm);
         self.origin = 0.0;
         self.base = count;
-        self.locked_away = 0.0;
+        self.locked_distance = 0.0;
         self.increments = round_to_i64(self.commanded * self.per_mm);
-        self.correction = self.pitch_here();
+        self.correction = self.pitch_correction();
         // At zero no pitch error is compensated.
-        self.without = self.backlash.given();
+        self.origin_correction = self.backlash.compensation();
         self.commanded
     }
 
     /// Takes a pulse count as the position. Returns its coordinate.
-    fn stand_at(&mut self, count: i64) -> f64 {
+    fn set_count(&mut self, count: i64) -> f64 {
         let from_base = count - self.base;
         let from_base = if self.reversed { -from_base } else { from_base };
         // The first increment that makes this pulse.
         let increments = {
-            let parts = from_base.abs() * self.divide;
-            let ceiled = (parts + self.multiply - 1) / self.multiply;
+            let scaled = from_base.abs() * self.divide;
+            let ceiled = (scaled + self.multiply - 1) / self.multiply;
             from_base.signum() * ceiled
         };
         // The correction depends on the position, and the position on the correction.
         for _ in 0..3 {
-            self.increments = increments - self.corrections() + self.without;
+            self.increments = increments - self.corrections() + self.origin_correction;
             self.commanded = self.origin + self.increments as f64 / self.per_mm;
-            self.locked_away = 0.0;
-            self.correction = self.pitch_here();
+            self.locked_distance = 0.0;
+            self.correction = self.pitch_correction();
         }
         self.base += count - self.pulses();
         self.commanded
@@ -204,26 +205,26 @@ impl Chain {
 
     fn preset(&mut self, commanded: f64) {
         // The origin moves along, so that the left-over fraction of a pulse is kept.
-        self.origin += commanded - self.slide();
+        self.origin += commanded - self.slide_position();
         self.commanded = commanded;
-        self.locked_away = 0.0;
-        let correction = self.pitch_here();
-        self.without += correction - self.correction;
+        self.locked_distance = 0.0;
+        let correction = self.pitch_correction();
+        self.origin_correction += correction - self.correction;
         self.correction = correction;
     }
 
     fn reconfigure(&mut self, changed: Self) {
         let mut new = Self {
-            backlash: self.backlash.reconfigured(changed.backlash),
+            backlash: self.backlash.with_parameters(changed.backlash),
             base: self.pulses(),
-            origin: self.slide(),
+            origin: self.slide_position(),
             commanded: self.commanded,
-            locked_away: self.locked_away,
+            locked_distance: self.locked_distance,
             increments: 0,
             ..changed
         };
-        new.correction = new.pitch_here();
-        new.without = new.corrections();
+        new.correction = new.pitch_correction();
+        new.origin_correction = new.corrections();
         *self = new;
     }
 }
@@ -243,7 +244,7 @@ pub struct AxisChain {
 
 impl AxisChain {
     /// Starts at machine coordinate zero and pulse count zero.
-    pub fn new(parameters: &Parameters, table: &PitchTable) -> Self {
+    pub fn new(parameters: &ControlParameters, table: &PitchTable) -> Self {
         let chain = |axis| Chain::new(axis, parameters, table);
         Self {
             chains: PerAxis::new(chain(Axis::X), chain(Axis::Z)),
@@ -268,20 +269,23 @@ impl AxisChain {
 
     /// The position in fractional pulses. The whole count changes halfway between two
     /// pulses.
-    pub fn fine(&self) -> PerAxis<f64> {
-        PerAxis::new(self.chains.x.fine(), self.chains.z.fine())
+    pub fn fine_pulses(&self) -> PerAxis<f64> {
+        PerAxis::new(self.chains.x.fine_pulses(), self.chains.z.fine_pulses())
     }
 
     /// Machine coordinate of the slides, mm: the commanded position without the distance
     /// that machine lock held back.
-    pub fn slide(&self) -> Point {
-        Point::new(self.chains.x.slide(), self.chains.z.slide())
+    pub fn slide_position(&self) -> Point {
+        Point::new(
+            self.chains.x.slide_position(),
+            self.chains.z.slide_position(),
+        )
     }
 
     /// Takes up the backlash for a motion by `way` (mm) while the axes stand still.
-    pub(crate) fn lean(&mut self, way: Point) {
-        self.chains.x.lean(way.x);
-        self.chains.z.lean(way.z);
+    pub(crate) fn take_up_backlash(&mut self, distance: Point) {
+        self.chains.x.take_up_backlash(distance.x);
+        self.chains.z.take_up_backlash(distance.z);
     }
 
     /// Whether backlash is still being compensated.
@@ -297,19 +301,19 @@ impl AxisChain {
 
     /// Makes the position of a pulse count (where the zero signal came) the machine zero of
     /// an axis. Returns the machine coordinate of the present position, mm.
-    pub(crate) fn zero_at(&mut self, axis: Axis, count: Pulses) -> f64 {
-        self.chains.get_mut(axis).zero_at(count.0)
+    pub(crate) fn set_zero_at(&mut self, axis: Axis, count: Pulses) -> f64 {
+        self.chains.get_mut(axis).set_zero_at(count.0)
     }
 
     /// Takes the pulse count at which an axis was stopped as its position. Returns its
     /// machine coordinate, mm.
-    pub fn stand_at(&mut self, axis: Axis, count: Pulses) -> f64 {
-        self.chains.get_mut(axis).stand_at(count.0)
+    pub fn set_count(&mut self, axis: Axis, count: Pulses) -> f64 {
+        self.chains.get_mut(axis).set_count(count.0)
     }
 
     /// Takes over changed parameters (001.2, 003.5, 006, 008, 010, 011, 013, 015–018, 034,
     /// 035, 090–103) and pitch errors at a standstill, without a pulse.
-    pub(crate) fn reconfigure(&mut self, parameters: &Parameters, table: &PitchTable) {
+    pub(crate) fn reconfigure(&mut self, parameters: &ControlParameters, table: &PitchTable) {
         for axis in [Axis::X, Axis::Z] {
             let changed = Chain::new(axis, parameters, table);
             self.chains.get_mut(axis).reconfigure(changed);
@@ -324,15 +328,15 @@ mod tests {
     use proptest::prelude::*;
 
     fn geared(multiply: i32, divide: i32) -> Chain {
-        let mut parameters = Parameters::default();
+        let mut parameters = ControlParameters::default();
         parameters.set(16, multiply).unwrap();
         parameters.set(18, divide).unwrap();
         Chain::new(Axis::Z, &parameters, &PitchTable::default())
     }
 
     /// Backlash 0.1 mm, points 1 and 2 of the table +7 and -6 µm every 10 mm.
-    fn corrected() -> (Parameters, PitchTable) {
-        let mut parameters = Parameters::default();
+    fn corrected() -> (ControlParameters, PitchTable) {
+        let mut parameters = ControlParameters::default();
         parameters.set(35, 100).unwrap();
         let mut table = PitchTable::default();
         table.set(Axis::Z, 1, 7).unwrap();
@@ -340,7 +344,7 @@ mod tests {
         (parameters, table)
     }
 
-    fn rest(chain: &mut Chain, at: f64) -> i64 {
+    fn settle_at(chain: &mut Chain, at: f64) -> i64 {
         for _ in 0..100 {
             chain.advance(at, false);
         }
@@ -351,21 +355,21 @@ mod tests {
     fn backlash_and_pitch_errors_add_up() {
         let (parameters, table) = corrected();
         let mut chain = Chain::new(Axis::Z, &parameters, &table);
-        assert_eq!(rest(&mut chain, 5.0), 5000);
-        assert_eq!(rest(&mut chain, 15.0), 15_007);
-        assert_eq!(rest(&mut chain, 25.0), 25_001);
-        assert_eq!(rest(&mut chain, 15.0), 14_907);
-        assert_eq!(rest(&mut chain, -5.0), -5100);
-        assert_eq!(rest(&mut chain, 15.0), 15_007);
+        assert_eq!(settle_at(&mut chain, 5.0), 5000);
+        assert_eq!(settle_at(&mut chain, 15.0), 15_007);
+        assert_eq!(settle_at(&mut chain, 25.0), 25_001);
+        assert_eq!(settle_at(&mut chain, 15.0), 14_907);
+        assert_eq!(settle_at(&mut chain, -5.0), -5100);
+        assert_eq!(settle_at(&mut chain, 15.0), 15_007);
     }
 
     #[test]
-    fn backlash_can_be_given_out_before_the_way() {
+    fn backlash_can_be_taken_up_before_the_motion() {
         let (parameters, table) = corrected();
         let mut axes = AxisChain::new(&parameters, &table);
         let still = PerAxis::default();
         axes.advance(Point::new(0.0, 5.0), still);
-        axes.lean(Point::new(0.0, -3.0));
+        axes.take_up_backlash(Point::new(0.0, -3.0));
         assert!(axes.is_settling());
         while axes.is_settling() {
             axes.advance(Point::new(0.0, 5.0), still);
@@ -380,33 +384,33 @@ mod tests {
     fn a_preset_keeps_corrections_out_of_the_pulses() {
         let (parameters, table) = corrected();
         let mut chain = Chain::new(Axis::Z, &parameters, &table);
-        rest(&mut chain, 15.0);
+        settle_at(&mut chain, 15.0);
         chain.preset(-3.0);
         assert_eq!(chain.pulses(), 15_007);
-        assert_eq!(rest(&mut chain, 12.0), 30_014);
+        assert_eq!(settle_at(&mut chain, 12.0), 30_014);
     }
 
     #[test]
     fn changed_parameters_give_no_pulse_and_act_from_there() {
         let (mut parameters, table) = corrected();
         let mut chain = Chain::new(Axis::Z, &parameters, &table);
-        rest(&mut chain, 15.0);
-        let before = rest(&mut chain, 12.0);
+        settle_at(&mut chain, 15.0);
+        let before = settle_at(&mut chain, 12.0);
         assert_eq!(before, 11_907);
         parameters.set(35, 40).unwrap();
         parameters.set(16, 2).unwrap();
         chain.reconfigure(Chain::new(Axis::Z, &parameters, &table));
-        assert_eq!(rest(&mut chain, 12.0), before);
-        assert_eq!(rest(&mut chain, 11.0), before - 2000);
+        assert_eq!(settle_at(&mut chain, 12.0), before);
+        assert_eq!(settle_at(&mut chain, 11.0), before - 2000);
         // 1 mm back and 0.04 mm of backlash, two pulses each.
-        assert_eq!(rest(&mut chain, 12.0), before + 80);
+        assert_eq!(settle_at(&mut chain, 12.0), before + 80);
     }
 
     #[test]
     fn machine_lock_gives_no_backlash() {
         let (parameters, table) = corrected();
         let mut chain = Chain::new(Axis::Z, &parameters, &table);
-        rest(&mut chain, 15.0);
+        settle_at(&mut chain, 15.0);
         for step in 1..100 {
             chain.advance(15.0 - f64::from(step) * 0.1, true);
         }
@@ -425,7 +429,7 @@ mod tests {
     }
 
     #[test]
-    fn the_count_is_the_fine_place_rounded() {
+    fn the_count_is_the_rounded_fine_position() {
         for (multiply, divide) in [(1, 1), (1, 5), (3, 7)] {
             for reversed in [false, true] {
                 let mut chain = Chain {
@@ -435,11 +439,11 @@ mod tests {
                 };
                 for step in -4000..4000 {
                     chain.advance(f64::from(step) * 0.000_07 + 0.000_003, false);
-                    let (count, fine) = (chain.pulses(), chain.fine());
+                    let (count, fine) = (chain.pulses(), chain.fine_pulses());
                     // Other gear ratios change the count up to an increment later.
-                    let most = if multiply == 3 { 0.95 } else { 0.500_001 };
+                    let tolerance = if multiply == 3 { 0.95 } else { 0.500_001 };
                     assert!(
-                        (fine - count as f64).abs() <= most,
+                        (fine - count as f64).abs() <= tolerance,
                         "{step}: {fine} {count}"
                     );
                 }
@@ -452,7 +456,7 @@ mod tests {
         let mut chain = geared(1, 1);
         chain.advance(1.0, false);
         chain.advance(3.0, true);
-        assert_eq!((chain.pulses(), chain.slide()), (1000, 1.0));
+        assert_eq!((chain.pulses(), chain.slide_position()), (1000, 1.0));
         chain.advance(4.0, false);
         assert_eq!(chain.pulses(), 2000);
     }
@@ -468,7 +472,7 @@ mod tests {
     }
 
     #[test]
-    fn a_count_where_the_axis_was_stopped_is_taken_over() {
+    fn the_count_of_a_stopped_axis_is_taken_over() {
         for (multiply, divide) in [(1, 1), (3, 7), (1, 5), (7, 3), (127, 1)] {
             for reversed in [false, true] {
                 let mut chain = Chain {
@@ -479,7 +483,7 @@ mod tests {
                 let sign = if reversed { -1.0 } else { 1.0 };
                 chain.advance(40.0, false);
                 for count in [-3001, -7, 0, 1, 250, 4999] {
-                    let at = chain.stand_at(count);
+                    let at = chain.set_count(count);
                     assert_eq!(chain.pulses(), count);
                     let off = (at - sign * count as f64 * weight).abs();
                     assert!(off < 0.001 + 2.0 * weight, "{count}: {off}");
@@ -492,7 +496,7 @@ mod tests {
     }
 
     #[test]
-    fn the_zero_is_the_pulse_of_the_signal_whatever_the_gear() {
+    fn the_zero_is_the_pulse_of_the_signal_with_any_gear() {
         for (multiply, divide) in [(1, 1), (3, 7), (1, 5), (127, 1)] {
             for reversed in [false, true] {
                 let mut chain = Chain {
@@ -501,7 +505,7 @@ mod tests {
                 };
                 chain.advance(12.3456, false);
                 let count = chain.pulses() - 3;
-                let here = chain.zero_at(count);
+                let here = chain.set_zero_at(count);
                 let sign = if reversed { -1.0 } else { 1.0 };
                 let weight = 0.001 * divide as f64 / multiply as f64;
                 assert!(
@@ -515,7 +519,7 @@ mod tests {
     }
 
     #[test]
-    fn presets_of_places_between_increments_do_not_drift() {
+    fn presets_between_increments_do_not_drift() {
         let mut chain = geared(1, 5);
         let mut at = 0.0;
         for _ in 0..10_000 {

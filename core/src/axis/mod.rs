@@ -6,8 +6,8 @@ mod chain;
 mod pitch;
 mod soft_limits;
 
+pub(crate) use chain::is_motor_reversed;
 pub(crate) use chain::least_increment;
-pub(crate) use chain::motor_reversed;
 pub use chain::{AxisChain, gear_speed_limit, pulse_weight};
 pub use pitch::PitchCurve;
 pub use soft_limits::SoftLimits;

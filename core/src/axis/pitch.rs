@@ -11,7 +11,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::memory::{Parameters, PitchTable};
+use crate::memory::{ControlParameters, PitchTable};
 use crate::units::Axis;
 
 const POINTS: usize = 256;
@@ -33,28 +33,28 @@ impl PitchCurve {
     /// count in 0.001 mm.
     pub fn new(
         axis: Axis,
-        parameters: &Parameters,
+        parameters: &ControlParameters,
         table: &PitchTable,
         per_thousandth: i64,
     ) -> Self {
         let interval = parameters.pitch_interval(axis) * per_thousandth;
-        if !parameters.pitch_compensated() || interval == 0 || table.is_flat(axis) {
+        if !parameters.is_pitch_compensated() || interval == 0 || table.is_flat(axis) {
             return Self::default();
         }
         let origin = parameters.pitch_origin(axis);
         let factor = parameters.pitch_factor() * per_thousandth as i32;
         let counts = parameters.pitch_points(axis);
-        let value = |point: usize| match counts.contains(&point) {
+        let table_value = |point: usize| match counts.contains(&point) {
             true => i32::from(table.value(axis, point as u8)) * factor,
             false => 0,
         };
         let reference = usize::from(origin);
         let mut sums = vec![0; POINTS];
         for point in reference + 1..POINTS {
-            sums[point] = sums[point - 1] + value(point);
+            sums[point] = sums[point - 1] + table_value(point);
         }
         for point in (0..reference).rev() {
-            sums[point] = sums[point + 1] - value(point + 1);
+            sums[point] = sums[point + 1] - table_value(point + 1);
         }
         Self {
             sums,
@@ -70,7 +70,7 @@ impl PitchCurve {
 
     /// Correction at a machine position, both in increments. Beyond the table the
     /// correction of the last point stays.
-    pub fn at(&self, position: i64) -> i64 {
+    pub fn correction_at(&self, position: i64) -> i64 {
         if self.interval == 0 {
             return 0;
         }
@@ -85,7 +85,7 @@ mod tests {
 
     /// Z, interval 10 mm, factor 1: the table from `first` on.
     fn curve(origin: i32, first: u8, values: &[i16]) -> PitchCurve {
-        let mut parameters = Parameters::default();
+        let mut parameters = ControlParameters::default();
         parameters.set(99, origin).unwrap();
         let mut table = PitchTable::default();
         for (point, value) in (first..=255).zip(values) {
@@ -94,39 +94,46 @@ mod tests {
         PitchCurve::new(Axis::Z, &parameters, &table, 1)
     }
 
-    fn between(curve: &PitchCurve, from: i64, to: i64) -> i64 {
-        curve.at(to * 1000) - curve.at(from * 1000)
+    fn correction_between(curve: &PitchCurve, from: i64, to: i64) -> i64 {
+        curve.correction_at(to * 1000) - curve.correction_at(from * 1000)
     }
 
     /// The three examples of the manual (III-10.4).
     #[test]
     fn examples_of_the_manual() {
         let positive = curve(0, 1, &[7, -6, 4]);
-        assert_eq!(between(&positive, 0, 30), 5);
+        assert_eq!(correction_between(&positive, 0, 30), 5);
         let middle = curve(127, 125, &[-7, -7, 6, 4]);
-        assert_eq!(between(&middle, -30, 10), -4);
+        assert_eq!(correction_between(&middle, -30, 10), -4);
         let negative = curve(255, 252, &[3, -7, 0, 2]);
-        assert_eq!(between(&negative, -40, 0), -2);
+        assert_eq!(correction_between(&negative, -40, 0), -2);
     }
 
     #[test]
     fn a_point_acts_when_it_is_reached() {
         let curve = curve(127, 127, &[6, 4]);
-        assert_eq!(curve.at(9_999), 0);
-        assert_eq!(curve.at(10_000), 4);
-        assert_eq!(curve.at(-9_999), 0);
-        assert_eq!(curve.at(-10_000), -6);
-        assert_eq!((curve.at(9_000_000), curve.at(-9_000_000)), (4, -6));
+        assert_eq!(curve.correction_at(9_999), 0);
+        assert_eq!(curve.correction_at(10_000), 4);
+        assert_eq!(curve.correction_at(-9_999), 0);
+        assert_eq!(curve.correction_at(-10_000), -6);
+        assert_eq!(
+            (
+                curve.correction_at(9_000_000),
+                curve.correction_at(-9_000_000)
+            ),
+            (4, -6)
+        );
     }
 
     #[test]
     fn parameters_switch_and_scale_it() {
-        let mut parameters = Parameters::default();
+        let mut parameters = ControlParameters::default();
         let mut table = PitchTable::default();
         table.set(Axis::X, 1, 10).unwrap();
         // X counts 0.0005 mm: two increments a µm, 20000 from point to point.
-        let at =
-            |parameters: &Parameters| PitchCurve::new(Axis::X, parameters, &table, 2).at(20_000);
+        let at = |parameters: &ControlParameters| {
+            PitchCurve::new(Axis::X, parameters, &table, 2).correction_at(20_000)
+        };
         assert_eq!(at(&parameters), 20);
         for (bits, factor) in [(1, 2), (2, 4), (3, 8), (4, 16), (7, 16)] {
             parameters.set(13, bits).unwrap();

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::memory::Parameters;
+use crate::memory::ControlParameters;
 use crate::units::{Axis, PerAxis, Point};
 
 /// The limits in machine coordinates, mm, computed again when a parameter changes.
@@ -16,7 +16,7 @@ pub struct SoftLimits {
 
 impl SoftLimits {
     /// From 045–048, 022, 023; X is given in diameter unless 001.2 = 1.
-    pub fn new(parameters: &Parameters) -> Self {
+    pub fn new(parameters: &ControlParameters) -> Self {
         let (plus_x, minus_x) = parameters.soft_limits(Axis::X);
         let (plus_z, minus_z) = parameters.soft_limits(Axis::Z);
         let tolerance = |axis| parameters.rapid_rate(axis) / 1000.0 / 5.0;
@@ -39,16 +39,16 @@ impl SoftLimits {
 
     /// Whether all limits are farther than a distance (mm) from a point: motion within that
     /// distance cannot overrun them.
-    pub(crate) fn are_far(&self, point: Point, way: f64) -> bool {
-        point.x + way <= self.plus.x
-            && point.x - way >= self.minus.x
-            && point.z + way <= self.plus.z
-            && point.z - way >= self.minus.z
+    pub(crate) fn are_farther_than(&self, point: Point, distance: f64) -> bool {
+        point.x + distance <= self.plus.x
+            && point.x - distance >= self.minus.x
+            && point.z + distance <= self.plus.z
+            && point.z - distance >= self.minus.z
     }
 
     /// The limits X+, X-, Z+, Z- that a watched axis overruns: it moves outwards beyond the
     /// limit, or it would stop farther beyond than the tolerance.
-    pub(crate) fn overrun(
+    pub(crate) fn overrun_limits(
         &self,
         position: Point,
         stop: Point,
@@ -85,44 +85,58 @@ mod tests {
     #[test]
     fn a_stop_that_cannot_keep_the_tolerance_alarms_early() {
         let at = Point::new(0.0, 15.0);
-        assert_eq!(LIMITS.overrun(at, Point::new(0.0, 21.0), BOTH), NONE);
+        assert_eq!(LIMITS.overrun_limits(at, Point::new(0.0, 21.0), BOTH), NONE);
         assert_eq!(
-            LIMITS.overrun(at, Point::new(0.0, 22.0), BOTH),
+            LIMITS.overrun_limits(at, Point::new(0.0, 22.0), BOTH),
             [false, false, true, false]
         );
         assert_eq!(
-            LIMITS.overrun(at, Point::new(0.0, 22.0), PerAxis::new(true, false)),
+            LIMITS.overrun_limits(at, Point::new(0.0, 22.0), PerAxis::new(true, false)),
             NONE
         );
     }
 
     #[test]
-    fn what_stops_far_from_all_limits_overruns_none() {
-        let ways = [0.0, 0.5, 3.0, 12.0];
-        let places = [-21.0, -9.9, 0.0, 7.2, 10.0, 19.5];
-        for (x, z) in places.iter().flat_map(|x| places.map(|z| (*x, z))) {
+    fn stops_far_from_all_limits_overrun_none() {
+        let distances = [0.0, 0.5, 3.0, 12.0];
+        let coordinates = [-21.0, -9.9, 0.0, 7.2, 10.0, 19.5];
+        for (x, z) in coordinates
+            .iter()
+            .flat_map(|x| coordinates.map(|z| (*x, z)))
+        {
             let at = Point::new(x, z);
-            for way in ways.iter().filter(|way| LIMITS.are_far(at, **way)) {
-                for side in [Point::new(*way, 0.0), Point::new(0.0, *way)] {
-                    assert_eq!(LIMITS.overrun(at, at + side, BOTH), NONE, "{at:?} {way}");
-                    assert_eq!(LIMITS.overrun(at, at - side, BOTH), NONE, "{at:?} {way}");
+            for distance in distances
+                .iter()
+                .filter(|way| LIMITS.are_farther_than(at, **way))
+            {
+                for side in [Point::new(*distance, 0.0), Point::new(0.0, *distance)] {
+                    assert_eq!(
+                        LIMITS.overrun_limits(at, at + side, BOTH),
+                        NONE,
+                        "{at:?} {distance}"
+                    );
+                    assert_eq!(
+                        LIMITS.overrun_limits(at, at - side, BOTH),
+                        NONE,
+                        "{at:?} {distance}"
+                    );
                 }
             }
         }
-        assert!(LIMITS.are_far(Point::new(7.0, 17.0), 3.0));
-        assert!(!LIMITS.are_far(Point::new(7.1, 0.0), 3.0));
-        assert!(!LIMITS.are_far(Point::new(0.0, -17.1), 3.0));
+        assert!(LIMITS.are_farther_than(Point::new(7.0, 17.0), 3.0));
+        assert!(!LIMITS.are_farther_than(Point::new(7.1, 0.0), 3.0));
+        assert!(!LIMITS.are_farther_than(Point::new(0.0, -17.1), 3.0));
     }
 
     #[test]
-    fn beyond_a_limit_is_an_alarm_on_it_is_not() {
+    fn only_beyond_a_limit_there_is_an_alarm() {
         let edge = Point::new(-10.0, -20.0);
-        assert_eq!(LIMITS.overrun(edge, edge, BOTH), NONE);
+        assert_eq!(LIMITS.overrun_limits(edge, edge, BOTH), NONE);
         let beyond = Point::new(-10.001, 0.0);
         let further = Point::new(-10.002, 0.0);
         let alarm = [false, true, false, false];
-        assert_eq!(LIMITS.overrun(beyond, further, BOTH), alarm);
+        assert_eq!(LIMITS.overrun_limits(beyond, further, BOTH), alarm);
         // The way back is free.
-        assert_eq!(LIMITS.overrun(further, beyond, BOTH), NONE);
+        assert_eq!(LIMITS.overrun_limits(further, beyond, BOTH), NONE);
     }
 }

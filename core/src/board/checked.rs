@@ -1,7 +1,7 @@
 //! The parameters that a board was configured with, compared with the present ones.
 
 use crate::alarm::{Alarm, number};
-use crate::memory::{Parameters, parameter};
+use crate::memory::{ControlParameters, parameter};
 use crate::units::Axis;
 use gsk_link::{AxisRates, Protocol};
 use gsk_messages::say;
@@ -37,15 +37,15 @@ const RATES: [(Axis, [u16; 3]); 2] = [
 
 /// Parameter values at the time of the connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Checked {
+pub(crate) struct CheckedParameters {
     gear: [i32; 4],
     increment: [bool; 2],
     /// Set only for boards that plan with their own rates.
     rates: Option<[[i32; 3]; 2]>,
 }
 
-impl Checked {
-    pub(crate) fn new(parameters: &Parameters, protocol: Protocol) -> Self {
+impl CheckedParameters {
+    pub(crate) fn new(parameters: &ControlParameters, protocol: Protocol) -> Self {
         let rates = RATES.map(|(_, numbers)| numbers.map(|number| parameters.value(number)));
         Self {
             gear: GEAR.map(|number| parameters.value(number)),
@@ -56,15 +56,15 @@ impl Checked {
 
     /// The alarm that forbids motion until the board is connected again; `None` if no
     /// relevant parameter has changed.
-    pub(crate) fn alarm(&self, parameters: &Parameters) -> Option<Alarm> {
-        let number = self.outgrown(parameters)?;
-        let why = say::parameter_since_connection(number);
-        Some(Alarm::new(number::BOARD_SETTINGS).because(why))
+    pub(crate) fn to_alarm(&self, parameters: &ControlParameters) -> Option<Alarm> {
+        let changed = self.changed_parameter(parameters)?;
+        let why = say::parameter_since_connection(changed);
+        Some(Alarm::new(number::BOARD_SETTINGS).with_detail(why))
     }
 
     /// The first parameter that differs in a harmful way: pulses would have another size,
     /// or the board would be slower than the control. Lower rates do no harm.
-    fn outgrown(&self, parameters: &Parameters) -> Option<String> {
+    fn changed_parameter(&self, parameters: &ControlParameters) -> Option<String> {
         let mut gear = GEAR.into_iter().zip(self.gear);
         if let Some((number, _)) = gear.find(|&(number, was)| parameters.value(number) != was) {
             return Some(format!("{number:03}"));
@@ -91,7 +91,7 @@ impl Checked {
 }
 
 /// Speed and acceleration that the board must allow an axis, from 022–025 and 027.
-pub(crate) fn board_rates(axis: Axis, parameters: &Parameters) -> AxisRates {
+pub(crate) fn board_rates(axis: Axis, parameters: &ControlParameters) -> AxisRates {
     AxisRates::new(
         parameters.rapid_rate(axis),
         parameters.rapid_time(axis),

@@ -10,13 +10,13 @@ mod spindle;
 mod zero;
 
 use crate::units::PerAxis;
-pub(crate) use checked::{Checked, board_rates};
+pub(crate) use checked::{CheckedParameters, board_rates};
 use gsk_link::{AwaitedInput, PulseRates, ThreadCapability};
 use gsk_plc::address::BitAddress;
 pub(crate) use orders::{BoardOrders, ReturnOrders, RunOrders, SpindleOrders};
-pub(crate) use rates::Exceeding;
-pub(crate) use report::{BoardReport, Settled};
-pub(crate) use spindle::{BoardSpindle, SpindleTrouble, needs_spindle};
+pub(crate) use rates::ExceededAxes;
+pub(crate) use report::{BoardReport, Standstill};
+pub(crate) use spindle::{BoardSpindle, SpindleFault, spindle_required_message};
 pub(crate) use zero::ZeroWiring;
 
 /// What a board reports to the control before a tick.
@@ -29,9 +29,9 @@ pub(crate) struct BoardInputs {
     /// Outputs of the ladder that the board has switched off and keeps off.
     pub dropped: Vec<BitAddress>,
     /// Fraction of the thread pass that the board has made, 0–1; `None` without a pass.
-    pub pass_made: Option<f64>,
+    pub pass_fraction: Option<f64>,
     /// Set when the slides stand still and the board has reported their position.
-    pub settled: Option<Settled>,
+    pub standstill: Option<Standstill>,
 }
 
 /// The board and its drives as the control sees them.
@@ -41,24 +41,24 @@ pub(crate) struct BoardDrives {
     pub takes_motion: bool,
     /// Whether the board accepts motion from this tick on, without waiting for an order
     /// under way.
-    pub prepared: bool,
+    pub is_prepared: bool,
     /// Whether the board is executing motion from its queue.
-    pub moving: bool,
+    pub is_moving: bool,
     /// Whether the position of the slides is known.
-    pub known: bool,
+    pub position_known: bool,
     /// Whether the board holds motion that it has not executed.
-    pub behind: bool,
+    pub has_pending_motion: bool,
     /// Ticks of motion that may not have been executed yet.
-    pub ahead: u64,
+    pub ticks_ahead: u64,
     /// Number of stops after which the control continued from another position.
-    pub stops: u64,
+    pub resync_count: u64,
     /// Whether the axes wait until the board has switched spindle or coolant.
-    pub switching: bool,
+    pub outputs_switching: bool,
     /// Whether the board switches spindle and coolant at their position in the motion,
     /// without a standstill.
-    pub timed: bool,
+    pub has_timed_outputs: bool,
     /// Whether the spindle speed follows the motion.
-    pub surface: bool,
+    pub speed_follows_motion: bool,
     /// Highest pulse rates of the board.
     pub rates: PulseRates,
     /// Pulses per mm of slide travel.
@@ -68,13 +68,13 @@ pub(crate) struct BoardDrives {
     /// The spindle whose index the board measures; `None`: the simulated spindle applies.
     pub spindle: Option<BoardSpindle>,
     /// A pass that the board cuts begins without a ramp. This is its highest speed, mm/min.
-    pub pass_speed: f64,
+    pub pass_speed_mm_per_min: f64,
     /// Whether the board's homing moves one axis without the other.
-    pub alone: bool,
+    pub homes_axes_separately: bool,
     /// Switches for a return that the control drives; `None`: the board homes by itself.
-    pub zero: Option<PerAxis<ZeroWiring>>,
+    pub zero_wiring: Option<PerAxis<ZeroWiring>>,
     /// Input at which the board is armed to stop the axis.
-    pub armed: PerAxis<Option<AwaitedInput>>,
+    pub armed_inputs: PerAxis<Option<AwaitedInput>>,
     /// The parameters that the board was configured with.
-    pub checked: Option<Checked>,
+    pub checked_parameters: Option<CheckedParameters>,
 }

@@ -11,11 +11,11 @@ pub(crate) struct BoardOrders {
     /// Outputs that the ladder and the spindle control command.
     pub outputs: BoardOutputs,
     /// Fraction of a pulse by which the axes are beyond their count.
-    pub fine: PerAxis<f64>,
+    pub fraction: PerAxis<f64>,
     /// Whether motion is under way or waits for the spindle.
-    pub moving: bool,
+    pub is_moving: bool,
     /// Whether the axes have speed.
-    pub feeding: bool,
+    pub is_feeding: bool,
     /// How the motion depends on the spindle.
     pub spindle: SpindleOrders,
     /// A thread pass that waits for the board.
@@ -23,13 +23,13 @@ pub(crate) struct BoardOrders {
     /// Reference returns of the axes.
     pub returns: ReturnOrders,
     /// Whether the emergency stop is in force.
-    pub emergency_stop: bool,
+    pub is_emergency_stop: bool,
     /// Whether RESET is active.
-    pub resetting: bool,
+    pub is_resetting: bool,
     /// Whether an alarm of the board waits for RESET.
-    pub board_alarm: bool,
+    pub has_board_alarm: bool,
     /// Whether backlash is compensated: a stop may interrupt the compensation.
-    pub backlash: bool,
+    pub compensates_backlash: bool,
     /// State of the program run, for the log of the board.
     pub run: RunOrders,
 }
@@ -38,9 +38,9 @@ pub(crate) struct BoardOrders {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct SpindleOrders {
     /// Whether a thread waits for its start angle.
-    pub waits: bool,
+    pub waits_for_angle: bool,
     /// Lead of the thread under way, mm per revolution; `None` outside threads.
-    pub lead: Option<f64>,
+    pub lead_mm: Option<f64>,
 }
 
 /// Reference returns of the axes.
@@ -58,7 +58,7 @@ pub(crate) struct ReturnOrders {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RunOrders {
     /// State of the run after the tick.
-    pub state: RunState,
+    pub run_state: RunState,
     /// The program that ended in this tick, if any.
     pub ended: Option<ProgramId>,
 }
@@ -66,7 +66,7 @@ pub(crate) struct RunOrders {
 impl Default for RunOrders {
     fn default() -> Self {
         Self {
-            state: RunState::Reset,
+            run_state: RunState::Reset,
             ended: None,
         }
     }

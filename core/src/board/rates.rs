@@ -5,20 +5,20 @@ use crate::units::{Axis, Point};
 use gsk_messages::{Message, say};
 
 /// Tolerance for rounding, as a factor.
-const ROUNDING: f64 = 1.0 + 1e-9;
+const ROUNDING_FACTOR: f64 = 1.0 + 1e-9;
 
 /// The axes whose motion needs a higher pulse rate than the board has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Exceeding {
+pub(crate) enum ExceededAxes {
     /// One axis exceeds its own limit.
     One(Axis),
     /// Both axes together exceed the common limit.
     Both,
 }
 
-impl Exceeding {
+impl ExceededAxes {
     /// The name of the axis or axes in a message.
-    pub(crate) fn text(self) -> Message {
+    pub(crate) fn to_message(self) -> Message {
         match self {
             Self::One(axis) => say::as_written(format!("{axis:?}")),
             Self::Both => say::both_axes_together(),
@@ -27,29 +27,33 @@ impl Exceeding {
 }
 
 impl BoardDrives {
-    fn pulses(&self, speed: Point) -> [f64; 2] {
+    fn pulse_rates(&self, speed: Point) -> [f64; 2] {
         let [x, z] = self.pulses_per_mm;
         [speed.x.abs() / 60.0 * x, speed.z.abs() / 60.0 * z]
     }
 
     /// The first pulse rate of the board that a speed (mm/min) exceeds: the axes, the
     /// needed and the available pulses per second. `None`: the speed is possible.
-    pub(crate) fn exceeded(&self, speed: Point, on_arc: bool) -> Option<(Exceeding, f64, f64)> {
-        let [x, z] = self.pulses(speed);
+    pub(crate) fn exceeded_rate(
+        &self,
+        speed: Point,
+        on_arc: bool,
+    ) -> Option<(ExceededAxes, f64, f64)> {
+        let [x, z] = self.pulse_rates(speed);
         // On an arc one axis is fastest where the other one has no speed.
         let both = if on_arc { libm::hypot(x, z) } else { x + z };
-        let [most_x, most_z] = self.rates.each;
+        let [max_x, max_z] = self.rates.each;
         [
-            (Exceeding::One(Axis::X), x, most_x),
-            (Exceeding::One(Axis::Z), z, most_z),
-            (Exceeding::Both, both, self.rates.both),
+            (ExceededAxes::One(Axis::X), x, max_x),
+            (ExceededAxes::One(Axis::Z), z, max_z),
+            (ExceededAxes::Both, both, self.rates.both),
         ]
         .into_iter()
-        .find(|(_, needed, made)| *needed > *made * ROUNDING)
+        .find(|(_, needed, made)| *needed > *made * ROUNDING_FACTOR)
     }
 
     /// Highest manual speed of an axis, mm/min, at any speed of the other axis.
-    pub(crate) fn by_hand(&self, axis: Axis) -> f64 {
+    pub(crate) fn manual_speed_limit(&self, axis: Axis) -> f64 {
         let [each_x, each_z] = self.rates.each;
         let [per_x, per_z] = self.pulses_per_mm;
         let (each, per_mm) = match axis {
@@ -76,24 +80,24 @@ mod tests {
             ..BoardDrives::default()
         };
         let exceeded = |x, z, on_arc| {
-            let found = board.exceeded(Point::new(x, z), on_arc);
+            let found = board.exceeded_rate(Point::new(x, z), on_arc);
             found.map(|(axes, needed, _)| (axes, needed as u32))
         };
         assert_eq!(exceeded(4500.0, 3000.0, false), None);
         assert_eq!(
             exceeded(4600.0, 0.0, false),
-            Some((Exceeding::One(Axis::X), 30_666))
+            Some((ExceededAxes::One(Axis::X), 30_666))
         );
         assert_eq!(
             exceeded(0.0, 9600.0, false),
-            Some((Exceeding::One(Axis::Z), 32_000))
+            Some((ExceededAxes::One(Axis::Z), 32_000))
         );
         assert_eq!(
             exceeded(4500.0, 3600.0, false),
-            Some((Exceeding::Both, 42_000))
+            Some((ExceededAxes::Both, 42_000))
         );
         assert_eq!(exceeded(4500.0, 4500.0, true), None);
-        assert!((board.by_hand(Axis::X) - 3000.0).abs() < 1e-9);
-        assert!((board.by_hand(Axis::Z) - 6000.0).abs() < 1e-9);
+        assert!((board.manual_speed_limit(Axis::X) - 3000.0).abs() < 1e-9);
+        assert!((board.manual_speed_limit(Axis::Z) - 6000.0).abs() < 1e-9);
     }
 }

@@ -8,16 +8,16 @@ use gsk_link::Uncertainty;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum BoardReport {
     /// All motion ended at the current position.
-    Halted,
+    MotionEnded,
     /// All motion ended and the program stops. The alarm that names the reason follows.
-    Stopped,
+    RunStopped,
     /// The board stopped the axes at a switch that the control waits for. The position
     /// follows.
-    Paused,
+    StoppedAtSwitch,
     /// The slides stopped at this count, which may differ from the control's.
-    StandsAt(PerAxis<Pulses>),
+    StoppedAt(PerAxis<Pulses>),
     /// The board rejected the motion of the last tick: the slides are still at this count.
-    NotTaken(PerAxis<Pulses>),
+    MotionRejected(PerAxis<Pulses>),
     /// A fault. If a thread pass was under way, the alarm names the block that began last.
     Alarm {
         /// The alarm; its detail later also names the position of the slides.
@@ -25,45 +25,45 @@ pub(crate) enum BoardReport {
         /// Whether a thread pass was under way.
         in_pass: bool,
     },
-    /// A fault that RESET does not clear, until [`CauseGone`](Self::CauseGone).
-    Standing(Alarm),
+    /// A fault that RESET does not clear, until [`CauseRecheck`](Self::CauseRecheck).
+    PersistentAlarm(Alarm),
     /// The control checks again whether the cause of the persistent alarm is gone.
-    CauseGone,
+    CauseRecheck,
     /// The board is connected, identified and configured. Earlier faults are cleared, and
     /// no motion starts automatically.
-    Opened,
+    BoardReady,
     /// The position of the slides is unknown from now on.
     ReferenceLost {
         /// Whether an alarm reports it to the operator, because the axes could have
         /// continued.
-        told: bool,
+        raise_alarm: bool,
     },
     /// An axis stopped at its switch.
-    Reached(Axis),
+    SwitchReached(Axis),
     /// The board has homed and moved off the switches of these axes.
-    Returned {
+    Homed {
         /// Axes that have homed.
         axes: PerAxis<bool>,
         /// Machine coordinates of the axes after homing.
         at: Point,
     },
     /// A fault that does not concern the position of the slides.
-    Failed(Alarm),
+    PositionlessFault(Alarm),
     /// The reference returns under way end; an alarm names the reason.
     ReturnsAbandoned,
     /// The board cannot cut the pass that waits for it.
     PassRefused(Alarm),
     /// The board has started the pass that waited for it.
-    PassBegan,
+    PassStarted,
     /// The board has stopped at the end of its pass, at this count.
     PassEnded(PerAxis<Pulses>),
 }
 
 /// What the board knows about the position at a standstill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Settled {
+pub(crate) struct Standstill {
     /// Whether the board has reported a position since the connection was opened.
-    pub reported: bool,
+    pub position_reported: bool,
     /// Why the position is uncertain; `None`: it is certain.
     pub uncertainty: Option<Uncertainty>,
 }

@@ -16,19 +16,19 @@ pub(crate) struct BoardSpindle {
     /// Spindle angle before and after the tick.
     pub turn: SpindleTurn,
     /// Whether the index passes during the tick.
-    pub passed: bool,
+    pub index_passed: bool,
     /// Whether M03 or M04 is in force.
-    pub commanded: bool,
+    pub is_commanded: bool,
     /// Greatest difference between recent revolutions, as a fraction of their mean; `None`
     /// if unknown.
     pub variation: Option<f64>,
     /// Fault of the spindle during a thread.
-    pub trouble: Option<SpindleTrouble>,
+    pub fault: Option<SpindleFault>,
 }
 
 /// Spindle fault that spoils a thread.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum SpindleTrouble {
+pub(crate) enum SpindleFault {
     /// The index came this many turns away from the commanded angle.
     Deviates(f64),
     /// The speed changed to this value, r/min, by more than No.106 allows.
@@ -37,9 +37,9 @@ pub(crate) enum SpindleTrouble {
     Lost,
 }
 
-impl SpindleTrouble {
-    pub(crate) fn alarm(self) -> Alarm {
-        Alarm::new(number::SPEED_FLUCTUATES).because(match self {
+impl SpindleFault {
+    pub(crate) fn to_alarm(self) -> Alarm {
+        Alarm::new(number::SPEED_FLUCTUATES).with_detail(match self {
             Self::Deviates(turns) => say::index_beside_thread(turns * 100.0),
             Self::Fluctuates(rpm) => say::spindle_at_speed(rpm),
             Self::Lost => say::index_gone(),
@@ -49,17 +49,17 @@ impl SpindleTrouble {
 
 /// Message that names what a function needs from the spindle (angle or speed) and what the
 /// board lacks.
-pub(crate) fn needs_spindle(board: &BoardDrives, tapping: bool) -> Message {
-    let what = if tapping {
+pub(crate) fn spindle_required_message(board: &BoardDrives, tapping: bool) -> Message {
+    let needed = if tapping {
         say::tapping()
     } else {
         say::cannot_feed_per_revolution()
     };
     match board.threads {
         ThreadCapability::None(MissingForThreads { index: true, .. }) => {
-            say::needs_spindle_index_unwired(what)
+            say::needs_spindle_index_unwired(needed)
         }
-        ThreadCapability::Followed if tapping => say::needs_spindle_braking(what),
-        _ => say::needs_spindle(what),
+        ThreadCapability::Followed if tapping => say::needs_spindle_braking(needed),
+        _ => say::needs_spindle(needed),
     }
 }

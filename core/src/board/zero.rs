@@ -4,15 +4,15 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ZeroWiring {
     /// Whether the deceleration switch is wired.
-    pub switch: bool,
+    pub has_deceleration_switch: bool,
     /// Whether the zero signal of the drive is wired.
-    pub signal: bool,
+    pub has_zero_signal: bool,
     /// Whether the limit switch is wired.
-    pub limit: bool,
+    pub has_limit_switch: bool,
     /// Whether the limit switch is operated now.
-    pub on_limit: bool,
+    pub is_on_limit: bool,
     /// Distance past the switch edge before the axis reverses, or off the limit switch, mm.
-    pub off: f64,
+    pub pull_off_mm: f64,
     /// Machine coordinate at that position when the limit switch is the reference, mm.
-    pub at: f64,
+    pub home_mm: f64,
 }

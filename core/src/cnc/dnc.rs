@@ -12,109 +12,114 @@ use serde::{Deserialize, Serialize};
 
 use super::Cnc;
 use crate::alarm::{Alarm, number};
-use crate::command::{ProgramId, Source};
-use crate::program::{Inflow, LineTooLong};
+use crate::command::{ProgramId, SourcePosition};
+use crate::program::{DncBuffer, LineTooLong};
 
 /// Lowest baud rate for DNC (manual III-9.3).
-const SLOWEST: u32 = 4800;
+const MIN_BAUD: u32 = 4800;
 /// Bits of a character (start bit, eight bits, stop bit) times ticks per second.
-const CHARACTER: u32 = 10 * 1000;
+const CHARACTER_CREDIT: u32 = 10 * 1000;
 /// Most characters between the partner and the buffer.
-const ON_THE_LINE: usize = 64;
+const MAX_ON_LINE: usize = 64;
 
 /// The serial line in DNC operation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct DncLine {
     /// Whether a partner is connected.
     #[serde(rename = "partner")]
-    partner: bool,
+    is_connected: bool,
     /// Number of programs requested since power-on.
     #[serde(rename = "calls")]
-    calls: u32,
+    request_count: u32,
     /// Characters on the line, not yet in the buffer.
     #[serde(rename = "coming")]
-    coming: VecDeque<u8>,
+    line_characters: VecDeque<u8>,
     /// Bits that the line could have passed, times 1000.
     credit: u32,
     /// Whether the partner has sent the whole program.
     #[serde(rename = "ended")]
-    ended: bool,
+    is_complete: bool,
 }
 
 impl DncLine {
     /// CTRD: whether characters are being received.
-    pub(super) fn receives(&self) -> bool {
-        !self.coming.is_empty()
+    pub(super) fn is_receiving(&self) -> bool {
+        !self.line_characters.is_empty()
     }
 }
 
 impl Cnc {
     /// Connects or disconnects a partner that sends programs. A disconnection while its
     /// program runs ends the program with alarm 086.
-    pub fn connect_dnc(&mut self, partner: bool) {
-        let gone = self.dnc.partner && !partner;
-        self.dnc.partner = partner;
-        if gone {
-            self.dnc_broken(say::serial_nobody_any_more());
+    pub fn set_dnc_partner(&mut self, is_connected: bool) {
+        let was_disconnected = self.dnc.is_connected && !is_connected;
+        self.dnc.is_connected = is_connected;
+        if was_disconnected {
+            self.fail_dnc(say::serial_nobody_any_more());
         }
     }
 
     /// Number of programs requested since power-on. A partner sends its program from the
     /// start each time the number changes.
-    pub const fn dnc_calls(&self) -> u32 {
-        self.dnc.calls
+    pub const fn dnc_request_count(&self) -> u32 {
+        self.dnc.request_count
     }
 
     /// Number of characters that may be sent now; 0 means XOFF.
-    pub fn dnc_room(&self) -> usize {
-        let coming = self.dnc.coming.len();
-        match self.memory.programs.inflow() {
-            Some(inflow) if !self.dnc.ended => inflow
-                .room()
-                .saturating_sub(coming)
-                .min(ON_THE_LINE - coming.min(ON_THE_LINE)),
+    pub fn dnc_free_characters(&self) -> usize {
+        let on_line = self.dnc.line_characters.len();
+        match self.memory.programs.dnc_buffer() {
+            Some(inflow) if !self.dnc.is_complete => inflow
+                .free_characters()
+                .saturating_sub(on_line)
+                .min(MAX_ON_LINE - on_line.min(MAX_ON_LINE)),
             _ => 0,
         }
     }
 
-    /// Takes characters from the partner, up to [`dnc_room`](Self::dnc_room). Returns how
+    /// Takes characters from the partner, up to [`dnc_free_characters`](Self::dnc_free_characters). Returns how
     /// many were taken.
-    pub fn dnc_send(&mut self, characters: &[u8]) -> usize {
-        let taken = characters.len().min(self.dnc_room());
-        self.dnc.coming.extend(characters.iter().take(taken));
+    pub fn receive_dnc(&mut self, characters: &[u8]) -> usize {
+        let taken = characters.len().min(self.dnc_free_characters());
+        self.dnc
+            .line_characters
+            .extend(characters.iter().take(taken));
         taken
     }
 
     /// Notes that the partner has sent the whole program.
-    pub const fn dnc_end(&mut self) {
-        self.dnc.ended = true;
+    pub const fn end_dnc(&mut self) {
+        self.dnc.is_complete = true;
     }
 
     /// Notes that the line failed; a program that it delivers ends with alarm 086.
-    pub fn dnc_broken(&mut self, reason: impl Into<Message>) {
-        if self.memory.programs.inflow().is_some() {
-            self.raise(Alarm::new(number::SERIAL_NOT_READY).because(reason));
+    pub fn fail_dnc(&mut self, reason: impl Into<Message>) {
+        if self.memory.programs.dnc_buffer().is_some() {
+            self.raise(Alarm::new(number::SERIAL_NOT_READY).with_detail(reason));
         }
     }
 
     /// Sends DC1 at cycle start and requests a program from its beginning.
-    pub(crate) fn call_for_program(&mut self) -> Result<(), Alarm> {
-        let refused = |reason: Message| Err(Alarm::new(number::SERIAL_NOT_READY).because(reason));
+    pub(crate) fn request_dnc_program(&mut self) -> Result<(), Alarm> {
+        let refused =
+            |reason: Message| Err(Alarm::new(number::SERIAL_NOT_READY).with_detail(reason));
         if !self.memory.parameters.has_serial_port() {
             return refused(say::serial_off());
         }
-        if self.baud() < SLOWEST {
-            return refused(say::baud_rate_too_low(SLOWEST));
+        if self.baud() < MIN_BAUD {
+            return refused(say::baud_rate_too_low(MIN_BAUD));
         }
-        if !self.dnc.partner {
+        if !self.dnc.is_connected {
             return refused(say::serial_nobody());
         }
         self.dnc = DncLine {
-            partner: true,
-            calls: self.dnc.calls.wrapping_add(1),
+            is_connected: true,
+            request_count: self.dnc.request_count.wrapping_add(1),
             ..DncLine::default()
         };
-        self.memory.programs.set_inflow(Some(Inflow::default()));
+        self.memory
+            .programs
+            .set_dnc_buffer(Some(DncBuffer::default()));
         Ok(())
     }
 
@@ -123,68 +128,71 @@ impl Cnc {
     }
 
     /// Advances the line by one tick (1 ms).
-    pub(super) fn dnc_tick(&mut self) {
-        if self.memory.programs.inflow().is_none() {
+    pub(super) fn advance_dnc(&mut self) {
+        if self.memory.programs.dnc_buffer().is_none() {
             return;
         }
-        if !self.has_program_run() {
+        if !self.has_resumable_run() {
             // RESET, the end of the program or an alarm: DC3, and unread characters are
             // dropped.
-            self.memory.programs.set_inflow(None);
-            self.dnc.coming.clear();
+            self.memory.programs.set_dnc_buffer(None);
+            self.dnc.line_characters.clear();
             return;
         }
         let baud = self.baud();
-        if let Err(long) = self.dnc.pass(baud, self.memory.programs.inflow_mut()) {
-            let LineTooLong { line, most } = long;
+        if let Err(long) = self
+            .dnc
+            .advance(baud, self.memory.programs.dnc_buffer_mut())
+        {
+            let LineTooLong { line, limit: most } = long;
             let alarm = Alarm::new(number::SERIAL_GARBLED)
-                .because(say::serial_line_too_long(most))
-                .at(Source {
+                .with_detail(say::serial_line_too_long(most))
+                .with_source(SourcePosition {
                     program: ProgramId::Dnc,
                     line,
                     sequence: None,
                 });
             self.raise(alarm);
         }
-        self.take_in_what_arrived();
+        self.read_received_blocks();
     }
 
     /// Appends the received blocks to the readable part of the program.
-    pub(crate) fn take_in_what_arrived(&mut self) {
-        let Some(inflow) = self.memory.programs.inflow_mut() else {
+    pub(crate) fn read_received_blocks(&mut self) {
+        let Some(inflow) = self.memory.programs.dnc_buffer_mut() else {
             return;
         };
-        let Some(next) = self.run.interpreter.next_coming_in() else {
+        let Some(next) = self.run.interpreter.next_arriving_block() else {
             return;
         };
         let before = inflow.window().clone();
-        let gone = inflow.move_on(next);
+        let dropped = inflow.advance_window(next);
         if *inflow.window() != before {
-            self.run.interpreter.blocks_gone(gone);
-            self.run.automatic.waiting = false;
+            self.run.interpreter.drop_arrived_blocks(dropped);
+            self.run.automatic.waits_for_standstill = false;
         }
     }
 }
 
 impl DncLine {
     /// Moves the characters that the line passes in a tick to the buffer.
-    fn pass(&mut self, baud: u32, inflow: Option<&mut Inflow>) -> Result<(), LineTooLong> {
+    fn advance(&mut self, baud: u32, inflow: Option<&mut DncBuffer>) -> Result<(), LineTooLong> {
         let Some(inflow) = inflow else {
             return Ok(());
         };
-        if self.coming.is_empty() {
+        if self.line_characters.is_empty() {
             self.credit = 0;
-            if self.ended {
+            if self.is_complete {
                 inflow.finish();
             }
             return Ok(());
         }
         self.credit = self.credit.saturating_add(baud);
-        while self.credit >= CHARACTER
-            && let Some(byte) = self.coming.pop_front()
+        while self.credit >= CHARACTER_CREDIT
+            && let Some(byte) = self.line_characters.pop_front()
         {
-            self.credit -= CHARACTER;
-            inflow.take(byte)?;
+            self.credit -= CHARACTER_CREDIT;
+            inflow.receive_byte(byte)?;
         }
         Ok(())
     }

@@ -10,7 +10,7 @@ use crate::units::{Axis, Feed, Point, percent_to_factor};
 
 impl Cnc {
     /// Checks a rapid or a cut before it begins, at the present overrides.
-    pub(crate) fn check_gear_before(
+    pub(crate) fn check_gear_before_move(
         &self,
         kind: MoveKind,
         to: Point,
@@ -23,22 +23,22 @@ impl Cnc {
             Feed::PerMinute(rate) => rate,
             Feed::PerRevolution(rate) => rate * self.spindle.control.actual_rpm().abs(),
         };
-        let way = to - self.drives.interpolator.commanded();
+        let displacement = to - self.drives.interpolator.commanded();
         let feed = per_minute * self.feed_override_factor();
-        let mut top = top_speed(kind, way, feed, &self.drives.limits);
+        let mut top = top_speed(kind, displacement, feed, &self.drives.limits);
         if kind == MoveKind::Rapid {
-            let part = percent_to_factor(self.plc.signals.rapid_override);
-            let at_most = |axis| {
+            let factor = percent_to_factor(self.plc.signals.rapid_override);
+            let limit_rapid = |axis| {
                 top.get(axis)
-                    .min(self.drives.limits.rapid_rate(axis) * part)
+                    .min(self.drives.limits.rapid_rate(axis) * factor)
             };
-            top = Point::new(at_most(Axis::X), at_most(Axis::Z));
+            top = Point::new(limit_rapid(Axis::X), limit_rapid(Axis::Z));
         }
         check_gear_speed(&self.drives.limits, top)
     }
 
     /// Checks the speed of the last tick.
-    pub(crate) fn watch_gear_speed(&mut self) {
+    pub(crate) fn check_gear_speed_of_tick(&mut self) {
         if !self.drives.limits.gear_limits_speed() {
             return;
         }
@@ -48,7 +48,7 @@ impl Cnc {
         };
         self.drives.interpolator.decelerate();
         let alarm = match &self.run.automatic.current {
-            Some(current) => alarm.at(current.command.source),
+            Some(current) => alarm.with_source(current.command.source),
             None => alarm,
         };
         self.raise(alarm);

@@ -7,7 +7,7 @@ use gsk_plc::{Ladder, PlcMemory};
 
 use super::Cnc;
 use super::parts::PlcPort;
-use crate::memory::{Parameters, parameter};
+use crate::memory::{ControlParameters, parameter};
 
 /// Step of a halted ladder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +40,7 @@ const MODE_AT_POWER_ON: u16 = 9;
 
 /// Sets the PLC memory before its first scan: timer presets, and the mode of 174 (manual
 /// III-1.3; MDOK = 0: the mode at power-off, which K9 holds).
-pub(super) fn preset_plc(memory: &mut PlcMemory, parameters: &Parameters) {
+pub(super) fn preset_plc(memory: &mut PlcMemory, parameters: &ControlParameters) {
     for (entry, parameter) in TIMER_PRESETS {
         memory.set_dt(entry, parameters.timer_ms(parameter));
     }
@@ -72,16 +72,16 @@ impl Cnc {
         if !self.plc.halted {
             return;
         }
-        let was = self.plc.signals.clone();
+        let before = self.plc.signals.clone();
         match step {
             LadderStep::Rung => self.plc.engine.step_rung(),
             LadderStep::Slot => self.plc.engine.run_slot(),
         }
-        self.read_signals(&was);
+        self.read_signals(&before);
     }
 
     /// Whether the ladder is halted for stepping.
-    pub const fn ladder_halted(&self) -> bool {
+    pub const fn is_ladder_halted(&self) -> bool {
         self.plc.halted
     }
 

@@ -2,14 +2,14 @@
 
 use super::Cnc;
 use crate::motion::{DryRun, MotionInputs, RapidOverride};
-use crate::operation::{JOG_RATE_MAX, Mode, RunState, jog_rate};
+use crate::operation::{JOG_RATE_MAX, OperatingMode, RunState, jog_rate};
 use crate::units::{Axis, PerAxis, Point, percent_to_factor};
 
 /// Most motions shorter than a tick that are executed in one tick.
 const MOTIONS_PER_TICK: usize = 16;
 
 /// Whether two coordinates of one axis are equal except for rounding, mm.
-fn is_same(one: f64, other: f64) -> bool {
+fn is_equal(one: f64, other: f64) -> bool {
     (one - other).abs() < 1e-6
 }
 
@@ -21,9 +21,9 @@ impl Cnc {
             rapid_override: RapidOverride::from_percent(self.plc.signals.rapid_override),
             spindle_rpm: self.spindle.control.actual_rpm(),
             spindle: self.spindle.angle.turn(),
-            thread_continues: self.run.automatic.thread_continues(),
-            cut_continues: self.cut_continues(),
-            hold: self.is_motion_held() || self.run_interlocked(),
+            thread_continues: self.run.automatic.continues_thread(),
+            cut_continues: self.continues_cut(),
+            hold: self.is_motion_held() || self.is_run_interlocked(),
             dry_run: self.dry_run(),
         }
     }
@@ -31,34 +31,34 @@ impl Cnc {
     /// Whether feed hold stops the motion of a program.
     fn is_motion_held(&self) -> bool {
         self.run.automatic.state == RunState::Hold
-            && self.run.held.is_none()
-            && !self.run.automatic.protected()
+            && self.run.held_motion.is_none()
+            && !self.run.automatic.is_hold_protected()
     }
 
-    pub(super) fn motion_tick(&mut self) {
+    pub(super) fn advance_motion(&mut self) {
         let held = self.is_motion_held();
         let mut inputs = self.motion_inputs();
         self.drives.interpolator.tick(&self.drives.limits, &inputs);
         for _ in 0..MOTIONS_PER_TICK {
-            if !self.begin_within_tick() {
+            if !self.start_within_tick() {
                 break;
             }
-            inputs.thread_continues = self.run.automatic.thread_continues();
-            inputs.cut_continues = self.cut_continues();
-            inputs.hold = held || self.run_interlocked();
+            inputs.thread_continues = self.run.automatic.continues_thread();
+            inputs.cut_continues = self.continues_cut();
+            inputs.hold = held || self.is_run_interlocked();
             self.drives
                 .interpolator
                 .continue_tick(&self.drives.limits, &inputs);
         }
         self.drives
-            .chain
+            .axis_chain
             .advance(self.position(), self.plc.signals.machine_lock);
-        self.watch_gear_speed();
+        self.check_gear_speed_of_tick();
     }
 
     /// The feed override in force, as a factor: 1 when OVC (G6.4) cancels it.
     pub fn feed_override_factor(&self) -> f64 {
-        if self.plc.signals.override_cancel || self.run.registers.off.feed_override() {
+        if self.plc.signals.override_cancel || self.run.registers.off.is_feed_override_off() {
             return 1.0;
         }
         percent_to_factor(self.plc.signals.feed_override)
@@ -68,18 +68,21 @@ impl Cnc {
     /// step with manual rapid on; rapids at the jog rate, unless manual rapid is on or
     /// 004.6 RDRN = 1. `None`: no dry run.
     pub(crate) fn dry_run(&self) -> Option<DryRun> {
-        if !self.plc.signals.dry_run || !matches!(self.run.mode, Mode::Auto | Mode::Dnc) {
+        if !self.plc.signals.dry_run
+            || !matches!(self.run.mode, OperatingMode::Auto | OperatingMode::Dnc)
+        {
             return None;
         }
         let jog = jog_rate(self.plc.signals.jog_code);
         let rapid = self.plc.signals.rapid;
         Some(DryRun {
-            cutting: if rapid { JOG_RATE_MAX } else { jog },
-            rapid: (!rapid && !self.memory.parameters.dry_run_keeps_rapid()).then_some(jog),
+            cutting_mm_per_min: if rapid { JOG_RATE_MAX } else { jog },
+            rapid_mm_per_min: (!rapid && !self.memory.parameters.dry_run_keeps_rapid())
+                .then_some(jog),
         })
     }
 
-    pub(crate) const fn machine_locked(&self) -> bool {
+    pub(crate) const fn is_machine_locked(&self) -> bool {
         self.plc.signals.machine_lock.x && self.plc.signals.machine_lock.z
     }
 
@@ -87,20 +90,20 @@ impl Cnc {
     /// before a run. The display and the slides stay, and machine coordinates are valid
     /// again.
     pub(crate) fn settle_coordinates(&mut self) {
-        let slide = self.drives.chain.slide();
-        let away = self.position() - slide;
-        self.drives.interpolator.translate(-away);
-        self.drives.chain.preset(Axis::X, slide.x);
-        self.drives.chain.preset(Axis::Z, slide.z);
-        self.coordinates.frame.zero = self.coordinates.frame.zero - away;
+        let slide = self.drives.axis_chain.slide_position();
+        let held_back = self.position() - slide;
+        self.drives.interpolator.translate(-held_back);
+        self.drives.axis_chain.preset(Axis::X, slide.x);
+        self.drives.axis_chain.preset(Axis::Z, slide.z);
+        self.coordinates.frame.zero = self.coordinates.frame.zero - held_back;
         let frame = self.coordinates.frame;
         let (interpreter, world) = self.interpreter_and_world(true);
         interpreter.set_frame(frame, &world);
     }
 
     /// Real position of the slides, machine coordinates.
-    pub(crate) fn slide(&self) -> Point {
-        self.drives.chain.slide()
+    pub(crate) fn slide_position(&self) -> Point {
+        self.drives.axis_chain.slide_position()
     }
 
     /// Position at which the axes stop if they brake now.
@@ -110,12 +113,12 @@ impl Cnc {
 
     /// Switches the zero lamps off when an axis leaves its reference point or the program
     /// zero.
-    pub(super) fn watch_reference(&mut self) {
-        let slide = self.slide();
-        let at_zero = self.stands_on_program_zero();
+    pub(super) fn update_reference_lamps(&mut self) {
+        let slide = self.slide_position();
+        let at_zero = self.is_on_program_zero();
         for axis in [Axis::X, Axis::Z] {
             let at = self.coordinates.at_reference.get_mut(axis);
-            if at.is_some_and(|at| !is_same(at, slide.get(axis))) {
+            if at.is_some_and(|at| !is_equal(at, slide.get(axis))) {
                 *at = None;
             }
             *self.coordinates.program_zero_ended.get_mut(axis) &= *at_zero.get(axis);
@@ -130,18 +133,18 @@ impl Cnc {
     }
 
     /// Axes whose slide is at the position of the last G50.
-    fn stands_on_program_zero(&self) -> PerAxis<bool> {
+    fn is_on_program_zero(&self) -> PerAxis<bool> {
         let Some(zero) = self.coordinates.program_zero else {
             return PerAxis::default();
         };
-        let slide = self.slide();
-        PerAxis::new(is_same(slide.x, zero.x), is_same(slide.z, zero.z))
+        let slide = self.slide_position();
+        PerAxis::new(is_equal(slide.x, zero.x), is_equal(slide.z, zero.z))
     }
 
     /// PRO: axes at the program zero.
     pub(super) fn at_program_zero(&self) -> PerAxis<bool> {
-        let stands = self.stands_on_program_zero();
+        let is_at_zero = self.is_on_program_zero();
         let ended = self.coordinates.program_zero_ended;
-        PerAxis::new(stands.x && !ended.x, stands.z && !ended.z)
+        PerAxis::new(is_at_zero.x && !ended.x, is_at_zero.z && !ended.z)
     }
 }

@@ -4,23 +4,23 @@
 use super::{Cnc, SerialPort};
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
-use crate::machine::{Inputs, OverLimit, pins};
-use crate::model::{Edge, LadderOutput, MCode, Side, Wire, ncb08};
+use crate::machine::{MachineInputs, TrippedLimit, pins};
+use crate::model::{AxisEnd, EdgeAction, LadderOutput, MCode, WiredContact, ncb08};
 use crate::motion::JogRate;
-use crate::operation::{FromPlc, InputFilter, Mode, Return, RunState, ToPlc};
-use crate::program::Inflow;
+use crate::operation::{FromPlc, InputFilter, OperatingMode, RunState, ToPlc, ZeroReturnStage};
+use crate::program::DncBuffer;
 use crate::units::{Axis, PerAxis, Point};
 
 /// Bit mask of output numbers.
-fn mask(outputs: &[u8]) -> u32 {
+fn output_mask(outputs: &[u8]) -> u32 {
     outputs.iter().fold(0, |bits, output| bits | 1 << output)
 }
 
 /// The limit switch at a side of an axis.
-const fn over_limit(side: Side) -> OverLimit {
+const fn limit_at(side: AxisEnd) -> TrippedLimit {
     match side {
-        Side::Plus => OverLimit::Plus,
-        Side::Minus => OverLimit::Minus,
+        AxisEnd::Plus => TrippedLimit::Plus,
+        AxisEnd::Minus => TrippedLimit::Minus,
     }
 }
 
@@ -30,16 +30,16 @@ const PROGRAM_OUTPUTS: u16 = 54;
 impl Cnc {
     /// Switches outputs of a program; after `ms` those in `on` switch off again.
     pub(super) fn switch_outputs(&mut self, on: u32, off: u32, ms: u32) {
-        let now = self.program_outputs();
-        let then = self.plc.output_timers.switch(now, on, off, ms);
-        self.set_program_outputs(then);
+        let before = self.program_outputs();
+        let after = self.plc.output_timers.switch(before, on, off, ms);
+        self.set_program_outputs(after);
     }
 
     /// Switches off the outputs whose time has elapsed.
-    pub(super) fn output_tick(&mut self) {
-        let over = self.plc.output_timers.tick();
-        if over != 0 {
-            self.set_program_outputs(self.program_outputs() & !over);
+    pub(super) fn advance_output_timers(&mut self) {
+        let elapsed = self.plc.output_timers.tick();
+        if elapsed != 0 {
+            self.set_program_outputs(self.program_outputs() & !elapsed);
         }
     }
 
@@ -57,12 +57,12 @@ impl Cnc {
     }
 
     /// Whether a machine input has a level: 0 is X0.0, 8 is X1.0.
-    pub(super) fn input_is(&self, input: u8, high: bool) -> bool {
-        self.input(input) == high
+    pub(super) fn has_input_level(&self, input: u8, high: bool) -> bool {
+        self.input_level(input) == high
     }
 
     /// Level of an input by its number on the model.
-    fn input(&self, input: u8) -> bool {
+    fn input_level(&self, input: u8) -> bool {
         let contact = self.memory.model.record().first_input + input;
         let byte = self.plc.engine.memory().x(u16::from(contact / 8));
         byte >> (contact % 8) & 1 == 1
@@ -70,74 +70,79 @@ impl Cnc {
 
     /// Combines the inputs of the model with the contacts of the machine: a switch acts
     /// through either of them, and both show it.
-    fn join_wires(&self, inputs: &Inputs, contacts: &mut [u8]) {
+    fn combine_inputs(&self, inputs: &MachineInputs, contacts: &mut [u8]) {
         let record = self.memory.model.record();
-        let is_on = |(byte, bit): pins::Pin| {
+        let is_on = |(byte, bit): pins::ContactPin| {
             let levels = inputs.x.get(usize::from(byte)).copied();
             levels.unwrap_or(0) >> bit & 1 == 1
         };
-        let mut set = |(byte, bit): pins::Pin, on: bool| {
+        let mut set = |(byte, bit): pins::ContactPin, on: bool| {
             if let Some(levels) = contacts.get_mut(usize::from(byte)) {
                 *levels = *levels & !(1 << bit) | u8::from(on) << bit;
             }
         };
-        let pressed = self.memory.parameters.closed_means_deceleration();
+        let pressed = self.memory.parameters.is_deceleration_closed();
         for (input, wire) in &record.wires {
             let contact = record.first_input + input;
-            let own = (contact / 8, contact % 8);
+            let input_contact = (contact / 8, contact % 8);
             let (pin, operated) = match *wire {
                 // The contact of the emergency-stop loop opens.
-                Wire::EmergencyStop => (pins::EMERGENCY_STOP, false),
-                Wire::Limit(axis, side) => {
-                    if *inputs.over_limit.get(axis) == Some(over_limit(side)) {
-                        set(own, true);
+                WiredContact::EmergencyStop => (pins::EMERGENCY_STOP, false),
+                WiredContact::Limit(axis, side) => {
+                    if *inputs.over_limit.get(axis) == Some(limit_at(side)) {
+                        set(input_contact, true);
                     }
                     (pins::EMERGENCY_STOP, false)
                 }
-                Wire::Deceleration(Axis::X) => (pins::DECELERATION_X, pressed),
-                Wire::Deceleration(Axis::Z) => (pins::DECELERATION_Z, pressed),
+                WiredContact::Deceleration(Axis::X) => (pins::DECELERATION_X, pressed),
+                WiredContact::Deceleration(Axis::Z) => (pins::DECELERATION_Z, pressed),
             };
-            if is_on(own) {
+            if is_on(input_contact) {
                 set(pin, operated);
-            } else if matches!(wire, Wire::Deceleration(_)) && is_on(pin) == operated {
-                set(own, true);
+            } else if matches!(wire, WiredContact::Deceleration(_)) && is_on(pin) == operated {
+                set(input_contact, true);
             }
         }
     }
 
     /// The limit switch of an axis that an input of the model reports.
-    pub(super) fn wired_limit(&self, axis: Axis) -> Option<OverLimit> {
+    pub(super) fn limit_reported_by_input(&self, axis: Axis) -> Option<TrippedLimit> {
         let wires = &self.memory.model.record().wires;
         wires.iter().find_map(|(input, wire)| match *wire {
-            Wire::Limit(of, side) if of == axis && self.input(*input) => Some(over_limit(side)),
+            WiredContact::Limit(of, side) if of == axis && self.input_level(*input) => {
+                Some(limit_at(side))
+            }
             _ => None,
         })
     }
 
     /// Switches the outputs of the model that follow outputs of the ladder.
-    fn follow_outputs(&mut self) {
+    fn update_following_outputs(&mut self) {
         let record = self.memory.model.record();
         if record.followers.is_empty() && record.brake_output.is_none() {
             return;
         }
         let memory = self.plc.engine.memory();
-        let is_on = |(byte, bit): pins::Pin| memory.y(u16::from(byte)) >> bit & 1 == 1;
+        let is_on = |(byte, bit): pins::ContactPin| memory.y(u16::from(byte)) >> bit & 1 == 1;
         let pin = |output: LadderOutput| match output {
             LadderOutput::Coolant => pins::COOLANT,
             LadderOutput::SpindleForward => pins::FORWARD,
             LadderOutput::SpindleReverse => pins::REVERSE,
         };
-        let followed = record.followers.iter().map(|it| is_on(pin(it.output)));
+        let followed = record
+            .followers
+            .iter()
+            .map(|follower| is_on(pin(follower.output)));
         let levels = followed
             .chain([is_on(pins::BRAKE)])
             .enumerate()
             .fold(0_u32, |levels, (index, on)| levels | u32::from(on) << index);
-        let before = core::mem::replace(&mut self.plc.followed, levels);
+        let before = core::mem::replace(&mut self.plc.followed_levels, levels);
         let changed = |index: usize| (levels ^ before) >> index & 1 == 1;
-        let now_on = |index: usize| levels >> index & 1 == 1;
+        let is_on_now = |index: usize| levels >> index & 1 == 1;
         for (index, follower) in record.followers.iter().enumerate() {
             if changed(index) {
-                self.act_by_hand(if now_on(index) {
+                self.switch_m_outputs(if is_on_now(index) {
                     follower.on
                 } else {
                     follower.off
@@ -147,7 +152,7 @@ impl Cnc {
         let brake = record.followers.len();
         if let Some(output) = record.brake_output.filter(|_| changed(brake)) {
             let bit = 1 << output;
-            match now_on(brake) {
+            match is_on_now(brake) {
                 true => self.switch_outputs(bit, 0, 0),
                 false => self.switch_outputs(0, bit, 0),
             }
@@ -156,17 +161,17 @@ impl Cnc {
 
     /// Handles inputs with an own function during manual operation: their edges switch
     /// outputs, or start an M function.
-    fn watch_edges(&mut self) {
+    fn handle_input_edges(&mut self) {
         let record = self.memory.model.record();
         if record.edges.is_empty() {
             return;
         }
         let levels = record.edges.keys().fold(0_u32, |levels, input| {
-            levels | u32::from(self.input(*input)) << input
+            levels | u32::from(self.input_level(*input)) << input
         });
         let risen = levels & !core::mem::replace(&mut self.plc.input_levels, levels);
-        let by_hand = self.run.mode.is_manual() && !self.run.automatic.operating();
-        if !by_hand || self.alarm_state() {
+        let is_manual = self.run.mode.is_manual() && !self.run.automatic.is_operating();
+        if !is_manual || self.is_alarm_active() {
             return;
         }
         for (input, edge) in &record.edges {
@@ -174,13 +179,15 @@ impl Cnc {
                 continue;
             }
             match *edge {
-                Edge::Toggles(first, second) => {
-                    let on = record.m_function(first).map_or(0, |it| mask(&it.on));
-                    let stands = self.program_outputs() & on == on;
-                    self.act_by_hand(if stands { second } else { first });
+                EdgeAction::Toggles(first, second) => {
+                    let on = record
+                        .m_function(first)
+                        .map_or(0, |function| output_mask(&function.on));
+                    let is_on = self.program_outputs() & on == on;
+                    self.switch_m_outputs(if is_on { second } else { first });
                 }
-                Edge::Does(code) => {
-                    self.act_by_hand(code);
+                EdgeAction::Does(code) => {
+                    self.switch_m_outputs(code);
                     self.output_m(code);
                 }
             }
@@ -188,97 +195,100 @@ impl Cnc {
     }
 
     /// Switches the outputs of an M code, as a program does.
-    fn act_by_hand(&mut self, code: u8) {
+    fn switch_m_outputs(&mut self, code: u8) {
         let model = &self.memory.model;
         let Some(function) = model.record().m_function(code) else {
             return;
         };
-        let ms = match function.does {
+        let ms = match function.meaning {
             MCode::Clamp => model.parameter(ncb08::CLAMP_TIME).unsigned_abs(),
             _ => 0,
         };
-        self.switch_outputs(mask(&function.on), mask(&function.off), ms);
+        self.switch_outputs(output_mask(&function.on), output_mask(&function.off), ms);
     }
 
-    pub(super) fn sample_contacts(&mut self, inputs: &Inputs) {
+    pub(super) fn sample_contacts(&mut self, inputs: &MachineInputs) {
         let mut contacts = inputs.x;
         for (contact, key) in contacts.iter_mut().zip(self.plc.panel_keys) {
             *contact |= key;
         }
-        self.join_wires(inputs, &mut contacts);
+        self.combine_inputs(inputs, &mut contacts);
         if self.ticks == 1 {
-            self.plc.filter = InputFilter::standing(&contacts);
+            self.plc.filter = InputFilter::from_contacts(&contacts);
         }
         self.plc
             .filter
-            .sample(&contacts, self.memory.parameters.debounce());
+            .sample(&contacts, self.memory.parameters.debounce_width());
         let accepted = self.plc.filter.accepted();
         self.plc.engine.memory_mut().set_inputs(accepted);
-        self.watch_edges();
-        self.follow_outputs();
+        self.handle_input_edges();
+        self.update_following_outputs();
         let outputs = self.plc.engine.memory().outputs();
         for (byte, output) in self.plc.y.iter_mut().zip(outputs) {
             *byte = *output;
         }
     }
 
-    pub(super) fn plc_slot(&mut self) {
-        let was = self.plc.signals.clone();
-        self.write_signals(&was);
+    pub(super) fn run_plc_slot(&mut self) {
+        let before = self.plc.signals.clone();
+        self.write_signals(&before);
         if !self.plc.halted {
             self.plc.engine.run_slot();
-            self.read_signals(&was);
+            self.read_signals(&before);
         }
     }
 
     /// Applies the signals of the ladder.
-    pub(super) fn read_signals(&mut self, was: &FromPlc) {
+    pub(super) fn read_signals(&mut self, before: &FromPlc) {
         self.plc.signals = FromPlc::read(self.plc.engine.memory());
-        if self.memory.parameters.override_code_is_inverted() {
+        if self.memory.parameters.is_override_code_inverted() {
             self.plc.signals.feed_override = 150 - self.plc.signals.feed_override;
         }
-        if let Some(least) = self.memory.model.record().least_rapid_override {
+        if let Some(minimum) = self.memory.model.record().least_rapid_override {
             let percent = &mut self.plc.signals.rapid_override;
-            *percent = least.max(*percent);
+            *percent = minimum.max(*percent);
         }
         self.plc.message = self.plc.engine.memory().has_message_request()
             && self.plc.engine.active_messages().next().is_some();
         if let Some(fault) = self.plc.engine.fault() {
             let detail = fault.message();
-            self.raise(Alarm::new(number::POWER_CYCLE).because(detail));
+            self.raise(Alarm::new(number::POWER_CYCLE).with_detail(detail));
         }
         self.follow_mode();
-        self.follow_tool(was.current_tool);
+        self.follow_tool(before.current_tool);
         if self.plc.message {
-            self.feed_hold();
+            self.start_feed_hold();
         } else if self.plc.signals.feed_hold {
-            self.feed_hold_signal();
+            self.handle_feed_hold_signal();
         }
-        if was.start && !self.plc.signals.start {
-            self.cycle_start();
+        if before.start && !self.plc.signals.start {
+            self.handle_cycle_start();
         }
-        if self.plc.signals.next_tool && !was.next_tool {
+        if self.plc.signals.next_tool && !before.next_tool {
             self.index_tool();
         }
     }
 
     fn write_signals(&mut self, g: &FromPlc) {
         let state = self.run.automatic.state;
-        let within_block = self.run.automatic.stands_within_block();
+        let within_block = self.run.automatic.is_stopped_within_block();
         let message = ToPlc {
             mode: self.run.mode,
             started: state == RunState::Run,
-            holding: state == RunState::Hold || self.run.automatic.hold_put_off || within_block,
-            operating: self.run.automatic.operating() || within_block,
-            alarm: self.alarm_state(),
-            reset: self.resetting(),
-            distribution_end: self.run.automatic.distribution_end(),
-            servo_ready: self.servo_ready(),
+            holding: state == RunState::Hold || self.run.automatic.hold_deferred || within_block,
+            operating: self.run.automatic.is_operating() || within_block,
+            alarm: self.is_alarm_active(),
+            reset: self.is_resetting(),
+            distribution_end: self.run.automatic.is_distribution_end(),
+            servo_ready: self.is_servo_ready(),
             rapid: self.plc.last_rapid,
             cutting: self.run.automatic.is_cutting(),
-            dwelling: self.run.automatic.dwelling(),
-            tapping: matches!(self.run.automatic.action(), Some(Action::Tap { .. })),
-            decoded: self.run.automatic.decoded,
+            dwelling: self.run.automatic.is_dwelling(),
+            tapping: matches!(
+                self.run.automatic.current_action(),
+                Some(Action::Tap { .. })
+            ),
+            decoded: self.run.automatic.decoded_m,
             handshake: &self.run.handshake,
             gear: self.spindle.control.selected_gear(),
             at_reference: PerAxis::new(
@@ -287,24 +297,28 @@ impl Cnc {
             ),
             referenced: self.coordinates.referenced,
             at_program_zero: self.at_program_zero(),
-            moving: self.axes_moving(),
+            moving: self.moving_axes(),
             negative: self.plc.negative,
-            output_key: self.plc.output_key && self.run.mode == Mode::Mdi,
+            output_key: self.plc.output_key && self.run.mode == OperatingMode::Mdi,
             sending: self.serial_port == SerialPort::Sending,
-            receiving: self.serial_port == SerialPort::Receiving || self.dnc.receives(),
-            reading_in: self.memory.programs.inflow().is_some_and(Inflow::goes_on),
+            receiving: self.serial_port == SerialPort::Receiving || self.dnc.is_receiving(),
+            receiving_in_background: self
+                .memory
+                .programs
+                .dnc_buffer()
+                .is_some_and(DncBuffer::has_more),
             stopped_by_override: self.feed_override_factor() <= 0.0,
-            checking: self.run.automatic.operating() && self.is_board_behind(),
+            board_lags: self.run.automatic.is_operating() && self.is_board_lagging(),
             soft_switches: self.plc.soft_switches,
             ready: !self.alarms.contains(number::POWER_CYCLE),
-            spindle_jog: self.spindle_jog(),
+            spindle_jog: self.is_spindle_jogging(),
             parameters: &self.memory.parameters,
         };
         message.write(self.plc.engine.memory_mut(), g);
     }
 
     /// MV: axes that move. Machine lock keeps an axis at its position.
-    fn axes_moving(&self) -> PerAxis<bool> {
+    fn moving_axes(&self) -> PerAxis<bool> {
         let velocity = self.drives.interpolator.velocity();
         let locked = self.plc.signals.machine_lock;
         PerAxis::new(
@@ -314,83 +328,91 @@ impl Cnc {
     }
 
     /// Updates MVD and RPDO from the last motion; once per tick.
-    pub(super) fn note_motion(&mut self) {
+    pub(super) fn update_motion_signals(&mut self) {
         let velocity = self.drives.interpolator.velocity();
         if velocity == Point::default() {
             return;
         }
-        let moving = self.axes_moving();
+        let moving = self.moving_axes();
         for axis in [Axis::X, Axis::Z] {
             if *moving.get(axis) {
                 *self.plc.negative.get_mut(axis) = velocity.get(axis) < 0.0;
             }
         }
-        if let Some(rapid) = self.selects_rapid() {
+        if let Some(rapid) = self.is_at_rapid_rate() {
             self.plc.last_rapid = rapid;
         }
     }
 
     /// Whether the motion under way is at a rapid rate, programmed or manual; `None` while
     /// the axes decelerate after it.
-    fn selects_rapid(&self) -> Option<bool> {
+    fn is_at_rapid_rate(&self) -> Option<bool> {
         let returns = [Axis::X, Axis::Z].map(|axis| *self.coordinates.returns.get(axis));
         if returns.iter().any(Option::is_some) {
-            let rapid = |stage: &Option<Return>| {
+            let is_rapid = |stage: &Option<ZeroReturnStage>| {
                 matches!(
                     stage,
-                    Some(Return::Approach | Return::Straight | Return::Board)
+                    Some(
+                        ZeroReturnStage::Approach
+                            | ZeroReturnStage::Straight
+                            | ZeroReturnStage::BoardHoming
+                    )
                 )
             };
-            return Some(returns.iter().any(rapid));
+            return Some(returns.iter().any(is_rapid));
         }
         // Motion suspended for manual motion is not under way.
-        let programmed = self.run.automatic.action();
-        if let Some(action) = programmed.filter(|_| self.run.held.is_none()) {
+        let programmed = self.run.automatic.current_action();
+        if let Some(action) = programmed.filter(|_| self.run.held_motion.is_none()) {
             // A dry run without manual rapid executes rapids at the jog rate.
-            let at_rapid_rate = self.dry_run().is_none_or(|dry| dry.rapid.is_none());
+            let at_rapid_rate = self
+                .dry_run()
+                .is_none_or(|dry| dry.rapid_mm_per_min.is_none());
             return match action {
                 Action::Rapid { .. } => Some(at_rapid_rate),
                 action => action.is_motion().then_some(false),
             };
         }
-        let by_hand = |axis: Axis| match *self.hand.jog.get(axis) {
+        let manual_rapid = |axis: Axis| match *self.hand.jog.get(axis) {
             Some((_, rate)) => Some(rate == JogRate::Rapid),
-            None if !self.drives.interpolator.stepping(axis) => None,
+            None if !self.drives.interpolator.is_stepping(axis) => None,
             None => {
-                let steps = self.run.mode.motion() == Mode::Step;
+                let steps = self.run.mode.motion_mode() == OperatingMode::Step;
                 Some(steps && self.manual_rate(axis) == JogRate::Rapid)
             }
         };
-        match (by_hand(Axis::X), by_hand(Axis::Z)) {
+        match (manual_rapid(Axis::X), manual_rapid(Axis::Z)) {
             (None, None) => None,
             (x, z) => Some(x == Some(true) || z == Some(true)),
         }
     }
 
     /// SA: the drives are enabled and ready, and none has an alarm.
-    fn servo_ready(&self) -> bool {
+    fn is_servo_ready(&self) -> bool {
         !self.emergency_stop
             && !self.is_not_ready()
             && self.drives.watch.ready
-            && self.drives.board.is_none_or(|board| board.known)
+            && self.drives.board.is_none_or(|board| board.position_known)
     }
 
     /// Follows the mode that the ladder commands.
     fn follow_mode(&mut self) {
-        let handwheel = self.memory.parameters.handwheel();
-        let Some(mode) = Mode::from_code(self.plc.signals.mode_code, handwheel) else {
+        let handwheel = self.memory.parameters.has_handwheel();
+        let Some(mode) = OperatingMode::from_code(self.plc.signals.mode_code, handwheel) else {
             return;
         };
         if mode == self.run.mode {
             return;
         }
-        let left = core::mem::replace(&mut self.run.mode, mode);
-        if left.is_manual() {
-            self.manual_mode_left();
+        let previous = core::mem::replace(&mut self.run.mode, mode);
+        if previous.is_manual() {
+            self.leave_manual_mode();
         }
         if mode.is_manual() {
-            self.feed_hold();
-        } else if mode == Mode::Edit || self.run.automatic.operating() && !self.runs_in(mode) {
+            self.start_feed_hold();
+        } else if mode == OperatingMode::Edit
+            || self.run.automatic.is_operating() && !self.belongs_to_mode(mode)
+        {
             self.run.automatic.request_stop();
         }
     }

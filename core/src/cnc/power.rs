@@ -4,7 +4,9 @@ use gsk_plc::Plc;
 use gsk_plc::address::{Area, BitAddress};
 
 use super::ladder::preset_plc;
-use super::parts::{Coordinates, Drives, HandMotion, PlcPort, Run, SpindleUnit, Switches};
+use super::parts::{
+    CncRun, Coordinates, DriveUnit, ManualMotion, PlcPort, SpindleUnit, WriteSwitches,
+};
 use super::{Cnc, DncLine, SerialPort};
 use crate::command::SpindleCommand;
 use crate::interpreter::Interpreter;
@@ -42,13 +44,13 @@ impl Cnc {
         interpreter.set_macro_b(memory.settings.macro_b);
         interpreter.set_model(&memory.model);
         interpreter.set_tool(tool);
-        interpreter.set_machine_codes(MachineCodes::of(plc.ladder().m_codes()));
+        interpreter.set_machine_codes(MachineCodes::from_declared(plc.ladder().m_codes()));
         let start = setup.start.unwrap_or_default();
         let absolute = setup
             .absolute
             .filter(|_| !parameters.power_off_loses_coordinates());
         let mut cnc = Self {
-            switches: Switches {
+            switches: WriteSwitches {
                 parameters: false,
                 programs: parameters.program_switch_at_power_on(),
             },
@@ -56,9 +58,9 @@ impl Cnc {
             plc: PlcPort::new(plc),
             serial_port: SerialPort::Idle,
             dnc: DncLine::default(),
-            run: Run::new(interpreter, tool, Registers::new(setup.day_time)),
-            drives: Drives::new(&memory, start),
-            hand: HandMotion::default(),
+            run: CncRun::new(interpreter, tool, Registers::new(setup.day_time)),
+            drives: DriveUnit::new(&memory, start),
+            hand: ManualMotion::default(),
             spindle,
             coordinates: Coordinates {
                 referenced,
@@ -66,7 +68,7 @@ impl Cnc {
             },
             alarms: ActiveAlarms::default(),
             emergency_stop: false,
-            reset_left: 0,
+            reset_left_ms: 0,
             ticks: 0,
             events: Vec::new(),
             memory,
@@ -90,7 +92,7 @@ impl Cnc {
             ladder: self.plc.ladder_at_power_on().into(),
             plc_retained: Some(self.plc.engine.memory().retained()),
             start: Some(position),
-            absolute: Some(self.coordinates.frame.program(position)),
+            absolute: Some(self.coordinates.frame.to_program(position)),
             referenced: false,
             zero_kept: self.reference_without_switch(),
             day_time: self.run.registers.day_time(self.ticks),

@@ -3,26 +3,26 @@
 mod data;
 mod programs;
 mod received;
-mod refused;
+mod refusal;
 
 use std::sync::Arc;
 
 use gsk_plc::Ladder;
 use gsk_plc::address::{Area, BitAddress, ByteAddress};
 
-pub use received::{Received, SerialPort};
+pub use received::{ReceivedData, SerialPort};
 
 use super::{Cnc, LadderStep, X_BYTES};
 use crate::alarm::Alarm;
 use crate::command::ProgramId;
-use crate::memory::{Disk, Refusal, Rights, Setting};
+use crate::memory::{ElectronicDisk, Rights, SettingRow, WriteRefusal};
 use crate::operation::{RunState, SoftSwitch};
 use crate::program::Program;
 use crate::units::Axis;
 
 /// A request of the panel.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Request {
+pub enum ControlRequest {
     /// Sets the relative coordinate of one axis to zero.
     ZeroRelative(Axis),
     /// Makes the present position of an axis its machine zero, if the axis has no zero
@@ -52,15 +52,15 @@ pub enum Request {
     /// Deletes all programs that may be deleted.
     DeleteAllPrograms,
     /// Checks whether a program may be edited; raises the alarm that refuses it.
-    AskToEdit(u16),
+    CheckEdit(u16),
     /// Checks whether a program may be sent; raises the alarm that refuses it.
-    AskToSend(u16),
+    CheckSend(u16),
     /// Checks whether a program may be received; raises the alarm that refuses it.
-    AskToReceive(u16),
+    CheckReceive(u16),
     /// State of the serial port from now on (F213).
-    SerialPort(SerialPort),
+    SetSerialPort(SerialPort),
     /// Data received through the serial port.
-    Receive(Received),
+    StoreReceived(ReceivedData),
     /// Stores the edited text of a program.
     StoreEdited {
         /// O number of the program.
@@ -73,7 +73,7 @@ pub enum Request {
     /// Opens a program outside the memory, read-only.
     OpenExternal(Program),
     /// Adds one word to the MDI block.
-    MdiWord(String),
+    AddMdiWord(String),
     /// Sets a common macro variable from its page.
     SetVariable {
         /// Variable number: #200–#231, #500–#515.
@@ -121,7 +121,7 @@ pub enum Request {
         on: bool,
     },
     /// Sets a row of the setting page.
-    SetSetting(Setting, bool),
+    SetSetting(SettingRow, bool),
     /// Switches 参数开关, which permits changes of parameters.
     SetParameterSwitch(bool),
     /// Switches 程序开关, which permits changes of programs.
@@ -129,9 +129,9 @@ pub enum Request {
     /// 取消 and 复位 together: clears alarm 100, the switch stays on.
     CancelSwitchAlarm,
     /// Reads an electronic disk into the memory.
-    LoadDisk(Disk),
+    LoadDisk(ElectronicDisk),
     /// Saves parameters and offsets on an electronic disk.
-    SaveDisk(Disk),
+    SaveDisk(ElectronicDisk),
     /// Enters a password: its level becomes the operation level.
     EnterPassword(String),
     /// Replaces a password.
@@ -142,7 +142,7 @@ pub enum Request {
         new: String,
     },
     /// Lowers the operation level to 5.
-    LeaveLevel,
+    LowerLevel,
     /// Toggles a soft switch of the machine panel page.
     ToggleSoftSwitch(SoftSwitch),
     /// DGN.075: sets the tool that is in position.
@@ -152,9 +152,9 @@ pub enum Request {
     /// Drops the handwheel motion that the axis has not followed yet.
     DropWheel,
     /// Reports whether the OUTPUT key is down.
-    OutputKey(bool),
+    SetOutputKey(bool),
     /// Sets a switch of the page 机床面板; the request reaches the ladder as F75.
-    SoftSwitch(SoftSwitch, bool),
+    SetSoftSwitch(SoftSwitch, bool),
     /// Forces a bit of PLC memory to a value; `None` releases it.
     ForceBit(BitAddress, Option<bool>),
     /// Halts the ladder, or lets it run again.
@@ -176,7 +176,7 @@ pub enum OffsetEntry {
     /// U or W with a value: added to the offset.
     Change(Axis, f64),
     /// U or W alone: takes the relative coordinate.
-    Counter(Axis),
+    RelativeCoordinate(Axis),
     /// R: nose radius in the unit of the display.
     NoseRadius(f64),
     /// Nose radius in mm.
@@ -193,123 +193,133 @@ impl Cnc {
     /// The alarm that was raised: 031 or 071 program not found, 060 sequence number not
     /// found, 068, 072, 074 and 110 of the program memory, 030 and 043 of offsets and
     /// parameters, 111 and 115 for variables, and those of the MDI words.
-    pub fn request(&mut self, request: Request) -> Result<(), Alarm> {
-        let done = self.carry_out_request(request);
-        if let Err(alarm) = &done {
+    pub fn request(&mut self, request: ControlRequest) -> Result<(), Alarm> {
+        let result = self.execute_request(request);
+        if let Err(alarm) = &result {
             self.raise(alarm.clone());
         }
-        done
+        result
     }
 
-    fn carry_out_request(&mut self, request: Request) -> Result<(), Alarm> {
+    fn execute_request(&mut self, request: ControlRequest) -> Result<(), Alarm> {
         match request {
-            Request::ZeroRelative(axis) if !self.is_moving() => {
+            ControlRequest::ZeroRelative(axis) if !self.is_moving() => {
                 *self.coordinates.relative_zero.get_mut(axis) = self.relative_base().get(axis);
             }
-            Request::SetMachineZero(axis) => self.set_machine_zero(axis),
-            Request::ClearParts if !self.is_moving() => self.memory.counters.clear_parts(),
-            Request::ClearCuttingTime if !self.is_moving() => {
+            ControlRequest::SetMachineZero(axis) => self.set_machine_zero(axis),
+            ControlRequest::ClearParts if !self.is_moving() => self.memory.counters.clear_parts(),
+            ControlRequest::ClearCuttingTime if !self.is_moving() => {
                 self.memory.counters.clear_cutting_time();
             }
-            Request::ZeroRelative(_) | Request::ClearParts | Request::ClearCuttingTime => {}
-            Request::SelectProgram(number) => self.select(ProgramId::Stored(number))?,
-            Request::CursorTo(line) => {
-                if !self.run.automatic.operating() {
-                    self.forget_run();
+            ControlRequest::ZeroRelative(_)
+            | ControlRequest::ClearParts
+            | ControlRequest::ClearCuttingTime => {}
+            ControlRequest::SelectProgram(number) => {
+                self.select_program(ProgramId::Stored(number))?
+            }
+            ControlRequest::CursorTo(line) => {
+                if !self.run.automatic.is_operating() {
+                    self.drop_stopped_run();
                     self.run.cursor_line = line.max(1);
                 }
             }
-            Request::NotFound { sequence } => return Err(self.not_found(sequence)),
-            Request::CreateProgram(number) => self.create_program(number)?,
-            Request::SaveProgramAs(number) => self.save_program_as(number)?,
-            Request::RenameProgram(number) => self.rename_program(number)?,
-            Request::DeleteProgram(number) => self.delete_program(number)?,
-            Request::DeleteAllPrograms => self.delete_all_programs()?,
-            Request::AskToEdit(number) => {
-                allowed(self.rights().program(number))?;
+            ControlRequest::NotFound { sequence } => return Err(self.search_alarm(sequence)),
+            ControlRequest::CreateProgram(number) => self.create_program(number)?,
+            ControlRequest::SaveProgramAs(number) => self.save_program_as(number)?,
+            ControlRequest::RenameProgram(number) => self.rename_program(number)?,
+            ControlRequest::DeleteProgram(number) => self.delete_program(number)?,
+            ControlRequest::DeleteAllPrograms => self.delete_all_programs()?,
+            ControlRequest::CheckEdit(number) => {
+                check_allowed(self.rights().check_program_edit(number))?;
             }
-            Request::AskToSend(number) => {
-                allowed(self.rights().send_program(number))?;
+            ControlRequest::CheckSend(number) => {
+                check_allowed(self.rights().check_send_program(number))?;
             }
-            Request::AskToReceive(number) => {
-                allowed(self.rights().receive_program(number))?;
+            ControlRequest::CheckReceive(number) => {
+                check_allowed(self.rights().check_receive_program(number))?;
             }
-            Request::SerialPort(state) => self.serial_port = state,
-            Request::Receive(received) => self.take_received(received)?,
-            Request::StoreEdited { number, program } => self.store_edited(number, program)?,
-            Request::StoreProgram(_) if self.memory_protected() => {}
-            Request::StoreProgram(text) => {
+            ControlRequest::SetSerialPort(state) => self.serial_port = state,
+            ControlRequest::StoreReceived(received) => self.store_received(received)?,
+            ControlRequest::StoreEdited { number, program } => {
+                self.store_edited(number, program)?
+            }
+            ControlRequest::StoreProgram(_) if self.is_memory_protected() => {}
+            ControlRequest::StoreProgram(text) => {
                 let number = self.memory.programs.store(text)?;
-                if !self.rights().hides(number) {
-                    self.select(ProgramId::Stored(number))?;
+                if !self.rights().is_hidden(number) {
+                    self.select_program(ProgramId::Stored(number))?;
                 }
             }
-            Request::OpenExternal(program) => {
-                if self.run.automatic.operating() {
+            ControlRequest::OpenExternal(program) => {
+                if self.run.automatic.is_operating() {
                     return Ok(());
                 }
                 self.memory.programs.open_external(program);
-                self.select(ProgramId::External)?;
+                self.select_program(ProgramId::External)?;
             }
-            Request::MdiWord(word) => {
-                let macro_b = self.variables_are_real();
+            ControlRequest::AddMdiWord(word) => {
+                let macro_b = self.are_variables_real();
                 self.run
                     .mdi
                     .enter(&word, &self.memory.parameters, macro_b)?;
             }
-            Request::SetVariable { number, value } => {
-                if self.rights().variables().is_ok() {
+            ControlRequest::SetVariable { number, value } => {
+                if self.rights().check_variables().is_ok() {
                     self.memory.variables.set(number, value)?;
                 }
             }
-            Request::SetMacroVariable { number, value } => {
+            ControlRequest::SetMacroVariable { number, value } => {
                 self.set_macro_variable(number, value)?;
             }
-            Request::SetPitch { axis, point, value } => self.set_pitch(axis, point, value)?,
-            Request::SetOffset { number, entry } => self.set_offset(number, entry)?,
-            Request::SetParameter { number, value } => {
-                let record = self.memory.model.record();
-                self.change_parameters(|parameters| parameters.set_of(record, number, value))?;
+            ControlRequest::SetPitch { axis, point, value } => {
+                self.set_pitch(axis, point, value)?
             }
-            Request::SetParameterBit { number, bit, on } => {
+            ControlRequest::SetOffset { number, entry } => self.set_offset(number, entry)?,
+            ControlRequest::SetParameter { number, value } => {
+                let record = self.memory.model.record();
+                self.change_parameters(|parameters| {
+                    parameters.set_for_model(record, number, value)
+                })?;
+            }
+            ControlRequest::SetParameterBit { number, bit, on } => {
                 self.change_parameters(|parameters| parameters.set_bit(number, bit, on))?;
             }
-            Request::SetSetting(setting, on) => self.set_setting(setting, on),
-            Request::SetParameterSwitch(on) => self.set_parameter_switch(on),
-            Request::SetProgramSwitch(on) => {
-                if self.rights().program_switch().is_ok() {
+            ControlRequest::SetSetting(setting, on) => self.set_setting(setting, on),
+            ControlRequest::SetParameterSwitch(on) => self.set_parameter_switch(on),
+            ControlRequest::SetProgramSwitch(on) => {
+                if self.rights().check_program_switch().is_ok() {
                     self.switches.programs = on;
                 }
             }
-            Request::CancelSwitchAlarm => self.cancel_switch_alarm(),
-            Request::LoadDisk(disk) => self.load_disk(disk),
-            Request::SaveDisk(disk) => self.save_disk(disk),
-            Request::EnterPassword(password) => {
-                if self.rights().password().is_ok() {
+            ControlRequest::CancelSwitchAlarm => self.cancel_switch_alarm(),
+            ControlRequest::LoadDisk(disk) => self.load_disk(disk),
+            ControlRequest::SaveDisk(disk) => self.save_disk(disk),
+            ControlRequest::EnterPassword(password) => {
+                if self.rights().check_password().is_ok() {
                     self.memory.authority.enter(&password);
                 }
             }
-            Request::ChangePassword { old, new } => {
-                if self.rights().password().is_ok() {
-                    self.memory.authority.change(&old, &new);
+            ControlRequest::ChangePassword { old, new } => {
+                if self.rights().check_password().is_ok() {
+                    self.memory.authority.change_password(&old, &new);
                 }
             }
-            Request::LeaveLevel => {
-                if self.rights().password().is_ok() {
-                    self.memory.authority.leave();
+            ControlRequest::LowerLevel => {
+                if self.rights().check_password().is_ok() {
+                    self.memory.authority.log_off();
                 }
             }
-            Request::ToggleSoftSwitch(switch) => self.plc.toggle_soft_switch(switch),
-            Request::SetTool(tool) => self.set_tool_in_position(tool)?,
-            Request::SetPreset(address, value) => self.set_preset(address, value)?,
-            Request::DropWheel => self.drop_wheel(),
-            Request::OutputKey(down) => self.plc.output_key = down,
-            Request::SoftSwitch(switch, on) => self.plc.set_soft_switch(switch, on),
-            Request::ForceBit(bit, value) => self.plc.engine.force(bit, value),
-            Request::HaltLadder(halt) => self.plc.halted = halt,
-            Request::StepLadder(step) => self.step_ladder(step),
-            Request::LoadLadder(ladder) => {
-                if self.rights().ladder().is_ok() {
+            ControlRequest::ToggleSoftSwitch(switch) => self.plc.toggle_soft_switch(switch),
+            ControlRequest::SetTool(tool) => self.set_tool_in_position(tool)?,
+            ControlRequest::SetPreset(address, value) => self.set_preset(address, value)?,
+            ControlRequest::DropWheel => self.drop_wheel(),
+            ControlRequest::SetOutputKey(down) => self.plc.output_key = down,
+            ControlRequest::SetSoftSwitch(switch, on) => self.plc.set_soft_switch(switch, on),
+            ControlRequest::ForceBit(bit, value) => self.plc.engine.force(bit, value),
+            ControlRequest::HaltLadder(halt) => self.plc.halted = halt,
+            ControlRequest::StepLadder(step) => self.step_ladder(step),
+            ControlRequest::LoadLadder(ladder) => {
+                if self.rights().check_ladder().is_ok() {
                     self.plc.next_ladder = Some(ladder);
                 }
             }
@@ -323,14 +333,14 @@ impl Cnc {
             parameters: &self.memory.parameters,
             level: self.memory.authority.level(),
             mode: self.run.mode,
-            operating: self.run.automatic.operating(),
+            operating: self.run.automatic.is_operating(),
             running: self.run.automatic.state == RunState::Run,
             moving: self.is_moving(),
-            alarm: self.alarm_state(),
+            alarm: self.is_alarm_active(),
             emergency_stop: self.emergency_stop,
             parameter_switch: self.switches.parameters,
             program_switch: self.switches.programs,
-            protected: self.memory_protected(),
+            protected: self.is_memory_protected(),
         }
     }
 
@@ -351,7 +361,7 @@ impl Cnc {
 
 /// Whether a program operation may proceed. A level that is too low raises an alarm; other
 /// refusals are silent.
-fn allowed(rights: Result<(), Refusal>) -> Result<bool, Alarm> {
+fn check_allowed(rights: Result<(), WriteRefusal>) -> Result<bool, Alarm> {
     match rights {
         Ok(()) => Ok(true),
         Err(refusal) => refusal.alarm().map_or(Ok(false), Err),

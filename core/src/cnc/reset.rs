@@ -2,7 +2,7 @@
 
 use crate::alarm::{Alarm, AlarmClass, number};
 use crate::cnc::{Cnc, Event};
-use crate::machine::Inputs;
+use crate::machine::MachineInputs;
 use crate::memory::SwitchedOff;
 use crate::operation::RunState;
 
@@ -11,24 +11,24 @@ const LEVEL_2_CYCLE_MS: u32 = 32;
 
 impl Cnc {
     /// Whether the reset signal RST is active.
-    pub(crate) const fn resetting(&self) -> bool {
-        self.reset_left > 0
+    pub(crate) const fn is_resetting(&self) -> bool {
+        self.reset_left_ms > 0
     }
 
     /// AL: an alarm or a PLC message is in force.
-    pub(crate) fn alarm_state(&self) -> bool {
+    pub(crate) fn is_alarm_active(&self) -> bool {
         !self.alarms.is_empty() || self.plc.message
     }
 
     /// Raises an alarm. A running program stops: the axes decelerate and the rest of the
     /// block is dropped.
     pub(crate) fn raise(&mut self, alarm: Alarm) {
-        let alarm = alarm.of_model(self.memory.model.record());
+        let alarm = alarm.with_model_letter(self.memory.model.record());
         if !self.alarms.raise(alarm.clone()) {
             return;
         }
         self.events.push(Event::AlarmRaised(alarm));
-        if self.run.automatic.operating() {
+        if self.run.automatic.is_operating() {
             self.stop_run(RunState::Stop);
         }
     }
@@ -38,9 +38,9 @@ impl Cnc {
         self.abandon_current();
         self.abandon_returns();
         self.drives.interpolator.decelerate();
-        self.run.held = None;
+        self.run.held_motion = None;
         // The next start begins at the block where this run was interrupted.
-        if let Some(source) = self.run.automatic.broken_off() {
+        if let Some(source) = self.run.automatic.interrupted_source() {
             self.run.cursor_line = source.line;
         }
         self.run.automatic.clear();
@@ -52,7 +52,7 @@ impl Cnc {
         self.stop_run(RunState::Reset);
         self.run.handshake.reset();
         self.spindle.control.abandon_gear_change();
-        let outside = self.still_outside();
+        let outside = self.overtravel_alarms();
         self.alarms.reset(|number| outside.contains(&Some(number)));
         if !self.emergency_stop {
             // A board reports an open chain that was too short to be seen here.
@@ -60,7 +60,7 @@ impl Cnc {
         }
         self.run.registers.off = SwitchedOff::default();
         self.run.mdi.clear();
-        self.coordinates.programmed_ahead = 0.0;
+        self.coordinates.programmed_x_lead = 0.0;
         let (interpreter, world) = self.interpreter_and_world(true);
         interpreter.reset(&world);
         if !self.memory.parameters.reset_keeps_offset() {
@@ -68,18 +68,18 @@ impl Cnc {
         }
         self.coordinates.frame = self.run.interpreter.frame();
         self.run.modal = *self.run.interpreter.modal();
-        if self.run.mode == crate::operation::Mode::Edit {
+        if self.run.mode == crate::operation::OperatingMode::Edit {
             self.run.cursor_line = 1;
         }
     }
 
     /// Checks the causes of reset and the emergency stop; once per tick.
-    pub(crate) fn watch_reset(&mut self, contacts_closed: bool, inputs: &Inputs) {
+    pub(crate) fn check_reset(&mut self, contacts_closed: bool, inputs: &MachineInputs) {
         let emergency = !contacts_closed || self.plc.signals.emergency_stop;
         if emergency {
             if !self.emergency_stop {
                 self.emergency_stop = true;
-                let detail = self.over_limit_detail(inputs);
+                let detail = self.tripped_limit_detail(inputs);
                 self.drives.interpolator.stop_now();
                 self.reset();
                 self.raise(Alarm {
@@ -97,12 +97,12 @@ impl Cnc {
 
         let key = self.plc.filter.accepted()[26] & 1 != 0;
         if emergency || key || self.plc.signals.external_reset {
-            if self.reset_left == 0 && !emergency {
+            if self.reset_left_ms == 0 && !emergency {
                 self.reset();
             }
-            self.reset_left = self.memory.parameters.reset_time_ms().max(LEVEL_2_CYCLE_MS);
+            self.reset_left_ms = self.memory.parameters.reset_time_ms().max(LEVEL_2_CYCLE_MS);
         } else {
-            self.reset_left = self.reset_left.saturating_sub(1);
+            self.reset_left_ms = self.reset_left_ms.saturating_sub(1);
         }
     }
 
@@ -124,7 +124,7 @@ mod tests {
     use crate::simulation::Simulation;
 
     #[test]
-    fn an_emergency_stop_too_short_to_be_seen_is_told_until_reset() {
+    fn an_unseen_emergency_stop_stays_until_reset() {
         let mut simulation = Simulation::new(Setup::default());
         let run = |simulation: &mut Simulation, reset| {
             let key = BitAddress::new(Area::X, 26, 0);

@@ -8,13 +8,13 @@ use gsk_plc::address::{Area, BitAddress};
 
 use super::Cnc;
 use super::parts::PlcPort;
-use crate::operation::{SoftSwitch, Turning};
+use crate::operation::{SoftSwitch, SoftSwitchChange};
 
 /// Time for which a switch first has the other state: more than a cycle of level 2.
-const TURN_MS: u32 = 64;
+const PREPARE_MS: u32 = 64;
 
 /// The F bit that reports the state of a switch's function.
-const fn state(switch: SoftSwitch) -> BitAddress {
+const fn state_bit(switch: SoftSwitch) -> BitAddress {
     let (byte, bit) = match switch {
         SoftSwitch::MachineLock => (4, 1),
         SoftSwitch::AuxiliaryLock => (4, 4),
@@ -26,12 +26,12 @@ const fn state(switch: SoftSwitch) -> BitAddress {
 }
 
 impl PlcPort {
-    const fn soft_switch(&self, switch: SoftSwitch) -> bool {
+    const fn is_soft_switch_on(&self, switch: SoftSwitch) -> bool {
         self.soft_switches & switch.mask() != 0
     }
 
-    fn soft_switch_state(&self, switch: SoftSwitch) -> bool {
-        self.engine.memory().bit(state(switch))
+    fn is_soft_switch_active(&self, switch: SoftSwitch) -> bool {
+        self.engine.memory().bit(state_bit(switch))
     }
 
     pub(super) fn set_soft_switch(&mut self, switch: SoftSwitch, on: bool) {
@@ -43,49 +43,52 @@ impl PlcPort {
     }
 
     pub(super) fn toggle_soft_switch(&mut self, switch: SoftSwitch) {
-        if self.turning.is_some_and(|turning| turning.switch == switch) {
+        if self
+            .switch_change
+            .is_some_and(|change| change.switch == switch)
+        {
             return;
         }
-        self.finish_turning();
-        let to = !self.soft_switch_state(switch);
-        if self.soft_switch(switch) == to {
-            self.set_soft_switch(switch, !to);
-            self.turning = Some(Turning {
+        self.finish_switch_change();
+        let target = !self.is_soft_switch_active(switch);
+        if self.is_soft_switch_on(switch) == target {
+            self.set_soft_switch(switch, !target);
+            self.switch_change = Some(SoftSwitchChange {
                 switch,
-                to,
-                left_ms: TURN_MS,
+                target,
+                left_ms: PREPARE_MS,
             });
         } else {
-            self.set_soft_switch(switch, to);
+            self.set_soft_switch(switch, target);
         }
     }
 
     /// Advances the change of a switch by one tick (1 ms).
-    pub(super) fn soft_switch_tick(&mut self) {
-        let Some(turning) = &mut self.turning else {
+    pub(super) fn advance_soft_switch(&mut self) {
+        let Some(change) = &mut self.switch_change else {
             return;
         };
-        turning.left_ms = turning.left_ms.saturating_sub(1);
-        if turning.left_ms == 0 {
-            self.finish_turning();
+        change.left_ms = change.left_ms.saturating_sub(1);
+        if change.left_ms == 0 {
+            self.finish_switch_change();
         }
     }
 
-    fn finish_turning(&mut self) {
-        if let Some(turning) = self.turning.take() {
-            self.set_soft_switch(turning.switch, turning.to);
+    fn finish_switch_change(&mut self) {
+        if let Some(change) = self.switch_change.take() {
+            self.set_soft_switch(change.switch, change.target);
         }
     }
 }
 
 impl Cnc {
     /// Whether a switch of the soft machine panel is on.
-    pub const fn soft_switch(&self, switch: SoftSwitch) -> bool {
-        self.plc.soft_switch(switch)
+    pub const fn is_soft_switch_on(&self, switch: SoftSwitch) -> bool {
+        self.plc.is_soft_switch_on(switch)
     }
 
     /// Whether the function of a soft switch is in force.
-    pub fn soft_switch_state(&self, switch: SoftSwitch) -> bool {
-        self.plc.soft_switch_state(switch)
+    pub fn is_soft_switch_active(&self, switch: SoftSwitch) -> bool {
+        self.plc.is_soft_switch_active(switch)
     }
 }

@@ -6,14 +6,16 @@ use crate::operation::Strobe;
 impl Cnc {
     /// Updates the T display when the tool post was turned manually.
     pub(super) fn follow_tool(&mut self, before: u8) {
-        let now = self.plc.signals.current_tool;
-        if now != before && (self.run.indexing_by_hand || !self.run.handshake.strobe(Strobe::T)) {
-            self.run.indexing_by_hand = false;
-            self.run.tool = (now, 0);
-            self.run.interpreter.set_tool(now);
+        let current = self.plc.signals.current_tool;
+        if current != before
+            && (self.run.indexing_by_key || !self.run.handshake.is_strobe_up(Strobe::T))
+        {
+            self.run.indexing_by_key = false;
+            self.run.tool = (current, 0);
+            self.run.interpreter.set_tool(current);
         }
-        if now != before {
-            self.remember_tool(now);
+        if current != before {
+            self.remember_tool(current);
         }
     }
 
@@ -24,13 +26,13 @@ impl Cnc {
 
     /// Turns the tool post to the next station, from the last one to the first.
     pub(super) fn index_tool(&mut self) {
-        let stations = i32::from(self.memory.parameters.stations());
-        if self.run.handshake.busy() || stations == 0 {
+        let stations = i32::from(self.memory.parameters.station_count());
+        if self.run.handshake.is_busy() || stations == 0 {
             return;
         }
-        let now = i32::from(self.plc.signals.current_tool);
-        let next = if now >= stations { 1 } else { now + 1 };
+        let current = i32::from(self.plc.signals.current_tool);
+        let next = if current >= stations { 1 } else { current + 1 };
         self.run.handshake.start(Strobe::T, next as u8);
-        self.run.indexing_by_hand = true;
+        self.run.indexing_by_key = true;
     }
 }

@@ -6,16 +6,16 @@ use gsk_plc::Plc;
 
 use super::{Cnc, Event};
 use crate::alarm::Alarm;
-use crate::battery::Memory;
-use crate::command::{Action, Frame, ProgramId, Source};
-use crate::interpreter::Modal;
+use crate::battery::BatteryMemory;
+use crate::command::{Action, Frame, ProgramId, SourcePosition};
+use crate::interpreter::ModalState;
 use crate::machine::pins;
 use crate::memory::{
-    Authority, Counters, Disks, Offsets, Parameters, PitchTable, Settings, Variables,
+    Authority, ControlParameters, ControlSettings, Counters, Disks, Offsets, PitchTable, Variables,
 };
 use crate::model::{ControlModel, GCode};
 use crate::motion::JogRate;
-use crate::operation::{Mode, Return, RunState, Sensors, jog_rate};
+use crate::operation::{OperatingMode, RunState, Sensors, ZeroReturnStage, jog_rate};
 use crate::program::{MdiBlock, ProgramMemory};
 use crate::spindle::SpindleControl;
 use crate::units::{Axis, PerAxis, Point, Pulses, TICK_S};
@@ -28,12 +28,12 @@ pub struct BoardLag {
     pub ticks: u64,
     /// Number of stops after which the control continued from another position. Motion that
     /// was pending at such a stop is never executed.
-    pub stops: u64,
+    pub resync_count: u64,
 }
 
 /// The block in execution, or the block at which the next cycle start begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Cursor {
+pub struct ProgramCursor {
     /// The program that contains the block; `None` with an empty memory.
     pub program: Option<ProgramId>,
     /// Line, from 1.
@@ -44,7 +44,7 @@ pub struct Cursor {
 
 impl Cnc {
     /// Operating mode that the ladder has selected.
-    pub const fn mode(&self) -> Mode {
+    pub const fn mode(&self) -> OperatingMode {
         self.run.mode
     }
 
@@ -65,17 +65,17 @@ impl Cnc {
 
     /// Machine coordinates of the slides (mm, X as a radius).
     pub fn position_machine(&self) -> Point {
-        self.slide()
+        self.slide_position()
     }
 
     /// Pulses commanded since power-on.
     pub fn pulses(&self) -> PerAxis<Pulses> {
-        self.drives.chain.pulses()
+        self.drives.axis_chain.pulses()
     }
 
     /// Absolute coordinates in the work coordinate system (mm, X as a radius).
     pub fn position_absolute(&self) -> Point {
-        self.coordinates.frame.program(self.position())
+        self.coordinates.frame.to_program(self.position())
     }
 
     /// Relative coordinates U, W (mm, X as a radius).
@@ -87,7 +87,7 @@ impl Cnc {
     /// unless 004.1 PROD = 1.
     pub(crate) fn relative_base(&self) -> Point {
         let absolute = self.position_absolute();
-        if self.memory.parameters.relative_is_programmed() {
+        if self.memory.parameters.is_relative_programmed() {
             absolute
         } else {
             absolute + self.coordinates.frame.offset
@@ -106,27 +106,27 @@ impl Cnc {
 
     /// Whether an axis moves.
     pub fn is_moving(&self) -> bool {
-        self.drives.interpolator.is_moving() || self.rests()
+        self.drives.interpolator.is_moving() || self.is_waiting_for_motor()
     }
 
     /// Whether the motion under way is a rapid, programmed or manual.
-    pub fn moves_at_rapid(&self) -> bool {
-        let by_hand = |axis| {
+    pub fn is_rapid_under_way(&self) -> bool {
+        let is_manual_rapid = |axis| {
             matches!(
                 self.hand.jog.get(axis),
                 Some((_, JogRate::Rapid | JogRate::Approach(_)))
-            ) || *self.coordinates.returns.get(axis) == Some(Return::Straight)
+            ) || *self.coordinates.returns.get(axis) == Some(ZeroReturnStage::Straight)
         };
-        match self.run.automatic.action() {
+        match self.run.automatic.current_action() {
             Some(Action::Rapid { .. } | Action::ZeroReturn { .. }) => true,
-            Some(_) if self.run.held.is_none() => false,
-            _ => by_hand(Axis::X) || by_hand(Axis::Z),
+            Some(_) if self.run.held_motion.is_none() => false,
+            _ => is_manual_rapid(Axis::X) || is_manual_rapid(Axis::Z),
         }
     }
 
     /// Whether the motion under way follows the spindle angle.
-    pub const fn in_thread(&self) -> bool {
-        self.drives.interpolator.in_thread()
+    pub const fn is_in_thread(&self) -> bool {
+        self.drives.interpolator.is_in_thread()
     }
 
     /// The F word in force, in the unit of G98 or G99.
@@ -167,8 +167,8 @@ impl Cnc {
     /// Spindle speed on the S display (manual III-2.1.1), r/min: the measured one, also at
     /// standstill; `None` without an encoder.
     pub fn spindle_measured(&self) -> Option<f64> {
-        let fitted = self.spindle.control.encoder_fitted();
-        fitted.then(|| self.spindle.control.actual_rpm())
+        let has_encoder = self.spindle.control.has_encoder();
+        has_encoder.then(|| self.spindle.control.actual_rpm())
     }
 
     /// Measured spindle speed, r/min; 0 without an encoder.
@@ -201,7 +201,7 @@ impl Cnc {
     }
 
     /// Modal state of the block in execution.
-    pub const fn modal(&self) -> &Modal {
+    pub const fn modal(&self) -> &ModalState {
         &self.run.modal
     }
 
@@ -211,7 +211,7 @@ impl Cnc {
     }
 
     /// Parameters as stored; some values act only after the next power-on.
-    pub const fn parameters(&self) -> &Parameters {
+    pub const fn parameters(&self) -> &ControlParameters {
         &self.memory.parameters
     }
 
@@ -226,8 +226,8 @@ impl Cnc {
     }
 
     /// The memory that the battery would keep at a power-off now.
-    pub fn battery(&self) -> Memory {
-        Memory {
+    pub fn battery_memory(&self) -> BatteryMemory {
+        BatteryMemory {
             programs: self.memory.programs.retained(),
             ..self.memory.clone()
         }
@@ -244,10 +244,10 @@ impl Cnc {
     }
 
     /// Remaining time of a dwell, s, on a model whose overall page shows it (NC-B08).
-    pub fn dwell_shown(&self) -> Option<f64> {
-        let shows = self.memory.model.record().g_code(4) == Some(GCode::DwellSecondsFirst);
-        let left = f64::from(self.run.automatic.dwell_left) * TICK_S;
-        (shows && self.run.automatic.dwelling()).then_some(left)
+    pub fn displayed_dwell_s(&self) -> Option<f64> {
+        let is_displayed = self.memory.model.record().g_code(4) == Some(GCode::DwellSecondsFirst);
+        let left = f64::from(self.run.automatic.dwell_left_ms) * TICK_S;
+        (is_displayed && self.run.automatic.is_dwelling()).then_some(left)
     }
 
     /// Numbers of the variables that the page lists.
@@ -263,7 +263,7 @@ impl Cnc {
 
     /// Whether the variables of the page are reals: those of macro B and of the Huaxing
     /// lathes.
-    pub fn variables_are_real(&self) -> bool {
+    pub fn are_variables_real(&self) -> bool {
         self.memory.settings.macro_b || self.memory.model.record().own_variables
     }
 
@@ -271,21 +271,21 @@ impl Cnc {
     pub fn real_variable(&self, number: u16) -> Option<f64> {
         let variables = &self.memory.variables;
         if self.memory.model.record().own_variables {
-            return variables.counted(number);
+            return variables.huaxing_value(number);
         }
         match u8::try_from(number) {
-            Ok(local @ 1..=33) => self.run.interpreter.local(local),
-            _ => variables.real(number),
+            Ok(local @ 1..=33) => self.run.interpreter.local_variable(local),
+            _ => variables.real_value(number),
         }
     }
 
     /// Whether programs are in inches (英制编程 of the setting page).
-    pub const fn inch_input(&self) -> bool {
+    pub const fn is_inch_input(&self) -> bool {
         self.memory.settings.inch
     }
 
     /// The rows of the setting page.
-    pub const fn settings(&self) -> Settings {
+    pub const fn settings(&self) -> ControlSettings {
         self.memory.settings
     }
 
@@ -300,17 +300,17 @@ impl Cnc {
     }
 
     /// Whether 参数开关 is on.
-    pub const fn parameter_switch(&self) -> bool {
+    pub const fn is_parameter_switch_on(&self) -> bool {
         self.switches.parameters
     }
 
     /// Whether 程序开关 is on.
-    pub const fn program_switch(&self) -> bool {
+    pub const fn is_program_switch_on(&self) -> bool {
         self.switches.programs
     }
 
     /// KEY1, G46.3: the ladder forbids changes of programs, offsets and parameters.
-    pub const fn memory_protected(&self) -> bool {
+    pub const fn is_memory_protected(&self) -> bool {
         self.plc.signals.memory_protect
     }
 
@@ -325,22 +325,24 @@ impl Cnc {
     }
 
     /// Position of the run in its program.
-    pub fn cursor(&self) -> Cursor {
+    pub fn cursor(&self) -> ProgramCursor {
         let running = self.run.automatic.state != RunState::Reset;
-        let aside = self.run.automatic.source_aside();
-        let last = aside.or(self.run.automatic.last).filter(|_| running);
+        let suspended = self.run.automatic.suspended_source();
+        let last = suspended
+            .or(self.run.automatic.last_source)
+            .filter(|_| running);
         match last {
-            Some(Source {
+            Some(SourcePosition {
                 program,
                 line,
                 sequence,
-            }) => Cursor {
+            }) => ProgramCursor {
                 program: Some(program),
                 line,
                 sequence: sequence.map(u32::from),
             },
-            None => Cursor {
-                program: self.memory.programs.current(),
+            None => ProgramCursor {
+                program: self.memory.programs.selected(),
                 line: self.run.cursor_line,
                 sequence: None,
             },
@@ -359,29 +361,29 @@ impl Cnc {
 
     /// The first message of the ladder in force, at the block it holds. Cycle start has no
     /// effect until its cause is gone and RESET has cleared it.
-    pub fn standing_message(&self) -> Option<Alarm> {
+    pub fn active_message(&self) -> Option<Alarm> {
         if !self.plc.message {
             return None;
         }
         let (number, text) = self.plc_messages().next()?;
-        let message = Alarm::message(number, text);
+        let message = Alarm::from_ladder_message(number, text);
         let running = self.run.automatic.state != RunState::Reset;
-        let block = self.run.automatic.last.filter(|_| running);
+        let block = self.run.automatic.last_source.filter(|_| running);
         Some(match block {
-            Some(block) => message.at(block),
+            Some(block) => message.with_source(block),
             None => message,
         })
     }
 
     /// Whether the status line shows 准备未绪.
-    pub fn not_ready(&self) -> bool {
+    pub fn is_shown_not_ready(&self) -> bool {
         self.is_not_ready() || self.is_position_unknown()
     }
 
     /// Whether the position of real slides is unknown, so that they need a reference
     /// return.
     pub fn is_position_unknown(&self) -> bool {
-        self.drives.board.is_some_and(|board| !board.known)
+        self.drives.board.is_some_and(|board| !board.position_known)
     }
 
     /// Whether a pulse board makes the motion: the slides of the simulated lathe are then
@@ -394,31 +396,31 @@ impl Cnc {
     /// at once.
     pub fn board_lag(&self) -> Option<BoardLag> {
         self.drives.board.map(|board| BoardLag {
-            ticks: board.ahead,
-            stops: board.stops,
+            ticks: board.ticks_ahead,
+            resync_count: board.resync_count,
         })
     }
 
     /// Speed of the spindle whose index the board measures, r/min; negative in reverse.
-    pub fn spindle_of_board(&self) -> Option<f64> {
+    pub fn board_spindle_rpm(&self) -> Option<f64> {
         Some(self.drives.board?.spindle?.rpm)
     }
 
     /// Whether an alarm or a message is in force (AL, F1.0).
-    pub fn in_alarm(&self) -> bool {
-        self.alarm_state()
+    pub fn is_in_alarm(&self) -> bool {
+        self.is_alarm_active()
     }
 
     /// Whether the status line shows 暂停: feed hold, *SP open, or a stop of single block
     /// between two moves of one block.
-    pub fn in_feed_hold(&self) -> bool {
+    pub fn is_in_feed_hold(&self) -> bool {
         self.run.automatic.state == RunState::Hold
-            || self.run.automatic.stands_within_block()
+            || self.run.automatic.is_stopped_within_block()
             || self.plc.signals.feed_hold
     }
 
     /// Axes whose reference point is established.
-    pub const fn referenced(&self) -> PerAxis<bool> {
+    pub const fn referenced_axes(&self) -> PerAxis<bool> {
         self.coordinates.referenced
     }
 
@@ -433,7 +435,7 @@ impl Cnc {
     }
 
     /// Switches the explanations of cycle passes ([`Event::Explained`]); off at power-on.
-    pub fn explain(&mut self, on: bool) {
+    pub fn set_explaining(&mut self, on: bool) {
         self.run.explanations = on.then(VecDeque::new);
     }
 

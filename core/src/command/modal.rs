@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Codes and words that stay in force from block to block, as the pages show them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Modal {
+pub struct ModalState {
     /// Group 01: G00 G01 G02 G03 G32 G33 G34 G90 G92 G94, by number.
     pub motion: u8,
     /// Group 02: constant surface speed on (G96) or off (G97).
@@ -27,7 +27,7 @@ pub struct Modal {
     pub m: Option<u8>,
 }
 
-impl Default for Modal {
+impl Default for ModalState {
     /// The state at power-on (manual I-3.2, table 3-7).
     fn default() -> Self {
         Self {

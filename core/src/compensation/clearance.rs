@@ -13,30 +13,30 @@ use core::f64::consts::{PI, TAU};
 
 use serde::{Deserialize, Serialize};
 
-use super::piece::{Circle, Piece};
 use super::plane::sweep;
+use super::segment::{Circle, ContourSegment};
 use crate::units::Point;
 
 /// How much closer rounding and joined corners may bring the nose, mm.
-pub(super) const ROUNDING: f64 = 0.0003;
+pub(super) const ROUNDING_MM: f64 = 0.0003;
 /// A shorter arc of at most half a turn counts as its chord, mm.
-const SHORT: f64 = 1e-6;
+const SHORT_CHORD_MM: f64 = 1e-6;
 /// Smaller changes of radius are ignored, mm.
-const ROUND: f64 = 0.0001;
+const NEGLIGIBLE_GROWTH_MM: f64 = 0.0001;
 
 /// A line, or an arc of at most a full turn whose radius may change linearly.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Curve {
     from: Point,
     pub(super) to: Point,
-    arc: Option<Arc>,
+    arc: Option<CurveArc>,
     /// Corners of a box that contains the curve; it may be larger than the curve.
     low: Point,
     high: Point,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Arc {
+struct CurveArc {
     center: Point,
     /// Radius at the middle of the arc, mm.
     radius: f64,
@@ -47,7 +47,7 @@ struct Arc {
 
 impl Curve {
     pub(super) const fn line(from: Point, to: Point) -> Self {
-        let (x, z) = (ordered(from.x, to.x), ordered(from.z, to.z));
+        let (x, z) = (min_max(from.x, to.x), min_max(from.z, to.z));
         Self {
             from,
             to,
@@ -57,41 +57,46 @@ impl Curve {
         }
     }
 
-    fn of_arc(from: Point, to: Point, arc: Arc) -> Self {
+    fn from_arc(from: Point, to: Point, arc: CurveArc) -> Self {
         let mut curve = Self {
             arc: Some(arc),
             ..Self::line(from, to)
         };
-        let x = curve.reaches(Point::new(1.0, 0.0), |point| point.x);
-        let z = curve.reaches(Point::new(0.0, 1.0), |point| point.z);
+        let x = curve.extent(Point::new(1.0, 0.0), |point| point.x);
+        let z = curve.extent(Point::new(0.0, 1.0), |point| point.z);
         (curve.low, curve.high) = (Point::new(x.0, z.0), Point::new(x.1, z.1));
         curve
     }
 
     /// The arc from `from` to `to` about the centre of `circle`, parallel to the arc of a
     /// move.
-    pub(super) fn arc(from: Point, to: Point, circle: &Circle, piece: &Piece) -> Self {
-        if (to - from).length() < SHORT && piece.sweep() <= PI {
+    pub(super) fn parallel_arc(
+        from: Point,
+        to: Point,
+        circle: &Circle,
+        piece: &ContourSegment,
+    ) -> Self {
+        if (to - from).length() < SHORT_CHORD_MM && piece.sweep() <= PI {
             return Self::line(from, to);
         }
         let (first, last) = (
             (from - circle.center).length(),
             (to - circle.center).length(),
         );
-        let arc = Arc {
+        let arc = CurveArc {
             center: circle.center,
             radius: (first + last) / 2.0,
             growth: last - first,
             turn: circle.turn,
         };
-        Self::of_arc(from, to, arc)
+        Self::from_arc(from, to, arc)
     }
 
     /// The programmed surface of a move.
-    pub(super) fn surface(piece: &Piece) -> Self {
+    pub(super) fn surface(piece: &ContourSegment) -> Self {
         match &piece.circle {
             None => Self::line(piece.start, piece.end),
-            Some(circle) => Self::arc(piece.start, piece.end, circle, piece),
+            Some(circle) => Self::parallel_arc(piece.start, piece.end, circle, piece),
         }
     }
 
@@ -100,8 +105,8 @@ impl Curve {
     }
 
     /// The greatest distance of the curve from the arc with its middle radius, mm.
-    pub(super) fn loose(&self) -> f64 {
-        self.arc.as_ref().map_or(0.0, Arc::loose)
+    pub(super) fn radius_deviation(&self) -> f64 {
+        self.arc.as_ref().map_or(0.0, CurveArc::radius_deviation)
     }
 
     /// Whether a direction from the centre of the arc lies within its sweep.
@@ -111,48 +116,51 @@ impl Curve {
     ///           `. .                the last one; of more than that the other arc is
     ///     turn ^  +------ first     after the last arm and before the first one
     /// ```
-    fn spans(&self, arc: &Arc, direction: Point) -> bool {
+    fn spans_direction(&self, arc: &CurveArc, direction: Point) -> bool {
         let after = |one: Point, other: Point| one.cross(other) * arc.turn;
         let (first, last) = (self.from - arc.center, self.to - arc.center);
         let turned = after(first, last);
-        let (behind, before) = (after(first, direction), after(direction, last));
+        let (after_first, before_last) = (after(first, direction), after(direction, last));
         // The same direction again means a full turn.
         let wide = turned < 0.0 || turned == 0.0 && first.dot(last) > 0.0;
         match wide {
-            true => behind >= 0.0 || before >= 0.0,
-            false => behind >= 0.0 && before >= 0.0,
+            true => after_first >= 0.0 || before_last >= 0.0,
+            false => after_first >= 0.0 && before_last >= 0.0,
         }
     }
 
     /// The least and the greatest coordinate along `direction`. `along` computes the
     /// coordinate of a point in that direction.
-    fn reaches(&self, direction: Point, along: impl Fn(Point) -> f64) -> (f64, f64) {
+    fn extent(&self, direction: Point, along: impl Fn(Point) -> f64) -> (f64, f64) {
         let (from, to) = (along(self.from), along(self.to));
-        let (mut least, mut most) = ordered(from, to);
+        let (mut least, mut most) = min_max(from, to);
         if let Some(arc) = &self.arc {
             let (center, length) = (along(arc.center), direction.length());
-            let (reach, loose) = ((arc.radius + arc.loose()) * length, arc.loose() * length);
-            let spans = |direction| self.spans(arc, direction);
+            let (reach, deviation) = (
+                (arc.radius + arc.radius_deviation()) * length,
+                arc.radius_deviation() * length,
+            );
+            let spans = |direction| self.spans_direction(arc, direction);
             least = if spans(-direction) {
                 center - reach
             } else {
-                least - loose
+                least - deviation
             };
             most = if spans(direction) {
                 center + reach
             } else {
-                most + loose
+                most + deviation
             };
         }
         (least, most)
     }
 
     /// The two halves of an arc.
-    fn halves(&self, arc: &Arc) -> [Self; 2] {
+    fn split_arc(&self, arc: &CurveArc) -> [Self; 2] {
         let arm = self.from - arc.center;
         let whole = match sweep(arm, self.to - arc.center, arc.turn) {
-            way if way <= 0.0 => TAU,
-            way => way,
+            angle if angle <= 0.0 => TAU,
+            angle => angle,
         };
         let (sine, cosine) = libm::sincos(whole / 2.0 * arc.turn);
         let turned = Point::new(arm.x * cosine + arm.z * sine, arm.z * cosine - arm.x * sine);
@@ -160,20 +168,20 @@ impl Curve {
         let arm = turned.unit().unwrap_or_default() * arc.radius;
         let middle = arc.center + arm;
         let half = |from, to, quarter: f64| {
-            let half = Arc {
+            let half = CurveArc {
                 radius: arc.radius + arc.growth * quarter,
                 growth: arc.growth / 2.0,
                 ..*arc
             };
-            Self::of_arc(from, to, half)
+            Self::from_arc(from, to, half)
         };
         [half(self.from, middle, -0.25), half(middle, self.to, 0.25)]
     }
 }
 
-impl Arc {
+impl CurveArc {
     /// The greatest distance of the curve from the arc with its middle radius, mm.
-    const fn loose(&self) -> f64 {
+    const fn radius_deviation(&self) -> f64 {
         self.growth.abs() / 2.0
     }
 }
@@ -181,40 +189,48 @@ impl Arc {
 /// The smaller and the larger of two numbers. Neither may be NaN, so that the NaN handling
 /// of `min` and `max` is not needed.
 #[inline]
-const fn ordered(one: f64, other: f64) -> (f64, f64) {
+const fn min_max(one: f64, other: f64) -> (f64, f64) {
     let smaller = if one < other { one } else { other };
     let larger = if one > other { one } else { other };
     (smaller, larger)
 }
 
 /// Whether a path comes closer to a surface than `least`, mm.
-pub(super) fn cuts(path: &Curve, surface: &Curve, least: f64) -> bool {
+pub(super) fn is_closer_than(path: &Curve, surface: &Curve, least: f64) -> bool {
     least > 0.0
-        && !far_apart(path, surface, least)
-        && !beside(path, surface, least)
-        && !beside(surface, path, least)
-        && nearer(path, surface, least)
+        && !are_boxes_apart(path, surface, least)
+        && !is_on_one_side(path, surface, least)
+        && !is_on_one_side(surface, path, least)
+        && is_closer_by_halving(path, surface, least)
 }
 
 /// Whether two curves come closer to each other than `least`, mm. Where the change of a
 /// radius decides, arcs are halved until the change is negligible.
-fn nearer(a: &Curve, b: &Curve, least: f64) -> bool {
-    let loose = a.loose() + b.loose();
+fn is_closer_by_halving(a: &Curve, b: &Curve, least: f64) -> bool {
+    let deviation = a.radius_deviation() + b.radius_deviation();
     let between = distance(a, b);
-    if loose < ROUND || (between - least).abs() > loose {
+    if deviation < NEGLIGIBLE_GROWTH_MM || (between - least).abs() > deviation {
         return between < least;
     }
-    let halved = if a.loose() >= b.loose() { a } else { b };
-    let other = if a.loose() >= b.loose() { b } else { a };
+    let halved = if a.radius_deviation() >= b.radius_deviation() {
+        a
+    } else {
+        b
+    };
+    let other = if a.radius_deviation() >= b.radius_deviation() {
+        b
+    } else {
+        a
+    };
     halved.arc.as_ref().is_some_and(|arc| {
-        let mut halves = halved.halves(arc).into_iter();
-        halves.any(|half| nearer(&half, other, least))
+        let mut halves = halved.split_arc(arc).into_iter();
+        halves.any(|half| is_closer_by_halving(&half, other, least))
     })
 }
 
 /// Whether the bounding boxes of two curves are already `least` apart.
-fn far_apart(a: &Curve, b: &Curve, least: f64) -> bool {
-    let gap = |one: f64, other: f64| ordered(ordered(one, other).1, 0.0).1;
+fn are_boxes_apart(a: &Curve, b: &Curve, least: f64) -> bool {
+    let gap = |one: f64, other: f64| min_max(min_max(one, other).1, 0.0).1;
     let x = gap(a.low.x - b.high.x, b.low.x - a.high.x);
     let z = gap(a.low.z - b.high.z, b.low.z - a.high.z);
     x * x + z * z >= least * least
@@ -229,12 +245,12 @@ fn far_apart(a: &Curve, b: &Curve, least: f64) -> bool {
 ///    ------------ surface           `.               the line of the path
 ///                 \\             --.    `.
 /// ```
-fn beside(line: &Curve, other: &Curve, least: f64) -> bool {
+fn is_on_one_side(line: &Curve, other: &Curve, least: f64) -> bool {
     if line.arc.is_some() {
         return false;
     }
     let along = line.to - line.from;
-    let (right, left) = other.reaches(along.left(), |point| along.cross(point - line.from));
+    let (right, left) = other.extent(along.left(), |point| along.cross(point - line.from));
     // Scaled by the length of the line, as the extents are. Comparing squares avoids a root.
     let square = least * least * along.dot(along);
     let is_beyond = |reach: f64| reach >= 0.0 && reach * reach >= square;
@@ -244,19 +260,19 @@ fn beside(line: &Curve, other: &Curve, least: f64) -> bool {
 /// The least distance of two curves, mm. Arcs count with their middle radius.
 pub(super) fn distance(a: &Curve, b: &Curve) -> f64 {
     let between = match (&a.arc, &b.arc) {
-        (None, None) => return lines(a, b),
-        (None, Some(arc)) => line_and_arc(a, (b, arc)),
-        (Some(arc), None) => line_and_arc(b, (a, arc)),
-        (Some(first), Some(second)) => arcs((a, first), (b, second)),
+        (None, None) => return line_distance(a, b),
+        (None, Some(arc)) => line_arc_distance(a, (b, arc)),
+        (Some(arc), None) => line_arc_distance(b, (a, arc)),
+        (Some(first), Some(second)) => arc_distance((a, first), (b, second)),
     };
-    let ends = to_point(a, b.from)
-        .min(to_point(a, b.to))
-        .min(to_point(b, a.from))
-        .min(to_point(b, a.to));
+    let ends = distance_to_point(a, b.from)
+        .min(distance_to_point(a, b.to))
+        .min(distance_to_point(b, a.from))
+        .min(distance_to_point(b, a.to));
     ends.min(between)
 }
 
-fn to_point(curve: &Curve, point: Point) -> f64 {
+fn distance_to_point(curve: &Curve, point: Point) -> f64 {
     let ends = (point - curve.from)
         .length()
         .min((point - curve.to).length());
@@ -264,7 +280,7 @@ fn to_point(curve: &Curve, point: Point) -> f64 {
         None => foot(curve, point).map_or(ends, |foot| (point - foot).length().min(ends)),
         Some(arc) => {
             let arm = point - arc.center;
-            if !curve.spans(arc, arm) {
+            if !curve.spans_direction(arc, arm) {
                 return ends;
             }
             (arm.length() - arc.radius).abs().min(ends)
@@ -287,8 +303,8 @@ fn foot(line: &Curve, point: Point) -> Option<Point> {
 
 /// Two lines are closest at an end unless they cross. The squared distances are compared:
 /// the root of the least one is the least distance.
-fn lines(a: &Curve, b: &Curve) -> f64 {
-    if cross(a, b) {
+fn line_distance(a: &Curve, b: &Curve) -> f64 {
+    if do_lines_cross(a, b) {
         return 0.0;
     }
     let square = |between: Point| between.dot(between);
@@ -306,7 +322,7 @@ fn lines(a: &Curve, b: &Curve) -> f64 {
     ends.min(feet).sqrt()
 }
 
-fn cross(a: &Curve, b: &Curve) -> bool {
+fn do_lines_cross(a: &Curve, b: &Curve) -> bool {
     let (u, v) = (a.to - a.from, b.to - b.from);
     let between = b.from - a.from;
     let area = u.cross(v);
@@ -317,37 +333,38 @@ fn cross(a: &Curve, b: &Curve) -> bool {
     (0.0..=1.0).contains(&on_a) && (0.0..=1.0).contains(&on_b)
 }
 
-fn line_and_arc(line: &Curve, (curve, arc): (&Curve, &Arc)) -> f64 {
+fn line_arc_distance(line: &Curve, (curve, arc): (&Curve, &CurveArc)) -> f64 {
     let Some(along) = (line.to - line.from).unit() else {
         return f64::INFINITY;
     };
     let to_line = along.left() * (line.from - arc.center).dot(along.left());
-    let way = to_line.length();
-    if way < arc.radius {
-        let half = (arc.radius * arc.radius - way * way).sqrt();
+    let center_distance = to_line.length();
+    if center_distance < arc.radius {
+        let half = (arc.radius * arc.radius - center_distance * center_distance).sqrt();
         for direction in [to_line + along * half, to_line - along * half] {
             let on_line = (arc.center + direction - line.from).dot(along);
             let within = (0.0..=(line.to - line.from).length()).contains(&on_line);
-            if within && curve.spans(arc, direction) {
+            if within && curve.spans_direction(arc, direction) {
                 return 0.0;
             }
         }
         return f64::INFINITY;
     }
     match foot(line, arc.center) {
-        Some(foot) if curve.spans(arc, foot - arc.center) => way - arc.radius,
+        Some(foot) if curve.spans_direction(arc, foot - arc.center) => center_distance - arc.radius,
         _ => f64::INFINITY,
     }
 }
 
-fn arcs((a, first): (&Curve, &Arc), (b, second): (&Curve, &Arc)) -> f64 {
+fn arc_distance((a, first): (&Curve, &CurveArc), (b, second): (&Curve, &CurveArc)) -> f64 {
     let between = second.center - first.center;
     let d = between.length();
     let Some(e) = between.unit() else {
         return f64::INFINITY;
     };
     let both = |point: Point| {
-        a.spans(first, point - first.center) && b.spans(second, point - second.center)
+        a.spans_direction(first, point - first.center)
+            && b.spans_direction(second, point - second.center)
     };
     let along = (first.radius * first.radius - second.radius * second.radius + d * d) / (2.0 * d);
     let square = first.radius * first.radius - along * along;
@@ -362,7 +379,8 @@ fn arcs((a, first): (&Curve, &Arc), (b, second): (&Curve, &Arc)) -> f64 {
         for side_b in [1.0, -1.0] {
             let on_a = first.center + e * (side_a * first.radius);
             let on_b = second.center + e * (side_b * second.radius);
-            let seen = a.spans(first, on_a - first.center) && b.spans(second, on_b - second.center);
+            let seen = a.spans_direction(first, on_a - first.center)
+                && b.spans_direction(second, on_b - second.center);
             if seen {
                 least = least.min((on_b - on_a).length());
             }

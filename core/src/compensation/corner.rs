@@ -16,21 +16,21 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::fault::Fault;
-use super::intersection::meet;
-use super::piece::Piece;
+use super::fault::CompensationFault;
+use super::intersection::intersect;
+use super::segment::ContourSegment;
 
 use crate::units::Point;
 
 /// Vectors closer than this count as one, mm.
-const ONE_VECTOR: f64 = 0.001;
+const SAME_VECTOR_MM: f64 = 0.001;
 /// Two moves whose nose centres are closer than this at their corner are tangent except for
 /// rounded ends and centres, mm.
-const TANGENT: f64 = 0.004;
+const TANGENT_MM: f64 = 0.004;
 /// The same limit where one of the moves is so short that rounding turns it more, mm.
-const TANGENT_IF_SHORT: f64 = 0.02;
+const SHORT_MOVE_TANGENT_MM: f64 = 0.02;
 /// Rounding the ends of a shorter move to 0.001 mm turns it by more than 0.002 rad, mm.
-const SHORT: f64 = 0.35;
+const SHORT_MOVE_MM: f64 = 0.35;
 /// Directions with a smaller cross product are parallel.
 const PARALLEL: f64 = 1e-9;
 /// Cosine of one degree.
@@ -39,18 +39,18 @@ const COS_1_DEGREE: f64 = 0.999_847_695_156_391_3;
 /// How a start-up begins and a cancel ends. Type A has one vector perpendicular to the
 /// compensated move; type B goes around the corner too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Type {
+enum StartUpType {
     /// Only for machines set to type A.
     A,
     B,
 }
 
 /// This control uses type B.
-const START_TYPE: Type = Type::B;
+const START_TYPE: StartUpType = StartUpType::B;
 
 /// The role of the two moves of a corner in the compensation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Role {
+pub(super) enum CornerRole {
     /// The first move starts the compensation.
     StartUp,
     /// Both moves are compensated.
@@ -61,44 +61,44 @@ pub(super) enum Role {
 
 /// Up to four vectors of a corner, in order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Vectors {
+pub(super) struct CornerVectors {
     list: [Point; 4],
     count: u8,
     /// There is one vector: to the point where the offset paths of both moves meet.
     pub(super) meets: bool,
 }
 
-impl Vectors {
-    pub(super) fn of(points: &[Point]) -> Self {
+impl CornerVectors {
+    pub(super) fn from_points(points: &[Point]) -> Self {
         let mut vectors = Self::default();
-        for (place, point) in vectors.list.iter_mut().zip(points) {
-            *place = *point;
+        for (slot, point) in vectors.list.iter_mut().zip(points) {
+            *slot = *point;
             vectors.count += 1;
         }
         vectors
     }
 
     /// One vector to the point where the offset paths of both moves meet.
-    fn meeting(point: Point) -> Self {
+    fn at_meeting(point: Point) -> Self {
         Self {
             meets: true,
-            ..Self::of(&[point])
+            ..Self::from_points(&[point])
         }
     }
 
-    pub(super) fn all(&self) -> &[Point] {
+    pub(super) fn as_slice(&self) -> &[Point] {
         self.list.get(..usize::from(self.count)).unwrap_or(&[])
     }
 
     pub(super) fn first(&self) -> Point {
-        self.all().first().copied().unwrap_or_default()
+        self.as_slice().first().copied().unwrap_or_default()
     }
 
     pub(super) fn last(&self) -> Point {
-        self.all().last().copied().unwrap_or_default()
+        self.as_slice().last().copied().unwrap_or_default()
     }
 
-    pub(super) const fn single(&self) -> bool {
+    pub(super) const fn is_single(&self) -> bool {
         self.count <= 1
     }
 
@@ -114,7 +114,7 @@ impl Vectors {
 
 /// The geometry of a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Angle {
+enum CornerKind {
     /// The turn is too small for a second vector.
     Straight,
     Inner,
@@ -128,10 +128,10 @@ enum Angle {
 
 /// Classifies the angle between two directions of travel. The nose is on the left for a
 /// positive `rho`, else on the right.
-fn angle(exit: Point, entry: Point, rho: f64) -> Angle {
+fn classify_corner(exit: Point, entry: Point, rho: f64) -> CornerKind {
     let turned = (exit - entry) * rho;
-    if turned.dot(turned) <= ONE_VECTOR * ONE_VECTOR {
-        return Angle::Straight;
+    if turned.dot(turned) <= SAME_VECTOR_MM * SAME_VECTOR_MM {
+        return CornerKind::Straight;
     }
     let along = exit.dot(entry);
     let turn = exit.cross(entry) * rho.signum();
@@ -139,111 +139,124 @@ fn angle(exit: Point, entry: Point, rho: f64) -> Angle {
     let sharp = along < -COS_1_DEGREE;
     if turn > -PARALLEL && !reversal {
         return if sharp {
-            Angle::InnerSharp
+            CornerKind::InnerSharp
         } else {
-            Angle::Inner
+            CornerKind::Inner
         };
     }
     if sharp {
-        return Angle::OuterSharp;
+        return CornerKind::OuterSharp;
     }
     if along < -PARALLEL {
-        return Angle::Acute;
+        return CornerKind::Acute;
     }
-    Angle::Obtuse
+    CornerKind::Obtuse
 }
 
 /// The vectors at the end of `a`. The nose runs `rho_a` left of `a` and `rho_b` left of `b`,
 /// mm; negative values mean right.
-pub(super) fn vectors(
-    a: &Piece,
+pub(super) fn corner_vectors(
+    a: &ContourSegment,
     rho_a: f64,
-    b: &Piece,
+    b: &ContourSegment,
     rho_b: f64,
-    role: Role,
-) -> Result<Vectors, Fault> {
+    role: CornerRole,
+) -> Result<CornerVectors, CompensationFault> {
     for (piece, rho) in [(a, rho_a), (b, rho_b)] {
         if let Some(circle) = &piece.circle {
-            circle.check_room(rho)?;
+            circle.check_radius(rho)?;
         }
     }
     let vectors = if rho_a * rho_b < 0.0 {
-        Ok(change_of_side(a, rho_a, b, rho_b))
+        Ok(side_change_vectors(a, rho_a, b, rho_b))
     } else {
-        one_side(a, b, rho_b, role)
+        same_side_vectors(a, b, rho_b, role)
     };
     let is_finite = |vector: &Point| vector.x.is_finite() && vector.z.is_finite();
     match &vectors {
-        Ok(found) if !found.all().iter().all(is_finite) => Err(Fault::NoResult),
+        Ok(computed) if !computed.as_slice().iter().all(is_finite) => {
+            Err(CompensationFault::NoResult)
+        }
         _ => vectors,
     }
 }
 
 /// The vector perpendicular to the end of a move.
-pub(super) fn square_to_end(a: &Piece, rho: f64) -> Point {
+pub(super) fn perpendicular_at_end(a: &ContourSegment, rho: f64) -> Point {
     a.exit.left() * rho
 }
 
 /// The vector perpendicular to the start of a move.
-pub(super) fn square_to_start(b: &Piece, rho: f64) -> Point {
+pub(super) fn perpendicular_at_start(b: &ContourSegment, rho: f64) -> Point {
     b.entry.left() * rho
 }
 
 #[inline(always)]
-fn one_side(a: &Piece, b: &Piece, rho: f64, role: Role) -> Result<Vectors, Fault> {
-    let (square_a, square_b) = (square_to_end(a, rho), square_to_start(b, rho));
+fn same_side_vectors(
+    a: &ContourSegment,
+    b: &ContourSegment,
+    rho: f64,
+    role: CornerRole,
+) -> Result<CornerVectors, CompensationFault> {
+    let (square_a, square_b) = (perpendicular_at_end(a, rho), perpendicular_at_start(b, rho));
     // The compensated move of a start-up or a cancel determines the vector.
     let kept = match role {
-        Role::StartUp | Role::Both => square_b,
-        Role::Cancel => square_a,
+        CornerRole::StartUp | CornerRole::Both => square_b,
+        CornerRole::Cancel => square_a,
     };
-    let around = role != Role::Both;
+    let around = role != CornerRole::Both;
     let lines = a.circle.is_none() && b.circle.is_none();
-    let bow = |first: bool, last: bool| bow(a, b, rho, first, last);
+    let bow = |first: bool, last: bool| extended_vectors(a, b, rho, first, last);
     let apart = square_a - square_b;
     let is_within = |distance: f64| apart.dot(apart) <= distance * distance;
-    if role == Role::Both
-        && is_within(TANGENT)
-        && let Some(rests) = rests(a, b, rho)
+    if role == CornerRole::Both
+        && is_within(TANGENT_MM)
+        && let Some(rests) = rest_vectors(a, b, rho)
     {
         return Ok(rests);
     }
     let meeting = || {
-        let met = meet(a, rho, b, rho);
-        if role == Role::Both && is_within(TANGENT_IF_SHORT) {
-            near_tangent(a, b, rho, met)
+        let met = intersect(a, rho, b, rho);
+        if role == CornerRole::Both && is_within(SHORT_MOVE_TANGENT_MM) {
+            near_tangent_vectors(a, b, rho, met)
         } else {
-            met.map(Vectors::meeting)
+            met.map(CornerVectors::at_meeting)
         }
     };
-    Ok(match angle(a.exit, b.entry, rho) {
-        Angle::Straight => Vectors::of(&[kept]),
-        Angle::Inner | Angle::InnerSharp if around => Vectors::of(&[kept]),
-        Angle::InnerSharp => return Err(Fault::SharpCorner),
-        Angle::OuterSharp if around && lines => Vectors::of(&[kept]),
-        Angle::Obtuse | Angle::Acute | Angle::OuterSharp if around && START_TYPE == Type::A => {
-            Vectors::of(&[kept])
+    Ok(match classify_corner(a.exit, b.entry, rho) {
+        CornerKind::Straight => CornerVectors::from_points(&[kept]),
+        CornerKind::Inner | CornerKind::InnerSharp if around => CornerVectors::from_points(&[kept]),
+        CornerKind::InnerSharp => return Err(CompensationFault::SharpCorner),
+        CornerKind::OuterSharp if around && lines => CornerVectors::from_points(&[kept]),
+        CornerKind::Obtuse | CornerKind::Acute | CornerKind::OuterSharp
+            if around && START_TYPE == StartUpType::A =>
+        {
+            CornerVectors::from_points(&[kept])
         }
-        Angle::Inner => return meeting(),
-        Angle::Obtuse => match role {
-            Role::StartUp => Vectors::of(&[square_a, meet(a, rho, b, rho)?]),
-            Role::Both => return meeting(),
-            Role::Cancel => Vectors::of(&[meet(a, rho, b, rho)?, square_b]),
+        CornerKind::Inner => return meeting(),
+        CornerKind::Obtuse => match role {
+            CornerRole::StartUp => {
+                CornerVectors::from_points(&[square_a, intersect(a, rho, b, rho)?])
+            }
+            CornerRole::Both => return meeting(),
+            CornerRole::Cancel => {
+                CornerVectors::from_points(&[intersect(a, rho, b, rho)?, square_b])
+            }
         },
-        Angle::Acute | Angle::OuterSharp => match role {
-            Role::StartUp => bow(true, b.circle.is_some()),
-            Role::Both => bow(a.circle.is_some(), b.circle.is_some()),
-            Role::Cancel => bow(a.circle.is_some(), true),
+        CornerKind::Acute | CornerKind::OuterSharp => match role {
+            CornerRole::StartUp => bow(true, b.circle.is_some()),
+            CornerRole::Both => bow(a.circle.is_some(), b.circle.is_some()),
+            CornerRole::Cancel => bow(a.circle.is_some(), true),
         },
     })
 }
 
 /// The position where the nose rests at a corner with an inner arc that it fills.
-fn rests(a: &Piece, b: &Piece, rho: f64) -> Option<Vectors> {
-    let center = |piece: &Piece| piece.rest(rho).map(|center| center - b.start);
+fn rest_vectors(a: &ContourSegment, b: &ContourSegment, rho: f64) -> Option<CornerVectors> {
+    let center = |piece: &ContourSegment| piece.rest_center(rho).map(|center| center - b.start);
     match (center(a), center(b)) {
-        (Some(one), Some(other)) => Some(Vectors::of(&[one, other])),
-        (Some(one), None) | (None, Some(one)) => Some(Vectors::of(&[one])),
+        (Some(one), Some(other)) => Some(CornerVectors::from_points(&[one, other])),
+        (Some(one), None) | (None, Some(one)) => Some(CornerVectors::from_points(&[one])),
         (None, None) => None,
     }
 }
@@ -258,21 +271,21 @@ fn rests(a: &Piece, b: &Piece, rho: f64) -> Option<Vectors> {
 ///                          V +    `---.__ V between them
 ///   offset of b  ------------------------`-- meeting
 /// ```
-fn near_tangent(
-    a: &Piece,
-    b: &Piece,
+fn near_tangent_vectors(
+    a: &ContourSegment,
+    b: &ContourSegment,
     rho: f64,
-    met: Result<Point, Fault>,
-) -> Result<Vectors, Fault> {
-    let (square_a, square_b) = (square_to_end(a, rho), square_to_start(b, rho));
-    let shorter = a.length_of_chord().min(b.length_of_chord());
-    let is_short = shorter < SHORT;
+    met: Result<Point, CompensationFault>,
+) -> Result<CornerVectors, CompensationFault> {
+    let (square_a, square_b) = (perpendicular_at_end(a, rho), perpendicular_at_start(b, rho));
+    let shorter = a.chord_length().min(b.chord_length());
+    let is_short = shorter < SHORT_MOVE_MM;
     // Beside an arc that the nose fills, the rest of its path is a circle of the size of
     // rounding: a meeting point means nothing.
-    if is_short && let Some(rests) = rests(a, b, rho) {
+    if is_short && let Some(rests) = rest_vectors(a, b, rho) {
         return Ok(rests);
     }
-    let between = || Vectors::of(&[(square_a + square_b) * 0.5]);
+    let between = || CornerVectors::from_points(&[(square_a + square_b) * 0.5]);
     match met {
         Ok(meeting) => {
             let off = (meeting - square_a)
@@ -281,21 +294,27 @@ fn near_tangent(
             Ok(if is_short && off > shorter / 2.0 {
                 between()
             } else {
-                Vectors::meeting(meeting)
+                CornerVectors::at_meeting(meeting)
             })
         }
-        Err(Fault::NoMeetingLineArc | Fault::NoMeetingArcLine | Fault::NoMeetingOfArcs)
-            if is_short =>
-        {
-            Ok(between())
-        }
+        Err(
+            CompensationFault::NoMeetingLineArc
+            | CompensationFault::NoMeetingArcLine
+            | CompensationFault::NoMeetingOfArcs,
+        ) if is_short => Ok(between()),
         Err(fault) => Err(fault),
     }
 }
 
 /// Goes around an acute corner: both paths of the nose centre continue by r.
-fn bow(a: &Piece, b: &Piece, rho: f64, with_first: bool, with_last: bool) -> Vectors {
-    let (square_a, square_b) = (square_to_end(a, rho), square_to_start(b, rho));
+fn extended_vectors(
+    a: &ContourSegment,
+    b: &ContourSegment,
+    rho: f64,
+    with_first: bool,
+    with_last: bool,
+) -> CornerVectors {
+    let (square_a, square_b) = (perpendicular_at_end(a, rho), perpendicular_at_start(b, rho));
     let r = rho.abs();
     let points = [
         square_a,
@@ -304,7 +323,7 @@ fn bow(a: &Piece, b: &Piece, rho: f64, with_first: bool, with_last: bool) -> Vec
         square_b,
     ];
     let (from, to) = (usize::from(!with_first), 3 + usize::from(with_last));
-    Vectors::of(points.get(from..to).unwrap_or(&[]))
+    CornerVectors::from_points(points.get(from..to).unwrap_or(&[]))
 }
 
 /// Change between G41 and G42: the intersection if it is within the moves, else one vector
@@ -316,25 +335,33 @@ fn bow(a: &Piece, b: &Piece, rho: f64, with_first: bool, with_last: bool) -> Vec
 ///           | \ B            B   |  straight from one to the other
 ///           |  \         *-------- ρB nB
 /// ```
-fn change_of_side(a: &Piece, rho_a: f64, b: &Piece, rho_b: f64) -> Vectors {
-    let (square_a, square_b) = (square_to_end(a, rho_a), square_to_start(b, rho_b));
-    if (square_a - square_b).length() <= ONE_VECTOR {
-        return Vectors::of(&[square_b]);
+fn side_change_vectors(
+    a: &ContourSegment,
+    rho_a: f64,
+    b: &ContourSegment,
+    rho_b: f64,
+) -> CornerVectors {
+    let (square_a, square_b) = (
+        perpendicular_at_end(a, rho_a),
+        perpendicular_at_start(b, rho_b),
+    );
+    if (square_a - square_b).length() <= SAME_VECTOR_MM {
+        return CornerVectors::from_points(&[square_b]);
     }
     let turns = a.exit.dot(b.entry) <= COS_1_DEGREE;
     let meeting = if turns {
-        meet(a, rho_a, b, rho_b).ok()
+        intersect(a, rho_a, b, rho_b).ok()
     } else {
         None
     };
     let lines = a.circle.is_none() && b.circle.is_none();
     let within = |meeting: &Point| {
         !lines
-            || ((*meeting - square_a).dot(a.exit) > -a.length_of_chord()
-                && (*meeting - square_b).dot(b.entry) < b.length_of_chord())
+            || ((*meeting - square_a).dot(a.exit) > -a.chord_length()
+                && (*meeting - square_b).dot(b.entry) < b.chord_length())
     };
     match meeting.filter(within) {
-        Some(meeting) => Vectors::of(&[meeting]),
-        None => Vectors::of(&[square_a, square_b]),
+        Some(meeting) => CornerVectors::from_points(&[meeting]),
+        None => CornerVectors::from_points(&[square_a, square_b]),
     }
 }

@@ -2,9 +2,9 @@
 //! is no imaginary tip. Moves are passed as they lie in the plane of G17 to G19. The caller
 //! keeps all other data of a move, its block included, under a number.
 
-use super::{Compensation, Nose, Origin};
+use super::{CommandContext, Nose, NoseCompensation};
 use crate::alarm::Alarm;
-use crate::command::{Action, Command, Frame, Modal, ProgramId, Source};
+use crate::command::{Action, ControlCommand, Frame, ModalState, ProgramId, SourcePosition};
 use crate::units::{Feed, Point};
 
 /// A move in the plane. In its points `z` is along the first axis of the plane and `x` along
@@ -39,7 +39,7 @@ pub enum FlatShape {
 
 /// The side of the contour on which the cutter runs, seen in the direction of the cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum CutterSide {
     /// G40: on the contour, without compensation.
     On,
     /// G41: left.
@@ -50,7 +50,7 @@ pub enum Side {
 
 /// One result of the compensation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Compensated {
+pub enum CutterOutput {
     /// A move of the cutter centre. A corner may turn one pushed move into several; only the
     /// last of them is the move itself, the others lead around the corner before it.
     Move {
@@ -66,7 +66,7 @@ pub enum Compensated {
 /// Converts the moves of a program into moves of the cutter centre.
 #[derive(Clone, Debug, Default)]
 pub struct CutterCompensation {
-    stream: Compensation,
+    stream: NoseCompensation,
 }
 
 impl CutterCompensation {
@@ -77,12 +77,12 @@ impl CutterCompensation {
     }
 
     /// Sets the position of the cutter centre before the first move, mm.
-    pub fn stand_at(&mut self, point: Point) {
-        self.stream.stand_at(point, Frame::default());
+    pub fn set_position(&mut self, point: Point) {
+        self.stream.set_position(point, Frame::default());
     }
 
     /// Accepts a move of a block, with the active side and the cutter radius, mm.
-    pub fn push(&mut self, flat: FlatMove, side: Side, radius: f64) {
+    pub fn push(&mut self, flat: FlatMove, side: CutterSide, radius: f64) {
         let feed = Feed::PerMinute(1.0);
         let action = match flat.shape {
             FlatShape::Rapid => Action::Rapid { to: flat.to },
@@ -98,60 +98,60 @@ impl CutterCompensation {
             radius,
             direction: 0,
         };
-        self.give((flat.number, flat.line), action, side, nose, true);
+        self.push_action((flat.number, flat.line), action, side, nose, true);
     }
 
     /// Accepts a block without motion in the plane.
-    pub fn push_other(&mut self, number: u32, side: Side) {
+    pub fn push_other(&mut self, number: u32, side: CutterSide) {
         let nose = Nose::default();
-        self.give((number, 0), Action::Nothing, side, nose, true);
+        self.push_action((number, 0), Action::Nothing, side, nose, true);
     }
 
     /// Accepts motion that is not compensated and ends at `to`, mm.
-    pub fn push_uncompensated(&mut self, number: u32, to: Point, side: Side) {
+    pub fn push_uncompensated(&mut self, number: u32, to: Point, side: CutterSide) {
         let nose = Nose::default();
-        self.give((number, 0), Action::Rapid { to }, side, nose, false);
+        self.push_action((number, 0), Action::Rapid { to }, side, nose, false);
     }
 
-    fn give(
+    fn push_action(
         &mut self,
         (number, line): (u32, u32),
         action: Action,
-        side: Side,
+        side: CutterSide,
         nose: Nose,
         contour: bool,
     ) {
-        let command = Command {
-            source: Source {
+        let command = ControlCommand {
+            source: SourcePosition {
                 program: ProgramId::External,
                 line,
                 // Here the sequence number is the number of the move.
                 sequence: Some(number.into()),
             },
             action,
-            modal: Modal {
+            modal: ModalState {
                 nose_compensation: match side {
-                    Side::On => 40,
-                    Side::Left => 41,
-                    Side::Right => 42,
+                    CutterSide::On => 40,
+                    CutterSide::Left => 41,
+                    CutterSide::Right => 42,
                 },
                 // Any offset number but 0: the caller knows whether the offset is 0.
                 offset: 1,
-                ..Modal::default()
+                ..ModalState::default()
             },
             block_end: true,
             stop_point: true,
-            whole: false,
+            defers_feed_hold: false,
             programmed_x: None,
         };
-        let origin = Origin {
+        let origin = CommandContext {
             contour,
             nose,
             offset_by_shift: false,
         };
         self.stream.push(command, origin);
         // Contours of a mill are closed: the end of a contour may cross its beginning.
-        self.stream.before.keep_last();
+        self.stream.recent_paths.keep_last();
     }
 
     /// Ends the open move perpendicular to itself: no further move follows.
@@ -164,7 +164,7 @@ impl CutterCompensation {
     /// # Errors
     /// Alarms of compensation; the sequence number of their source is the number of the
     /// move.
-    pub fn take(&mut self) -> Option<Result<Compensated, Alarm>> {
+    pub fn take(&mut self) -> Option<Result<CutterOutput, Alarm>> {
         let command = match self.stream.take()? {
             Ok(command) => command,
             Err(alarm) => return Some(Err(alarm)),
@@ -180,7 +180,7 @@ impl CutterCompensation {
                 clockwise,
                 ..
             } => (to, FlatShape::Arc { center, clockwise }),
-            _ => return Some(Ok(Compensated::Other(number))),
+            _ => return Some(Ok(CutterOutput::Other(number))),
         };
         let flat = FlatMove {
             number,
@@ -189,6 +189,6 @@ impl CutterCompensation {
             shape,
         };
         let last = command.block_end;
-        Some(Ok(Compensated::Move { flat, last }))
+        Some(Ok(CutterOutput::Move { flat, last }))
     }
 }

@@ -3,11 +3,11 @@
 use gsk_messages::{Message, say};
 
 use crate::alarm::{Alarm, number};
-use crate::command::Source;
+use crate::command::SourcePosition;
 
 /// The reason why compensation C refuses a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Fault {
+pub(crate) enum CompensationFault {
     StartOnArc,
     Call,
     DivisionByZero,
@@ -25,7 +25,7 @@ pub(crate) enum Fault {
     NoMeetingArcLine,
 }
 
-impl Fault {
+impl CompensationFault {
     pub(crate) const fn number(self) -> u16 {
         match self {
             Self::StartOnArc => number::NOSE_START_ON_ARC,
@@ -67,7 +67,7 @@ impl Fault {
     }
 
     /// Whether the fault concerns two moves: then the first one is not started.
-    pub(crate) const fn of_two_moves(self) -> bool {
+    pub(crate) const fn is_between_moves(self) -> bool {
         !matches!(
             self,
             Self::StartOnArc | Self::Call | Self::ArcEnd | Self::CancelOnArc
@@ -76,17 +76,17 @@ impl Fault {
 
     /// The alarm without a source position.
     pub(crate) fn alarm(self) -> Alarm {
-        Alarm::new(self.number()).because(self.reason())
+        Alarm::new(self.number()).with_detail(self.reason())
     }
 
     /// The alarm of a corner, at the block that is not started. If the words of the next
     /// block are wrong in themselves, the alarm is at that block.
-    pub(super) fn at_corner(self, first: Source, second: Source) -> Alarm {
-        let place = match self {
+    pub(super) fn corner_alarm(self, first: SourcePosition, second: SourcePosition) -> Alarm {
+        let position = match self {
             Self::SamePoint | Self::CenterAtStart | Self::CenterAtEnd | Self::SmallArc => second,
             _ => first,
         };
-        let mut alarm = self.alarm().at(place);
+        let mut alarm = self.alarm().with_source(position);
         if first.line != second.line {
             alarm.detail = Some(say::of_two_lines(self.reason(), first.line, second.line));
         }

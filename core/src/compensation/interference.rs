@@ -19,31 +19,31 @@ use core::f64::consts::{PI, TAU};
 
 use serde::{Deserialize, Serialize};
 
-use super::clearance::{self, Curve, ROUNDING};
-use super::corner::Vectors;
-use super::fault::Fault;
-use super::piece::{Circle, Piece, too_short};
+use super::clearance::{self, Curve, ROUNDING_MM};
+use super::corner::CornerVectors;
+use super::fault::CompensationFault;
 use super::plane::sweep;
+use super::segment::{Circle, ContourSegment, is_too_short};
 use crate::units::Point;
 
 /// A smaller motion backwards is rounding, mm.
-const BACKWARDS: f64 = 1e-6;
+const BACKWARDS_MM: f64 = 1e-6;
 /// How far the nose may cut into an arc whose end is off its circle, mm: its path is
 /// parallel only while the radius changes slowly.
-const TILTED: f64 = 0.0005;
+const TILTED_ARC_MM: f64 = 0.0005;
 
 /// The vectors that remain at both ends of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Way {
-    pub(super) start: Vectors,
-    pub(super) end: Vectors,
+pub(super) struct EndVectors {
+    pub(super) start: CornerVectors,
+    pub(super) end: CornerVectors,
     /// Whether an arc is run as a straight line.
     pub(super) straight: bool,
 }
 
-impl Way {
+impl EndVectors {
     /// Starts with all vectors; an arc remains an arc.
-    pub(super) const fn whole(start: Vectors, end: Vectors) -> Self {
+    pub(super) const fn with_all_vectors(start: CornerVectors, end: CornerVectors) -> Self {
         Self {
             start,
             end,
@@ -54,7 +54,7 @@ impl Way {
 
 /// The surface and the nose path of an executed move.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Trail {
+pub(super) struct ExecutedPath {
     surface: Curve,
     path: Curve,
     /// Whether the path keeps the nose clear of the surface of the same move.
@@ -63,7 +63,7 @@ pub(super) struct Trail {
     pub(super) rho: f64,
 }
 
-impl Trail {
+impl ExecutedPath {
     /// An unused entry.
     const EMPTY: Self = {
         let none = Curve::line(Point::new(0.0, 0.0), Point::new(0.0, 0.0));
@@ -77,11 +77,11 @@ impl Trail {
 
     /// Overwrites the entry with the data of a move.
     #[inline(always)]
-    fn become_that_of(&mut self, piece: &Piece, way: &Way, rho: f64) {
+    fn set_from(&mut self, piece: &ContourSegment, way: &EndVectors, rho: f64) {
         let (p, q) = (piece.start + way.start.last(), piece.end + way.end.first());
         match &piece.circle {
-            Some(circle) if !way.straight && !too_short(piece, circle, p, q) => {
-                self.path = Curve::arc(p, q, circle, piece);
+            Some(circle) if !way.straight && !is_too_short(piece, circle, p, q) => {
+                self.path = Curve::parallel_arc(p, q, circle, piece);
             }
             _ => self.path = Curve::line(p, q),
         }
@@ -105,13 +105,13 @@ const MOVES_BEFORE: usize = 3;
 /// The last executed moves while the corners between them were regular, and the move that is
 /// being checked. The entry is written in place: copying it would cost more than the check.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Trails {
-    kept: Vec<Trail>,
+pub(super) struct RecentPaths {
+    kept: Vec<ExecutedPath>,
     /// Index of the next entry; once the list is full, of the oldest one.
     next: usize,
 }
 
-impl Trails {
+impl RecentPaths {
     /// Removes all moves.
     pub(super) fn clear(&mut self) {
         self.kept.clear();
@@ -119,7 +119,7 @@ impl Trails {
     }
 
     /// The last committed move.
-    pub(super) fn last(&self) -> Option<&Trail> {
+    pub(super) fn last(&self) -> Option<&ExecutedPath> {
         let last = (self.next + MOVES_BEFORE) % (MOVES_BEFORE + 1);
         self.kept.get(last)
     }
@@ -129,36 +129,36 @@ impl Trails {
         if let Some(last) = self.last().copied() {
             self.clear();
             self.kept.push(last);
-            self.keep();
+            self.commit();
         }
     }
 
     /// Stages the path of a move that is still to be checked.
     #[inline(always)]
-    pub(super) fn lay(&mut self, piece: &Piece, way: &Way, rho: f64) {
+    pub(super) fn stage(&mut self, piece: &ContourSegment, way: &EndVectors, rho: f64) {
         if self.kept.len() == self.next {
-            self.kept.push(Trail::EMPTY);
+            self.kept.push(ExecutedPath::EMPTY);
         }
         if let Some(oldest) = self.kept.get_mut(self.next) {
-            oldest.become_that_of(piece, way, rho);
+            oldest.set_from(piece, way, rho);
         }
     }
 
     /// The staged move, and the earlier ones with the nose at the same distance on the left.
     #[inline(always)]
-    pub(super) fn laid(&self) -> Option<(&Trail, Before<'_>)> {
+    pub(super) fn staged(&self) -> Option<(&ExecutedPath, EarlierPaths<'_>)> {
         let (before, from) = self.kept.split_at_checked(self.next)?;
         let (laid, after) = from.split_first()?;
-        let mut all = Before {
+        let mut all = EarlierPaths {
             list: [laid; MOVES_BEFORE],
             count: 0,
         };
         for trails in [before, after] {
             for trail in trails {
                 if trail.rho == laid.rho
-                    && let Some(place) = all.list.get_mut(all.count)
+                    && let Some(slot) = all.list.get_mut(all.count)
                 {
-                    *place = trail;
+                    *slot = trail;
                     all.count += 1;
                 }
             }
@@ -167,20 +167,20 @@ impl Trails {
     }
 
     /// Commits the staged move: it has been run.
-    pub(super) const fn keep(&mut self) {
+    pub(super) const fn commit(&mut self) {
         self.next = (self.next + 1) % (MOVES_BEFORE + 1);
     }
 }
 
 /// References to earlier moves, in no order.
 #[derive(Clone, Copy)]
-pub(super) struct Before<'a> {
-    list: [&'a Trail; MOVES_BEFORE],
+pub(super) struct EarlierPaths<'a> {
+    list: [&'a ExecutedPath; MOVES_BEFORE],
     count: usize,
 }
 
-impl<'a> Before<'a> {
-    pub(super) fn all(&self) -> &[&'a Trail] {
+impl<'a> EarlierPaths<'a> {
+    pub(super) fn as_slice(&self) -> &[&'a ExecutedPath] {
         self.list.get(..self.count).unwrap_or(&[])
     }
 }
@@ -202,26 +202,29 @@ impl<'a> Before<'a> {
 ///
 /// Along a line between two meeting points the nose keeps clear of the lines that meet
 /// there: they are not checked.
-pub(super) fn cuts_into(
-    before: &[&Trail],
-    last: Option<&Trail>,
+pub(super) fn does_cut_neighbours(
+    before: &[&ExecutedPath],
+    last: Option<&ExecutedPath>,
     start: Point,
-    way: &Way,
-    trail: &Trail,
-    next: Option<&Piece>,
+    way: &EndVectors,
+    trail: &ExecutedPath,
+    next: Option<&ContourSegment>,
 ) -> bool {
     let radius = trail.rho.abs();
     let next = next.map(Curve::surface);
-    let cuts = |path: &Curve, surface: &Curve| clearance::cuts(path, surface, radius - ROUNDING);
+    let cuts = |path: &Curve, surface: &Curve| {
+        clearance::is_closer_than(path, surface, radius - ROUNDING_MM)
+    };
     let own = if trail.parallel {
         let (path, surface) = (&trail.path, &trail.surface);
-        surface.loose() > TILTED / 2.0 && clearance::cuts(path, surface, radius - TILTED)
+        surface.radius_deviation() > TILTED_ARC_MM / 2.0
+            && clearance::is_closer_than(path, surface, radius - TILTED_ARC_MM)
     } else {
         cuts(&trail.path, &trail.surface)
     };
-    let around = |path: &Curve, into: f64, met: Option<&Trail>, next: Option<&Curve>| {
-        let cuts = |surface: &Curve| clearance::cuts(path, surface, radius - into);
-        let is_met = |before: &Trail| met.is_some_and(|met| core::ptr::eq(before, met));
+    let around = |path: &Curve, into: f64, met: Option<&ExecutedPath>, next: Option<&Curve>| {
+        let cuts = |surface: &Curve| clearance::is_closer_than(path, surface, radius - into);
+        let is_met = |before: &ExecutedPath| met.is_some_and(|met| core::ptr::eq(before, met));
         (before.iter()).any(|before| !is_met(before) && cuts(&before.surface))
             || next.is_some_and(cuts)
     };
@@ -229,23 +232,23 @@ pub(super) fn cuts_into(
     // that amount, and starts the next move at that distance.
     let loosest = before
         .iter()
-        .map(|before| before.surface.loose())
-        .fold(trail.surface.loose(), f64::max);
-    let shrinks = (2.0 * loosest + ROUNDING).min(TILTED);
+        .map(|before| before.surface.radius_deviation())
+        .fold(trail.surface.radius_deviation(), f64::max);
+    let shrinks = (2.0 * loosest + ROUNDING_MM).min(TILTED_ARC_MM);
     let between = trail.surface.is_line() && way.start.meets && way.end.meets;
     let met = last.filter(|last| between && last.surface.is_line());
     let unmet = next.as_ref().filter(|next| !(between && next.is_line()));
-    if own || around(&trail.path, shrinks.max(ROUNDING), met, unmet) {
+    if own || around(&trail.path, shrinks.max(ROUNDING_MM), met, unmet) {
         return true;
     }
     if before.is_empty() {
         return false;
     }
-    let mut corner = way.start.all().windows(2);
+    let mut corner = way.start.as_slice().windows(2);
     corner.any(|pair| match pair {
         [one, other] => {
             let path = Curve::line(start + *one, start + *other);
-            cuts(&path, &trail.surface) || around(&path, ROUNDING, None, next.as_ref())
+            cuts(&path, &trail.surface) || around(&path, ROUNDING_MM, None, next.as_ref())
         }
         _ => false,
     }) || next.is_some_and(|next| before.iter().any(|before| cuts(&before.path, &next)))
@@ -254,10 +257,13 @@ pub(super) fn cuts_into(
 /// Checks a move between the vectors at its start and its end. Drops some of them if
 /// necessary.
 #[inline]
-pub(super) fn check(piece: &Piece, way: &mut Way) -> Result<(), Fault> {
+pub(super) fn drop_interfering_vectors(
+    piece: &ContourSegment,
+    way: &mut EndVectors,
+) -> Result<(), CompensationFault> {
     while interferes(piece, way) {
-        match (way.start.single(), way.end.single()) {
-            (true, true) => return Err(Fault::Interference),
+        match (way.start.is_single(), way.end.is_single()) {
+            (true, true) => return Err(CompensationFault::Interference),
             (false, true) => way.start.drop_last(),
             (true, false) => way.end.drop_first(),
             (false, false) => {
@@ -270,23 +276,23 @@ pub(super) fn check(piece: &Piece, way: &mut Way) -> Result<(), Fault> {
     Ok(())
 }
 
-fn interferes(piece: &Piece, way: &Way) -> bool {
+fn interferes(piece: &ContourSegment, way: &EndVectors) -> bool {
     let (p, q) = (piece.start + way.start.last(), piece.end + way.end.first());
     match &piece.circle {
-        Some(circle) if !way.straight => turns_over(piece, circle, p, q),
+        Some(circle) if !way.straight => is_reversed(piece, circle, p, q),
         _ => {
             let along = match piece.circle {
                 None => piece.exit,
                 Some(_) => (piece.end - piece.start).unit().unwrap_or(piece.exit),
             };
-            (q - p).dot(along) < -BACKWARDS
+            (q - p).dot(along) < -BACKWARDS_MM
         }
     }
 }
 
 /// Whether the sweep of the nose path differs from the programmed one by more than half a
 /// turn.
-fn turns_over(piece: &Piece, circle: &Circle, p: Point, q: Point) -> bool {
+fn is_reversed(piece: &ContourSegment, circle: &Circle, p: Point, q: Point) -> bool {
     let (first, last) = (p - circle.center, q - circle.center);
     let (start, end) = (piece.start - circle.center, piece.end - circle.center);
     let within_half = |one: Point, other: Point| one.cross(other) * circle.turn > 0.0;
@@ -295,10 +301,10 @@ fn turns_over(piece: &Piece, circle: &Circle, p: Point, q: Point) -> bool {
     }
     let programmed = piece.sweep();
     // An arc shrunk to its centre has no sweep to compare.
-    if first.length() <= BACKWARDS || last.length() <= BACKWARDS {
+    if first.length() <= BACKWARDS_MM || last.length() <= BACKWARDS_MM {
         return false;
     }
-    let left = if (q - p).length() <= BACKWARDS && programmed < TAU {
+    let left = if (q - p).length() <= BACKWARDS_MM && programmed < TAU {
         0.0
     } else {
         let left = sweep(first, last, circle.turn);

@@ -9,41 +9,55 @@
 //!        \ \                P `.                      the one nearest to P
 //! ```
 
-use super::fault::Fault;
-use super::piece::{Piece, SAME};
+use super::fault::CompensationFault;
+use super::segment::{ContourSegment, SAME_POINT_MM};
 
 use crate::units::Point;
 
 /// A smaller denominator counts as a division by zero.
-const NO_ANGLE: f64 = 1e-12;
+const LEAST_DENOMINATOR: f64 = 1e-12;
 /// Radicands between this and zero count as zero: rounding.
-const ROOT_OF_ZERO: f64 = -1e-9;
+const LEAST_RADICAND: f64 = -1e-9;
 
 /// The displacement from the end of `a`, which is the start of `b`. The nose runs `rho_a`
 /// left of `a` and `rho_b` left of `b`, mm.
-pub(super) fn meet(a: &Piece, rho_a: f64, b: &Piece, rho_b: f64) -> Result<Point, Fault> {
+pub(super) fn intersect(
+    a: &ContourSegment,
+    rho_a: f64,
+    b: &ContourSegment,
+    rho_b: f64,
+) -> Result<Point, CompensationFault> {
     match (&a.circle, &b.circle) {
-        (None, None) => of_lines(a.exit.left(), rho_a, b.entry.left(), rho_b),
-        _ => meet_of_sides(a, rho_a, b, rho_b),
+        (None, None) => intersect_lines(a.exit.left(), rho_a, b.entry.left(), rho_b),
+        _ => intersect_paths(a, rho_a, b, rho_b),
     }
 }
 
 /// The same for moves of any shape.
-fn meet_of_sides(a: &Piece, rho_a: f64, b: &Piece, rho_b: f64) -> Result<Point, Fault> {
-    let side_a = Side::of(a, a.end, a.exit.left(), rho_a);
-    let side_b = Side::of(b, b.start, b.entry.left(), rho_b);
-    let meeting = side_a.meet(&side_b)?;
+fn intersect_paths(
+    a: &ContourSegment,
+    rho_a: f64,
+    b: &ContourSegment,
+    rho_b: f64,
+) -> Result<Point, CompensationFault> {
+    let side_a = OffsetPath::new(a, a.end, a.exit.left(), rho_a);
+    let side_b = OffsetPath::new(b, b.start, b.entry.left(), rho_b);
+    let meeting = side_a.intersect(&side_b)?;
     // The radius of an arc changes along the arc if its end is off its circle.
-    let (there_a, there_b) = (side_a.at(a, meeting), side_b.at(b, meeting));
-    if (there_a.radius - side_a.radius).abs() + (there_b.radius - side_b.radius).abs() < SAME {
+    let (path_a, path_b) = (
+        side_a.with_radius_at(a, meeting),
+        side_b.with_radius_at(b, meeting),
+    );
+    if (path_a.radius - side_a.radius).abs() + (path_b.radius - side_b.radius).abs() < SAME_POINT_MM
+    {
         return Ok(meeting);
     }
-    Ok(there_a.meet(&there_b).unwrap_or(meeting))
+    Ok(path_a.intersect(&path_b).unwrap_or(meeting))
 }
 
 /// The path of the nose centre along one of the moves, relative to P.
 #[derive(Clone, Copy, Debug)]
-struct Side {
+struct OffsetPath {
     /// Unit vector to the left of the move at P.
     normal: Point,
     rho: f64,
@@ -53,8 +67,8 @@ struct Side {
     arc: bool,
 }
 
-impl Side {
-    fn of(piece: &Piece, corner: Point, normal: Point, rho: f64) -> Self {
+impl OffsetPath {
+    fn new(piece: &ContourSegment, corner: Point, normal: Point, rho: f64) -> Self {
         let side = Self {
             normal,
             rho,
@@ -66,7 +80,7 @@ impl Side {
             let center = circle.center - corner;
             Self {
                 center,
-                radius: circle.beside(center.length(), rho),
+                radius: circle.path_radius(center.length(), rho),
                 arc: true,
                 ..side
             }
@@ -74,79 +88,84 @@ impl Side {
     }
 
     /// The same path with the radius that the arc has beside a displacement from P.
-    fn at(&self, piece: &Piece, place: Point) -> Self {
+    fn with_radius_at(&self, piece: &ContourSegment, displacement: Point) -> Self {
         piece.circle.as_ref().map_or(*self, |circle| {
-            let radius = piece.radius_toward(circle, place - self.center);
+            let radius = piece.radius_toward(circle, displacement - self.center);
             Self {
-                radius: circle.beside(radius, self.rho),
+                radius: circle.path_radius(radius, self.rho),
                 ..*self
             }
         })
     }
 
-    fn meet(&self, next: &Self) -> Result<Point, Fault> {
+    fn intersect(&self, next: &Self) -> Result<Point, CompensationFault> {
         // The normal points left: the direction is a quarter turn back from it.
         let along = |side: &Self| side.normal.left() * -1.0;
         match (self.arc, next.arc) {
-            (false, false) => of_lines(self.normal, self.rho, next.normal, next.rho),
-            (false, true) => on_line(along(self), self.rho, next.center, next.radius)
-                .ok_or(Fault::NoMeetingLineArc),
-            (true, false) => on_line(along(next), next.rho, self.center, self.radius)
-                .ok_or(Fault::NoMeetingArcLine),
-            (true, true) => of_arcs(self.center, self.radius, next.center, next.radius),
+            (false, false) => intersect_lines(self.normal, self.rho, next.normal, next.rho),
+            (false, true) => intersect_line_circle(along(self), self.rho, next.center, next.radius)
+                .ok_or(CompensationFault::NoMeetingLineArc),
+            (true, false) => intersect_line_circle(along(next), next.rho, self.center, self.radius)
+                .ok_or(CompensationFault::NoMeetingArcLine),
+            (true, true) => intersect_circles(self.center, self.radius, next.center, next.radius),
         }
     }
 }
 
 /// Intersects two lines through P, each offset along its normal.
-pub(super) fn of_lines(
+pub(super) fn intersect_lines(
     normal_a: Point,
     rho_a: f64,
     normal_b: Point,
     rho_b: f64,
-) -> Result<Point, Fault> {
+) -> Result<Point, CompensationFault> {
     let c = normal_a.dot(normal_b);
     if rho_a == rho_b {
-        if 1.0 + c < NO_ANGLE {
-            return Err(Fault::DivisionByZero);
+        if 1.0 + c < LEAST_DENOMINATOR {
+            return Err(CompensationFault::DivisionByZero);
         }
         return Ok((normal_a + normal_b) * (rho_a / (1.0 + c)));
     }
     let denominator = 1.0 - c * c;
-    if denominator < NO_ANGLE {
-        return Err(Fault::DivisionByZero);
+    if denominator < LEAST_DENOMINATOR {
+        return Err(CompensationFault::DivisionByZero);
     }
     let sum = normal_a * (rho_a - c * rho_b) + normal_b * (rho_b - c * rho_a);
     Ok(sum * (1.0 / denominator))
 }
 
 /// Intersects a line through P, offset to the left by `rho`, with a circle.
-fn on_line(along: Point, rho: f64, center: Point, radius: f64) -> Option<Point> {
+fn intersect_line_circle(along: Point, rho: f64, center: Point, radius: f64) -> Option<Point> {
     let beside = along.left() * rho;
     let w = beside - center;
     let b = w.dot(along);
     let square = b * b - (w.dot(w) - radius * radius);
-    if square < ROOT_OF_ZERO {
+    if square < LEAST_RADICAND {
         return None;
     }
     let root = square.max(0.0).sqrt();
     // The solution closer to P is the one with the shorter distance along the line.
-    let way = if b > 0.0 { root - b } else { -b - root };
-    Some(beside + along * way)
+    let distance = if b > 0.0 { root - b } else { -b - root };
+    Some(beside + along * distance)
 }
 
 /// Intersects two circles whose centres are relative to P.
-fn of_arcs(center_a: Point, radius_a: f64, center_b: Point, radius_b: f64) -> Result<Point, Fault> {
+fn intersect_circles(
+    center_a: Point,
+    radius_a: f64,
+    center_b: Point,
+    radius_b: f64,
+) -> Result<Point, CompensationFault> {
     let between = center_b - center_a;
     let d = between.length();
     let e = between
         .unit()
-        .filter(|_| d > NO_ANGLE)
-        .ok_or(Fault::DivisionByZero)?;
+        .filter(|_| d > LEAST_DENOMINATOR)
+        .ok_or(CompensationFault::DivisionByZero)?;
     let a = (radius_a * radius_a - radius_b * radius_b + d * d) / (2.0 * d);
     let square = radius_a * radius_a - a * a;
-    if square < ROOT_OF_ZERO {
-        return Err(Fault::NoMeetingOfArcs);
+    if square < LEAST_RADICAND {
+        return Err(CompensationFault::NoMeetingOfArcs);
     }
     let foot = center_a + e * a;
     let height = e.left() * square.max(0.0).sqrt();
@@ -166,7 +185,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn two_lines_meet_as_moves_of_any_kind_do(
+        fn lines_meet_like_moves_of_any_shape(
             (x, z, rho_a, rho_b) in (
                 prop::array::uniform3(-9..10_i32),
                 prop::array::uniform3(-9..10_i32),
@@ -175,11 +194,11 @@ mod tests {
             )
         ) {
             let point = |at: usize| Point::new(f64::from(x[at]) / 7.0, f64::from(z[at]) / 3.0);
-            let lines = (Piece::line(point(0), point(1)), Piece::line(point(1), point(2)));
+            let lines = (ContourSegment::line(point(0), point(1)), ContourSegment::line(point(1), point(2)));
             let (Ok(a), Ok(b)) = lines else { return Ok(()) };
             let (rho_a, rho_b) = (f64::from(rho_a) * 0.4, f64::from(rho_b) * 0.4);
-            let (quick, long) = (meet(&a, rho_a, &b, rho_b), meet_of_sides(&a, rho_a, &b, rho_b));
-            let bits = |met: Result<Point, Fault>| met.map(|it| (it.x.to_bits(), it.z.to_bits()));
+            let (quick, long) = (intersect(&a, rho_a, &b, rho_b), intersect_paths(&a, rho_a, &b, rho_b));
+            let bits = |met: Result<Point, CompensationFault>| met.map(|it| (it.x.to_bits(), it.z.to_bits()));
             prop_assert_eq!(bits(quick), bits(long));
         }
     }

@@ -15,38 +15,38 @@
 //! block that must not be read yet, end the open move perpendicular to itself. Without G41
 //! and G42 no command passes through here.
 //!
-//! `stream` accepts the commands, `settle` gives moves their ends, `moves` holds the types
-//! of both. Each part of the geometry has a file: `piece` for moves, `intersection` for the
+//! `stream` accepts the commands, `move_ends` gives moves their ends, `open_move` holds the types
+//! of both. Each part of the geometry has a file: `segment` for moves, `intersection` for the
 //! meeting points of two paths, `corner` for the vectors of a corner, `interference` for the
-//! check, `clearance` for distances, `legs` for the boxes of G90 and G94.
+//! check, `clearance` for distances, `box_legs` for the boxes of G90 and G94.
 
+mod box_legs;
 mod clearance;
 mod corner;
 pub mod cutter;
 mod fault;
 mod interference;
 mod intersection;
-mod legs;
-mod moves;
+mod move_ends;
 mod nose;
-mod piece;
+mod open_move;
 mod plane;
-mod settle;
+mod segment;
 mod stream;
 
 #[cfg(test)]
 mod tests;
 
-pub(crate) use fault::Fault;
-pub(crate) use legs::box_corners;
+pub(crate) use box_legs::box_corners;
+pub(crate) use fault::CompensationFault;
 pub(crate) use nose::Nose;
-pub(crate) use piece::check_arc;
-pub(crate) use stream::{Compensation, Origin};
+pub(crate) use segment::check_arc;
+pub(crate) use stream::{CommandContext, NoseCompensation};
 
 use crate::units::{Point, round};
 
 /// Rounds to the least increment: 0.001 mm in Z and in the diameter X.
-fn rounded(point: Point) -> Point {
+fn round_to_increment(point: Point) -> Point {
     Point::new(
         round(point.x * 2000.0) / 2000.0,
         round(point.z * 1000.0) / 1000.0,

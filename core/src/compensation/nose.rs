@@ -16,7 +16,7 @@ pub(crate) struct Nose {
 
 impl Nose {
     /// The nose in a row of the offset table.
-    pub(crate) const fn of(offset: &ToolOffset) -> Self {
+    pub(crate) const fn from_offset(offset: &ToolOffset) -> Self {
         Self {
             radius: offset.r,
             direction: offset.t,
@@ -24,12 +24,12 @@ impl Nose {
     }
 
     /// Signs of the direction from the nose centre to the imaginary tip.
-    pub(super) const fn direction(self) -> Point {
+    pub(super) const fn tip_signs(self) -> Point {
         tip_direction(self.direction)
     }
 
     /// Displacement from the nose centre to the imaginary tip, mm. The sign of R is ignored.
-    pub(super) fn tip(self) -> Point {
-        self.direction() * self.radius.abs()
+    pub(super) fn tip_vector(self) -> Point {
+        self.tip_signs() * self.radius.abs()
     }
 }

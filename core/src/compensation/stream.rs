@@ -4,13 +4,16 @@ use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
-use super::fault::Fault;
-use super::interference::Trails;
-use super::moves::{Held, Moving, Spare, Stand, cuts, destination, piece, side};
+use super::fault::CompensationFault;
+use super::interference::RecentPaths;
 use super::nose::Nose;
-use super::piece::are_same;
+use super::open_move::{
+    HeldCommand, OpenMove, SpareBox, TipState, action_segment, destination, is_contour_move,
+    side_sign,
+};
+use super::segment::are_same;
 use crate::alarm::Alarm;
-use crate::command::{Action, Command, Frame};
+use crate::command::{Action, ControlCommand, Frame};
 use crate::units::Point;
 
 /// Blocks without motion after which an open move ends perpendicular to itself.
@@ -18,7 +21,7 @@ const IDLE_BLOCKS: u8 = 2;
 
 /// Context of a command, supplied by the interpreter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Origin {
+pub(crate) struct CommandContext {
     /// Whether the block moves along a contour (G00 to G03). Other motion (cycles, threads,
     /// G28) runs without compensation.
     pub(crate) contour: bool,
@@ -30,26 +33,26 @@ pub(crate) struct Origin {
 
 /// The compensation between the interpreter and the executor of the commands.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Compensation {
+pub(crate) struct NoseCompensation {
     pub(super) on: bool,
     /// Programmed end of the last command, machine coordinates without the tool offset, mm.
     pub(super) machine: Point,
     #[serde(rename = "at")]
-    at: Point,
+    programmed_end: Point,
     offset: Point,
     #[serde(rename = "stand")]
-    pub(super) stand: Stand,
+    pub(super) tip_state: TipState,
     /// Boxed: it is passed on more often than it is read.
     #[serde(rename = "moving")]
-    pub(super) moving: Option<Box<Moving>>,
+    pub(super) open_move: Option<Box<OpenMove>>,
     #[serde(skip)]
-    pub(super) spare: Spare,
+    pub(super) spare: SpareBox,
     /// The compensated moves before the open one, while the corners between them were
     /// regular.
     #[serde(rename = "before")]
-    pub(super) before: Trails,
-    pub(super) held: VecDeque<Held>,
-    pub(super) ready: VecDeque<Command>,
+    pub(super) recent_paths: RecentPaths,
+    pub(super) held: VecDeque<HeldCommand>,
+    pub(super) ready: VecDeque<ControlCommand>,
     pub(super) fault: Option<Alarm>,
     /// Blocks without motion since the open move.
     pub(super) idle: u8,
@@ -57,19 +60,19 @@ pub(crate) struct Compensation {
     moved: bool,
 }
 
-impl Compensation {
+impl NoseCompensation {
     /// Whether offset mode is active: from the start-up move to the move that cancels.
     pub(crate) const fn is_on(&self) -> bool {
         self.on
     }
 
     /// Whether commands were accepted that have not been released.
-    pub(crate) fn holds(&self) -> bool {
-        self.moving.is_some() || !self.ready.is_empty()
+    pub(crate) fn has_pending(&self) -> bool {
+        self.open_move.is_some() || !self.ready.is_empty()
     }
 
     /// Returns the next command, or the alarm at which the run ends.
-    pub(crate) fn take(&mut self) -> Option<Result<Command, Alarm>> {
+    pub(crate) fn take(&mut self) -> Option<Result<ControlCommand, Alarm>> {
         match self.ready.pop_front() {
             Some(command) => Some(Ok(command)),
             None => self.fault.clone().map(Err),
@@ -87,43 +90,43 @@ impl Compensation {
     }
 
     /// Sets the machine position of the tool before a block, while the compensation is off.
-    pub(crate) fn stand_at(&mut self, machine: Point, frame: Frame) {
+    pub(crate) fn set_position(&mut self, machine: Point, frame: Frame) {
         self.machine = machine;
         self.offset = frame.offset;
-        self.at = machine - frame.offset;
+        self.programmed_end = machine - frame.offset;
     }
 
     /// Accepts the next command of the program.
-    pub(crate) fn push(&mut self, command: Command, origin: Origin) {
+    pub(crate) fn push(&mut self, command: ControlCommand, origin: CommandContext) {
         if self.fault.is_some() {
             return;
         }
         let block_end = command.block_end;
         match destination(&command.action, self.machine) {
-            Some(to) if origin.contour && cuts(&command.action) => {
-                self.contour(command, to, origin.nose);
+            Some(to) if origin.contour && is_contour_move(&command.action) => {
+                self.push_contour_move(command, to, origin.nose);
             }
-            Some(to) => self.foreign(command, to),
-            None => self.without_motion(command, origin),
+            Some(to) => self.push_uncompensated(command, to),
+            None => self.push_without_motion(command, origin),
         }
         if block_end {
-            self.block_end();
+            self.end_block();
         }
     }
 
     /// Ends the open move perpendicular to itself: no block may be read before all commands
     /// have been executed.
     pub(crate) fn flush(&mut self) {
-        if let Some(moving) = self.moving.take() {
-            self.end_square(moving);
+        if let Some(moving) = self.open_move.take() {
+            self.end_perpendicular(moving);
         }
     }
 
     /// The block after the open move has wrong data: the open move is not started.
     pub(crate) fn refuse(&mut self, alarm: Alarm) {
-        if let Some(moving) = self.moving.take() {
-            let vectors = self.stand.vectors;
-            self.corner_moves(&moving, &vectors);
+        if let Some(moving) = self.open_move.take() {
+            let vectors = self.tip_state.vectors;
+            self.push_corner_moves(&moving, &vectors);
         }
         self.held.clear();
         self.fault = Some(alarm);
@@ -132,19 +135,19 @@ impl Compensation {
     /// Moves the vectors along after the tool was moved while the run was stopped. Returns
     /// the displacement, mm.
     pub(crate) fn displace(&mut self, machine: Point) -> Point {
-        let tip = self.stand.tip();
+        let tip = self.tip_state.tip();
         if are_same(tip, machine) {
             return Point::default();
         }
         let by = machine - tip;
-        self.stand.base = self.stand.base + by;
-        let Some(moving) = &mut self.moving else {
+        self.tip_state.base = self.tip_state.base + by;
+        let Some(moving) = &mut self.open_move else {
             self.machine = self.machine + by;
-            self.at = self.at + by;
+            self.programmed_end = self.programmed_end + by;
             return by;
         };
         let start = moving.piece.start + by;
-        match piece(
+        match action_segment(
             &moving.command.action,
             start,
             moving.piece.end,
@@ -152,17 +155,17 @@ impl Compensation {
         ) {
             Ok(piece) => moving.piece = piece,
             Err(fault) => {
-                let alarm = fault.alarm().at(moving.command.source);
-                self.moving = None;
+                let alarm = fault.alarm().with_source(moving.command.source);
+                self.open_move = None;
                 self.refuse(alarm);
             }
         }
         by
     }
 
-    fn block_end(&mut self) {
+    fn end_block(&mut self) {
         let moved = core::mem::take(&mut self.moved);
-        if moved || self.moving.is_none() {
+        if moved || self.open_move.is_none() {
             return;
         }
         self.idle += 1;
@@ -171,9 +174,9 @@ impl Compensation {
         }
     }
 
-    fn queue(&mut self, command: Command) {
-        if self.moving.is_some() {
-            self.held.push_back(Held::Plain(command));
+    fn enqueue(&mut self, command: ControlCommand) {
+        if self.open_move.is_some() {
+            self.held.push_back(HeldCommand::Plain(command));
         } else {
             self.ready.push_back(command);
         }
@@ -181,76 +184,76 @@ impl Compensation {
 
     /// Passes on motion that is not compensated. The vector is cancelled before it and
     /// returns with the next move along the contour.
-    fn foreign(&mut self, command: Command, to: Point) {
-        self.end_on_point();
+    fn push_uncompensated(&mut self, command: ControlCommand, to: Point) {
+        self.end_at_programmed_point();
         self.moved = true;
         self.machine = to;
-        self.at = to - self.offset;
-        self.stand = Stand::on_point(to);
+        self.programmed_end = to - self.offset;
+        self.tip_state = TipState::at_programmed_point(to);
         self.ready.push_back(command);
     }
 
-    fn without_motion(&mut self, command: Command, origin: Origin) {
+    fn push_without_motion(&mut self, command: ControlCommand, origin: CommandContext) {
         let Action::Frame {
             frame,
             program_zero,
             ..
         } = &command.action
         else {
-            return self.queue(command);
+            return self.enqueue(command);
         };
         let travels = origin.contour && !origin.offset_by_shift;
         self.offset = frame.offset;
         if !travels {
-            self.at = self.machine - frame.offset;
+            self.programmed_end = self.machine - frame.offset;
         }
         if program_zero.is_some() {
-            self.end_on_point();
+            self.end_at_programmed_point();
         }
-        self.queue(command);
+        self.enqueue(command);
     }
 
     /// Accepts a move along the contour.
-    fn contour(&mut self, command: Command, to: Point, nose: Nose) {
-        let (start, end) = (self.at, to - self.offset);
+    fn push_contour_move(&mut self, command: ControlCommand, to: Point, nose: Nose) {
+        let (start, end) = (self.programmed_end, to - self.offset);
         let from = core::mem::replace(&mut self.machine, to);
-        self.at = end;
-        let side = side(&command.modal);
+        self.programmed_end = end;
+        let side = side_sign(&command.modal);
         let arc = matches!(command.action, Action::Arc { .. });
-        let rests = !arc && are_same(start, end);
-        if !self.on && (rests || side == 0.0 || command.modal.offset == 0) {
+        let is_at_end = !arc && are_same(start, end);
+        if !self.on && (is_at_end || side == 0.0 || command.modal.offset == 0) {
             self.moved = true;
             return self.ready.push_back(command);
         }
-        if self.on && rests && side != 0.0 && !are_same(from, to) {
-            return self.travel(command, to - from);
+        if self.on && is_at_end && side != 0.0 && !are_same(from, to) {
+            return self.shift_tool(command, to - from);
         }
         self.moved = true;
         if !self.on && arc {
-            return self.stop_before(Fault::StartOnArc, command.source);
+            return self.fail_before(CompensationFault::StartOnArc, command.source);
         }
-        if self.on && side == 0.0 && (arc || rests) {
+        if self.on && side == 0.0 && (arc || is_at_end) {
             return match arc {
-                true => self.stop_before(Fault::CancelOnArc, command.source),
+                true => self.fail_before(CompensationFault::CancelOnArc, command.source),
                 false => self.cancel(command, from.x, None),
             };
         }
-        let piece = match piece(&command.action, start, end, self.offset) {
+        let piece = match action_segment(&command.action, start, end, self.offset) {
             Ok(piece) => piece,
-            Err(fault) if fault.of_two_moves() => {
-                return self.stop_at_corner(fault, command.source);
+            Err(fault) if fault.is_between_moves() => {
+                return self.fail_at_corner(fault, command.source);
             }
-            Err(fault) => return self.stop_before(fault, command.source),
+            Err(fault) => return self.fail_before(fault, command.source),
         };
         if self.on && side == 0.0 {
             return self.cancel(command, from.x, Some(&piece));
         }
         let starts = !self.on;
         if starts {
-            self.stand = Stand::on_point(from);
+            self.tip_state = TipState::at_programmed_point(from);
         }
         self.on = true;
-        let next = Moving {
+        let next = OpenMove {
             command,
             piece,
             side,
@@ -260,7 +263,7 @@ impl Compensation {
             from_point: false,
             square_start: false,
         };
-        let next = self.spare.filled(next);
-        self.next_move(next);
+        let next = self.spare.box_move(next);
+        self.open_next_move(next);
     }
 }

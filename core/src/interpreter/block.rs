@@ -6,38 +6,38 @@
 
 use crate::alarm::Alarm;
 use crate::command::{Action, SpindleCommand};
-use crate::interpreter::Modal;
+use crate::interpreter::ModalState;
 use crate::interpreter::calls::block_call;
 use crate::interpreter::calls::special_call;
 use crate::interpreter::calls::subprogram;
-use crate::interpreter::canned_cycle::Maker;
+use crate::interpreter::canned_cycle::CycleGenerator;
 use crate::interpreter::codes::arc;
 use crate::interpreter::codes::corner;
-use crate::interpreter::codes::miscellaneous::{self, Function};
+use crate::interpreter::codes::miscellaneous::{self, MCodeFunction};
 use crate::interpreter::codes::nose_radius::{check_arc_block, check_call, check_option};
 use crate::interpreter::codes::positioning;
-use crate::interpreter::codes::positioning::within_stroke;
+use crate::interpreter::codes::positioning::check_stroke;
 use crate::interpreter::codes::scale;
 use crate::interpreter::codes::spindle_speed;
-use crate::interpreter::codes::tool::{self, Execution, ToolWord};
+use crate::interpreter::codes::tool::{self, OffsetExecution, ToolWord};
 use crate::interpreter::compound;
-use crate::interpreter::context::exact::{Exact, Reach};
+use crate::interpreter::context::exact::{CoordinateRange, ExactPoint};
 use crate::interpreter::context::flow::Flow;
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{ArcWords, AxisWords, OneShot, Words};
-use crate::interpreter::context::{Compensated, Context};
+use crate::interpreter::context::words::{ArcWords, AxisWords, OneShot, SortedWords};
+use crate::interpreter::context::{BlockContext, CompensationMode};
 use crate::interpreter::cycles::facing_cycle;
 use crate::interpreter::cycles::turning_cycle;
 use crate::interpreter::one_shot;
-use crate::interpreter::plan::{Motion, Plan};
+use crate::interpreter::plan::{Plan, PlannedMotion};
 use crate::interpreter::threads::tapping;
 use crate::interpreter::threads::thread;
 use crate::interpreter::threads::thread_cycle;
-use crate::model::Record;
+use crate::model::ModelRecord;
 
 /// The motion that a block commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum BlockMotion {
     Nothing,
     OneShot(OneShot),
     Rapid,
@@ -57,15 +57,15 @@ enum Kind {
 /// The alarm of a word. `state` and `plan` are then unusable: the caller restores them.
 pub(crate) fn evaluate(
     state: &mut State,
-    context: &Context<'_>,
-    words: &Words,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
     plan: &mut Plan,
 ) -> Result<(), Alarm> {
     let special = special_call::find(words, context)?;
     let rest;
     let words = match special {
         Some(call) => {
-            rest = call.without(words);
+            rest = call.without_calling_word(words);
             &rest
         }
         None => words,
@@ -73,97 +73,99 @@ pub(crate) fn evaluate(
     let scaled;
     let words = match state.scale {
         Some(factor) => {
-            scaled = scale::scaled(words, factor, context.model.record());
+            scaled = scale::scale_words(words, factor, context.model.record());
             &scaled
         }
         None => words,
     };
     let (function, interface) = match words.m {
         Some(code) => (
-            Some(miscellaneous::function(code, context)?),
-            miscellaneous::interface(code, words, context)?,
+            Some(miscellaneous::classify_m_code(code, context)?),
+            miscellaneous::plan_interface(code, words, context)?,
         ),
         None => (None, None),
     };
     check_option(words, context.parameters)?;
-    set_modal(state, words)?;
+    apply_modal_codes(state, words)?;
     // Increments count from the position shown before a T of the same block.
-    let base = state.position + state.ahead;
+    let base = state.position + state.increment_offset;
     // G50 (G92) gives the tool tip coordinates. They are no increments, also under G91.
     let incremental = state.incremental && words.one_shot != Some(OneShot::Coordinates);
-    let axes = words.axes(context.x_factor, base).under(incremental);
+    let axes = words
+        .axis_words(context.x_factor, base)
+        .with_incremental(incremental);
     let without_k;
-    let (all, words) = match words.k {
-        Some(_) if miscellaneous::takes_k(words, context.model.record()) => {
-            without_k = Words { k: None, ..*words };
+    let (all_words, words) = match words.k {
+        Some(_) if miscellaneous::is_k_number(words, context.model.record()) => {
+            without_k = SortedWords { k: None, ..*words };
             (words, &without_k)
         }
         _ => (words, words),
     };
-    let kind = kind(state, words, &axes);
+    let kind = find_motion(state, words, &axes);
 
     plan.modal = state.modal;
-    let mut travels = false;
+    let mut offset_travels = false;
     let word = match words.t {
-        Some(t) => Some(ToolWord::of_block(t, context)?),
-        None if words.m.is_some() => miscellaneous::offset(all, context)?,
+        Some(t) => Some(ToolWord::from_block(t, context)?),
+        None if words.m.is_some() => miscellaneous::read_offset_word(all_words, context)?,
         None => None,
     };
     if let Some(word) = word {
-        let execution = tool_execution(context, kind);
+        let execution = find_offset_execution(context, kind);
         let before = state.offset;
-        tool::select(state, context, word, execution, &mut plan.before);
-        travels = execution == Execution::Travel && state.offset != before;
+        tool::apply_tool_word(state, context, word, execution, &mut plan.before);
+        offset_travels = execution == OffsetExecution::Travel && state.offset != before;
     }
-    if let Some(command) = spindle(state, context, words, kind)? {
-        plan.begin_with_tool(Action::Spindle(command));
+    if let Some(command) = plan_spindle(state, context, words, kind)? {
+        plan.queue_with_tool(Action::Spindle(command));
     }
     match interface {
-        Some(outputs @ Action::Outputs { .. }) => plan.begin_with_tool(outputs),
+        Some(outputs @ Action::Outputs { .. }) => plan.queue_with_tool(outputs),
         wait => plan.before.extend(wait),
     }
     let output = match function {
-        Some(Function::Output(code)) => {
+        Some(MCodeFunction::Output(code)) => {
             state.modal.m = Some(code);
             Some(code)
         }
         _ => None,
     };
     match kind {
-        Kind::OneShot(code) if code.is_compound() => {
-            compound::plan(code, state, context, words, &axes, plan)?;
+        BlockMotion::OneShot(code) if code.is_compound() => {
+            compound::plan_cycle(code, state, context, words, &axes, plan)?;
         }
-        _ => plan.motion = motion(state, context, words, kind, &axes)?,
+        _ => plan.motion = plan_motion(state, context, words, kind, &axes)?,
     }
-    if let Motion::Cycle(cycle) = &plan.motion
+    if let PlannedMotion::Cycle(cycle) = &plan.motion
         && let Some(per_revolution) =
-            cycle.thread_per_revolution(context.parameters.run_out_rate() <= 0.0)
+            cycle.thread_travel_per_revolution(context.parameters.run_out_rate() <= 0.0)
     {
         plan.before.push_front(Action::ThreadCycle {
             per_revolution,
-            beyond: cycle.beyond_pass(),
+            extra_feature: cycle.beyond_pass(),
         });
     }
-    state.threading = matches!(kind, Kind::Thread) && plan.motion.moves();
-    if travels && matches!(kind, Kind::Nothing) {
-        plan.motion = Motion::One(positioning::rapid(state, state.position));
+    state.is_threading = matches!(kind, BlockMotion::Thread) && plan.motion.has_motion();
+    if offset_travels && matches!(kind, BlockMotion::Nothing) {
+        plan.motion = PlannedMotion::Single(positioning::plan_rapid(state, state.position));
     }
     if let Some(code) = output {
-        plan.begin_with_tool(Action::Miscellaneous { code });
+        plan.queue_with_tool(Action::Miscellaneous { code });
     }
-    follow(state, context, words, function, plan)?;
-    if let Kind::OneShot(code) = kind {
-        follow_call(code, state, context, words, plan)?;
+    plan_flow(state, context, words, function, plan)?;
+    if let BlockMotion::OneShot(code) = kind {
+        plan_block_call(code, state, context, words, plan)?;
     }
-    if words.exact_stop && plan.motion.moves() && plan.after.is_none() {
+    if words.exact_stop && plan.motion.has_motion() && plan.after.is_none() {
         plan.after = Some(Action::Dwell { ms: 0 });
     }
     if let Some(call) = special {
         check_call(state, context, plan.motion.is_contour())?;
-        plan.flow = subprogram::call_special(context, call)?;
+        plan.flow = subprogram::plan_special_call(context, call)?;
         // A call alone in its block is no stop of single block, as with M98.
-        plan.stops = words.count > 1;
-        if plan.stops && plan.is_done() {
+        plan.is_stop = words.count > 1;
+        if plan.is_stop && plan.is_done() {
             plan.after = Some(Action::Nothing);
         }
     }
@@ -177,7 +179,7 @@ pub(crate) fn evaluate(
 
 /// Applies the modal G codes and F to the state. In a thread block F and I set the lead
 /// instead of the feed.
-fn set_modal(state: &mut State, words: &Words) -> Result<(), Alarm> {
+fn apply_modal_codes(state: &mut State, words: &SortedWords) -> Result<(), Alarm> {
     if let Some(code) = words.motion {
         state.modal.motion = code;
         if !matches!(code, 90 | 92 | 94) {
@@ -196,8 +198,8 @@ fn set_modal(state: &mut State, words: &Words) -> Result<(), Alarm> {
     if let Some(per_revolution) = words.per_revolution {
         reread_feed(&mut state.modal, per_revolution);
     }
-    if thread::takes_lead(words, state.modal.motion) {
-        return thread::take_lead(state, words);
+    if thread::is_lead_block(words, state.modal.motion) {
+        return thread::store_lead(state, words);
     }
     if let Some(feed) = words.f {
         state.modal.feed = feed;
@@ -208,7 +210,7 @@ fn set_modal(state: &mut State, words: &Words) -> Result<(), Alarm> {
 /// The control holds one F register: mm/min in G98, 0.0001 mm/rev in G99. Without
 /// a new F the same number is read in the other unit: F1 of G99 becomes F10000
 /// (manual III-2.1.1).
-fn reread_feed(modal: &mut Modal, per_revolution: bool) {
+fn reread_feed(modal: &mut ModalState, per_revolution: bool) {
     const UNITS_PER_MM: f64 = 10_000.0;
     match (modal.feed_per_revolution, per_revolution) {
         (true, false) => modal.feed *= UNITS_PER_MM,
@@ -218,54 +220,55 @@ fn reread_feed(modal: &mut Modal, per_revolution: bool) {
     modal.feed_per_revolution = per_revolution;
 }
 
-fn kind(state: &State, words: &Words, axes: &AxisWords) -> Kind {
+fn find_motion(state: &State, words: &SortedWords, axes: &AxisWords) -> BlockMotion {
     if let Some(code) = words.one_shot {
-        return Kind::OneShot(code);
+        return BlockMotion::OneShot(code);
     }
     match state.modal.motion {
-        0 if axes.any() => Kind::Rapid,
-        1 if axes.any() => Kind::Line,
-        2 | 3 if axes.any() || words.i.is_some() || words.k.is_some() => Kind::Arc,
-        32 | 34 if axes.any() => Kind::Thread,
-        33 if axes.any() => Kind::Tap,
+        0 if axes.has_any() => BlockMotion::Rapid,
+        1 if axes.has_any() => BlockMotion::Line,
+        2 | 3 if axes.has_any() || words.i.is_some() || words.k.is_some() => BlockMotion::Arc,
+        32 | 34 if axes.has_any() => BlockMotion::Thread,
+        33 if axes.has_any() => BlockMotion::Tap,
         code @ (90 | 92 | 94) => {
-            let run_out = code == 92 && words.j.or(words.k).or(words.l).is_some();
-            let programmed = axes.any() || words.r.is_some() || run_out;
+            let has_run_out = code == 92 && words.j.or(words.k).or(words.l).is_some();
+            let is_programmed = axes.has_any() || words.r.is_some() || has_run_out;
             // An empty block repeats the cycle, and so does its bare G code.
-            let repeats = (words.count == 0 || words.motion.is_some()) && state.cycle.is_set();
+            let is_repetition =
+                (words.count == 0 || words.motion.is_some()) && state.cycle.is_set();
             match code {
-                90 if programmed || repeats => Kind::TurningCycle,
-                92 if programmed || repeats => Kind::ThreadCycle,
-                94 if programmed || repeats => Kind::FacingCycle,
-                _ => Kind::Nothing,
+                90 if is_programmed || is_repetition => BlockMotion::TurningCycle,
+                92 if is_programmed || is_repetition => BlockMotion::ThreadCycle,
+                94 if is_programmed || is_repetition => BlockMotion::FacingCycle,
+                _ => BlockMotion::Nothing,
             }
         }
-        _ => Kind::Nothing,
+        _ => BlockMotion::Nothing,
     }
 }
 
-fn tool_execution(context: &Context<'_>, kind: Kind) -> Execution {
+fn find_offset_execution(context: &BlockContext<'_>, kind: BlockMotion) -> OffsetExecution {
     match kind {
-        Kind::OneShot(OneShot::Dwell) | Kind::Arc => Execution::Not,
-        Kind::OneShot(_) => Execution::Shift,
-        _ if context.parameters.offset_by_shift() => Execution::Shift,
+        BlockMotion::OneShot(OneShot::Dwell) | BlockMotion::Arc => OffsetExecution::ToolOnly,
+        BlockMotion::OneShot(_) => OffsetExecution::Shift,
+        _ if context.parameters.is_offset_by_shift() => OffsetExecution::Shift,
         // The tool shifts the coordinates; the slides do not travel.
-        _ if context.model.record().offsets_by_shift => Execution::Shift,
-        _ => Execution::Travel,
+        _ if context.model.record().offsets_by_shift => OffsetExecution::Shift,
+        _ => OffsetExecution::Travel,
     }
 }
 
 /// The spindle command of a block. S of a G50 block limits the speed, any other S sets it.
-fn spindle(
+fn plan_spindle(
     state: &mut State,
-    context: &Context<'_>,
-    words: &Words,
-    kind: Kind,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
+    kind: BlockMotion,
 ) -> Result<Option<SpindleCommand>, Alarm> {
-    if !matches!(kind, Kind::OneShot(OneShot::Coordinates)) {
-        return spindle_speed::evaluate(state, context, words);
+    if !matches!(kind, BlockMotion::OneShot(OneShot::Coordinates)) {
+        return spindle_speed::plan_spindle(state, context, words);
     }
-    let command = spindle_speed::evaluate(state, context, &Words { s: None, ..*words })?;
+    let command = spindle_speed::plan_spindle(state, context, &SortedWords { s: None, ..*words })?;
     let Some(limit) = words.s.map(|speed| speed as f64) else {
         return Ok(command);
     };
@@ -279,64 +282,79 @@ fn spindle(
     reason = "called, it costs a twentieth of the time of a block"
 )]
 #[inline(always)]
-fn motion(
+fn plan_motion(
     state: &mut State,
-    context: &Context<'_>,
-    words: &Words,
-    kind: Kind,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
+    kind: BlockMotion,
     axes: &AxisWords,
-) -> Result<Motion, Alarm> {
+) -> Result<PlannedMotion, Alarm> {
     match kind {
-        Kind::Thread => Ok(thread::plan(state, words, axes, context.reach())?.into()),
-        Kind::Tap => match tapping::plan(state, words, axes, context.reach())? {
-            Some(tapping) => Motion::cycle(state, Maker::Tapping(tapping)),
-            None => Ok(Motion::None),
-        },
-        Kind::OneShot(code) => one_shot::motion(code, state, context, words, axes),
-        Kind::Nothing => Ok(Motion::None),
-        Kind::Rapid => {
-            let end = end_point(state, axes, context.reach())?;
-            let action = positioning::rapid(state, end);
-            state.arrive(axes, end);
-            Ok(Motion::One(action))
+        BlockMotion::Thread => {
+            Ok(thread::plan_thread(state, words, axes, context.coordinate_range())?.into())
         }
-        Kind::Line => {
-            let end = end_point(state, axes, context.reach())?;
-            if corner::is_asked(words) {
+        BlockMotion::Tap => {
+            match tapping::plan_cycle(state, words, axes, context.coordinate_range())? {
+                Some(tapping) => {
+                    PlannedMotion::start_cycle(state, CycleGenerator::Tapping(tapping))
+                }
+                None => Ok(PlannedMotion::None),
+            }
+        }
+        BlockMotion::OneShot(code) => one_shot::plan_motion(code, state, context, words, axes),
+        BlockMotion::Nothing => Ok(PlannedMotion::None),
+        BlockMotion::Rapid => {
+            let end = find_end_point(state, axes, context.coordinate_range())?;
+            let action = positioning::plan_rapid(state, end);
+            state.move_to(axes, end);
+            Ok(PlannedMotion::Single(action))
+        }
+        BlockMotion::Line => {
+            let end = find_end_point(state, axes, context.coordinate_range())?;
+            if corner::has_corner_words(words) {
                 return Ok(corner::plan(state, context, words, axes, end)?.into());
             }
-            let action = positioning::line(state, end)?;
-            state.arrive(axes, end);
-            Ok(Motion::One(action))
+            let action = positioning::plan_line(state, end)?;
+            state.move_to(axes, end);
+            Ok(PlannedMotion::Single(action))
         }
-        Kind::Arc => {
-            let end = end_point(state, axes, context.reach())?;
+        BlockMotion::Arc => {
+            let end = find_end_point(state, axes, context.coordinate_range())?;
             let record = context.model.record();
-            let Some(action) = arc(state, context.compensated, record, words.arc(), end)? else {
-                return Ok(Motion::None);
+            let Some(action) =
+                plan_arc(state, context.compensation, record, words.arc_words(), end)?
+            else {
+                return Ok(PlannedMotion::None);
             };
-            state.arrive(axes, end);
-            Ok(Motion::One(action))
+            state.move_to(axes, end);
+            Ok(PlannedMotion::Single(action))
         }
-        Kind::ThreadCycle => {
-            let data = state.cycle.take_thread(words, axes, state.position);
-            let cycle = thread_cycle::plan(state, context.parameters, data, context.reach())?;
-            let motion = Motion::cycle(state, Maker::Thread(cycle));
-            state.return_here();
+        BlockMotion::ThreadCycle => {
+            let data = state.cycle.store_thread_words(words, axes, state.position);
+            let cycle = thread_cycle::plan_cycle(
+                state,
+                context.parameters,
+                data,
+                context.coordinate_range(),
+            )?;
+            let motion = PlannedMotion::start_cycle(state, CycleGenerator::Thread(cycle));
+            state.end_at_position();
             motion
         }
-        Kind::TurningCycle | Kind::FacingCycle => {
-            let data = state.cycle.take(words, axes, state.position);
+        BlockMotion::TurningCycle | BlockMotion::FacingCycle => {
+            let data = state.cycle.store_words(words, axes, state.position);
             let mut cycle = match kind {
-                Kind::TurningCycle => turning_cycle::plan(state, data, context.reach())?,
-                _ => facing_cycle::plan(state, data, context.reach())?,
+                BlockMotion::TurningCycle => {
+                    turning_cycle::plan_cycle(state, data, context.coordinate_range())?
+                }
+                _ => facing_cycle::plan_cycle(state, data, context.coordinate_range())?,
             };
-            if state.compensates() && context.compensated != Compensated::Never {
-                let start = state.machine(state.position).point();
-                cycle.follow_nose(start, state.nose);
+            if state.is_compensating() && context.compensation != CompensationMode::Never {
+                let start = state.to_machine(state.position).to_point();
+                cycle.shift_for_nose(start, state.nose);
             }
-            state.return_here();
-            Ok(Motion::Box(Box::new(cycle)))
+            state.end_at_position();
+            Ok(PlannedMotion::Box(Box::new(cycle)))
         }
     }
 }
@@ -345,73 +363,79 @@ fn motion(
 ///
 /// # Errors
 /// The alarm of the arc's data, of the feed or of the nose radius compensation.
-pub(super) fn arc(
+pub(super) fn plan_arc(
     state: &State,
-    compensated: Compensated,
-    record: &Record,
+    compensation: CompensationMode,
+    record: &ModelRecord,
     words: ArcWords,
-    end: Exact,
+    end: ExactPoint,
 ) -> Result<Option<Action>, Alarm> {
-    check_arc_block(state, compensated, end, words)?;
+    check_arc_block(state, compensation, end, words)?;
     let clockwise = state.modal.motion == 2;
-    let turn = arc::Turn::of(record, clockwise);
-    let Some(center) = arc::center(state.position, end, words, turn)? else {
+    let turn = arc::ArcTurn::from_record(record, clockwise);
+    let Some(center) = arc::find_center(state.position, end, words, turn)? else {
         return Ok(None);
     };
     Ok(Some(Action::Arc {
-        to: state.machine(end).point(),
-        center: state.frame().machine(center),
+        to: state.to_machine(end).to_point(),
+        center: state.frame().to_machine(center),
         clockwise,
-        feed: positioning::feed(&state.modal)?,
+        feed: positioning::current_feed(&state.modal)?,
     }))
 }
 
-fn end_point(state: &State, axes: &AxisWords, reach: Reach<'_>) -> Result<Exact, Alarm> {
-    within_stroke(axes.target(state.position), reach)
+fn find_end_point(
+    state: &State,
+    axes: &AxisWords,
+    reach: CoordinateRange<'_>,
+) -> Result<ExactPoint, Alarm> {
+    check_stroke(axes.resolve_end(state.position), reach)
 }
 
 /// Plans the flow after G20, G24 and G25 to G27 of the Huaxing lathes.
-fn follow_call(
+fn plan_block_call(
     code: OneShot,
     state: &State,
-    context: &Context<'_>,
-    words: &Words,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
     plan: &mut Plan,
 ) -> Result<(), Alarm> {
     plan.flow = match code {
-        OneShot::BlockCall => block_call::call(context, words)?,
-        OneShot::Repeat { comes_back } => block_call::repeat(context, words, comes_back)?,
-        OneShot::EndlessLoop => block_call::endless(context, words)?,
-        OneShot::SubprogramEnd => subprogram::back(context, None)?,
+        OneShot::BlockCall => block_call::plan_call(context, words)?,
+        OneShot::Repeat {
+            returns: comes_back,
+        } => block_call::plan_repeat(context, words, comes_back)?,
+        OneShot::EndlessLoop => block_call::plan_endless_jump(context, words)?,
+        OneShot::SubprogramEnd => subprogram::plan_return(context, None)?,
         // The return runs without nose radius compensation.
         OneShot::StartReturn(_) => {
-            plan.apart = true;
+            plan.is_uncompensated = true;
             return Ok(());
         }
         _ => return Ok(()),
     };
     check_call(state, context, plan.motion.is_contour())?;
-    plan.stops = false;
-    if subprogram::repeats(context, &plan.flow) {
+    plan.is_stop = false;
+    if subprogram::is_restart(context, &plan.flow) {
         plan.after = Some(Action::Repeat);
     }
     Ok(())
 }
 
 /// Plans what happens after the motion: M00, M30, M98 or M99.
-fn follow(
+fn plan_flow(
     state: &mut State,
-    context: &Context<'_>,
-    words: &Words,
-    function: Option<Function>,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
+    function: Option<MCodeFunction>,
     plan: &mut Plan,
 ) -> Result<(), Alarm> {
     // In G04 without X and U, P is the dwell time.
-    let dwells = matches!(words.one_shot, Some(OneShot::Dwell)) && words.x.or(words.u).is_none();
-    let p = words.p.filter(|_| !dwells);
+    let is_dwell = matches!(words.one_shot, Some(OneShot::Dwell)) && words.x.or(words.u).is_none();
+    let p = words.p.filter(|_| !is_dwell);
     match function {
-        Some(Function::Stop) => plan.after = Some(Action::ProgramStop),
-        Some(Function::End) => {
+        Some(MCodeFunction::Stop) => plan.after = Some(Action::ProgramStop),
+        Some(MCodeFunction::End) => {
             plan.after = Some(Action::End {
                 counts: true,
                 m30: true,
@@ -420,24 +444,24 @@ fn follow(
             plan.flow = Flow::End;
             state.cycle.clear();
         }
-        Some(Function::Call) => {
+        Some(MCodeFunction::Call) => {
             check_call(state, context, plan.motion.is_contour())?;
-            plan.flow = subprogram::call(context, p)?;
-            plan.stops = !words.bare_call();
+            plan.flow = subprogram::plan_call(context, p)?;
+            plan.is_stop = !words.is_bare_call();
         }
-        Some(Function::Return) => {
+        Some(MCodeFunction::Return) => {
             if !context.calls.is_empty() {
                 check_call(state, context, plan.motion.is_contour())?;
             }
-            plan.flow = subprogram::back(context, p)?;
-            plan.stops = !words.bare_call();
-            if subprogram::repeats(context, &plan.flow) {
+            plan.flow = subprogram::plan_return(context, p)?;
+            plan.is_stop = !words.is_bare_call();
+            if subprogram::is_restart(context, &plan.flow) {
                 plan.after = Some(Action::Repeat);
             }
         }
-        Some(Function::Output(_) | Function::Interface) | None => return Ok(()),
+        Some(MCodeFunction::Output(_) | MCodeFunction::Interface) | None => return Ok(()),
     }
-    if plan.stops && plan.is_done() {
+    if plan.is_stop && plan.is_done() {
         plan.after = Some(Action::Nothing);
     }
     Ok(())

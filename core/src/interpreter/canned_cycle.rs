@@ -12,15 +12,15 @@ use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::{Alarm, number};
-use crate::command::{Action, BeyondPass};
-use crate::interpreter::context::emission::Emission;
-use crate::interpreter::context::explanation::Note;
+use crate::command::{Action, ThreadPassFeature};
+use crate::interpreter::context::explanation::PassNote;
 use crate::interpreter::context::moves::Move;
+use crate::interpreter::context::planned_action::PlannedAction;
 use crate::interpreter::context::state::State;
-use crate::interpreter::cycles::pattern::Pattern;
-use crate::interpreter::cycles::pecking::Pecking;
-use crate::interpreter::cycles::roughing::Roughing;
-use crate::interpreter::cycles::stepped::Stepped;
+use crate::interpreter::cycles::pattern::PatternCycle;
+use crate::interpreter::cycles::pecking::PeckingCycle;
+use crate::interpreter::cycles::roughing::RoughingCycle;
+use crate::interpreter::cycles::stepped::SteppedCycle;
 use crate::interpreter::threads::compound_thread::CompoundThread;
 use crate::interpreter::threads::counted_thread::CountedThread;
 use crate::interpreter::threads::single_pass::SinglePass;
@@ -30,7 +30,7 @@ use crate::units::Point;
 
 /// The generator of a cycle's moves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Maker {
+pub(crate) enum CycleGenerator {
     /// G33 with several starts; G84 and G85 of the Huaxing lathes.
     Tapping(Tapping),
     /// G92.
@@ -38,31 +38,31 @@ pub(crate) enum Maker {
     /// G76.
     CompoundThread(CompoundThread),
     /// G71, G72.
-    Roughing(Roughing),
+    Roughing(RoughingCycle),
     /// G73.
-    Pattern(Pattern),
+    Pattern(PatternCycle),
     /// G74, G75, G83 of the Huaxing lathes.
-    Pecking(Pecking),
+    Pecking(PeckingCycle),
     /// G81, G82 of the Huaxing lathes.
-    Stepped(Stepped),
+    Stepped(SteppedCycle),
     /// G33, G34 of the Huaxing lathes.
     SinglePass(SinglePass),
     /// G86, G87.
     CountedThread(CountedThread),
 }
 
-impl Maker {
-    fn make(&mut self) -> Option<Move> {
+impl CycleGenerator {
+    fn next_move(&mut self) -> Option<Move> {
         match self {
-            Self::Tapping(cycle) => cycle.make(),
-            Self::Thread(cycle) => cycle.make(),
-            Self::CompoundThread(cycle) => cycle.make(),
-            Self::Roughing(cycle) => cycle.make(),
-            Self::Pattern(cycle) => cycle.make(),
-            Self::Pecking(cycle) => cycle.make(),
-            Self::Stepped(cycle) => cycle.make(),
-            Self::SinglePass(cycle) => cycle.make(),
-            Self::CountedThread(cycle) => cycle.make(),
+            Self::Tapping(cycle) => cycle.next_move(),
+            Self::Thread(cycle) => cycle.next_move(),
+            Self::CompoundThread(cycle) => cycle.next_move(),
+            Self::Roughing(cycle) => cycle.next_move(),
+            Self::Pattern(cycle) => cycle.next_move(),
+            Self::Pecking(cycle) => cycle.next_move(),
+            Self::Stepped(cycle) => cycle.next_move(),
+            Self::SinglePass(cycle) => cycle.next_move(),
+            Self::CountedThread(cycle) => cycle.next_move(),
         }
     }
 }
@@ -71,15 +71,15 @@ impl Maker {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Cycle {
     #[serde(rename = "maker")]
-    maker: Maker,
+    generator: CycleGenerator,
     #[serde(rename = "ahead")]
-    ahead: Option<Move>,
+    move_ahead: Option<Move>,
     /// Where the move ahead ends, machine coordinates.
     #[serde(rename = "at")]
-    at: Point,
+    ahead_end: Point,
     /// The note of the move taken last.
     #[serde(rename = "taken")]
-    taken: Option<Note>,
+    taken_note: Option<PassNote>,
 }
 
 impl Cycle {
@@ -87,81 +87,88 @@ impl Cycle {
     ///
     /// # Errors
     /// 062 if the cycle makes no move.
-    pub(crate) fn begin(state: &State, maker: Maker) -> Result<Self, Alarm> {
+    pub(crate) fn begin(state: &State, generator: CycleGenerator) -> Result<Self, Alarm> {
         let mut cycle = Self {
-            maker,
-            ahead: None,
-            at: state.machine(state.position).point(),
-            taken: None,
+            generator,
+            move_ahead: None,
+            ahead_end: state.to_machine(state.position).to_point(),
+            taken_note: None,
         };
-        cycle.look_ahead();
-        if cycle.ahead.is_none() {
-            return Err(Alarm::new(number::CYCLE_DATA).because(say::cycle_without_pass()));
+        cycle.generate_ahead();
+        if cycle.move_ahead.is_none() {
+            return Err(Alarm::new(number::CYCLE_DATA).with_detail(say::cycle_without_pass()));
         }
         Ok(cycle)
     }
 
     /// Generates the next move, without those of zero length.
-    fn look_ahead(&mut self) {
+    fn generate_ahead(&mut self) {
         loop {
-            self.ahead = self.maker.make();
-            let Some(made) = &self.ahead else {
+            self.move_ahead = self.generator.next_move();
+            let Some(generated) = &self.move_ahead else {
                 return;
             };
-            let to = match made.action {
-                Action::Rapid { to } | Action::Line { to, .. } if to == self.at => continue,
+            let to = match generated.action {
+                Action::Rapid { to } | Action::Line { to, .. } if to == self.ahead_end => continue,
                 Action::Rapid { to }
                 | Action::Line { to, .. }
                 | Action::Arc { to, .. }
                 | Action::Thread { to, .. } => to,
                 _ => return,
             };
-            self.at = to;
+            self.ahead_end = to;
             return;
         }
     }
 
-    pub(crate) fn next(&mut self) -> Option<Emission> {
+    pub(crate) fn next_action(&mut self) -> Option<PlannedAction> {
         let Move {
             action,
             stops,
             note,
-        } = self.ahead.take()?;
-        self.taken = Some(note);
-        self.look_ahead();
-        Some(Emission { action, stops })
+        } = self.move_ahead.take()?;
+        self.taken_note = Some(note);
+        self.generate_ahead();
+        Some(PlannedAction {
+            action,
+            is_stop: stops,
+        })
     }
 
     pub(crate) const fn is_done(&self) -> bool {
-        self.ahead.is_none()
+        self.move_ahead.is_none()
     }
 
     /// Greatest travel of each axis per spindle revolution in the cuts of a thread cycle, mm;
-    /// `None` for other cycles. The run-out counts if it is tied to the spindle (`tied`, 107 =
+    /// `None` for other cycles. The run-out counts if it is tied to the spindle (`is_run_out_tied`, 107 =
     /// 0).
-    pub(crate) fn thread_per_revolution(&self, tied: bool) -> Option<Point> {
-        match &self.maker {
-            Maker::Thread(cycle) => Some(cycle.per_revolution(tied)),
-            Maker::CompoundThread(cycle) => Some(cycle.per_revolution(tied)),
-            Maker::SinglePass(cycle) => Some(cycle.per_revolution()),
-            Maker::CountedThread(cycle) => Some(cycle.per_revolution(tied)),
+    pub(crate) fn thread_travel_per_revolution(&self, is_run_out_tied: bool) -> Option<Point> {
+        match &self.generator {
+            CycleGenerator::Thread(cycle) => Some(cycle.travel_per_revolution(is_run_out_tied)),
+            CycleGenerator::CompoundThread(cycle) => {
+                Some(cycle.travel_per_revolution(is_run_out_tied))
+            }
+            CycleGenerator::SinglePass(cycle) => Some(cycle.travel_per_revolution()),
+            CycleGenerator::CountedThread(cycle) => {
+                Some(cycle.travel_per_revolution(is_run_out_tied))
+            }
             _ => None,
         }
     }
 
     /// Whether a cut of a thread cycle has a run-out or several starts; `None` for a single
     /// straight pass.
-    pub(crate) fn beyond_pass(&self) -> Option<BeyondPass> {
-        match &self.maker {
-            Maker::Thread(cycle) => cycle.beyond_pass(),
-            Maker::CompoundThread(cycle) => cycle.beyond_pass(),
-            Maker::CountedThread(cycle) => cycle.beyond_pass(),
+    pub(crate) fn beyond_pass(&self) -> Option<ThreadPassFeature> {
+        match &self.generator {
+            CycleGenerator::Thread(cycle) => cycle.beyond_pass(),
+            CycleGenerator::CompoundThread(cycle) => cycle.beyond_pass(),
+            CycleGenerator::CountedThread(cycle) => cycle.beyond_pass(),
             _ => None,
         }
     }
 
     /// The explanation data of the move taken last.
-    pub(crate) const fn note(&self) -> Option<Note> {
-        self.taken
+    pub(crate) const fn pass_note(&self) -> Option<PassNote> {
+        self.taken_note
     }
 }

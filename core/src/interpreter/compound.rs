@@ -12,19 +12,19 @@
 //! ```
 
 use crate::alarm::Alarm;
-use crate::interpreter::canned_cycle::Maker;
-use crate::interpreter::context::Context;
+use crate::interpreter::canned_cycle::CycleGenerator;
+use crate::interpreter::context::BlockContext;
 use crate::interpreter::context::flow::Flow;
-use crate::interpreter::context::place::Place;
+use crate::interpreter::context::program_position::ProgramPosition;
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, Contour, OneShot, Words};
-use crate::interpreter::cycles::contour::View;
+use crate::interpreter::context::words::{AxisWords, ContourSource, OneShot, SortedWords};
+use crate::interpreter::cycles::contour::CutPlane;
 use crate::interpreter::cycles::finishing;
 use crate::interpreter::cycles::pattern;
 use crate::interpreter::cycles::pecking;
 use crate::interpreter::cycles::roughing;
-use crate::interpreter::plan::{Motion, Plan};
-use crate::interpreter::profile::{self, Range};
+use crate::interpreter::plan::{Plan, PlannedMotion};
+use crate::interpreter::profile::{self, ProfileRange};
 use crate::interpreter::threads::compound_thread;
 use crate::units::Axis;
 
@@ -32,89 +32,93 @@ use crate::units::Axis;
 ///
 /// # Errors
 /// The alarm of the cycle's words or of its profile.
-pub(crate) fn plan(
+pub(crate) fn plan_cycle(
     code: OneShot,
     state: &mut State,
-    context: &Context<'_>,
-    words: &Words,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
     axes: &AxisWords,
     plan: &mut Plan,
 ) -> Result<(), Alarm> {
     let writes = &mut plan.writes;
     plan.motion = match code {
         OneShot::Finishing => {
-            plan.flow = finishing::plan(state, context, words)?;
+            plan.flow = finishing::plan_finishing(state, context, words)?;
             return Ok(());
         }
-        OneShot::TurningRough(Contour::Counted) => {
-            let passes = roughing::counted(View::Turning, state, context, words)?;
-            Motion::cycle(state, Maker::Roughing(passes))?
+        OneShot::TurningRough(ContourSource::Counted) => {
+            let passes = roughing::plan_counted(CutPlane::Turning, state, context, words)?;
+            PlannedMotion::start_cycle(state, CycleGenerator::Roughing(passes))?
         }
-        OneShot::FacingRough(Contour::Counted) => {
-            let passes = roughing::counted(View::Facing, state, context, words)?;
-            Motion::cycle(state, Maker::Roughing(passes))?
+        OneShot::FacingRough(ContourSource::Counted) => {
+            let passes = roughing::plan_counted(CutPlane::Facing, state, context, words)?;
+            PlannedMotion::start_cycle(state, CycleGenerator::Roughing(passes))?
         }
-        OneShot::Pattern(Contour::Counted) => {
-            let passes = pattern::counted(state, context, words)?;
-            Motion::cycle(state, Maker::Pattern(passes))?
+        OneShot::Pattern(ContourSource::Counted) => {
+            let passes = pattern::plan_counted(state, context, words)?;
+            PlannedMotion::start_cycle(state, CycleGenerator::Pattern(passes))?
         }
-        OneShot::TurningRough(Contour::Named)
-        | OneShot::FacingRough(Contour::Named)
-        | OneShot::Pattern(Contour::Named) => {
+        OneShot::TurningRough(ContourSource::Named)
+        | OneShot::FacingRough(ContourSource::Named)
+        | OneShot::Pattern(ContourSource::Named) => {
             let view = match code {
-                OneShot::FacingRough(_) => View::Facing,
-                _ => View::Turning,
+                OneShot::FacingRough(_) => CutPlane::Facing,
+                _ => CutPlane::Turning,
             };
-            let pattern = matches!(code, OneShot::Pattern(_));
+            let is_pattern = matches!(code, OneShot::Pattern(_));
             if words.p.or(words.q).is_none() {
-                return if pattern {
-                    pattern::store(words, writes)
+                return if is_pattern {
+                    pattern::store_data(words, writes)
                 } else {
-                    roughing::store(view, words, writes)
+                    roughing::store_data(view, words, writes)
                 };
             }
-            let range = profile::locate(context, words)?;
-            let maker = if pattern {
-                Maker::Pattern(pattern::plan(state, context, words, range, writes)?)
+            let range = profile::find_range(context, words)?;
+            let generator = if is_pattern {
+                CycleGenerator::Pattern(pattern::plan_cycle(state, context, words, range, writes)?)
             } else {
-                Maker::Roughing(roughing::plan(view, state, context, words, range, writes)?)
+                CycleGenerator::Roughing(roughing::plan_cycle(
+                    view, state, context, words, range, writes,
+                )?)
             };
-            plan.flow = behind(context.place, range);
-            Motion::cycle(state, maker)?
+            plan.flow = flow_after_cycle(context.position, range);
+            PlannedMotion::start_cycle(state, generator)?
         }
         OneShot::FacePecking | OneShot::Grooving => {
             let axis = match code {
                 OneShot::FacePecking => Axis::Z,
                 _ => Axis::X,
             };
-            let pecking = pecking::plan(axis, state, context, words, axes, writes)?;
-            begin(state, pecking.map(Maker::Pecking))?
+            let pecking = pecking::plan_cycle(axis, state, context, words, axes, writes)?;
+            start_cycle(state, pecking.map(CycleGenerator::Pecking))?
         }
         OneShot::CompoundThread => {
-            let cycle = compound_thread::plan(state, context, words, axes, writes)?;
-            begin(state, cycle.map(Maker::CompoundThread))?
+            let cycle = compound_thread::plan_cycle(state, context, words, axes, writes)?;
+            start_cycle(state, cycle.map(CycleGenerator::CompoundThread))?
         }
         _ => return Ok(()),
     };
-    if plan.motion.moves() {
-        state.return_here();
+    if plan.motion.has_motion() {
+        state.end_at_position();
         // Feed hold stops within the moves of G76 as within other threads.
-        plan.whole = code != OneShot::CompoundThread;
+        plan.holds_at_move_end = code != OneShot::CompoundThread;
     }
     Ok(())
 }
 
 /// The motion of a cycle, or none for a block that only sets data.
-fn begin(state: &State, maker: Option<Maker>) -> Result<Motion, Alarm> {
-    maker.map_or(Ok(Motion::None), |maker| Motion::cycle(state, maker))
+fn start_cycle(state: &State, generator: Option<CycleGenerator>) -> Result<PlannedMotion, Alarm> {
+    generator.map_or(Ok(PlannedMotion::None), |maker| {
+        PlannedMotion::start_cycle(state, maker)
+    })
 }
 
 /// The flow after a cycle over a profile.
-fn behind(cycle: Place, profile: Range) -> Flow {
+fn flow_after_cycle(cycle: ProgramPosition, profile: ProfileRange) -> Flow {
     if profile.last < cycle.block {
         return Flow::Next;
     }
-    Flow::Jump(Place {
+    Flow::Jump(ProgramPosition {
         block: profile.last + 1,
         ..cycle
     })

@@ -2,15 +2,15 @@
 //! compensation).
 
 use crate::alarm::{Alarm, groups};
-use crate::command::{Action, Command};
-use crate::compensation::Origin;
-use crate::interpreter::context::Compensated;
-use crate::interpreter::context::exact::Exact;
+use crate::command::{Action, ControlCommand};
+use crate::compensation::CommandContext;
+use crate::interpreter::context::CompensationMode;
+use crate::interpreter::context::exact::ExactPoint;
 use crate::interpreter::context::host::Host;
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::Words;
-use crate::interpreter::reader::{Advance, Interpreter};
-use crate::memory::{Counters, Offsets, Parameters, Registers, Settings, Variables};
+use crate::interpreter::context::words::SortedWords;
+use crate::interpreter::reader::{AdvanceResult, Interpreter};
+use crate::memory::{ControlParameters, ControlSettings, Counters, Offsets, Registers, Variables};
 use crate::program::ProgramMemory;
 use crate::units::{PerAxis, Point};
 
@@ -19,44 +19,49 @@ impl Interpreter {
     ///
     /// # Errors
     /// The alarm of the block.
-    pub(crate) fn advance<H: Host>(&mut self, host: &mut H) -> Result<Advance, Alarm> {
+    pub(crate) fn advance<H: Host>(&mut self, host: &mut H) -> Result<AdvanceResult, Alarm> {
         if self.mdi.is_some() {
-            return self.step(&mut Ahead { host, held: false });
+            return self.next_programmed(&mut LookaheadHost {
+                host,
+                is_holding: false,
+            });
         }
-        if self.aside.is_some() {
-            if !host.settled() {
-                return Ok(Advance::Wait);
+        if self.suspended_position.is_some() {
+            if !host.is_settled() {
+                return Ok(AdvanceResult::Wait);
             }
-            self.come_back(host.machine_position());
+            self.resume_compensation(host.machine_position());
         }
         loop {
             if let Some(ready) = self.compensation.take() {
-                return ready.map(Advance::Command);
+                return ready.map(AdvanceResult::Command);
             }
-            let held = self.compensation.holds();
-            match self.step(&mut Ahead { host, held }) {
-                Ok(Advance::Command(command)) => {
-                    let attends =
+            let is_holding = self.compensation.has_pending();
+            match self.next_programmed(&mut LookaheadHost { host, is_holding }) {
+                Ok(AdvanceResult::Command(command)) => {
+                    let is_compensated =
                         command.modal.nose_compensation != 40 || self.compensation.is_on();
-                    if !attends || is_a_turn_only(&command) {
-                        return Ok(Advance::Command(command));
+                    if !is_compensated || is_idle_command(&command) {
+                        return Ok(AdvanceResult::Command(command));
                     }
                     self.compensation.push(
                         command,
-                        Origin {
-                            contour: self.main.contour,
+                        CommandContext {
+                            contour: self.main.is_contour,
                             nose: self.state.nose,
-                            offset_by_shift: host.parameters().offset_by_shift(),
+                            offset_by_shift: host.parameters().is_offset_by_shift(),
                         },
                     );
                 }
-                Err(alarm) if held && groups::is_of_corner(alarm.number) => {
+                Err(alarm) if is_holding && groups::is_corner_alarm(alarm.number) => {
                     self.compensation.refuse(alarm);
                 }
                 // The corner depends on the block that has not arrived yet.
-                Ok(Advance::Starved) => return Ok(Advance::Starved),
+                Ok(AdvanceResult::Starved) => return Ok(AdvanceResult::Starved),
                 // The reader reads the block again when every earlier command is finished.
-                Ok(Advance::Wait | Advance::Ended) | Err(_) if held => self.compensation.flush(),
+                Ok(AdvanceResult::Wait | AdvanceResult::Ended) | Err(_) if is_holding => {
+                    self.compensation.flush()
+                }
                 answer => return answer,
             }
         }
@@ -64,72 +69,72 @@ impl Interpreter {
 
     /// Sets the start position of the compensation to that before a block, if the block just
     /// read may start the compensation.
-    pub(super) fn stand_as(&mut self, before: &State) {
+    pub(super) fn set_compensation_start(&mut self, before: &State) {
         if self.state.modal.nose_compensation != 40 && !self.compensation.is_on() {
-            let machine = before.machine(before.position).point();
-            self.compensation.stand_at(machine, before.frame());
+            let machine = before.to_machine(before.position).to_point();
+            self.compensation.set_position(machine, before.frame());
         }
     }
 
     /// The mode of the compensation before the next block.
-    pub(super) fn compensated(&self) -> Compensated {
+    pub(super) fn compensation_mode(&self) -> CompensationMode {
         match (&self.mdi, self.compensation.is_on()) {
-            (Some(_), _) => Compensated::Never,
-            (None, true) => Compensated::On,
-            (None, false) => Compensated::Off,
+            (Some(_), _) => CompensationMode::Never,
+            (None, true) => CompensationMode::On,
+            (None, false) => CompensationMode::Off,
         }
     }
 
     /// Whether a block that otherwise waits may be read while earlier moves wait for their
     /// ends. Its effects keep their order.
-    pub(super) fn reads_early(&self, words: &Words) -> bool {
+    pub(super) fn can_read_early(&self, words: &SortedWords) -> bool {
         self.mdi.is_none()
-            && self.compensation.holds()
+            && self.compensation.has_pending()
             && !matches!(words.m, Some(0 | 30 | 98 | 99))
     }
 
     /// Suspends a compensated run while something else moves the tool: stores its programmed
     /// end.
-    pub(super) fn lay_aside(&mut self) {
-        if self.compensation.is_on() || self.compensation.holds() {
-            let position = self.state.machine(self.state.position);
-            self.aside.get_or_insert(position);
+    pub(super) fn suspend_compensation(&mut self) {
+        if self.compensation.is_on() || self.compensation.has_pending() {
+            let position = self.state.to_machine(self.state.position);
+            self.suspended_position.get_or_insert(position);
         }
     }
 
     /// Continues the compensated run from the current machine position.
-    fn come_back(&mut self, machine: Point) {
-        let Some(position) = self.aside.take() else {
+    fn resume_compensation(&mut self, machine: Point) {
+        let Some(position) = self.suspended_position.take() else {
             return;
         };
-        let by = self.compensation.displace(machine);
-        let moved = if self.compensation.holds() {
+        let displacement = self.compensation.displace(machine);
+        let resumed_position = if self.compensation.has_pending() {
             position
         } else {
-            position + Exact::from_point(by)
+            position + ExactPoint::from_point(displacement)
         };
-        self.state.stand_at(moved);
+        self.state.set_machine_position(resumed_position);
     }
 
     /// Drops the compensation vector without motion.
     pub(super) fn drop_compensation(&mut self) {
         self.compensation.clear();
-        self.aside = None;
+        self.suspended_position = None;
     }
 }
 
 /// Whether a command only gives the control a turn between silent blocks.
-fn is_a_turn_only(command: &Command) -> bool {
+fn is_idle_command(command: &ControlCommand) -> bool {
     matches!(command.action, Action::Nothing) && !command.block_end
 }
 
 /// The host as the reader sees it while moves wait for their ends: nothing counts as finished.
-struct Ahead<'a, H> {
+struct LookaheadHost<'a, H> {
     host: &'a mut H,
-    held: bool,
+    is_holding: bool,
 }
 
-impl<H: Host> Host for Ahead<'_, H> {
+impl<H: Host> Host for LookaheadHost<'_, H> {
     fn offsets_mut(&mut self) -> &mut Offsets {
         self.host.offsets_mut()
     }
@@ -151,19 +156,19 @@ impl<H: Host> Host for Ahead<'_, H> {
     fn set_started_ms(&mut self, ms: u64) {
         self.host.set_started_ms(ms);
     }
-    fn settings(&self) -> &Settings {
+    fn settings(&self) -> &ControlSettings {
         self.host.settings()
     }
-    fn settings_mut(&mut self) -> &mut Settings {
+    fn settings_mut(&mut self) -> &mut ControlSettings {
         self.host.settings_mut()
     }
     fn now_ms(&self) -> u64 {
         self.host.now_ms()
     }
-    fn parameters(&self) -> &Parameters {
+    fn parameters(&self) -> &ControlParameters {
         self.host.parameters()
     }
-    fn parameters_mut(&mut self) -> &mut Parameters {
+    fn parameters_mut(&mut self) -> &mut ControlParameters {
         self.host.parameters_mut()
     }
     fn offsets(&self) -> &Offsets {
@@ -193,14 +198,14 @@ impl<H: Host> Host for Ahead<'_, H> {
     fn referenced(&self) -> PerAxis<bool> {
         self.host.referenced()
     }
-    fn block_skip(&self) -> bool {
-        self.host.block_skip()
+    fn is_block_skip_on(&self) -> bool {
+        self.host.is_block_skip_on()
     }
-    fn settled(&self) -> bool {
-        !self.held && self.host.settled()
+    fn is_settled(&self) -> bool {
+        !self.is_holding && self.host.is_settled()
     }
 
-    fn slides_stand(&self) -> bool {
-        !self.held && self.host.slides_stand()
+    fn is_at_standstill(&self) -> bool {
+        !self.is_holding && self.host.is_at_standstill()
     }
 }

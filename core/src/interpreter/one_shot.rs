@@ -2,19 +2,19 @@
 //! are not modal. `compound` plans G70 to G76 of the GSK980TD.
 
 use crate::alarm::Alarm;
-use crate::interpreter::canned_cycle::Maker;
+use crate::interpreter::canned_cycle::CycleGenerator;
 use crate::interpreter::codes::coordinates;
 use crate::interpreter::codes::dwell;
-use crate::interpreter::codes::reference::Reference;
+use crate::interpreter::codes::reference::ReferenceReturn;
 use crate::interpreter::codes::scale;
 use crate::interpreter::codes::start_return;
 use crate::interpreter::codes::zero_offset;
-use crate::interpreter::context::Context;
+use crate::interpreter::context::BlockContext;
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, OneShot, Words};
+use crate::interpreter::context::words::{AxisWords, OneShot, SortedWords};
 use crate::interpreter::cycles::pecking;
 use crate::interpreter::cycles::stepped;
-use crate::interpreter::plan::Motion;
+use crate::interpreter::plan::PlannedMotion;
 use crate::interpreter::threads::counted_thread;
 use crate::interpreter::threads::single_pass;
 use crate::interpreter::threads::tapping;
@@ -23,55 +23,75 @@ use crate::interpreter::threads::tapping;
 ///
 /// # Errors
 /// The alarm of the code.
-pub(crate) fn motion(
+pub(crate) fn plan_motion(
     code: OneShot,
     state: &mut State,
-    context: &Context<'_>,
-    words: &Words,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
     axes: &AxisWords,
-) -> Result<Motion, Alarm> {
-    let maker = match code {
-        OneShot::Dwell => return Ok(Motion::One(dwell::dwell(words, context.model.record())?)),
+) -> Result<PlannedMotion, Alarm> {
+    let generator = match code {
+        OneShot::Dwell => {
+            return Ok(PlannedMotion::Single(dwell::plan_dwell(
+                words,
+                context.model.record(),
+            )?));
+        }
         OneShot::Coordinates => {
             let relative_follows = context.parameters.g50_sets_relative();
-            zero_offset::forget(state);
-            let action = coordinates::set(state, words, axes, relative_follows)?;
-            if let Some(begun) = &mut state.begun {
+            zero_offset::clear_zero_offset(state);
+            let action = coordinates::set_coordinates(state, words, axes, relative_follows)?;
+            if let Some(begun) = &mut state.run_start {
                 begun.work = state.position;
             }
-            return Ok(action.map_or(Motion::None, Motion::One));
+            return Ok(action.map_or(PlannedMotion::None, PlannedMotion::Single));
         }
-        OneShot::Reference(way) => {
-            let reference = Reference::plan(state, context, way, axes)?;
-            return Ok(reference.map_or(Motion::None, |it| Motion::Reference(Box::new(it))));
+        OneShot::Reference(route) => {
+            let reference = ReferenceReturn::plan(state, context, route, axes)?;
+            return Ok(reference.map_or(PlannedMotion::None, |it| {
+                PlannedMotion::Reference(Box::new(it))
+            }));
         }
-        OneShot::ZeroOffset(code) => return Ok(Motion::One(zero_offset::set(state, code, axes))),
+        OneShot::ZeroOffset(code) => {
+            return Ok(PlannedMotion::Single(zero_offset::set_zero_offset(
+                state, code, axes,
+            )));
+        }
         OneShot::Scale { on } => {
-            scale::set(state, words, on)?;
-            return Ok(Motion::None);
+            scale::set_scale(state, words, on)?;
+            return Ok(PlannedMotion::None);
         }
-        OneShot::StartReturn(by) => {
-            return Ok(Motion::One(start_return::plan(state, context, axes, by)?));
+        OneShot::StartReturn(coordinate_system) => {
+            return Ok(PlannedMotion::Single(start_return::plan(
+                state,
+                context,
+                axes,
+                coordinate_system,
+            )?));
         }
-        OneShot::Stepped(axis) => Maker::Stepped(stepped::plan(axis, state, context, words, axes)?),
-        OneShot::DeepHole => Maker::Pecking(pecking::deep_hole(state, context, words, axes)?),
+        OneShot::Stepped(axis) => {
+            CycleGenerator::Stepped(stepped::plan_cycle(axis, state, context, words, axes)?)
+        }
+        OneShot::DeepHole => {
+            CycleGenerator::Pecking(pecking::plan_deep_hole(state, context, words, axes)?)
+        }
         OneShot::RigidTap(unit) => {
-            Maker::Tapping(tapping::rigid(state, context, words, axes, unit)?)
+            CycleGenerator::Tapping(tapping::plan_rigid(state, context, words, axes, unit)?)
         }
-        OneShot::CountedThread(unit) => {
-            Maker::CountedThread(counted_thread::plan(state, context, words, axes, unit)?)
-        }
+        OneShot::CountedThread(unit) => CycleGenerator::CountedThread(counted_thread::plan_cycle(
+            state, context, words, axes, unit,
+        )?),
         OneShot::ThreadPass(unit) => {
             // The tool does not return: the cycle begins at the state before the pass.
-            let mut after = *state;
-            let pass = single_pass::plan(&mut after, context, words, axes, unit)?;
-            let motion = Motion::cycle(state, Maker::SinglePass(pass))?;
-            *state = after;
+            let mut end_state = *state;
+            let pass = single_pass::plan_pass(&mut end_state, context, words, axes, unit)?;
+            let motion = PlannedMotion::start_cycle(state, CycleGenerator::SinglePass(pass))?;
+            *state = end_state;
             return Ok(motion);
         }
-        _ => return Ok(Motion::None),
+        _ => return Ok(PlannedMotion::None),
     };
-    let motion = Motion::cycle(state, maker)?;
-    state.return_here();
+    let motion = PlannedMotion::start_cycle(state, generator)?;
+    state.end_at_position();
     Ok(motion)
 }

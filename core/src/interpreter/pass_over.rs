@@ -19,21 +19,21 @@ impl Interpreter {
     /// Continues after an alarm of [`advance`](Self::advance), in a run that cuts nothing. The
     /// nose radius compensation ends, because its corners need every block; the next G41 or
     /// G42 starts it again.
-    pub(crate) fn pass_over(&mut self) -> PassedOver {
-        let of_contour = self.compensation.has_failed();
+    pub(crate) fn pass_over_refused(&mut self) -> PassedOver {
+        let has_contour_failed = self.compensation.has_failed();
         self.drop_compensation();
         self.state.modal.nose_compensation = 40;
-        if of_contour {
+        if has_contour_failed {
             // The remaining commands of the block read last would start it again.
             while self.main.plan.is_some() {
-                self.main.take();
+                self.main.take_command();
             }
             return PassedOver::Contour;
         }
         if self.main.finishing.is_some() {
             return PassedOver::Nothing;
         }
-        self.main.place = self.main.place.after();
+        self.main.position = self.main.position.next_block();
         PassedOver::Block
     }
 }

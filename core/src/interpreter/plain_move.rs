@@ -6,12 +6,12 @@ use crate::alarm::Alarm;
 use crate::command::Action;
 use crate::interpreter::block;
 use crate::interpreter::codes::positioning;
-use crate::interpreter::context::Compensated;
-use crate::interpreter::context::exact::Reach;
+use crate::interpreter::context::CompensationMode;
+use crate::interpreter::context::exact::CoordinateRange;
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{ArcWords, AxisWords, Target};
-use crate::model::{GCode, Record};
-use crate::program::Block;
+use crate::interpreter::context::words::{ArcWords, AxisTarget, AxisWords};
+use crate::model::{GCode, ModelRecord};
+use crate::program::ProgramBlock;
 
 /// The words of a block that only moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,7 +19,7 @@ pub(crate) struct PlainMove {
     /// The code of group 01 in force, 0 to 3.
     motion: u8,
     /// Whether the block contains that code.
-    codes: bool,
+    has_code: bool,
     feed: Option<f64>,
     /// X, U, Z and W as written, millionths of a millimetre.
     absolute: (Option<i64>, Option<i64>),
@@ -29,16 +29,16 @@ pub(crate) struct PlainMove {
 
 /// What a move depends on besides its words and the state.
 #[derive(Clone, Copy)]
-pub(crate) struct Under<'a> {
-    pub(crate) record: &'a Record,
-    pub(crate) compensated: Compensated,
+pub(crate) struct MoveContext<'a> {
+    pub(crate) record: &'a ModelRecord,
+    pub(crate) compensation: CompensationMode,
     /// Diameters per programmed X: 2 under radius programming (001.2), else 1.
     pub(crate) x_factor: i64,
 }
 
-impl Under<'_> {
-    const fn reach(&self) -> Reach<'_> {
-        Reach {
+impl MoveContext<'_> {
+    const fn coordinate_range(&self) -> CoordinateRange<'_> {
+        CoordinateRange {
             x_factor: self.x_factor,
             record: self.record,
         }
@@ -48,13 +48,17 @@ impl Under<'_> {
 impl PlainMove {
     /// The move of a block in millimetres, with the code of group 01 before it; `None` if the
     /// block contains anything else or refers to variables.
-    pub(crate) fn of(block: &Block, motion: u8, record: &Record) -> Option<Self> {
+    pub(crate) fn from_block(
+        block: &ProgramBlock,
+        motion: u8,
+        record: &ModelRecord,
+    ) -> Option<Self> {
         if !block.has_only(b"GFXUZWRIK") || block.has_variables() {
             return None;
         }
         let mut plain = Self {
             motion,
-            codes: false,
+            has_code: false,
             feed: None,
             absolute: (None, None),
             increment: (None, None),
@@ -72,67 +76,68 @@ impl PlainMove {
                 b'K' => plain.arc.k = Some(value.millionths()),
                 b'F' => plain.feed = Some(value.mm()),
                 _ => {
-                    plain.motion = code(record.g_code(value.integer())?)?;
-                    plain.codes = true;
+                    plain.motion = contour_code(record.g_code(value.integer())?)?;
+                    plain.has_code = true;
                 }
             }
         }
-        let moves = match plain.motion {
+        let has_motion = match plain.motion {
             // Blocks with corners read ahead.
             0 | 1 => block.has_any(b"XUZW") && !block.has_any(b"RIK"),
             2 | 3 => block.has_any(b"XUZWIK"),
             _ => false,
         };
-        moves.then_some(plain)
+        has_motion.then_some(plain)
     }
 
     /// Applies the move to the state and returns its action; `None` for an arc of no length.
     ///
     /// # Errors
     /// The alarm of its code. The state stays as before.
-    pub(crate) fn action(
+    pub(crate) fn apply(
         &self,
         state: &mut State,
-        under: Under<'_>,
+        context: MoveContext<'_>,
     ) -> Result<Option<Action>, Alarm> {
-        let axes = self.axes(state, under.x_factor);
+        let axes = self.axis_words(state, context.x_factor);
         let before = state.modal;
         state.modal.motion = self.motion;
         if let Some(feed) = self.feed {
             state.modal.feed = feed;
         }
-        let end = axes.target(state.position);
-        let action =
-            positioning::within_stroke(end, under.reach()).and_then(|end| match self.motion {
-                0 => Ok(Some(positioning::rapid(state, end))),
-                1 => positioning::line(state, end).map(Some),
-                _ => block::arc(state, under.compensated, under.record, self.arc, end),
-            });
+        let end = axes.resolve_end(state.position);
+        let action = positioning::check_stroke(end, context.coordinate_range()).and_then(|end| {
+            match self.motion {
+                0 => Ok(Some(positioning::plan_rapid(state, end))),
+                1 => positioning::plan_line(state, end).map(Some),
+                _ => block::plan_arc(state, context.compensation, context.record, self.arc, end),
+            }
+        });
         if !matches!(action, Ok(Some(_))) {
             state.modal = before;
             return action;
         }
-        if self.codes {
+        if self.has_code {
             state.cycle.clear_end();
         }
-        state.arrive(&axes, end);
-        state.threading = false;
+        state.move_to(&axes, end);
+        state.is_threading = false;
         action
     }
 
-    fn axes(&self, state: &State, x_factor: i64) -> AxisWords {
+    fn axis_words(&self, state: &State, x_factor: i64) -> AxisWords {
         AxisWords {
-            x: Target::of(self.absolute.0, self.increment.0, x_factor),
-            z: Target::of(self.absolute.1, self.increment.1, 1),
+            x: AxisTarget::from_words(self.absolute.0, self.increment.0, x_factor),
+            z: AxisTarget::from_words(self.absolute.1, self.increment.1, 1),
             // Increments count from the corner that a chamfer has cut off.
-            base: state.position + state.ahead,
+            base: state.position + state.increment_offset,
         }
-        .under(state.incremental)
+        .with_incremental(state.incremental)
     }
 }
 
 /// The number of a code of group 01 that moves along the contour; `None` for other codes.
-const fn code(meaning: GCode) -> Option<u8> {
+const fn contour_code(meaning: GCode) -> Option<u8> {
     match meaning {
         GCode::Rapid | GCode::StraightRapid => Some(0),
         GCode::Line => Some(1),

@@ -6,89 +6,89 @@ use std::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::Alarm;
-use crate::command::{Action, Command, Source};
-use crate::interpreter::Modal;
-use crate::interpreter::canned_cycle::{Cycle, Maker};
-use crate::interpreter::codes::reference::Reference;
-use crate::interpreter::context::emission::Emission;
-use crate::interpreter::context::explanation::Note;
+use crate::command::{Action, ControlCommand, SourcePosition};
+use crate::interpreter::ModalState;
+use crate::interpreter::canned_cycle::{Cycle, CycleGenerator};
+use crate::interpreter::codes::reference::ReferenceReturn;
+use crate::interpreter::context::explanation::PassNote;
 use crate::interpreter::context::flow::{Finishing, Flow};
-use crate::interpreter::context::moves::{Shift, Two};
+use crate::interpreter::context::moves::{FrameShift, MovePair};
+use crate::interpreter::context::parameter_writes::ParameterWrites;
+use crate::interpreter::context::planned_action::PlannedAction;
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::writes::Writes;
 use crate::interpreter::cycles::box_cycle::BoxCycle;
 
 /// The motion of a block: a variant for each way to make moves.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Motion {
+pub(crate) enum PlannedMotion {
     /// No motion, or none left.
     #[default]
     None,
     /// A single move, dwell or change of coordinates.
     #[serde(rename = "One")]
-    One(Action),
+    Single(Action),
     /// G90, G94.
     Box(Box<BoxCycle>),
     /// G28.
-    Reference(Box<Reference>),
+    Reference(Box<ReferenceReturn>),
     /// A cut and its chamfer, corner arc or run-out.
     #[serde(rename = "Two")]
-    Two(Box<Two>),
+    Pair(Box<MovePair>),
     /// G33 with several starts, G71 to G76, G92.
     Cycle(Box<Cycle>),
 }
 
-impl From<Two> for Motion {
-    fn from(moves: Two) -> Self {
+impl From<MovePair> for PlannedMotion {
+    fn from(moves: MovePair) -> Self {
         match moves {
-            Two {
+            MovePair {
                 first: None,
                 second: None,
             } => Self::None,
-            Two {
+            MovePair {
                 first: Some(action),
                 second: None,
             }
-            | Two {
+            | MovePair {
                 first: None,
                 second: Some(action),
-            } => Self::One(action),
-            both => Self::Two(Box::new(both)),
+            } => Self::Single(action),
+            pair => Self::Pair(Box::new(pair)),
         }
     }
 }
 
-impl Motion {
+impl PlannedMotion {
     /// Starts a cycle at the current position of the tool.
     ///
     /// # Errors
     /// 062 if the cycle makes no move.
-    pub(crate) fn cycle(state: &State, maker: Maker) -> Result<Self, Alarm> {
-        Ok(Self::Cycle(Box::new(Cycle::begin(state, maker)?)))
+    pub(crate) fn start_cycle(state: &State, generator: CycleGenerator) -> Result<Self, Alarm> {
+        Ok(Self::Cycle(Box::new(Cycle::begin(state, generator)?)))
     }
 
     #[inline]
-    pub(crate) fn next(&mut self) -> Option<Emission> {
+    pub(crate) fn next_action(&mut self) -> Option<PlannedAction> {
         match self {
             Self::None => None,
-            Self::One(action) => {
+            Self::Single(action) => {
                 let action = *action;
                 *self = Self::None;
-                Some(Emission::passing(action))
+                Some(PlannedAction::without_stop(action))
             }
-            Self::Box(cycle) => cycle.next(),
-            Self::Reference(reference) => reference.next(),
-            Self::Two(two) => two.next(),
-            Self::Cycle(cycle) => cycle.next(),
+            Self::Box(cycle) => cycle.next_action(),
+            Self::Reference(reference) => reference.next_action(),
+            Self::Pair(two) => two.next_action(),
+            Self::Cycle(cycle) => cycle.next_action(),
         }
     }
 
     /// Whether the axes move.
-    pub(crate) fn moves(&self) -> bool {
+    pub(crate) fn has_motion(&self) -> bool {
         match self {
             Self::None => false,
-            Self::One(action) => action.is_motion(),
-            Self::Box(_) | Self::Reference(_) | Self::Two(_) | Self::Cycle(_) => true,
+            Self::Single(action) => action.is_motion(),
+            Self::Box(_) | Self::Reference(_) | Self::Pair(_) | Self::Cycle(_) => true,
         }
     }
 
@@ -97,23 +97,23 @@ impl Motion {
     pub(crate) const fn is_contour(&self) -> bool {
         matches!(
             self,
-            Self::One(Action::Rapid { .. } | Action::Line { .. } | Action::Arc { .. })
-                | Self::Two(_)
+            Self::Single(Action::Rapid { .. } | Action::Line { .. } | Action::Arc { .. })
+                | Self::Pair(_)
         )
     }
 
     /// Whether the end of the motion is known only when it is finished.
-    pub(crate) const fn ends_unknown(&self) -> bool {
-        matches!(self, Self::Reference(reference) if reference.seeks())
+    pub(crate) const fn is_end_unknown(&self) -> bool {
+        matches!(self, Self::Reference(reference) if reference.is_seeking())
     }
 
     fn is_done(&self) -> bool {
         match self {
             Self::None => true,
-            Self::One(_) => false,
+            Self::Single(_) => false,
             Self::Box(cycle) => cycle.is_done(),
             Self::Reference(reference) => reference.is_done(),
-            Self::Two(two) => two.second.is_none(),
+            Self::Pair(two) => two.second.is_none(),
             Self::Cycle(cycle) => cycle.is_done(),
         }
     }
@@ -122,48 +122,48 @@ impl Motion {
 /// The remaining actions of a block, in their order.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Plan {
-    pub(crate) source: Source,
-    pub(crate) modal: Modal,
+    pub(crate) source: SourcePosition,
+    pub(crate) modal: ModalState,
     /// Actions of S, M and T.
     pub(crate) before: VecDeque<Action>,
-    pub(crate) motion: Motion,
+    pub(crate) motion: PlannedMotion,
     /// Whether the motion runs without nose radius compensation in any case.
     #[serde(rename = "apart")]
-    pub(crate) apart: bool,
+    pub(crate) is_uncompensated: bool,
     /// M00, M30, or M99 of the main program.
     pub(crate) after: Option<Action>,
     /// The flow of the run after the last action.
     pub(crate) flow: Flow,
     /// Whether single block stops at the end of the block.
     #[serde(rename = "stops")]
-    pub(crate) stops: bool,
+    pub(crate) is_stop: bool,
     /// Whether feed hold waits for the end of each move.
     #[serde(rename = "whole")]
-    pub(crate) whole: bool,
+    pub(crate) holds_at_move_end: bool,
     /// Parameters to write when the reader accepts the block.
-    pub(crate) writes: Writes,
+    pub(crate) writes: ParameterWrites,
 }
 
 impl Plan {
-    pub(crate) fn new(source: Source, modal: Modal) -> Self {
+    pub(crate) fn new(source: SourcePosition, modal: ModalState) -> Self {
         Self {
             source,
             modal,
             before: VecDeque::new(),
-            motion: Motion::None,
-            apart: false,
+            motion: PlannedMotion::None,
+            is_uncompensated: false,
             after: None,
             flow: Flow::Next,
-            stops: true,
-            whole: false,
-            writes: Writes::default(),
+            is_stop: true,
+            holds_at_move_end: false,
+            writes: ParameterWrites::default(),
         }
     }
 
     /// Queues an action that begins in the same tick as the tool change of the block: the
     /// strobes of M, S and T rise together, and one FIN answers all of them (manual PLC-II
     /// 8.1).
-    pub(crate) fn begin_with_tool(&mut self, action: Action) {
+    pub(crate) fn queue_with_tool(&mut self, action: Action) {
         let is_tool = |action: &Action| matches!(action, Action::Tool { .. });
         let tool = self.before.iter().position(is_tool);
         self.before
@@ -173,31 +173,31 @@ impl Plan {
     /// Marks the tool change as the last action, if no motion, dwell or stop of its block
     /// follows.
     pub(crate) fn mark_last_tool(&mut self) {
-        let rests = matches!(self.motion, Motion::None) && self.after.is_none();
+        let is_last_action = matches!(self.motion, PlannedMotion::None) && self.after.is_none();
         for action in &mut self.before {
             if let Action::Tool { is_last, .. } = action {
-                *is_last = rests;
+                *is_last = is_last_action;
             }
         }
     }
 
     /// The return to the start after the profile of a G70, as the end of its block.
-    pub(crate) fn after_profile(finishing: &Finishing, state: &mut State) -> Self {
-        state.stand_at(state.machine(finishing.start));
+    pub(crate) fn return_from_profile(finishing: &Finishing, state: &mut State) -> Self {
+        state.set_machine_position(state.to_machine(finishing.start));
         let mut plan = Self::new(finishing.source, state.modal);
-        plan.motion = Motion::One(Action::Rapid {
-            to: Shift::of(state).machine(finishing.start),
+        plan.motion = PlannedMotion::Single(Action::Rapid {
+            to: FrameShift::from_state(state).to_machine(finishing.start),
         });
-        plan.apart = true;
-        plan.flow = Flow::Jump(finishing.back);
+        plan.is_uncompensated = true;
+        plan.flow = Flow::Jump(finishing.return_position);
         plan
     }
 
     /// The explanation data of the cycle move taken last.
-    pub(crate) fn note(&self) -> Option<Note> {
+    pub(crate) fn pass_note(&self) -> Option<PassNote> {
         match &self.motion {
-            Motion::Cycle(cycle) => cycle.note(),
-            Motion::Box(cycle) => cycle.note(),
+            PlannedMotion::Cycle(cycle) => cycle.pass_note(),
+            PlannedMotion::Box(cycle) => cycle.pass_note(),
             _ => None,
         }
     }
@@ -209,22 +209,22 @@ impl Plan {
 
     /// Takes the next command.
     #[inline]
-    pub(crate) fn take(&mut self) -> Option<Command> {
-        let emission = match self.before.pop_front() {
-            Some(action) => Emission::passing(action),
-            None => match self.motion.next() {
+    pub(crate) fn take_command(&mut self) -> Option<ControlCommand> {
+        let planned = match self.before.pop_front() {
+            Some(action) => PlannedAction::without_stop(action),
+            None => match self.motion.next_action() {
                 Some(emission) => emission,
-                None => Emission::passing(self.after.take()?),
+                None => PlannedAction::without_stop(self.after.take()?),
             },
         };
         let block_end = self.is_done();
-        Some(Command {
+        Some(ControlCommand {
             source: self.source,
-            action: emission.action,
+            action: planned.action,
             modal: self.modal,
             block_end,
-            stop_point: emission.stops || (block_end && self.stops),
-            whole: self.whole,
+            stop_point: planned.is_stop || (block_end && self.is_stop),
+            defers_feed_hold: self.holds_at_move_end,
             programmed_x: None,
         })
     }

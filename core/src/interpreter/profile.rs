@@ -11,36 +11,36 @@ use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::{Alarm, number};
-use crate::command::{Action, ProgramId, Source};
+use crate::command::{Action, ProgramId, SourcePosition};
 use crate::interpreter::block;
 use crate::interpreter::calls::special_call;
 use crate::interpreter::codes::corner;
-use crate::interpreter::context::exact::Exact;
-use crate::interpreter::context::moves::Shift;
-use crate::interpreter::context::place::Place;
+use crate::interpreter::context::exact::ExactPoint;
+use crate::interpreter::context::moves::FrameShift;
+use crate::interpreter::context::program_position::ProgramPosition;
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{OneShot, Words};
-use crate::interpreter::context::{Compensated, Context};
+use crate::interpreter::context::words::{OneShot, SortedWords};
+use crate::interpreter::context::{BlockContext, CompensationMode};
 use crate::interpreter::plan::Plan;
 use crate::program::Program;
 use crate::units::Point;
 
 /// Greatest number of blocks of a profile.
-const MOST_BLOCKS: u32 = 100;
+const MAX_BLOCKS: u32 = 100;
 
 /// The indices of the first and the last block of a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Range {
+pub(crate) struct ProfileRange {
     pub(crate) first: u32,
     pub(crate) last: u32,
     /// Whether the blocks follow the cycle (Huaxing). Then the G00 of the first one may be in
     /// force before it.
-    pub(crate) follows: bool,
+    pub(crate) is_after_cycle: bool,
 }
 
 /// The geometry of one step of a contour.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Shape {
+pub(crate) enum StepShape {
     /// A straight line; `rapid` if it was programmed as a rapid.
     Straight { rapid: bool },
     /// An arc about a programmed centre.
@@ -51,9 +51,9 @@ pub(crate) enum Shape {
 
 /// One step of a contour, in programmed coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Step {
-    pub(crate) to: Exact,
-    pub(crate) shape: Shape,
+pub(crate) struct ProfileSegment {
+    pub(crate) to: ExactPoint,
+    pub(crate) shape: StepShape,
     /// Line of its block in the file.
     pub(crate) line: u32,
 }
@@ -61,19 +61,19 @@ pub(crate) struct Step {
 /// A contour: the start A, the step to B, and the steps from B to C.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Profile {
-    pub(crate) start: Exact,
-    pub(crate) entry: Step,
-    pub(crate) steps: Vec<Step>,
+    pub(crate) start: ExactPoint,
+    pub(crate) entry: ProfileSegment,
+    pub(crate) steps: Vec<ProfileSegment>,
 }
 
 impl Profile {
     /// B, the end of ns.
-    pub(crate) const fn begin(&self) -> Exact {
+    pub(crate) const fn begin_point(&self) -> ExactPoint {
         self.entry.to
     }
 
     /// C, the end of nf.
-    pub(crate) fn end(&self) -> Exact {
+    pub(crate) fn end_point(&self) -> ExactPoint {
         self.steps.last().map_or(self.entry.to, |step| step.to)
     }
 }
@@ -82,43 +82,44 @@ impl Profile {
 ///
 /// # Errors
 /// 016, 061, 063 or 067.
-pub(crate) fn locate(context: &Context<'_>, words: &Words) -> Result<Range, Alarm> {
-    if context.mdi {
-        return Err(Alarm::new(number::PROFILE_IN_MDI).because(say::profile_in_mdi()));
+pub(crate) fn find_range(
+    context: &BlockContext<'_>,
+    words: &SortedWords,
+) -> Result<ProfileRange, Alarm> {
+    if context.is_mdi {
+        return Err(Alarm::new(number::PROFILE_IN_MDI).with_detail(say::profile_in_mdi()));
     }
-    if context.place.program == ProgramId::Dnc {
-        return Err(Alarm::new(number::PROFILE_MISSING).because(say::profile_in_dnc()));
+    if context.position.program == ProgramId::Dnc {
+        return Err(Alarm::new(number::PROFILE_MISSING).with_detail(say::profile_in_dnc()));
     }
     let (Some(ns), Some(nf)) = (words.p, words.q) else {
-        return Err(Alarm::new(number::PROFILE_WORDS).because(say::profile_words_missing()));
+        return Err(Alarm::new(number::PROFILE_WORDS).with_detail(say::profile_words_missing()));
     };
     if ns == nf {
-        return Err(out_of_order(say::profile_of_one_block(ns)));
+        return Err(range_alarm(say::profile_of_one_block(ns)));
     }
-    let program = program(context)?;
-    let all = 0..program.block_count();
-    let first = find(program, ns, all.clone()).ok_or_else(|| missing('P', ns))?;
-    let Some(last) = find(program, nf, first..all.end) else {
-        return Err(match find(program, nf, all) {
-            Some(_) => out_of_order(say::profile_end_before_begin(nf, ns)),
-            None => missing('Q', nf),
+    let program = find_program(context)?;
+    let all_blocks = 0..program.block_count();
+    let first =
+        find_block(program, ns, all_blocks.clone()).ok_or_else(|| missing_alarm('P', ns))?;
+    let Some(last) = find_block(program, nf, first..all_blocks.end) else {
+        return Err(match find_block(program, nf, all_blocks) {
+            Some(_) => range_alarm(say::profile_end_before_begin(nf, ns)),
+            None => missing_alarm('Q', nf),
         });
     };
-    once(program, 'P', ns)?;
-    once(program, 'Q', nf)?;
+    check_unique(program, 'P', ns)?;
+    check_unique(program, 'Q', nf)?;
     let blocks = last - first + 1;
-    if blocks > MOST_BLOCKS {
-        return Err(out_of_order(say::profile_too_long(
-            blocks,
-            ns,
-            nf,
-            MOST_BLOCKS,
+    if blocks > MAX_BLOCKS {
+        return Err(range_alarm(say::profile_too_long(
+            blocks, ns, nf, MAX_BLOCKS,
         )));
     }
-    Ok(Range {
+    Ok(ProfileRange {
         first,
         last,
-        follows: false,
+        is_after_cycle: false,
     })
 }
 
@@ -126,35 +127,38 @@ pub(crate) fn locate(context: &Context<'_>, words: &Words) -> Result<Range, Alar
 ///
 /// # Errors
 /// 016, 061, 063 or 067.
-pub(crate) fn following(context: &Context<'_>, words: &Words) -> Result<Range, Alarm> {
-    if context.mdi {
-        return Err(Alarm::new(number::PROFILE_IN_MDI).because(say::profile_in_mdi()));
+pub(crate) fn find_following_range(
+    context: &BlockContext<'_>,
+    words: &SortedWords,
+) -> Result<ProfileRange, Alarm> {
+    if context.is_mdi {
+        return Err(Alarm::new(number::PROFILE_IN_MDI).with_detail(say::profile_in_mdi()));
     }
-    if context.place.program == ProgramId::Dnc {
-        return Err(Alarm::new(number::PROFILE_MISSING).because(say::profile_in_dnc()));
+    if context.position.program == ProgramId::Dnc {
+        return Err(Alarm::new(number::PROFILE_MISSING).with_detail(say::profile_in_dnc()));
     }
     let count = words.n;
     let Some(count @ 2..) = count else {
-        return Err(Alarm::new(number::PROFILE_WORDS).because(say::cycle_count_wrong()));
+        return Err(Alarm::new(number::PROFILE_WORDS).with_detail(say::cycle_count_wrong()));
     };
-    let first = context.place.block.saturating_add(1);
-    let last = context.place.block.saturating_add(count);
-    if last >= program(context)?.block_count() {
+    let first = context.position.block.saturating_add(1);
+    let last = context.position.block.saturating_add(count);
+    if last >= find_program(context)?.block_count() {
         let rule = say::cycle_count_too_great(count);
-        return Err(Alarm::new(number::PROFILE_MISSING).because(rule));
+        return Err(Alarm::new(number::PROFILE_MISSING).with_detail(rule));
     }
-    if count > MOST_BLOCKS {
-        return Err(out_of_order(say::profile_too_long(
+    if count > MAX_BLOCKS {
+        return Err(range_alarm(say::profile_too_long(
             count,
             i64::from(first),
             i64::from(last),
-            MOST_BLOCKS,
+            MAX_BLOCKS,
         )));
     }
-    Ok(Range {
+    Ok(ProfileRange {
         first,
         last,
-        follows: true,
+        is_after_cycle: true,
     })
 }
 
@@ -162,83 +166,83 @@ pub(crate) fn following(context: &Context<'_>, words: &Words) -> Result<Range, A
 ///
 /// # Errors
 /// 031 if it is missing.
-pub(crate) fn program<'a>(context: &Context<'a>) -> Result<&'a Program, Alarm> {
+pub(crate) fn find_program<'a>(context: &BlockContext<'a>) -> Result<&'a Program, Alarm> {
     context
         .programs
-        .get(context.place.program)
-        .ok_or_else(|| Alarm::new(number::PROGRAM_MISSING).because(say::program_gone()))
+        .get(context.position.program)
+        .ok_or_else(|| Alarm::new(number::PROGRAM_MISSING).with_detail(say::program_gone()))
 }
 
-fn find(program: &Program, number: i64, range: core::ops::Range<u32>) -> Option<u32> {
+fn find_block(program: &Program, number: i64, range: core::ops::Range<u32>) -> Option<u32> {
     program.find_sequence_block(u32::try_from(number).ok()?, range)
 }
 
 /// Checks that the number of P or Q occurs once in the program (manual I-3.2.6.7).
-fn once(program: &Program, address: char, number: i64) -> Result<(), Alarm> {
+fn check_unique(program: &Program, address: char, number: i64) -> Result<(), Alarm> {
     let end = program.block_count();
-    let Some(first) = find(program, number, 0..end) else {
+    let Some(first) = find_block(program, number, 0..end) else {
         return Ok(());
     };
-    let Some(again) = find(program, number, first + 1..end) else {
+    let Some(second) = find_block(program, number, first + 1..end) else {
         return Ok(());
     };
-    Err(out_of_order(say::profile_number_twice(
+    Err(range_alarm(say::profile_number_twice(
         number,
         address,
         program.block_line(first),
-        program.block_line(again),
+        program.block_line(second),
     )))
 }
 
-fn missing(address: char, number: i64) -> Alarm {
-    Alarm::new(number::PROFILE_MISSING).because(say::profile_number_missing(address, number))
+fn missing_alarm(address: char, number: i64) -> Alarm {
+    Alarm::new(number::PROFILE_MISSING).with_detail(say::profile_number_missing(address, number))
 }
 
-fn out_of_order(detail: Message) -> Alarm {
-    Alarm::new(number::PROFILE_RANGE).because(detail)
+fn range_alarm(detail: Message) -> Alarm {
+    Alarm::new(number::PROFILE_RANGE).with_detail(detail)
 }
 
 /// Calls `visit` with index, words and code of group 01 of each block of a range, in order.
 ///
 /// # Errors
 /// 064 and 066 for codes that a profile cannot contain, and the alarms of the blocks.
-fn walk(
-    context: &Context<'_>,
-    range: Range,
+fn visit_blocks(
+    context: &BlockContext<'_>,
+    range: ProfileRange,
     motion: u8,
-    visit: &mut dyn FnMut(u32, &Words, u8) -> Result<(), Alarm>,
+    visit: &mut dyn FnMut(u32, &SortedWords, u8) -> Result<(), Alarm>,
 ) -> Result<(), Alarm> {
     let mut motion = motion;
-    let program = program(context)?;
+    let program = find_program(context)?;
     for index in range.first..=range.last {
-        let at = |alarm: Alarm| in_profile(&alarm, program.block_line(index));
-        let Some(words) = (context.read)(index, motion).map_err(at)? else {
+        let locate_alarm = |alarm: Alarm| profile_alarm(&alarm, program.block_line(index));
+        let Some(words) = (context.read_words)(index, motion).map_err(locate_alarm)? else {
             continue;
         };
         motion = words.motion.unwrap_or(motion);
-        check_codes(context, &words, motion).map_err(at)?;
-        visit(index, &words, motion).map_err(at)?;
+        check_codes(context, &words, motion).map_err(locate_alarm)?;
+        visit(index, &words, motion).map_err(locate_alarm)?;
     }
     Ok(())
 }
 
 /// Assigns the alarm of a profile's block to the cycle; its text contains the line.
-fn in_profile(alarm: &Alarm, line: u32) -> Alarm {
+fn profile_alarm(alarm: &Alarm, line: u32) -> Alarm {
     let detail = alarm.detail.clone().unwrap_or_else(|| say::as_written(""));
-    Alarm::new(alarm.number).because(say::in_profile(line, detail))
+    Alarm::new(alarm.number).with_detail(say::in_profile(line, detail))
 }
 
-fn check_codes(context: &Context<'_>, words: &Words, motion: u8) -> Result<(), Alarm> {
+fn check_codes(context: &BlockContext<'_>, words: &SortedWords, motion: u8) -> Result<(), Alarm> {
     if let Some(code @ (98 | 99)) = words.m {
-        return Err(Alarm::new(number::PROFILE_CALL).because(say::profile_calls(code)));
+        return Err(Alarm::new(number::PROFILE_CALL).with_detail(say::profile_calls(code)));
     }
     if special_call::find(words, context)?.is_some() {
-        return Err(Alarm::new(number::PROFILE_CALL).because(say::profile_calls_by_code()));
+        return Err(Alarm::new(number::PROFILE_CALL).with_detail(say::profile_calls_by_code()));
     }
-    let foreign = words.one_shot.is_some_and(|code| code != OneShot::Dwell);
-    let moves = words.motion.is_some() || (words.one_shot.is_none() && words.has_axis_words());
-    if foreign || (moves && motion > 3) {
-        return Err(Alarm::new(number::PROFILE_CODE).because(say::profile_code_wrong()));
+    let is_foreign = words.one_shot.is_some_and(|code| code != OneShot::Dwell);
+    let is_motion = words.motion.is_some() || (words.one_shot.is_none() && words.has_axis_words());
+    if is_foreign || (is_motion && motion > 3) {
+        return Err(Alarm::new(number::PROFILE_CODE).with_detail(say::profile_code_wrong()));
     }
     Ok(())
 }
@@ -247,14 +251,18 @@ fn check_codes(context: &Context<'_>, words: &Words, motion: u8) -> Result<(), A
 ///
 /// # Errors
 /// The alarm of a block.
-pub(crate) fn check(state: &State, context: &Context<'_>, range: Range) -> Result<(), Alarm> {
-    walk(
+pub(crate) fn check_blocks(
+    state: &State,
+    context: &BlockContext<'_>,
+    range: ProfileRange,
+) -> Result<(), Alarm> {
+    visit_blocks(
         context,
         range,
         state.modal.motion,
         &mut |index, words, motion| {
-            if index == range.last && motion == 1 && corner::is_asked(words) {
-                return Err(last_corner());
+            if index == range.last && motion == 1 && corner::has_corner_words(words) {
+                return Err(last_corner_alarm());
             }
             Ok(())
         },
@@ -262,8 +270,8 @@ pub(crate) fn check(state: &State, context: &Context<'_>, range: Range) -> Resul
 }
 
 /// A corner at the last block lacks a block after it. Arcs use I, K and R differently.
-fn last_corner() -> Alarm {
-    Alarm::new(number::ARC_DATA).because(say::profile_corner_at_end())
+fn last_corner_alarm() -> Alarm {
+    Alarm::new(number::ARC_DATA).with_detail(say::profile_corner_at_end())
 }
 
 /// Evaluates the blocks of a range to a contour, by the rules of ordinary blocks. F, S, T and
@@ -271,79 +279,81 @@ fn last_corner() -> Alarm {
 ///
 /// # Errors
 /// 065 for a wrong begin, and the alarms of the blocks.
-pub(crate) fn evaluate(
+pub(crate) fn evaluate_profile(
     state: &State,
-    context: &Context<'_>,
-    range: Range,
+    context: &BlockContext<'_>,
+    range: ProfileRange,
 ) -> Result<Profile, Alarm> {
-    let mut scratch = State {
-        ahead: Exact::default(),
+    let mut profile_state = State {
+        increment_offset: ExactPoint::default(),
         ..*state
     };
-    let shift = Shift::of(state);
-    let program = program(context)?;
+    let shift = FrameShift::from_state(state);
+    let program = find_program(context)?;
     let mut entry = None;
     let mut steps = Vec::new();
-    walk(
+    visit_blocks(
         context,
         range,
         state.modal.motion,
         &mut |index, words, motion| {
             let line = program.block_line(index);
-            let begins = match range.follows {
+            let is_begin = match range.is_after_cycle {
                 // The example in the manual of these lathes has G90 there, with G00 in force.
                 true => motion == 0,
                 false => matches!(words.motion, Some(0 | 1)),
             };
-            if index == range.first && !begins {
-                return Err(bad_start(match range.follows {
+            if index == range.first && !is_begin {
+                return Err(start_alarm(match range.is_after_cycle {
                     true => say::profile_begin_rapid(),
                     false => say::profile_begin_code(),
                 }));
             }
             let words = words.path_only();
-            let next = if motion == 1 && corner::is_asked(&words) {
-                next_words(context, index + 1..=range.last, motion)?
+            let next = if motion == 1 && corner::has_corner_words(&words) {
+                find_next_words(context, index + 1..=range.last, motion)?
             } else {
                 None
             };
-            let inner = Context {
-                source: Source {
+            let inner = BlockContext {
+                source: SourcePosition {
                     line,
                     ..context.source
                 },
-                place: Place {
+                position: ProgramPosition {
                     block: index,
-                    ..context.place
+                    ..context.position
                 },
-                compensated: Compensated::Never,
+                compensation: CompensationMode::Never,
                 next: next.as_ref(),
                 ..*context
             };
-            let mut plan = Plan::new(inner.source, scratch.modal);
-            block::evaluate(&mut scratch, &inner, &words, &mut plan)?;
-            let mut moves = plan.motion;
-            while let Some(made) = moves.next() {
-                let Some(step) = step(&made.action, shift, scratch.position, line) else {
+            let mut plan = Plan::new(inner.source, profile_state.modal);
+            block::evaluate(&mut profile_state, &inner, &words, &mut plan)?;
+            let mut planned_motion = plan.motion;
+            while let Some(planned_action) = planned_motion.next_action() {
+                let Some(step) =
+                    step_from_action(&planned_action.action, shift, profile_state.position, line)
+                else {
                     continue;
                 };
                 if index > range.first {
                     steps.push(step);
                 } else if entry.replace(step).is_some() {
-                    return Err(bad_start(say::profile_begin_with_corner()));
+                    return Err(start_alarm(say::profile_begin_with_corner()));
                 }
             }
             Ok(())
         },
     )?;
     let Some(entry) = entry else {
-        return Err(bad_start(say::profile_begin_without_axis()));
+        return Err(start_alarm(say::profile_begin_without_axis()));
     };
     if !steps
         .iter()
-        .any(|step| !matches!(step.shape, Shape::Dwell { .. }))
+        .any(|step| !matches!(step.shape, StepShape::Dwell { .. }))
     {
-        return Err(bad_start(say::profile_without_motion()));
+        return Err(start_alarm(say::profile_without_motion()));
     }
     Ok(Profile {
         start: state.position,
@@ -353,20 +363,25 @@ pub(crate) fn evaluate(
 }
 
 /// The words of the first block of a range that is not skipped.
-fn next_words(
-    context: &Context<'_>,
+fn find_next_words(
+    context: &BlockContext<'_>,
     mut range: core::ops::RangeInclusive<u32>,
     motion: u8,
-) -> Result<Option<Words>, Alarm> {
+) -> Result<Option<SortedWords>, Alarm> {
     range
-        .find_map(|index| (context.read)(index, motion).transpose())
+        .find_map(|index| (context.read_words)(index, motion).transpose())
         .transpose()
 }
 
-fn step(action: &Action, shift: Shift, rest: Exact, line: u32) -> Option<Step> {
+fn step_from_action(
+    action: &Action,
+    shift: FrameShift,
+    current: ExactPoint,
+    line: u32,
+) -> Option<ProfileSegment> {
     let (to, shape) = match action {
-        Action::Rapid { to } => (*to, Shape::Straight { rapid: true }),
-        Action::Line { to, .. } => (*to, Shape::Straight { rapid: false }),
+        Action::Rapid { to } => (*to, StepShape::Straight { rapid: true }),
+        Action::Line { to, .. } => (*to, StepShape::Straight { rapid: false }),
         Action::Arc {
             to,
             center,
@@ -374,28 +389,28 @@ fn step(action: &Action, shift: Shift, rest: Exact, line: u32) -> Option<Step> {
             ..
         } => (
             *to,
-            Shape::Arc {
-                center: shift.program_center(*center),
+            StepShape::Arc {
+                center: shift.center_to_program(*center),
                 clockwise: *clockwise,
             },
         ),
         Action::Dwell { ms } => {
-            return Some(Step {
-                to: rest,
-                shape: Shape::Dwell { ms: *ms },
+            return Some(ProfileSegment {
+                to: current,
+                shape: StepShape::Dwell { ms: *ms },
                 line,
             });
         }
         _ => return None,
     };
-    Some(Step {
-        to: shift.program(to),
+    Some(ProfileSegment {
+        to: shift.to_program(to),
         shape,
         line,
     })
 }
 
 /// Alarm 065 with a reason.
-pub(crate) fn bad_start(detail: Message) -> Alarm {
-    Alarm::new(number::PROFILE_START).because(detail)
+pub(crate) fn start_alarm(detail: Message) -> Alarm {
+    Alarm::new(number::PROFILE_START).with_detail(detail)
 }

@@ -3,45 +3,45 @@
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::Alarm;
-use crate::command::{Command, Frame, ProgramId, Source};
-use crate::compensation::Compensation;
-use crate::interpreter::Modal;
-use crate::interpreter::calls::jump::Jumps;
+use crate::command::{ControlCommand, Frame, ProgramId, SourcePosition};
+use crate::compensation::NoseCompensation;
+use crate::interpreter::ModalState;
+use crate::interpreter::calls::jump::JumpTargets;
 use crate::interpreter::context::code_calls::CodeCalls;
-use crate::interpreter::context::exact::Exact;
-use crate::interpreter::context::explanation::{Explanation, Note};
-use crate::interpreter::context::host::{Host, Step};
+use crate::interpreter::context::exact::ExactPoint;
+use crate::interpreter::context::explanation::{Explanation, PassNote};
+use crate::interpreter::context::host::{Host, InterpreterStep};
 use crate::interpreter::context::machine_codes::MachineCodes;
-use crate::interpreter::context::place::Place;
-use crate::interpreter::context::state::{Begun, State};
-use crate::interpreter::run::Run;
-use crate::interpreter::word_audit::{Remarked, WordAudit};
-use crate::memory::Parameters;
-use crate::model::{ControlModel, Record};
-use crate::program::{Program, Recent, Syntax};
+use crate::interpreter::context::program_position::ProgramPosition;
+use crate::interpreter::context::state::{RunStart, State};
+use crate::interpreter::run::InterpreterRun;
+use crate::interpreter::word_audit::{LocatedRemark, WordAudit};
+use crate::memory::ControlParameters;
+use crate::model::{ControlModel, ModelRecord};
+use crate::program::{BlockCache, Program, Syntax};
 use crate::units::{Axis, Point};
 
-mod read;
-mod reading;
+mod block_read;
+mod block_reader;
 mod statements;
 
 /// Turns blocks into commands. It is plain data that can be saved and restored at any time.
 ///
 /// [`start`](Self::start) begins a *run*. Then each call of [`next`](Self::next) gives one
-/// command, until [`Step::Ended`]. A block from the MDI page is a separate run (`start_mdi`),
+/// command, until [`InterpreterStep::Ended`]. A block from the MDI page is a separate run (`start_mdi`),
 /// which leaves a stopped automatic run as it is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interpreter {
     pub(super) state: State,
-    pub(super) main: Run,
-    pub(super) mdi: Option<Mdi>,
+    pub(super) main: InterpreterRun,
+    pub(super) mdi: Option<MdiRun>,
     /// The nose radius compensation of the automatic run.
-    pub(super) compensation: Compensation,
+    pub(super) compensation: NoseCompensation,
     /// Programmed end of a suspended compensated run, machine coordinates, while something
     /// else moves the tool.
     #[serde(rename = "aside")]
-    pub(super) aside: Option<Exact>,
-    jumps: Jumps,
+    pub(super) suspended_position: Option<ExactPoint>,
+    jumps: JumpTargets,
     machine_codes: MachineCodes,
     /// Whether the control has the option of macro B.
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
@@ -52,7 +52,7 @@ pub struct Interpreter {
     /// Whether that model has the variables #1 to #99 of the Huaxing lathes.
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     #[serde(rename = "own_variables")]
-    own_variables: bool,
+    has_huaxing_variables: bool,
     /// Codes that call a program by parameters of macro B.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     code_calls: Option<Box<CodeCalls>>,
@@ -60,23 +60,23 @@ pub struct Interpreter {
     #[serde(skip)]
     audit: Option<Box<WordAudit>>,
     #[serde(skip)]
-    recent: Recent,
+    recent: BlockCache,
 }
 
 /// The run over the MDI block.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Mdi {
+pub(super) struct MdiRun {
     program: Program,
-    run: Run,
+    run: InterpreterRun,
 }
 
 /// The state at the last block read, while the tool is elsewhere.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct ReadTo(State);
+pub(crate) struct ReadState(State);
 
 /// An answer of [`Interpreter::advance`], with the command in place.
-pub(crate) enum Advance {
-    Command(Command),
+pub(crate) enum AdvanceResult {
+    Command(ControlCommand),
     Wait,
     /// The next block has not arrived through the serial line yet.
     Starved,
@@ -85,25 +85,25 @@ pub(crate) enum Advance {
 
 impl Interpreter {
     /// The interpreter at power-on, without a run.
-    pub fn new(parameters: &Parameters) -> Self {
-        let modal = Modal {
+    pub fn new(parameters: &ControlParameters) -> Self {
+        let modal = ModalState {
             tool: parameters.tool_in_position(),
-            ..Modal::default()
+            ..ModalState::default()
         };
         Self {
             state: State::new(modal),
-            main: Run::over(),
+            main: InterpreterRun::new_ended(),
             mdi: None,
-            compensation: Compensation::default(),
-            aside: None,
-            jumps: Jumps::default(),
+            compensation: NoseCompensation::default(),
+            suspended_position: None,
+            jumps: JumpTargets::default(),
             machine_codes: MachineCodes::default(),
             macro_b: false,
             model: ControlModel::default(),
-            own_variables: false,
+            has_huaxing_variables: false,
             code_calls: None,
             audit: None,
-            recent: Recent::default(),
+            recent: BlockCache::default(),
         }
     }
 
@@ -115,13 +115,13 @@ impl Interpreter {
     /// Switches the option of macro B, from the next block on.
     pub fn set_macro_b(&mut self, on: bool) {
         self.macro_b = on;
-        self.find_code_calls();
+        self.update_code_calls();
     }
 
     /// Reads the codes that call a program; they belong to macro B.
-    fn find_code_calls(&mut self) {
+    fn update_code_calls(&mut self) {
         self.code_calls = match self.macro_b {
-            true => CodeCalls::of(&self.model),
+            true => CodeCalls::from_model(&self.model),
             false => None,
         };
     }
@@ -129,12 +129,12 @@ impl Interpreter {
     /// Sets the model that the programs are for, from the next block on.
     pub fn set_model(&mut self, model: &ControlModel) {
         self.model.clone_from(model);
-        self.own_variables = model.record().own_variables;
-        self.find_code_calls();
+        self.has_huaxing_variables = model.record().own_variables;
+        self.update_code_calls();
     }
 
     /// Starts to search for words that change nothing, from the next block on.
-    pub(crate) fn audit_words(&mut self) {
+    pub(crate) fn start_word_audit(&mut self) {
         self.audit = Some(Box::default());
     }
 
@@ -145,13 +145,13 @@ impl Interpreter {
     }
 
     /// The remarks since the last call, with their source positions.
-    pub(crate) fn take_remarks(&mut self) -> Vec<Remarked> {
+    pub(crate) fn take_remarks(&mut self) -> Vec<LocatedRemark> {
         let audit = self.audit.as_mut();
-        audit.map_or_else(Vec::new, |audit| audit.take())
+        audit.map_or_else(Vec::new, |audit| audit.take_remarks())
     }
 
     /// The record of the model that the programs are for.
-    pub(crate) fn record(&self) -> &'static Record {
+    pub(crate) fn record(&self) -> &'static ModelRecord {
         self.model.record()
     }
 
@@ -160,12 +160,12 @@ impl Interpreter {
         &self,
         program: ProgramId,
         text: &Program,
-        parameters: &Parameters,
+        parameters: &ControlParameters,
     ) -> Syntax {
         Syntax {
             inch: self.state.modal.inch,
             // The serial line brings a program once, so macro B has no target to jump to.
-            macro_b: (self.macro_b || self.own_variables)
+            macro_b: (self.macro_b || self.has_huaxing_variables)
                 && program != ProgramId::Dnc
                 && text.uses_macro_b(),
             model: self.model.id(),
@@ -174,13 +174,13 @@ impl Interpreter {
     }
 
     /// The modal state after the block read last.
-    pub const fn modal(&self) -> &Modal {
+    pub const fn modal(&self) -> &ModalState {
         &self.state.modal
     }
 
     /// Records that spindle or coolant stopped without a program: the last M code becomes M05
     /// or M09.
-    pub(crate) const fn machine_stopped(&mut self) {
+    pub(crate) const fn record_machine_stop(&mut self) {
         self.state.modal.m = match self.state.modal.m {
             Some(3 | 4) => Some(5),
             Some(8) => Some(9),
@@ -200,66 +200,66 @@ impl Interpreter {
 
     /// Programmed position at the end of the motion read so far, mm, X as a radius.
     pub fn position(&self) -> Point {
-        self.state.position.point()
+        self.state.position.to_point()
     }
 
     /// The source position of the block read last, in the current run; `None` before the
     /// first.
-    pub fn cursor(&self) -> Option<Source> {
-        self.run().source
+    pub fn cursor(&self) -> Option<SourcePosition> {
+        self.current_run().source
     }
 
     /// The explanation of the cycle move taken last: pass, level, depth and formula. `None`
     /// outside cycles. Computed on each call.
-    pub fn explanation(&self) -> Option<Explanation> {
-        let run = self.run();
+    pub fn explain(&self) -> Option<Explanation> {
+        let run = self.current_run();
         if let (Some(finishing), Some(source)) = (&run.finishing, run.source) {
-            return finishing.explanation(source);
+            return finishing.explain(source);
         }
         let note = match &run.plan {
-            Some(plan) => plan.note(),
-            None => run.note,
+            Some(plan) => plan.pass_note(),
+            None => run.last_note,
         };
-        note.and_then(Note::explanation)
+        note.and_then(PassNote::explain)
     }
 
     /// Number of running subprogram and macro calls.
-    pub fn depth(&self) -> usize {
-        self.run().calls.len()
+    pub fn call_depth(&self) -> usize {
+        self.current_run().calls.len()
     }
 
     /// Index of the next block of the program that arrives through the serial line; `None` if
     /// the run keeps a position in it.
-    pub(crate) fn next_coming_in(&self) -> Option<u32> {
+    pub(crate) fn next_arriving_block(&self) -> Option<u32> {
         let run = &self.main;
-        let free = run.plan.is_none() && run.calls.is_empty() && run.finishing.is_none();
-        (free && run.place.program == ProgramId::Dnc).then_some(run.place.block)
+        let is_free = run.plan.is_none() && run.calls.is_empty() && run.finishing.is_none();
+        (is_free && run.position.program == ProgramId::Dnc).then_some(run.position.block)
     }
 
     /// Notes that the first `count` blocks of the arriving program are dropped, so that its
     /// indices shift.
-    pub(crate) const fn blocks_gone(&mut self, count: u32) {
-        self.main.place.block = self.main.place.block.saturating_sub(count);
+    pub(crate) const fn drop_arrived_blocks(&mut self, count: u32) {
+        self.main.position.block = self.main.position.block.saturating_sub(count);
     }
 
     /// A local variable of macro B in the innermost call of the automatic run; `None` is null.
-    pub fn local(&self, number: u8) -> Option<f64> {
+    pub fn local_variable(&self, number: u8) -> Option<f64> {
         self.main.levels.get(number)
     }
 
     /// Sets a local variable of macro B; `None` makes it null.
-    pub(crate) fn set_local(&mut self, number: u8, value: Option<f64>) {
+    pub(crate) fn set_local_variable(&mut self, number: u8, value: Option<f64>) {
         self.main.levels.set(number, value);
     }
 
     /// A measure of work: blocks read so far, plus one for each 64 bytes of their text.
-    pub(crate) const fn work(&self) -> u64 {
+    pub(crate) const fn work_units(&self) -> u64 {
         self.recent.work()
     }
 
     /// Whether commands of the block read last remain.
-    pub(crate) fn in_block(&self) -> bool {
-        self.run().plan.is_some()
+    pub(crate) fn is_in_block(&self) -> bool {
+        self.current_run().plan.is_some()
     }
 
     /// Starts a run over a program, at the first block at or after a line (from 1). Takes the
@@ -269,27 +269,27 @@ impl Interpreter {
             .programs()
             .get(program)
             .map_or(0, |text| text.block_from_line(line));
-        self.main = Run::from(Place { program, block });
+        self.main = InterpreterRun::starting_at(ProgramPosition { program, block });
         self.mdi = None;
         self.drop_compensation();
-        self.jumps = Jumps::default();
+        self.jumps = JumpTargets::default();
         self.state.scale = None;
         self.resync(host);
         if self.record().returns_to_start() {
             let work = self.state.position;
-            let machine = self.state.machine(work);
-            self.state.begun = Some(Begun { machine, work });
+            let machine = self.state.to_machine(work);
+            self.state.run_start = Some(RunStart { machine, work });
         }
     }
 
     /// Starts a run over the block from the MDI page. After its end [`next`](Self::next)
     /// continues the automatic run, if there is one.
     pub(crate) fn start_mdi(&mut self, program: Program, host: &impl Host) {
-        let run = Run::from(Place {
+        let run = InterpreterRun::starting_at(ProgramPosition {
             program: ProgramId::Mdi,
             block: 0,
         });
-        self.mdi = Some(Mdi { program, run });
+        self.mdi = Some(MdiRun { program, run });
         self.resync(host);
     }
 
@@ -299,37 +299,38 @@ impl Interpreter {
     }
 
     /// The state of the automatic run at its last block read.
-    pub(crate) const fn read_to(&self) -> ReadTo {
-        ReadTo(self.state)
+    pub(crate) const fn read_state(&self) -> ReadState {
+        ReadState(self.state)
     }
 
     /// Restores the position of the automatic run after MDI blocks. Their modal codes stay in
     /// force, and so does their frame unless `same_frame` is set.
-    pub(crate) fn stand_where_read(&mut self, read_to: &ReadTo, same_frame: bool) {
-        let ReadTo(before) = read_to;
+    pub(crate) fn restore_read_position(&mut self, read_state: &ReadState, same_frame: bool) {
+        let ReadState(before) = read_state;
         if same_frame {
             self.state.zero = before.zero;
             self.state.offset = before.offset;
             self.state.untravelled = before.untravelled;
         }
-        self.state.stand_at(before.machine(before.position));
-        self.state.ahead = before.ahead;
-        self.state.threading = before.threading;
+        self.state
+            .set_machine_position(before.to_machine(before.position));
+        self.state.increment_offset = before.increment_offset;
+        self.state.is_threading = before.is_threading;
     }
 
     /// Takes the position from the host again, after manual motion.
     pub fn resync(&mut self, host: &impl Host) {
-        self.lay_aside();
+        self.suspend_compensation();
         self.state
-            .stand_at(Exact::from_point(host.machine_position()));
+            .set_machine_position(ExactPoint::from_point(host.machine_position()));
     }
 
     /// Puts another coordinate frame into force, at power-on or after a manual reference
     /// return sets coordinates.
     pub(crate) fn set_frame(&mut self, frame: Frame, host: &impl Host) {
-        self.state.zero = Exact::from_point(frame.zero);
-        self.state.zero_offset = Exact::from_point(frame.zero_offset.point());
-        self.state.offset = Exact::from_point(frame.offset);
+        self.state.zero = ExactPoint::from_point(frame.zero);
+        self.state.zero_offset = ExactPoint::from_point(frame.zero_offset.to_point());
+        self.state.offset = ExactPoint::from_point(frame.offset);
         self.resync(host);
     }
 
@@ -338,7 +339,7 @@ impl Interpreter {
     pub(crate) fn cancel_offset(&mut self, axis: Axis, host: &impl Host) {
         self.state.offset.set(axis, 0);
         *self.state.untravelled.get_mut(axis) = false;
-        if self.state.offset == Exact::default() {
+        if self.state.offset == ExactPoint::default() {
             self.state.cancel_offset_number();
         }
         self.resync(host);
@@ -358,14 +359,14 @@ impl Interpreter {
     /// cancels G41 and G42 and drops their vector. Modal codes stay. 004.3 TOC decides whether
     /// the offset stays.
     pub fn reset(&mut self, host: &impl Host) {
-        self.main = Run::over();
+        self.main = InterpreterRun::new_ended();
         self.mdi = None;
         self.drop_compensation();
         self.state.modal.nose_compensation = 40;
         self.state.cycle.clear();
         self.state.scale = None;
         if !host.parameters().reset_keeps_offset() {
-            self.state.offset = Exact::default();
+            self.state.offset = ExactPoint::default();
             self.state.cancel_offset_number();
             self.state.untravelled = Default::default();
         }
@@ -378,19 +379,19 @@ impl Interpreter {
     /// # Errors
     /// The alarm of the block being read. The block has no effect then, and the next call
     /// reads it again.
-    pub fn next(&mut self, host: &mut impl Host) -> Result<Step, Alarm> {
+    pub fn next(&mut self, host: &mut impl Host) -> Result<InterpreterStep, Alarm> {
         Ok(match self.advance(host)? {
-            Advance::Command(command) => Step::Command(Box::new(command)),
-            Advance::Wait | Advance::Starved => Step::Wait,
-            Advance::Ended => Step::Ended,
+            AdvanceResult::Command(command) => InterpreterStep::Command(Box::new(command)),
+            AdvanceResult::Wait | AdvanceResult::Starved => InterpreterStep::Wait,
+            AdvanceResult::Ended => InterpreterStep::Ended,
         })
     }
 
-    fn run(&self) -> &Run {
+    fn current_run(&self) -> &InterpreterRun {
         self.mdi.as_ref().map_or(&self.main, |mdi| &mdi.run)
     }
 
-    fn run_mut(&mut self) -> &mut Run {
+    fn current_run_mut(&mut self) -> &mut InterpreterRun {
         match &mut self.mdi {
             Some(mdi) => &mut mdi.run,
             None => &mut self.main,

@@ -3,156 +3,156 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::command::{BlockNumber, Command, ProgramId, Source};
-use crate::interpreter::context::explanation::Note;
+use crate::command::{ControlCommand, ProgramId, SequenceNumber, SourcePosition};
+use crate::interpreter::context::explanation::PassNote;
 use crate::interpreter::context::flow::{Finishing, Flow, MacroEntry};
-use crate::interpreter::context::place::{Call, CallKind, Place};
+use crate::interpreter::context::program_position::{CallKind, ProgramCall, ProgramPosition};
 use crate::interpreter::macros::levels::Levels;
 use crate::interpreter::plan::Plan;
 
 /// A run over programs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Run {
+pub(crate) struct InterpreterRun {
     /// The position of the next block to read.
     #[serde(rename = "place")]
-    pub(crate) place: Place,
+    pub(crate) position: ProgramPosition,
     /// The running calls, the innermost last.
-    pub(crate) calls: Vec<Call>,
+    pub(crate) calls: Vec<ProgramCall>,
     /// Local variables, loops and modal calls of macros.
     #[serde(default, skip_serializing_if = "Levels::is_empty")]
     pub(crate) levels: Levels,
     /// The last sequence number (N) read.
-    pub(crate) sequence: Option<BlockNumber>,
+    pub(crate) sequence: Option<SequenceNumber>,
     /// The source position of the block read last.
-    pub(crate) source: Option<Source>,
+    pub(crate) source: Option<SourcePosition>,
     /// Its remaining commands; `None` if all are taken.
     pub(crate) plan: Option<Plan>,
     /// The explanation data of the last move of a finished plan.
     #[serde(rename = "note")]
-    pub(crate) note: Option<Note>,
+    pub(crate) last_note: Option<PassNote>,
     /// Whether the command taken last is a move along a contour, where G41 and G42 act.
     #[serde(rename = "contour")]
-    pub(crate) contour: bool,
+    pub(crate) is_contour: bool,
     /// The profile that a G70 runs through.
     pub(crate) finishing: Option<Finishing>,
     /// Whether the reader pauses until every command is finished (after M00).
     #[serde(rename = "paused")]
-    pub(crate) paused: bool,
+    pub(crate) is_paused: bool,
     #[serde(rename = "ended")]
-    pub(crate) ended: bool,
+    pub(crate) has_ended: bool,
 }
 
-impl Run {
+impl InterpreterRun {
     /// A run that starts at a block.
-    pub(crate) const fn from(place: Place) -> Self {
+    pub(crate) const fn starting_at(position: ProgramPosition) -> Self {
         Self {
-            place,
+            position,
             calls: Vec::new(),
             levels: Levels::new(),
             sequence: None,
             source: None,
             plan: None,
-            note: None,
-            contour: false,
+            last_note: None,
+            is_contour: false,
             finishing: None,
-            paused: false,
-            ended: false,
+            is_paused: false,
+            has_ended: false,
         }
     }
 
     /// A run that has ended.
-    pub(crate) const fn over() -> Self {
-        let mut run = Self::from(Place {
+    pub(crate) const fn new_ended() -> Self {
+        let mut run = Self::starting_at(ProgramPosition {
             program: ProgramId::External,
             block: 0,
         });
-        run.ended = true;
+        run.has_ended = true;
         run
     }
 
     /// Takes the next command of the block read last; after its last command sets the next
     /// block.
     #[inline]
-    pub(crate) fn take(&mut self) -> Option<Command> {
+    pub(crate) fn take_command(&mut self) -> Option<ControlCommand> {
         let plan = self.plan.as_mut()?;
-        self.contour = plan.motion.is_contour() && !plan.apart;
-        let command = plan.take();
+        self.is_contour = plan.motion.is_contour() && !plan.is_uncompensated;
+        let command = plan.take_command();
         if plan.is_done() {
             let flow = core::mem::take(&mut plan.flow);
-            self.note = plan.note();
+            self.last_note = plan.pass_note();
             self.plan = None;
-            self.follow(flow);
+            self.apply_flow(flow);
         }
         command
     }
 
     /// Records that the block read last was only a move along the contour and that its command
     /// is taken.
-    pub(crate) const fn move_alone(&mut self) {
-        self.contour = true;
-        self.note = None;
-        self.place = self.place.after();
+    pub(crate) const fn record_plain_move(&mut self) {
+        self.is_contour = true;
+        self.last_note = None;
+        self.position = self.position.next_block();
     }
 
     /// The flow after a move: the call of the last G66, or the next block.
-    pub(crate) fn modal_call(&self, place: Place) -> Flow {
-        let Some((index, modal)) = self.levels.modal(&self.calls) else {
+    pub(crate) fn flow_after_move(&self, position: ProgramPosition) -> Flow {
+        let Some((index, modal)) = self.levels.find_modal_call(&self.calls) else {
             return Flow::Next;
         };
-        let call = Call {
+        let call = ProgramCall {
             program: modal.program,
-            runs: modal.runs,
-            back: place.after(),
+            runs_left: modal.runs,
+            return_position: position.next_block(),
             kind: CallKind::Modal(index),
-            first: 0,
-            blocks: None,
+            first_block: 0,
+            block_count: None,
             codes_ordinary: false,
         };
         let arguments = modal.arguments.clone();
         Flow::MacroCall(Box::new(MacroEntry { call, arguments }))
     }
 
-    fn follow(&mut self, flow: Flow) {
+    fn apply_flow(&mut self, flow: Flow) {
         match flow {
-            Flow::Next => self.place = self.place.after(),
+            Flow::Next => self.position = self.position.next_block(),
             Flow::Jump(place) => {
-                self.levels.jump(self.calls.len(), place.block);
-                self.place = place;
+                self.levels.end_left_loops(self.calls.len(), place.block);
+                self.position = place;
             }
-            Flow::Finish(finishing) => {
-                self.place = finishing.first;
+            Flow::RunProfile(finishing) => {
+                self.position = finishing.first;
                 self.finishing = Some(*finishing);
             }
             Flow::Call(call) => {
-                self.place = call.begin();
+                self.position = call.begin_position();
                 self.calls.push(call);
             }
             Flow::MacroCall(entry) => {
                 let MacroEntry { call, arguments } = *entry;
-                self.place = call.begin();
+                self.position = call.begin_position();
                 self.calls.push(call);
-                self.levels.enter(arguments);
+                self.levels.push_level(arguments);
             }
-            Flow::Again => {
+            Flow::RunAgain => {
                 let depth = self.calls.len();
                 if let Some(call) = self.calls.last_mut() {
-                    self.levels.run_again(call, depth);
-                    call.runs = call.runs.saturating_sub(1);
-                    self.place = call.begin();
+                    self.levels.prepare_next_run(call, depth);
+                    call.runs_left = call.runs_left.saturating_sub(1);
+                    self.position = call.begin_position();
                 }
             }
             Flow::Return(place) => {
                 if let Some(call) = self.calls.pop() {
-                    self.levels.leave(&call, self.calls.len());
+                    self.levels.pop_level(&call, self.calls.len());
                 }
                 // M99 P may lead out of a loop.
-                self.levels.jump(self.calls.len(), place.block);
-                self.place = place;
+                self.levels.end_left_loops(self.calls.len(), place.block);
+                self.position = place;
             }
             Flow::End => {
                 self.calls.clear();
                 self.levels = Levels::new();
-                self.ended = true;
+                self.has_ended = true;
             }
         }
     }

@@ -10,20 +10,22 @@
 use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
-use crate::command::{BlockNumber, ProgramId, Source};
-use crate::interpreter::calls::jump::Jumps;
-use crate::interpreter::calls::subprogram::LEVELS;
+use crate::command::{ProgramId, SequenceNumber, SourcePosition};
+use crate::interpreter::calls::jump::JumpTargets;
+use crate::interpreter::calls::subprogram::MAX_CALL_DEPTH;
 use crate::interpreter::context::code_calls::{CodeCalls, PlainCall, are_ordinary};
-use crate::interpreter::context::place::{Call, CallKind, Place};
+use crate::interpreter::context::program_position::{CallKind, ProgramCall, ProgramPosition};
 use crate::interpreter::macros::formula;
-use crate::interpreter::macros::levels::{LOCALS, Levels, Locals, Loop};
-use crate::interpreter::macros::statement::{self, Here, MACRO_LEVELS, Outcome};
-use crate::interpreter::macros::variable::NotNow;
+use crate::interpreter::macros::levels::{LAST_LOCAL, Levels, LocalVariables, RunningLoop};
+use crate::interpreter::macros::statement::{
+    self, MAX_MACRO_DEPTH, StatementContext, StatementEffect,
+};
+use crate::interpreter::macros::variable::ReadError;
 use crate::model::ControlModel;
-use crate::program::{Block, CodeCall, Program, ProgramMemory, Recent, Syntax};
+use crate::program::{BlockCache, CodeCall, Program, ProgramBlock, ProgramMemory, Syntax};
 
 /// The variables above #33 of a model. The walker keeps #0 to #33.
-pub trait System {
+pub trait SystemVariables {
     /// The value of a variable; `None` is null.
     ///
     /// # Errors
@@ -45,9 +47,9 @@ pub trait System {
 
 /// The result of reading a block.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Read {
+pub enum WalkedBlock {
     /// Words for the caller to carry out, with numbers in place of formulas.
-    Words(Box<Block>),
+    Words(Box<ProgramBlock>),
     /// A statement of macro B that the walker has carried out, or a skipped block.
     Nothing,
     /// The text of a called program has ended: the run continues after the call.
@@ -58,12 +60,12 @@ pub enum Read {
 
 /// Where M99 has led to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Back {
+pub enum ReturnEffect {
     /// To another run of the same program, or to its caller.
     Returned,
     /// To an earlier block of the main program, or without P to its first one: the program
     /// restarts.
-    Repeats,
+    Restarted,
     /// To a later block of the main program.
     Jumped,
 }
@@ -72,63 +74,63 @@ pub enum Back {
 #[derive(Clone, Debug)]
 pub struct Walker {
     /// The position of the block read last, and that of the next one.
-    here: Place,
-    place: Place,
-    calls: Vec<Call>,
+    last_position: ProgramPosition,
+    next_position: ProgramPosition,
+    calls: Vec<ProgramCall>,
     levels: Levels,
-    sequence: Option<BlockNumber>,
-    jumps: Jumps,
-    recent: Recent,
-    codes: Option<Box<CodeCalls>>,
-    ended: bool,
+    sequence: Option<SequenceNumber>,
+    jumps: JumpTargets,
+    recent: BlockCache,
+    code_calls: Option<Box<CodeCalls>>,
+    has_ended: bool,
 }
 
 impl Walker {
     /// A run that begins at the first block of a program.
     pub fn new(program: ProgramId) -> Self {
-        let place = Place { program, block: 0 };
+        let next_position = ProgramPosition { program, block: 0 };
         Self {
-            here: place,
-            place,
+            last_position: next_position,
+            next_position,
             calls: Vec::new(),
             levels: Levels::new(),
             sequence: None,
-            jumps: Jumps::default(),
-            recent: Recent::default(),
-            codes: None,
-            ended: false,
+            jumps: JumpTargets::default(),
+            recent: BlockCache::default(),
+            code_calls: None,
+            has_ended: false,
         }
     }
 
     /// Adds the codes that call a program by the parameters of a model.
     #[must_use]
-    pub fn with_codes(mut self, model: &ControlModel) -> Self {
-        self.codes = CodeCalls::of(model);
+    pub fn with_code_calls(mut self, model: &ControlModel) -> Self {
+        self.code_calls = CodeCalls::from_model(model);
         self
     }
 
     /// The codes that call a program, unless the running calls make them ordinary.
-    fn calling(&self) -> Option<&CodeCalls> {
-        let codes = self.codes.as_deref();
-        codes.filter(|_| !are_ordinary(&self.calls))
+    fn active_code_calls(&self) -> Option<&CodeCalls> {
+        let code_calls = self.code_calls.as_deref();
+        code_calls.filter(|_| !are_ordinary(&self.calls))
     }
 
     /// The source position of the block read last.
-    pub fn source(&self, programs: &ProgramMemory) -> Source {
-        let program = programs.get(self.here.program);
-        Source {
-            program: self.here.program,
-            line: program.map_or(0, |text| text.block_line(self.here.block)),
+    pub fn source(&self, programs: &ProgramMemory) -> SourcePosition {
+        let program = programs.get(self.last_position.program);
+        SourcePosition {
+            program: self.last_position.program,
+            line: program.map_or(0, |text| text.block_line(self.last_position.block)),
             sequence: self.sequence,
         }
     }
 
     /// The program of the block read last.
-    pub const fn program(&self) -> ProgramId {
-        self.here.program
+    pub const fn current_program(&self) -> ProgramId {
+        self.last_position.program
     }
 
-    /// Reads the next block. `skipping` skips blocks marked `/`; `system` reads and writes
+    /// Reads the next block. `is_skipping` skips blocks marked `/`; `system` reads and writes
     /// variables above #33.
     ///
     /// # Errors
@@ -137,186 +139,196 @@ impl Walker {
         &mut self,
         programs: &ProgramMemory,
         syntax: Syntax,
-        skipping: bool,
-        system: &mut impl System,
-    ) -> Result<Read, Alarm> {
-        if self.ended {
-            return Ok(Read::Ended);
+        is_skipping: bool,
+        system: &mut impl SystemVariables,
+    ) -> Result<WalkedBlock, Alarm> {
+        if self.has_ended {
+            return Ok(WalkedBlock::Ended);
         }
-        let program = text(programs, self.place.program)?;
-        self.here = self.place;
-        if self.here.block >= program.block_count() {
+        let program = find_program(programs, self.next_position.program)?;
+        self.last_position = self.next_position;
+        if self.last_position.block >= program.block_count() {
             // An alarm names the last line of the text.
-            self.here.block = self.here.block.saturating_sub(1);
+            self.last_position.block = self.last_position.block.saturating_sub(1);
             if self.calls.is_empty() {
-                self.ended = true;
-                return Ok(Read::Ended);
+                self.has_ended = true;
+                return Ok(WalkedBlock::Ended);
             }
-            self.back(programs, None)?;
-            return Ok(Read::Returned);
+            self.execute_return(programs, None)?;
+            return Ok(WalkedBlock::Returned);
         }
-        let index = self.here.block;
+        let index = self.last_position.block;
         self.sequence = program
             .sequence(index)
-            .map(BlockNumber::from)
+            .map(SequenceNumber::from)
             .or(self.sequence);
-        self.place = self.here.after();
-        if skipping && program.has_skip_mark(index) {
-            return Ok(Read::Nothing);
+        self.next_position = self.last_position.next_block();
+        if is_skipping && program.has_skip_mark(index) {
+            return Ok(WalkedBlock::Nothing);
         }
-        let calls = self.calling().map(|codes| {
-            let called = |letter, code| codes.called(letter, code);
-            program.code_call(index, &called)
+        let code_call = self.active_code_calls().map(|codes| {
+            let find_macro = |letter, code| codes.find_macro(letter, code);
+            program.code_call(index, &find_macro)
         });
-        let call = calls.transpose().map_err(Alarm::from)?.flatten();
+        let call = code_call.transpose().map_err(Alarm::from)?.flatten();
         if let Some(call) = call {
-            let outcome = self.call_by_words(&call, program, programs, syntax, system);
-            return nothing_but(outcome);
+            let walked = self.call_with_words(&call, program, programs, syntax, system);
+            return without_wait(walked);
         }
         // Taken out of `self`, which changes while the block is borrowed.
         let mut recent = core::mem::take(&mut self.recent);
         let read = recent.read(program, index, syntax);
-        let outcome = read
-            .map_err(|error| NotNow::Fault(error.into()))
-            .and_then(|block| self.carry_out(block, program, programs, syntax, system));
+        let walked = read
+            .map_err(|error| ReadError::Fault(error.into()))
+            .and_then(|block| self.execute_block(block, program, programs, syntax, system));
         self.recent = recent;
-        nothing_but(outcome)
+        without_wait(walked)
     }
 
     /// Carries out a macro call that a code makes with the words of its block.
-    fn call_by_words(
+    fn call_with_words(
         &mut self,
         call: &CodeCall,
         program: &Program,
         programs: &ProgramMemory,
         syntax: Syntax,
-        system: &mut impl System,
-    ) -> Result<Read, NotNow> {
-        let read = |number: u32| self.variable(number, system);
-        let read = formula::Read {
-            variable: &read,
+        system: &mut impl SystemVariables,
+    ) -> Result<WalkedBlock, ReadError> {
+        let read_variable = |number: u32| self.read_variable(number, system);
+        let formula_context = formula::FormulaContext {
+            read_variable: &read_variable,
             signed_angles: system.signed_angles(),
         };
-        let here = self.stand(program, programs, syntax, None);
-        let outcome = statement::carry_out_code_call(call, &here, read)?;
-        self.take_up(outcome, program, system)?;
-        Ok(Read::Nothing)
+        let context = self.statement_context(program, programs, syntax, None);
+        let effect = statement::evaluate_code_call(call, &context, formula_context)?;
+        self.apply_effect(effect, program, system)?;
+        Ok(WalkedBlock::Nothing)
     }
 
-    fn carry_out(
+    fn execute_block(
         &mut self,
-        block: &Block,
+        block: &ProgramBlock,
         program: &Program,
         programs: &ProgramMemory,
         syntax: Syntax,
-        system: &mut impl System,
-    ) -> Result<Read, NotNow> {
-        if block.is_name() {
-            return Ok(Read::Nothing);
+        system: &mut impl SystemVariables,
+    ) -> Result<WalkedBlock, ReadError> {
+        if block.is_name_only() {
+            return Ok(WalkedBlock::Nothing);
         }
-        let read = |number: u32| self.variable(number, system);
-        let read = formula::Read {
-            variable: &read,
+        let read_variable = |number: u32| self.read_variable(number, system);
+        let formula_context = formula::FormulaContext {
+            read_variable: &read_variable,
             signed_angles: system.signed_angles(),
         };
         let Some(statement) = block.macro_statement() else {
             let words = match block.formulas() {
-                Some(formulas) => formula::in_words(block, formulas, syntax, read)?,
+                Some(formulas) => {
+                    formula::evaluate_words(block, formulas, syntax, formula_context)?
+                }
                 None => block.clone(),
             };
-            return Ok(Read::Words(Box::new(words)));
+            return Ok(WalkedBlock::Words(Box::new(words)));
         };
-        let within = self.levels.innermost(self.calls.len());
-        let here = self.stand(program, programs, syntax, within);
-        let outcome = statement::carry_out(statement, &here, read)?;
-        self.take_up(outcome, program, system)?;
-        Ok(Read::Nothing)
+        let current_loop = self.levels.innermost_loop(self.calls.len());
+        let context = self.statement_context(program, programs, syntax, current_loop);
+        let effect = statement::evaluate_statement(statement, &context, formula_context)?;
+        self.apply_effect(effect, program, system)?;
+        Ok(WalkedBlock::Nothing)
     }
 
     /// The value of a variable.
-    fn variable(&self, number: u32, system: &impl System) -> Result<Option<f64>, NotNow> {
+    fn read_variable(
+        &self,
+        number: u32,
+        system: &impl SystemVariables,
+    ) -> Result<Option<f64>, ReadError> {
         match number {
             0 => Ok(None),
-            1..=LOCALS => Ok(self.levels.get(number as u8)),
-            _ => system.read(number).map_err(NotNow::Fault),
+            1..=LAST_LOCAL => Ok(self.levels.get(number as u8)),
+            _ => system.read(number).map_err(ReadError::Fault),
         }
     }
 
     /// The position of a statement at the block read last.
-    fn stand<'a>(
+    fn statement_context<'a>(
         &'a self,
         program: &'a Program,
         programs: &'a ProgramMemory,
         syntax: Syntax,
-        within: Option<Loop>,
-    ) -> Here<'a> {
-        Here {
+        current_loop: Option<RunningLoop>,
+    ) -> StatementContext<'a> {
+        StatementContext {
             program,
             programs,
-            place: self.here,
+            position: self.last_position,
             calls: &self.calls,
             syntax,
-            within,
+            current_loop,
         }
     }
 
     /// Applies the effect of a statement.
-    fn take_up(
+    fn apply_effect(
         &mut self,
-        outcome: Outcome,
+        effect: StatementEffect,
         program: &Program,
-        system: &mut impl System,
-    ) -> Result<(), NotNow> {
-        match outcome {
-            Outcome::Nothing => {}
-            Outcome::Assign(number, value) => self.assign(number, value, system)?,
-            Outcome::Enter(entered) => self.levels.enter_loop(entered),
-            Outcome::Repeat(first) => self.jump(first),
-            Outcome::Leave(last) => self.jump(last.saturating_add(1)),
-            Outcome::Goto(number) => {
-                let block = self.jumps.target(program, self.here, number)?;
-                self.jump(block);
+        system: &mut impl SystemVariables,
+    ) -> Result<(), ReadError> {
+        match effect {
+            StatementEffect::Nothing => {}
+            StatementEffect::Assign(number, value) => {
+                self.assign_variable(number, value, system)?
             }
-            Outcome::Call(call, arguments) => self.enter(call, Some(arguments)),
-            Outcome::Modal(modal) => {
-                if !self.levels.add_modal(modal, MACRO_LEVELS) {
-                    let detail = say::modal_calls_too_many(MACRO_LEVELS);
-                    return Err(Alarm::new(number::MODAL_CALLS).because(detail).into());
+            StatementEffect::Enter(entered) => self.levels.enter_loop(entered),
+            StatementEffect::Repeat(first) => self.jump_to(first),
+            StatementEffect::Leave(last) => self.jump_to(last.saturating_add(1)),
+            StatementEffect::Jump(number) => {
+                let block = self
+                    .jumps
+                    .find_target(program, self.last_position, number)?;
+                self.jump_to(block);
+            }
+            StatementEffect::Call(call, arguments) => self.enter_call(call, Some(arguments)),
+            StatementEffect::Modal(modal) => {
+                if !self.levels.add_modal_call(modal, MAX_MACRO_DEPTH) {
+                    let detail = say::modal_calls_too_many(MAX_MACRO_DEPTH);
+                    return Err(Alarm::new(number::MODAL_CALLS).with_detail(detail).into());
                 }
             }
-            Outcome::CancelModal => self.levels.cancel_modal(),
+            StatementEffect::CancelModal => self.levels.cancel_modal_call(),
         }
         Ok(())
     }
 
-    fn assign(
+    fn assign_variable(
         &mut self,
         number: u32,
         value: Option<f64>,
-        system: &mut impl System,
-    ) -> Result<(), NotNow> {
-        let value = value.map(formula::kept);
+        system: &mut impl SystemVariables,
+    ) -> Result<(), ReadError> {
+        let value = value.map(formula::round_to_stored);
         match number {
             0 => {
                 let detail = say::variable_of_macro_read_only(number);
-                return Err(Alarm::new(number::READ_ONLY).because(detail).into());
+                return Err(Alarm::new(number::READ_ONLY).with_detail(detail).into());
             }
-            1..=LOCALS => self.levels.set(number as u8, value),
+            1..=LAST_LOCAL => self.levels.set(number as u8, value),
             _ => system.write(number, value)?,
         }
         Ok(())
     }
 
-    fn jump(&mut self, block: u32) {
-        self.levels.jump(self.calls.len(), block);
-        self.place.block = block;
+    fn jump_to(&mut self, block: u32) {
+        self.levels.end_left_loops(self.calls.len(), block);
+        self.next_position.block = block;
     }
 
-    fn enter(&mut self, call: Call, arguments: Option<Locals>) {
-        self.place = call.begin();
+    fn enter_call(&mut self, call: ProgramCall, arguments: Option<LocalVariables>) {
+        self.next_position = call.begin_position();
         self.calls.push(call);
         if let Some(arguments) = arguments {
-            self.levels.enter(arguments);
+            self.levels.push_level(arguments);
         }
     }
 
@@ -333,15 +345,15 @@ impl Walker {
         name: &str,
     ) -> Result<(), Alarm> {
         let call = self.new_call(programs, program, runs, name, CallKind::Subprogram)?;
-        self.enter(call, None);
+        self.enter_call(call, None);
         Ok(())
     }
 
     /// The subprogram that an M or T calls by parameters, as M98 does; `None` if it is
     /// ordinary.
-    pub fn called_by(&self, m: Option<i64>, t: Option<i64>) -> Option<PlainCall> {
+    pub fn find_called_subprogram(&self, m: Option<i64>, t: Option<i64>) -> Option<PlainCall> {
         let m = m.and_then(|code| u16::try_from(code).ok());
-        self.calling()?.plain_by(m, t)
+        self.active_code_calls()?.find_subprogram_by_number(m, t)
     }
 
     /// Calls such a subprogram `runs` times. In it the codes are ordinary.
@@ -358,7 +370,7 @@ impl Walker {
         let kind = CallKind::Subprogram;
         let mut call = self.new_call(programs, call.program.into(), runs, &name, kind)?;
         call.codes_ordinary = true;
-        self.enter(call, None);
+        self.enter_call(call, None);
         Ok(())
     }
 
@@ -375,13 +387,13 @@ impl Walker {
         words: impl Iterator<Item = (u8, f64)>,
     ) -> Result<(), Alarm> {
         let arguments = words.map(|(address, value)| Ok((address, Some(value))));
-        let arguments = match statement::arguments_of(arguments) {
+        let arguments = match statement::locals_from_arguments(arguments) {
             Ok(arguments) => arguments,
-            Err(NotNow::Fault(alarm)) => return Err(alarm),
-            Err(NotNow::Wait) => Locals::new(),
+            Err(ReadError::Fault(alarm)) => return Err(alarm),
+            Err(ReadError::Wait) => LocalVariables::new(),
         };
         let call = self.new_call(programs, program, runs, name, CallKind::Macro)?;
-        self.enter(call, Some(arguments));
+        self.enter_call(call, Some(arguments));
         Ok(())
     }
 
@@ -392,118 +404,124 @@ impl Walker {
         runs: u16,
         name: &str,
         kind: CallKind,
-    ) -> Result<Call, Alarm> {
-        let alike = |call: &&Call| call.kind.is_subprogram() == kind.is_subprogram();
-        if self.calls.iter().filter(alike).count() >= LEVELS {
-            let detail = say::call_too_deep(name, LEVELS + 1, LEVELS);
-            return Err(Alarm::new(number::CALL_TOO_DEEP).because(detail));
+    ) -> Result<ProgramCall, Alarm> {
+        let is_same_kind = |call: &&ProgramCall| call.kind.is_subprogram() == kind.is_subprogram();
+        if self.calls.iter().filter(is_same_kind).count() >= MAX_CALL_DEPTH {
+            let detail = say::call_too_deep(name, MAX_CALL_DEPTH + 1, MAX_CALL_DEPTH);
+            return Err(Alarm::new(number::CALL_TOO_DEEP).with_detail(detail));
         }
-        let found = u16::try_from(program).ok().and_then(|it| programs.find(it));
+        let found = u16::try_from(program)
+            .ok()
+            .and_then(|it| programs.find_called(it));
         let program = found.ok_or_else(|| {
             let detail = say::call_program_missing(name, program);
-            Alarm::new(number::TARGET_MISSING).because(detail)
+            Alarm::new(number::TARGET_MISSING).with_detail(detail)
         })?;
-        Ok(Call {
+        Ok(ProgramCall {
             program,
-            runs,
-            back: self.here.after(),
+            runs_left: runs,
+            return_position: self.last_position.next_block(),
             kind,
-            first: 0,
-            blocks: None,
+            first_block: 0,
+            block_count: None,
             codes_ordinary: false,
         })
     }
 
     /// Makes the call of the last G66. The caller calls it after each block that moves.
-    pub fn moved(&mut self) {
-        let Some((index, modal)) = self.levels.modal(&self.calls) else {
+    pub fn call_modal_macro(&mut self) {
+        let Some((index, modal)) = self.levels.find_modal_call(&self.calls) else {
             return;
         };
-        let call = Call {
+        let call = ProgramCall {
             program: modal.program,
-            runs: modal.runs,
-            back: self.here.after(),
+            runs_left: modal.runs,
+            return_position: self.last_position.next_block(),
             kind: CallKind::Modal(index),
-            first: 0,
-            blocks: None,
+            first_block: 0,
+            block_count: None,
             codes_ordinary: false,
         };
         let arguments = modal.arguments.clone();
-        self.enter(call, Some(arguments));
+        self.enter_call(call, Some(arguments));
     }
 
     /// Carries out an M99, with its P.
     ///
     /// # Errors
     /// 078 for a missing block.
-    pub fn back(&mut self, programs: &ProgramMemory, p: Option<i64>) -> Result<Back, Alarm> {
-        let find = |program| {
+    pub fn execute_return(
+        &mut self,
+        programs: &ProgramMemory,
+        p: Option<i64>,
+    ) -> Result<ReturnEffect, Alarm> {
+        let find_block = |program| {
             let number = p
                 .and_then(|n| u32::try_from(n).ok())
                 .filter(|n| *n <= 99_999);
-            let found = number.and_then(|n| {
+            let block = number.and_then(|n| {
                 let text = programs.get(program)?;
                 text.find_sequence_block(n, 0..text.block_count())
             });
-            found.ok_or_else(|| {
+            block.ok_or_else(|| {
                 let detail = say::return_target_missing(p.unwrap_or(0));
-                Alarm::new(number::TARGET_MISSING).because(detail)
+                Alarm::new(number::TARGET_MISSING).with_detail(detail)
             })
         };
         let depth = self.calls.len();
         let Some(call) = self.calls.last_mut() else {
             let block = match p {
-                Some(_) => find(self.here.program)?,
+                Some(_) => find_block(self.last_position.program)?,
                 None => 0,
             };
-            self.jump(block);
-            return Ok(if block <= self.here.block {
-                Back::Repeats
+            self.jump_to(block);
+            return Ok(if block <= self.last_position.block {
+                ReturnEffect::Restarted
             } else {
-                Back::Jumped
+                ReturnEffect::Jumped
             });
         };
-        if call.runs > 1 {
-            self.levels.run_again(call, depth);
-            call.runs -= 1;
-            self.place = call.begin();
-            return Ok(Back::Returned);
+        if call.runs_left > 1 {
+            self.levels.prepare_next_run(call, depth);
+            call.runs_left -= 1;
+            self.next_position = call.begin_position();
+            return Ok(ReturnEffect::Returned);
         }
-        let mut place = call.back;
+        let mut place = call.return_position;
         if p.is_some() {
-            place.block = find(place.program)?;
+            place.block = find_block(place.program)?;
         }
         let call = *call;
         self.calls.pop();
-        self.levels.leave(&call, self.calls.len());
-        self.levels.jump(self.calls.len(), place.block);
-        self.place = place;
-        Ok(Back::Returned)
+        self.levels.pop_level(&call, self.calls.len());
+        self.levels.end_left_loops(self.calls.len(), place.block);
+        self.next_position = place;
+        Ok(ReturnEffect::Returned)
     }
 
     /// Ends the run (M30).
     pub fn end(&mut self) {
-        self.ended = true;
+        self.has_ended = true;
     }
 
     /// Number of running calls.
-    pub fn depth(&self) -> usize {
+    pub fn call_depth(&self) -> usize {
         self.calls.len()
     }
 }
 
 /// The result of reading. Waits cannot occur, because every earlier block is finished.
-fn nothing_but(outcome: Result<Read, NotNow>) -> Result<Read, Alarm> {
+fn without_wait(outcome: Result<WalkedBlock, ReadError>) -> Result<WalkedBlock, Alarm> {
     match outcome {
         Ok(read) => Ok(read),
-        Err(NotNow::Fault(alarm)) => Err(alarm),
-        Err(NotNow::Wait) => Ok(Read::Nothing),
+        Err(ReadError::Fault(alarm)) => Err(alarm),
+        Err(ReadError::Wait) => Ok(WalkedBlock::Nothing),
     }
 }
 
-fn text(programs: &ProgramMemory, program: ProgramId) -> Result<&Program, Alarm> {
+fn find_program(programs: &ProgramMemory, program: ProgramId) -> Result<&Program, Alarm> {
     programs.get(program).ok_or_else(|| {
         let detail = say::program_not_there(format_args!("{program:?}"));
-        Alarm::new(number::PROGRAM_MISSING).because(detail)
+        Alarm::new(number::PROGRAM_MISSING).with_detail(detail)
     })
 }

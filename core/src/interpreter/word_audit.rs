@@ -9,25 +9,25 @@
 use std::collections::BTreeSet;
 
 use crate::alarm::Alarm;
-use crate::command::Source;
+use crate::command::SourcePosition;
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{OneShot, Words};
+use crate::interpreter::context::words::{OneShot, SortedWords};
 use crate::interpreter::macros::arithmetic::Operation;
 use crate::interpreter::plan::Plan;
-use crate::model::{GCode, Record};
-use crate::program::{Block, Program, Word};
+use crate::model::{GCode, ModelRecord};
+use crate::program::{Program, ProgramBlock, ProgramWord};
 
 /// Greatest number of stored shapes of blocks; a program has a few dozen.
-const MOST_SHAPES: usize = 4096;
+const MAX_SHAPES: usize = 4096;
 /// Greatest number of remarks of a run.
-const MOST_FINDINGS: usize = 256;
+const MAX_REMARKS: usize = 256;
 
 /// One millimetre, or one count, in the millionths of a word.
-const STEP: i64 = 1_000_000;
+const CHANGE_STEP: i64 = 1_000_000;
 
 /// What a preview reports about a block that the control carries out.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Remark {
+pub enum BlockRemark {
     /// The block has a word that changes nothing.
     Ignored(IgnoredWord),
     /// The block is after a `;` at the beginning of its line.
@@ -73,16 +73,16 @@ pub enum WordAdvice {
 }
 
 /// A remark and its source position.
-pub type Remarked = (Remark, Source);
+pub type LocatedRemark = (BlockRemark, SourcePosition);
 
 /// Searches the blocks of a run for words that change nothing.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WordAudit {
     /// Shapes of blocks without an ignored word.
-    sound: BTreeSet<Shape>,
+    clean_shapes: BTreeSet<BlockShape>,
     /// Each remark of the run once, and the number of those taken.
-    remarks: Vec<Remarked>,
-    taken: usize,
+    remarks: Vec<LocatedRemark>,
+    taken_count: usize,
 }
 
 /// Two interpreters are equal whatever their audits have found.
@@ -94,7 +94,7 @@ impl PartialEq for WordAudit {
 
 /// What decides which words of a block are read, besides their values.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Shape {
+struct BlockShape {
     addresses: u32,
     zeros: u32,
     codes: Vec<u8>,
@@ -104,15 +104,15 @@ struct Shape {
     flags: [bool; 4],
 }
 
-impl Shape {
-    fn of(block: &Block, words: &Words, before: &State) -> Self {
-        let bit = |word: &Word| 1_u32 << (word.address.wrapping_sub(b'A') & 31);
-        let all = |found: u32, word: &Word| found | bit(word);
+impl BlockShape {
+    fn from_block(block: &ProgramBlock, words: &SortedWords, before: &State) -> Self {
+        let letter_bit = |word: &ProgramWord| 1_u32 << (word.address.wrapping_sub(b'A') & 31);
+        let add_letter = |found: u32, word: &ProgramWord| found | letter_bit(word);
         let written = block.words().iter();
-        let zero = |word: &&Word| word.value.millionths() == 0;
+        let is_zero = |word: &&ProgramWord| word.value.millionths() == 0;
         Self {
-            addresses: written.clone().fold(0, all),
-            zeros: written.filter(zero).fold(0, all),
+            addresses: written.clone().fold(0, add_letter),
+            zeros: written.filter(is_zero).fold(0, add_letter),
             codes: block.g_codes().collect(),
             m: words.m,
             motion: before.modal.motion,
@@ -128,12 +128,12 @@ impl Shape {
 }
 
 /// An evaluated block and its result.
-pub(crate) struct Evaluated<'a> {
+pub(crate) struct EvaluatedBlock<'a> {
     /// The block as parsed.
-    pub(crate) block: &'a Block,
+    pub(crate) block: &'a ProgramBlock,
     /// Its words, sorted.
-    pub(crate) words: &'a Words,
-    pub(crate) record: &'a Record,
+    pub(crate) words: &'a SortedWords,
+    pub(crate) record: &'a ModelRecord,
     /// The state before and after the block.
     pub(crate) before: &'a State,
     pub(crate) after: &'a State,
@@ -143,31 +143,31 @@ pub(crate) struct Evaluated<'a> {
 impl WordAudit {
     /// Searches a block of a program. `evaluate` evaluates other words in place of the
     /// block's.
-    pub(crate) fn look(
+    pub(crate) fn audit_block(
         &mut self,
         program: &Program,
         index: u32,
-        block: &Evaluated<'_>,
-        evaluate: &mut dyn FnMut(&Words, &mut State, &mut Plan) -> Result<(), Alarm>,
+        block: &EvaluatedBlock<'_>,
+        evaluate: &mut dyn FnMut(&SortedWords, &mut State, &mut Plan) -> Result<(), Alarm>,
     ) {
-        if self.remarks.len() >= MOST_FINDINGS {
+        if self.remarks.len() >= MAX_REMARKS {
             return;
         }
-        for (word, advice) in self.idle_words(block, evaluate) {
-            let code = code_of(block);
+        for (word, advice) in self.find_ignored_words(block, evaluate) {
+            let code = executing_code(block);
             let ignored = IgnoredWord::new(program, index, &word, code, advice);
-            self.keep(Remark::Ignored(ignored), block.plan.source);
+            self.add_remark(BlockRemark::Ignored(ignored), block.plan.source);
         }
     }
 
     /// Searches a G65 block. Its operations act while the reader reads them, so they cannot be
     /// evaluated twice.
-    pub(crate) fn look_at_macro(
+    pub(crate) fn audit_macro_block(
         &mut self,
         program: &Program,
         index: u32,
-        block: &Block,
-        source: Source,
+        block: &ProgramBlock,
+        source: SourcePosition,
     ) {
         let Some(h) = block.number(b'H').filter(|h| h.variable().is_none()) else {
             return;
@@ -180,73 +180,81 @@ impl WordAudit {
         {
             let code = Some(format!("G65 H{:02}", h.integer()));
             let ignored = IgnoredWord::new(program, index, word, code, WordAdvice::None);
-            self.keep(Remark::Ignored(ignored), source);
+            self.add_remark(BlockRemark::Ignored(ignored), source);
         }
     }
 
     /// The words that change nothing, with advice.
-    fn idle_words(
+    fn find_ignored_words(
         &mut self,
-        block: &Evaluated<'_>,
-        evaluate: &mut dyn FnMut(&Words, &mut State, &mut Plan) -> Result<(), Alarm>,
-    ) -> Vec<(Word, WordAdvice)> {
-        let shape = Shape::of(block.block, block.words, block.before);
-        if self.sound.contains(&shape) {
+        block: &EvaluatedBlock<'_>,
+        evaluate: &mut dyn FnMut(&SortedWords, &mut State, &mut Plan) -> Result<(), Alarm>,
+    ) -> Vec<(ProgramWord, WordAdvice)> {
+        let shape = BlockShape::from_block(block.block, block.words, block.before);
+        if self.clean_shapes.contains(&shape) {
             return Vec::new();
         }
         // A changed value that is refused shows only that the control checks it. If the block
         // is refused without the word, it needs the word.
-        let mut differs = |words: &Words, change: Change| {
+        let mut has_effect = |words: &SortedWords, change: WordChange| {
             let mut state = *block.before;
             let mut plan = Plan::new(block.plan.source, block.before.modal);
             match evaluate(words, &mut state, &mut plan) {
                 Ok(()) => state != *block.after || plan != *block.plan,
-                Err(_) => matches!(change, Change::Removed),
+                Err(_) => matches!(change, WordChange::Removed),
             }
         };
-        let mut idle = Vec::new();
+        let mut ignored = Vec::new();
         for (at, word) in block.block.words().iter().enumerate() {
             match word.address {
                 b'M' => {}
                 b'G' => {
-                    if let Some(later) = later_of_group(block, at) {
-                        idle.push((*word, WordAdvice::LaterCode(format!("G{later:02}"))));
+                    if let Some(later) = find_later_code(block, at) {
+                        ignored.push((*word, WordAdvice::LaterCode(format!("G{later:02}"))));
                     }
                 }
                 letter => {
-                    let changes = [Change::Removed, Change::By(STEP), Change::By(-STEP)];
+                    let changes = [
+                        WordChange::Removed,
+                        WordChange::Add(CHANGE_STEP),
+                        WordChange::Add(-CHANGE_STEP),
+                    ];
                     let mut is_read =
-                        |change| differs(&changed(block.words, letter, change), change);
+                        |change| has_effect(&change_word(block.words, letter, change), change);
                     if !changes.into_iter().any(&mut is_read) {
-                        idle.push((*word, advice(block, word)));
+                        ignored.push((*word, find_advice(block, word)));
                     }
                 }
             }
         }
-        if idle.is_empty() && self.sound.len() < MOST_SHAPES {
-            self.sound.insert(shape);
+        if ignored.is_empty() && self.clean_shapes.len() < MAX_SHAPES {
+            self.clean_shapes.insert(shape);
         }
-        idle
+        ignored
     }
 
     /// Stores a remark, once for each source position.
-    pub(crate) fn keep(&mut self, remark: Remark, source: Source) {
+    pub(crate) fn add_remark(&mut self, remark: BlockRemark, source: SourcePosition) {
         let remarked = (remark, source);
-        if self.remarks.len() < MOST_FINDINGS && !self.remarks.contains(&remarked) {
+        if self.remarks.len() < MAX_REMARKS && !self.remarks.contains(&remarked) {
             self.remarks.push(remarked);
         }
     }
 
-    /// Whether remarks exist that [`Self::take`] has not returned yet.
+    /// Whether remarks exist that [`Self::take_remarks`] has not returned yet.
     #[inline]
     pub(crate) const fn has_remarks(&self) -> bool {
-        self.remarks.len() > self.taken
+        self.remarks.len() > self.taken_count
     }
 
     /// The remarks since the last call.
-    pub(crate) fn take(&mut self) -> Vec<Remarked> {
-        let new = self.remarks.get(self.taken..).unwrap_or_default().to_vec();
-        self.taken = self.remarks.len();
+    pub(crate) fn take_remarks(&mut self) -> Vec<LocatedRemark> {
+        let new = self
+            .remarks
+            .get(self.taken_count..)
+            .unwrap_or_default()
+            .to_vec();
+        self.taken_count = self.remarks.len();
         new
     }
 }
@@ -257,7 +265,7 @@ impl IgnoredWord {
     fn new(
         program: &Program,
         index: u32,
-        word: &Word,
+        word: &ProgramWord,
         code: Option<String>,
         advice: WordAdvice,
     ) -> Self {
@@ -267,11 +275,11 @@ impl IgnoredWord {
         let before = text.get(..from).unwrap_or_default().chars().count() as u32;
         let first = program.block_column(index).saturating_add(before);
         let length = written.chars().count() as u32;
-        let plain: String = written.chars().filter(|letter| *letter != ' ').collect();
+        let compact: String = written.chars().filter(|letter| *letter != ' ').collect();
         Self {
-            text: match plain.is_empty() {
+            text: match compact.is_empty() {
                 true => char::from(word.address).into(),
-                false => plain,
+                false => compact,
             },
             address: word.address.into(),
             code,
@@ -282,14 +290,14 @@ impl IgnoredWord {
 }
 
 /// The code that carries a block out, as messages name it.
-fn code_of(block: &Evaluated<'_>) -> Option<String> {
+fn executing_code(block: &EvaluatedBlock<'_>) -> Option<String> {
     let words = block.words;
     if words.one_shot.is_some() {
-        let own = |code: &u8| {
+        let is_group_00 = |code: &u8| {
             let meaning = block.record.g_code((*code).into());
-            meaning.is_some_and(|meaning| group(meaning) == 0)
+            meaning.is_some_and(|meaning| code_group(meaning) == 0)
         };
-        let code = block.block.g_codes().filter(own).last()?;
+        let code = block.block.g_codes().filter(is_group_00).last()?;
         return Some(format!("G{code:02}"));
     }
     match words.m {
@@ -303,67 +311,67 @@ fn code_of(block: &Evaluated<'_>) -> Option<String> {
 
 /// How the audit changes a word to see whether it is read.
 #[derive(Clone, Copy)]
-enum Change {
+enum WordChange {
     Removed,
     /// Adds to its value, in millionths.
-    By(i64),
+    Add(i64),
 }
 
-impl Change {
-    fn exact(self, value: &mut Option<i64>) {
+impl WordChange {
+    fn apply_exact(self, value: &mut Option<i64>) {
         *value = match self {
             Self::Removed => None,
-            Self::By(step) => value.map(|value| value.saturating_add(step)),
+            Self::Add(step) => value.map(|value| value.saturating_add(step)),
         };
     }
 
-    fn whole(self, value: &mut Option<i64>) {
+    fn apply_integer(self, value: &mut Option<i64>) {
         *value = match self {
             Self::Removed => None,
-            Self::By(step) => value.map(|value| value.saturating_add(step / STEP)),
+            Self::Add(step) => value.map(|value| value.saturating_add(step / CHANGE_STEP)),
         };
     }
 }
 
 /// A copy of the words with one of them changed. Their number stays, because single block
 /// depends on it.
-fn changed(words: &Words, letter: u8, change: Change) -> Words {
+fn change_word(words: &SortedWords, letter: u8, change: WordChange) -> SortedWords {
     let mut words = *words;
     let by = match change {
-        Change::Removed => None,
-        Change::By(step) => Some(step),
+        WordChange::Removed => None,
+        WordChange::Add(step) => Some(step),
     };
     match letter {
-        b'X' => change.exact(&mut words.x),
-        b'U' => change.exact(&mut words.u),
-        b'Z' => change.exact(&mut words.z),
-        b'W' => change.exact(&mut words.w),
-        b'I' => change.exact(&mut words.i),
-        b'J' => change.exact(&mut words.j),
-        b'K' => change.exact(&mut words.k),
-        b'R' => change.exact(&mut words.r),
-        b'D' => change.exact(&mut words.d_exact),
-        b'Q' => change.whole(&mut words.q),
-        b'S' => change.whole(&mut words.s),
-        b'T' => change.whole(&mut words.t),
+        b'X' => change.apply_exact(&mut words.x),
+        b'U' => change.apply_exact(&mut words.u),
+        b'Z' => change.apply_exact(&mut words.z),
+        b'W' => change.apply_exact(&mut words.w),
+        b'I' => change.apply_exact(&mut words.i),
+        b'J' => change.apply_exact(&mut words.j),
+        b'K' => change.apply_exact(&mut words.k),
+        b'R' => change.apply_exact(&mut words.r),
+        b'D' => change.apply_exact(&mut words.d_exact),
+        b'Q' => change.apply_integer(&mut words.q),
+        b'S' => change.apply_integer(&mut words.s),
+        b'T' => change.apply_integer(&mut words.t),
         b'P' => {
-            change.whole(&mut words.p);
-            change.exact(&mut words.p_exact);
+            change.apply_integer(&mut words.p);
+            change.apply_exact(&mut words.p_exact);
         }
         b'L' => {
-            change.whole(&mut words.l);
-            change.exact(&mut words.l_exact);
+            change.apply_integer(&mut words.l);
+            change.apply_exact(&mut words.l_exact);
         }
         b'F' => {
-            let step = |feed: f64, by: i64| feed + by as f64 / STEP as f64;
+            let step = |feed: f64, by: i64| feed + by as f64 / CHANGE_STEP as f64;
             words.f = words.f.zip(by).map(|(feed, by)| step(feed, by));
         }
         b'H' => {
-            let step = |h: u8, by: i64| h.checked_add_signed((by / STEP) as i8);
+            let step = |h: u8, by: i64| h.checked_add_signed((by / CHANGE_STEP) as i8);
             words.h = words.h.zip(by).and_then(|(h, by)| step(h, by));
         }
         b'N' => {
-            let step = |n: u32, by: i64| n.checked_add_signed((by / STEP) as i32);
+            let step = |n: u32, by: i64| n.checked_add_signed((by / CHANGE_STEP) as i32);
             words.n = words.n.zip(by).and_then(|(n, by)| step(n, by));
         }
         _ => {}
@@ -373,8 +381,8 @@ fn changed(words: &Words, letter: u8, change: Change) -> Words {
 
 /// A later G code of the block that replaces this one: the last of a group is valid (decision
 /// TEXT-4).
-fn later_of_group(block: &Evaluated<'_>, at: usize) -> Option<i64> {
-    let code = |word: &Word| {
+fn find_later_code(block: &EvaluatedBlock<'_>, at: usize) -> Option<i64> {
+    let code = |word: &ProgramWord| {
         let number = word.value.integer();
         Some((number, block.record.g_code(number)?))
     };
@@ -382,12 +390,12 @@ fn later_of_group(block: &Evaluated<'_>, at: usize) -> Option<i64> {
     let (number, meaning) = code(words.get(at)?)?;
     let later = words.get(at + 1..)?.iter();
     let mut later = later.filter(|word| word.address == b'G').filter_map(code);
-    let same = later.find(|(_, other)| group(*other) == group(meaning))?;
-    (same.0 != number).then_some(same.0)
+    let replacement = later.find(|(_, other)| code_group(*other) == code_group(meaning))?;
+    (replacement.0 != number).then_some(replacement.0)
 }
 
-/// The field of [`Words`] that a code sets, as a group number.
-const fn group(code: GCode) -> u8 {
+/// The field of [`SortedWords`] that a code sets, as a group number.
+const fn code_group(code: GCode) -> u8 {
     match code {
         GCode::Rapid
         | GCode::StraightRapid
@@ -413,18 +421,18 @@ const fn group(code: GCode) -> u8 {
     }
 }
 
-fn advice(block: &Evaluated<'_>, word: &Word) -> WordAdvice {
+fn find_advice(block: &EvaluatedBlock<'_>, word: &ProgramWord) -> WordAdvice {
     let words = block.words;
     let motion = match words.one_shot {
         None => Some(block.after.modal.motion),
         Some(_) => None,
     };
-    let cycle = matches!(motion, Some(90 | 94));
-    let thread =
+    let is_cycle = matches!(motion, Some(90 | 94));
+    let is_thread =
         matches!(motion, Some(32..=34 | 92)) || words.one_shot == Some(OneShot::CompoundThread);
-    let arc = matches!(motion, Some(2 | 3));
+    let is_arc = matches!(motion, Some(2 | 3));
     match word.address {
-        b'L' if words.m == Some(98) => call_count(words),
+        b'L' if words.m == Some(98) => call_count_advice(words),
         b'U' if words.x.is_some() && words.one_shot != Some(OneShot::Dwell) => {
             WordAdvice::BesideAbsolute('X')
         }
@@ -432,18 +440,18 @@ fn advice(block: &Evaluated<'_>, word: &Word) -> WordAdvice {
         b'X' | b'U' if words.one_shot == Some(OneShot::Dwell) && words.p.is_some() => {
             WordAdvice::DwellByP
         }
-        b'I' | b'K' if arc && words.r.is_some() => WordAdvice::CenterBesideRadius,
-        b'R' if arc => WordAdvice::ArcWithoutLength,
-        b'I' | b'K' if cycle && words.r.is_none() => {
+        b'I' | b'K' if is_arc && words.r.is_some() => WordAdvice::CenterBesideRadius,
+        b'R' if is_arc => WordAdvice::ArcWithoutLength,
+        b'I' | b'K' if is_cycle && words.r.is_none() => {
             WordAdvice::TaperIsR(format!("R{}", word.value))
         }
-        b'I' if thread && words.f.is_some() => WordAdvice::LeadByF,
+        b'I' if is_thread && words.f.is_some() => WordAdvice::LeadByF,
         _ => WordAdvice::None,
     }
 }
 
 /// M98 P0118 L3 is M98 P30118 (manual I-3.3).
-fn call_count(words: &Words) -> WordAdvice {
+fn call_count_advice(words: &SortedWords) -> WordAdvice {
     match (words.p, words.l) {
         (Some(program @ 1..=9999), Some(count @ 1..=9999)) => {
             WordAdvice::CallCount(format!("P{count}{program:04}"))

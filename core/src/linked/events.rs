@@ -2,8 +2,8 @@
 
 use gsk_plc::address::{Area, BitAddress};
 
-use super::stopping::Stopping;
-use super::{Control, Linked, Note};
+use super::stopping::StopInProgress;
+use super::{ControlSnapshot, LinkNote, LinkedControl};
 use crate::alarm::{Alarm, groups, number};
 use crate::board::{BoardDrives, BoardInputs, BoardReport, ZeroWiring};
 use crate::machine::pins;
@@ -15,28 +15,28 @@ use gsk_link::{
 };
 use gsk_messages::say;
 
-impl Linked {
+impl LinkedControl {
     /// Collects the board's inputs for the control's next tick.
     pub(super) fn inputs_of_tick(&mut self) -> BoardInputs {
-        let (reports, settled) = self.reports.take();
-        let stands = |report: &&BoardReport| matches!(report, BoardReport::StandsAt(_));
-        self.motion.stops += reports.iter().filter(stands).count() as u64;
+        let (reports, settled) = self.reports.take_for_tick();
+        let is_stop = |report: &&BoardReport| matches!(report, BoardReport::StoppedAt(_));
+        self.motion.resync_count += reports.iter().filter(is_stop).count() as u64;
         BoardInputs {
-            drives: self.drives(),
+            drives: self.board_drives(),
             reports,
             dropped: self.dropped_outputs(),
-            pass_made: self.pass_made(),
-            settled,
+            pass_fraction: self.pass_fraction(),
+            standstill: settled,
         }
     }
 
-    fn drives(&mut self) -> BoardDrives {
+    fn board_drives(&mut self) -> BoardDrives {
         let wanted = self.control.orders.outputs;
         let timed = self.link.times_outputs();
         let switching = match self.link.switched() {
             _ if timed => false,
             None => true,
-            Some(switched) if self.is_behind() => {
+            Some(switched) if self.has_pending_motion() => {
                 // A change of speed waits for the next standstill. A spindle or coolant
                 // that must still be switched on does not.
                 (switched.spindle, switched.coolant) != (wanted.spindle, wanted.coolant)
@@ -52,25 +52,25 @@ impl Linked {
         let armed = PerAxis::new(armed(Axis::X), armed(Axis::Z));
         BoardDrives {
             takes_motion: self.link.takes_motion() && !stopping,
-            prepared: self.link.is_prepared() && !stopping,
-            moving: self.link.state() == LinkState::Moving,
-            known: self.link.knows_position(),
-            behind: self.is_behind(),
-            ahead: self.ticks_ahead(),
-            stops: self.motion.stops,
-            switching,
-            timed,
-            surface: timed && !self.config.io.spindle_pwm.is_empty(),
+            is_prepared: self.link.is_prepared() && !stopping,
+            is_moving: self.link.state() == LinkState::Moving,
+            position_known: self.link.knows_position(),
+            has_pending_motion: self.has_pending_motion(),
+            ticks_ahead: self.ticks_ahead(),
+            resync_count: self.motion.resync_count,
+            outputs_switching: switching,
+            has_timed_outputs: timed,
+            speed_follows_motion: timed && !self.config.io.spindle_pwm.is_empty(),
             rates: self.link.rates(),
             pulses_per_mm: self.link.pulses_per_mm(),
             threads: self.link.threads(),
             spindle,
-            pass_speed: f64::from(self.config.flush_keep_speed),
-            alone: self.link.homes_alone(),
-            zero: (!self.link.homes())
+            pass_speed_mm_per_min: f64::from(self.config.flush_keep_speed),
+            homes_axes_separately: self.link.homes_alone(),
+            zero_wiring: (!self.link.homes())
                 .then(|| PerAxis::new(self.zero_wiring(Axis::X), self.zero_wiring(Axis::Z))),
-            armed,
-            checked: Some(self.checked),
+            armed_inputs: armed,
+            checked_parameters: Some(self.checked),
         }
     }
 
@@ -82,29 +82,29 @@ impl Linked {
         };
         let pins = self.link.pins();
         ZeroWiring {
-            switch: !wires.dec.is_empty(),
-            signal: !wires.zero.is_empty(),
-            limit: !wires.limit.is_empty(),
-            on_limit: match axis {
+            has_deceleration_switch: !wires.dec.is_empty(),
+            has_zero_signal: !wires.zero.is_empty(),
+            has_limit_switch: !wires.limit.is_empty(),
+            is_on_limit: match axis {
                 Axis::X => pins.x,
                 Axis::Z => pins.z,
             },
-            off: f64::from(self.config.line.home.pull_off_um) / 1000.0,
-            at,
+            pull_off_mm: f64::from(self.config.line.home.pull_off_um) / 1000.0,
+            home_mm: at,
         }
     }
 
     /// Arms the board for the switches that the control's returns wait for.
-    fn await_switches(&mut self) {
+    fn arm_switches(&mut self) {
         for axis in [Axis::X, Axis::Z] {
             let wanted = *self.control.orders.returns.awaited.get(axis);
             if wanted == self.link.awaited(axis) {
                 if let Some(awaited) = wanted {
-                    self.check_length(axis, awaited);
+                    self.check_search_length(axis, awaited);
                 }
                 continue;
             }
-            *self.returns.sought_from.get_mut(axis) = *self.control.pulses.get(axis);
+            *self.returns.search_start.get_mut(axis) = *self.control.pulses.get(axis);
             match wanted {
                 // Not possible yet: the next call tries again.
                 Some(awaited) => drop(self.link.arm(awaited)),
@@ -114,17 +114,17 @@ impl Linked {
     }
 
     /// Abandons a return whose switch did not come within the travel of the slide.
-    fn check_length(&mut self, axis: Axis, awaited: AwaitedInput) {
+    fn check_search_length(&mut self, axis: Axis, awaited: AwaitedInput) {
         let (scale, name) = match axis {
             Axis::X => (2.0, 'x'),
             Axis::Z => (1.0, 'z'),
         };
-        let Some(length) = *self.returns.lengths.get(axis) else {
+        let Some(length) = *self.returns.travel_mm.get(axis) else {
             return;
         };
-        let most = length / scale * self.link.pulses_per_mm()[axis as usize];
-        let gone = self.control.pulses.get(axis).0 - self.returns.sought_from.get(axis).0;
-        if gone.unsigned_abs() as f64 <= most {
+        let max_pulses = length / scale * self.link.pulses_per_mm()[axis as usize];
+        let travelled = self.control.pulses.get(axis).0 - self.returns.search_start.get(axis).0;
+        if travelled.unsigned_abs() as f64 <= max_pulses {
             return;
         }
         let pin = match awaited.input {
@@ -134,39 +134,39 @@ impl Linked {
         };
         self.report(BoardReport::ReturnsAbandoned);
         let alarm = Alarm::new(number::BOARD_ZERO_RETURN)
-            .because(say::zero_switch_never_met(name, pin, length));
-        self.report(BoardReport::Failed(alarm));
+            .with_detail(say::zero_switch_never_met(name, pin, length));
+        self.report(BoardReport::PositionlessFault(alarm));
     }
 
     /// Passes keys, outputs and ends of programs to the link.
-    pub(super) fn follow(&mut self) {
+    pub(super) fn apply_orders(&mut self) {
         let dropped = self.has_dropped_outputs();
         let orders = self.control.orders;
         let mut wanted = orders.outputs;
-        self.connection.withheld &=
+        self.connection.outputs_withheld &=
             dropped || wanted.spindle != SpindleDirection::Stop || wanted.coolant;
-        if self.connection.withheld {
+        if self.connection.outputs_withheld {
             wanted = BoardOutputs::default();
         }
         self.link.set_outputs(wanted);
         if orders.run.ended.is_some() {
-            self.log.ended = orders.run.ended;
+            self.log.ended_program = orders.run.ended;
         }
-        let emergency = core::mem::replace(&mut self.keys.emergency, orders.emergency_stop);
-        let resetting = core::mem::replace(&mut self.keys.resetting, orders.resetting);
+        let emergency = core::mem::replace(&mut self.keys.emergency, orders.is_emergency_stop);
+        let resetting = core::mem::replace(&mut self.keys.resetting, orders.is_resetting);
         if self.keys.emergency && !emergency {
-            self.report(BoardReport::Halted);
+            self.report(BoardReport::MotionEnded);
             self.stopping.end_flush();
             self.thread.pass = None;
             self.link.stop(Stop::Kill);
         } else if self.keys.resetting && !resetting {
-            self.report(BoardReport::Halted);
+            self.report(BoardReport::MotionEnded);
             // A pass ends with a dead stop: there is no position to continue from.
             let passing = self.thread.pass.take().is_some();
             if self.link.state() == LinkState::Moving && !passing {
                 self.stopping.flush();
             }
-            self.connection.reopen |= self.link.state() == LinkState::Lost;
+            self.connection.reopen_requested |= self.link.state() == LinkState::Lost;
             self.link.reset();
         }
     }
@@ -175,11 +175,11 @@ impl Linked {
     /// the board failed and was reset or stopped. A line board that does not answer keeps
     /// them on, unless the guard process has stopped it.
     fn has_dropped_outputs(&self) -> bool {
-        self.connection.withheld
+        self.connection.outputs_withheld
             && match self.link.state() {
                 LinkState::Fault | LinkState::Tripped => true,
                 LinkState::Lost => {
-                    self.connection.stopped || self.config.protocol == Protocol::StepQueue
+                    self.connection.guard_stopped || self.config.protocol == Protocol::StepQueue
                 }
                 _ => false,
             }
@@ -205,105 +205,110 @@ impl Linked {
     }
 
     /// Handles one event of the link.
-    pub(super) fn hear(&mut self, event: LinkEvent) {
+    pub(super) fn handle_event(&mut self, event: LinkEvent) {
         match event {
-            LinkEvent::State(state) => self.change(state),
+            LinkEvent::State(state) => self.enter_state(state),
             LinkEvent::Alarm { number, detail } => {
-                let alarm = Alarm::new(number).because(detail);
+                let alarm = Alarm::new(number).with_detail(detail);
                 if number == number::POSITION_CHECK {
-                    self.checked(false, None);
+                    self.log_count_check(false, None);
                 }
-                if groups::OF_OPENING.contains(&number) {
-                    self.report(BoardReport::Standing(alarm.clone()));
+                if groups::CONNECTION_ALARMS.contains(&number) {
+                    self.report(BoardReport::PersistentAlarm(alarm.clone()));
                 }
                 self.raise(alarm);
-                self.report(BoardReport::Halted);
+                self.report(BoardReport::MotionEnded);
                 self.stopping.end_flush();
             }
             LinkEvent::Position(pulses) => {
                 let stopped = self.stopping.take();
-                let reached = stopped == Stopping::Reaching;
+                let reached = stopped == StopInProgress::AtSwitch;
                 if !stopped.is_none() {
                     if !reached {
-                        self.report(BoardReport::Halted);
+                        self.report(BoardReport::MotionEnded);
                     }
-                    self.stopped_at(pulses);
+                    self.adopt_stop(pulses);
                     // A reference return took up the backlash long before.
-                    if !reached && self.control.orders.backlash {
+                    if !reached && self.control.orders.compensates_backlash {
                         // It is unknown whether the backlash was taken up at this position.
                         self.link.invalidate_position(Uncertainty::Play);
-                        self.report(BoardReport::ReferenceLost { told: true });
+                        self.report(BoardReport::ReferenceLost { raise_alarm: true });
                     }
                 }
-                let agreed = self.link.knows_position().then_some(pulses);
+                let agreed_count = self.link.knows_position().then_some(pulses);
                 if core::mem::take(&mut self.log.checking) {
-                    if agreed.is_some() {
-                        self.checked(true, agreed);
+                    if agreed_count.is_some() {
+                        self.log_count_check(true, agreed_count);
                     }
                 } else {
-                    self.log.agreed = agreed;
+                    self.log.agreed_count = agreed_count;
                 }
             }
             LinkEvent::Halting { reached } => {
-                let pauses = self.stopping.halt(reached);
-                self.report(if pauses {
-                    BoardReport::Paused
+                let stops_at_switch = self.stopping.halt(reached);
+                self.report(if stops_at_switch {
+                    BoardReport::StoppedAtSwitch
                 } else {
-                    BoardReport::Halted
+                    BoardReport::MotionEnded
                 });
             }
             LinkEvent::Reached(input, _) => {
                 if let Some(axis) = input.axis() {
-                    self.report(BoardReport::Reached(axis));
+                    self.report(BoardReport::SwitchReached(axis));
                 }
             }
             LinkEvent::Drained => self.end_pass(),
             LinkEvent::Homed(axes) => {
                 self.returns.homed = true;
-                let at = self.home();
-                self.report(BoardReport::Returned { axes, at });
+                let at = self.home_position();
+                self.report(BoardReport::Homed { axes, at });
             }
             LinkEvent::Learned { name, packed } => {
-                self.log.notes.push(Note::Learned { name, packed });
+                self.log.notes.push(LinkNote::DictionaryReceived {
+                    name,
+                    compressed: packed,
+                });
             }
-            LinkEvent::Differs(difference) => self.log.notes.push(Note::Differs(difference)),
+            LinkEvent::Differs(difference) => {
+                self.log.notes.push(LinkNote::SettingDiffers(difference))
+            }
         }
     }
 
-    fn change(&mut self, state: LinkState) {
-        let unknown = matches!(
+    fn enter_state(&mut self, state: LinkState) {
+        let position_unknown = matches!(
             state,
             LinkState::Locked | LinkState::Tripped | LinkState::Fault | LinkState::Lost
         );
-        let found = core::mem::take(&mut self.returns.homed) && state == LinkState::Locked;
+        let homed = core::mem::take(&mut self.returns.homed) && state == LinkState::Locked;
         // A return that moves both axes leaves neither at its position, even if it fails.
         let moves_all = state == LinkState::Homing && !self.link.homes_alone();
         if moves_all {
-            self.report(BoardReport::ReferenceLost { told: false });
-        } else if unknown && !found && !self.link.keeps_count() {
-            self.report(BoardReport::ReferenceLost { told: true });
+            self.report(BoardReport::ReferenceLost { raise_alarm: false });
+        } else if position_unknown && !homed && !self.link.keeps_count() {
+            self.report(BoardReport::ReferenceLost { raise_alarm: true });
         }
-        if unknown && state != LinkState::Locked {
-            self.report(BoardReport::Halted);
-            self.stopping = Stopping::None;
-            self.connection.withheld = true;
+        if position_unknown && state != LinkState::Locked {
+            self.report(BoardReport::MotionEnded);
+            self.stopping = StopInProgress::None;
+            self.connection.outputs_withheld = true;
         }
-        if unknown {
+        if position_unknown {
             self.thread.pass = None;
         }
         let was_opening = self.is_opening();
         self.connection.state = state;
         if matches!(state, LinkState::Opening | LinkState::Locked) {
-            self.report(BoardReport::CauseGone);
+            self.report(BoardReport::CauseRecheck);
         }
         if state == LinkState::Locked && was_opening {
-            self.report(BoardReport::Opened);
+            self.report(BoardReport::BoardReady);
         }
     }
 
-    pub(super) fn checked(&mut self, agrees: bool, counted: Option<PerAxis<Pulses>>) {
-        self.log.notes.push(Note::Checked {
-            program: self.log.ended.take(),
+    pub(super) fn log_count_check(&mut self, agrees: bool, counted: Option<PerAxis<Pulses>>) {
+        self.log.notes.push(LinkNote::CountChecked {
+            program: self.log.ended_program.take(),
             commanded: self.motion.pulses,
             counted: counted.or_else(|| self.link.counted()),
             agrees,
@@ -311,17 +316,17 @@ impl Linked {
     }
 
     /// Issues the operator's requests that the board can execute now.
-    pub(super) fn settle(&mut self) {
-        if !self.reports.are_heard() {
+    pub(super) fn issue_requests(&mut self) {
+        if !self.reports.are_delivered() {
             // The control's orders follow after its next tick.
             return;
         }
-        let Control { pulses, orders } = self.control;
+        let ControlSnapshot { pulses, orders } = self.control;
         let returning = orders.returns.by_board;
         let referenced = orders.returns.referenced.x && orders.returns.referenced.z;
-        let quiet = !orders.emergency_stop && !orders.resetting;
+        let is_idle = !orders.is_emergency_stop && !orders.is_resetting;
         let at = self.clock.run;
-        let goes_on = match self.link.state() {
+        let position_set = match self.link.state() {
             LinkState::Homing if !(returning.x || returning.z) => {
                 self.link.reset();
                 false
@@ -331,32 +336,39 @@ impl Linked {
                 let _ = self.link.home(returning);
                 false
             }
-            LinkState::Locked if quiet && referenced => self.link.set_position(pulses, at).is_ok(),
-            LinkState::Locked if quiet && !self.link.takes_motion() && !orders.board_alarm => {
+            LinkState::Locked if is_idle && referenced => {
+                self.link.set_position(pulses, at).is_ok()
+            }
+            LinkState::Locked
+                if is_idle && !self.link.takes_motion() && !orders.has_board_alarm =>
+            {
                 self.link.release(pulses, at).is_ok()
             }
-            LinkState::Tripped if quiet && !self.link.takes_motion() && referenced => {
+            LinkState::Tripped if is_idle && !self.link.takes_motion() && referenced => {
                 self.link.retreat(pulses, at).is_ok()
             }
             _ => false,
         };
-        if goes_on {
+        if position_set {
             self.motion.pulses = pulses;
         }
-        self.await_switches();
-        self.note_stops(orders.run.state);
+        self.arm_switches();
+        self.log_stops(orders.run.run_state);
     }
 
     /// Logs a stop of the program with the board's count. The end of a program is logged
     /// even if no axis has moved since the last stop.
-    fn note_stops(&mut self, state: RunState) {
-        if self.link.state() != LinkState::Ready || self.is_behind() || state == RunState::Run {
+    fn log_stops(&mut self, state: RunState) {
+        if self.link.state() != LinkState::Ready
+            || self.has_pending_motion()
+            || state == RunState::Run
+        {
             return;
         }
-        let agreed = self.log.agreed.take();
+        let agreed = self.log.agreed_count.take();
         let stopped = agreed.is_some() && matches!(state, RunState::Hold | RunState::Stop);
-        if stopped || self.log.ended.is_some() {
-            self.checked(true, agreed);
+        if stopped || self.log.ended_program.is_some() {
+            self.log_count_check(true, agreed);
         }
     }
 }

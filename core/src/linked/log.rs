@@ -6,9 +6,9 @@ use gsk_link::SettingDifference;
 
 /// An entry of the link's log.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Note {
+pub enum LinkNote {
     /// The board's count was compared with the commanded count.
-    Checked {
+    CountChecked {
         /// The program that has just ended, if its end caused the comparison.
         program: Option<ProgramId>,
         /// Pulses that the control commanded.
@@ -20,24 +20,24 @@ pub enum Note {
     },
     /// The data dictionary of a board, for [`Linked::know`](super::Linked::know) at the
     /// next opening.
-    Learned {
+    DictionaryReceived {
         /// Processor and firmware version.
         name: String,
         /// Compressed dictionary as the board sent it.
-        packed: Vec<u8>,
+        compressed: Vec<u8>,
     },
     /// A setting of the board differs from what the control needs.
-    Differs(SettingDifference),
+    SettingDiffers(SettingDifference),
 }
 
 /// Log entries, and state for entries to come.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Log {
+pub(super) struct LinkLog {
     /// Set while a requested comparison of the counts is under way.
     pub(super) checking: bool,
     /// A count that agreed at a standstill and is not logged yet.
-    pub(super) agreed: Option<PerAxis<Pulses>>,
+    pub(super) agreed_count: Option<PerAxis<Pulses>>,
     /// A program that ended and whose final count is not checked yet.
-    pub(super) ended: Option<ProgramId>,
-    pub(super) notes: Vec<Note>,
+    pub(super) ended_program: Option<ProgramId>,
+    pub(super) notes: Vec<LinkNote>,
 }

@@ -5,29 +5,29 @@ use gsk_link::RunTime;
 
 /// Motion of the control that was passed to the board.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Commanded {
+pub(super) struct CommandedMotion {
     pub(super) pulses: PerAxis<Pulses>,
     /// End of the last tick that made a pulse.
-    pub(super) last: RunTime,
+    pub(super) last_motion_end: RunTime,
     /// Whether the last tick made a pulse.
     pub(super) moved: bool,
     /// Number of stops since the opening after which the control continued from another
     /// position.
-    pub(super) stops: u64,
+    pub(super) resync_count: u64,
 }
 
-impl Commanded {
+impl CommandedMotion {
     pub(super) const fn new(pulses: PerAxis<Pulses>) -> Self {
         Self {
             pulses,
-            last: RunTime::ZERO,
+            last_motion_end: RunTime::ZERO,
             moved: false,
-            stops: 0,
+            resync_count: 0,
         }
     }
 
     /// Sets the count without a motion to it.
-    pub(super) const fn stand_at(&mut self, pulses: PerAxis<Pulses>) {
+    pub(super) const fn set_count(&mut self, pulses: PerAxis<Pulses>) {
         self.pulses = pulses;
         self.moved = false;
     }

@@ -1,7 +1,7 @@
 //! A thread pass that the board cuts: passed to it at a standstill, followed by its
 //! reports, and resumed by the control where the board stopped.
 
-use super::Linked;
+use super::LinkedControl;
 use crate::alarm::Alarm;
 use crate::board::BoardReport;
 use crate::units::{PerAxis, Pulses};
@@ -9,57 +9,57 @@ use gsk_link::{HostTime, PassError, ThreadPass};
 
 /// State of a thread that the board cuts.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Thread {
+pub(super) struct BoardThread {
     /// The pass under way.
     pub(super) pass: Option<ThreadPass>,
-    waiting: Option<Waiting>,
+    waiting: Option<PassDelay>,
 }
 
 /// Why a pass waits, and since when.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Waiting {
-    why: PassError,
+struct PassDelay {
+    reason: PassError,
     since: HostTime,
 }
 
-impl Linked {
+impl LinkedControl {
     /// Passes a waiting pass to the board as soon as the board accepts it.
     pub(super) fn offer_pass(&mut self) {
-        let waiting = self.control.orders.pass;
-        let asked = waiting.filter(|_| self.thread.pass.is_none());
-        let Some(pass) = asked else {
+        let requested = self.control.orders.pass;
+        let offered = requested.filter(|_| self.thread.pass.is_none());
+        let Some(pass) = offered else {
             self.thread.waiting = None;
             return;
         };
-        let why = match self.link.cut(&pass) {
+        let reason = match self.link.cut(&pass) {
             Ok(()) => {
-                self.report(BoardReport::PassBegan);
+                self.report(BoardReport::PassStarted);
                 self.thread.pass = Some(pass);
                 self.thread.waiting = None;
                 return;
             }
             Err(why) => why,
         };
-        let same = |before: &Waiting| {
-            core::mem::discriminant(&before.why) == core::mem::discriminant(&why)
+        let same = |before: &PassDelay| {
+            core::mem::discriminant(&before.reason) == core::mem::discriminant(&reason)
         };
         let since = self
             .thread
             .waiting
             .filter(same)
             .map_or(self.clock.now, |before| before.since);
-        self.thread.waiting = Some(Waiting { why, since });
-        let (number, text, time_budget) = why.to_alarm();
+        self.thread.waiting = Some(PassDelay { reason, since });
+        let (number, text, time_budget) = reason.to_alarm();
         if self.clock.now.saturating_sub(since) >= time_budget {
             self.thread.waiting = None;
-            let alarm = Alarm::new(number).because(text);
+            let alarm = Alarm::new(number).with_detail(text);
             self.report(BoardReport::PassRefused(alarm));
         }
     }
 
     /// Fraction of the pass that the board has made by its last count.
-    pub(super) fn pass_made(&self) -> Option<f64> {
-        Some(made(&self.thread.pass?, self.link.counted()?))
+    pub(super) fn pass_fraction(&self) -> Option<f64> {
+        Some(fraction_at(&self.thread.pass?, self.link.counted()?))
     }
 
     /// Ends the pass: the board's count has confirmed its end.
@@ -68,19 +68,22 @@ impl Linked {
             return;
         };
         self.report(BoardReport::PassEnded(pass.end));
-        self.motion.stand_at(pass.end);
-        self.motion.last = self.clock.run;
+        self.motion.set_count(pass.end);
+        self.motion.last_motion_end = self.clock.run;
     }
 }
 
 /// Fraction of a pass at a pulse count, measured along its longer axis.
-fn made(pass: &ThreadPass, at: PerAxis<Pulses>) -> f64 {
-    let way = |from: Pulses, to: Pulses| (to.0 - from.0) as f64;
-    let whole = [way(pass.from.x, pass.end.x), way(pass.from.z, pass.end.z)];
-    let gone = [way(pass.from.x, at.x), way(pass.from.z, at.z)];
-    let long = usize::from(whole[1].abs() >= whole[0].abs());
-    if whole[long] == 0.0 {
+fn fraction_at(pass: &ThreadPass, at: PerAxis<Pulses>) -> f64 {
+    let distance = |from: Pulses, to: Pulses| (to.0 - from.0) as f64;
+    let total = [
+        distance(pass.from.x, pass.end.x),
+        distance(pass.from.z, pass.end.z),
+    ];
+    let done = [distance(pass.from.x, at.x), distance(pass.from.z, at.z)];
+    let longer_axis = usize::from(total[1].abs() >= total[0].abs());
+    if total[longer_axis] == 0.0 {
         return 0.0;
     }
-    gone[long] / whole[long]
+    done[longer_axis] / total[longer_axis]
 }

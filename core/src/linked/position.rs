@@ -1,44 +1,44 @@
 //! The position of the slides after a stop that the control did not make.
 
-use super::Linked;
+use super::LinkedControl;
 use crate::alarm::{Alarm, number};
-use crate::board::{BoardReport, Settled};
+use crate::board::{BoardReport, Standstill};
 use crate::units::{PerAxis, Pulses};
 use gsk_link::{HostTime, LinkState, RunTime};
 
 /// The moment of motion that a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Stamp {
+pub struct MotionStamp {
     at: RunTime,
     /// Number of stops since the opening after which the control continued from another
     /// position.
-    stops: u64,
+    resync_count: u64,
 }
 
-impl Linked {
+impl LinkedControl {
     /// The moment of motion that a picture taken now shows.
-    pub const fn stamp(&self) -> Stamp {
-        Stamp {
-            at: self.motion.last,
-            stops: self.motion.stops,
+    pub const fn stamp(&self) -> MotionStamp {
+        MotionStamp {
+            at: self.motion.last_motion_end,
+            resync_count: self.motion.resync_count,
         }
     }
 
     /// Whether the board has executed all motion up to a moment: its pictures may be shown.
-    pub fn has_made(&self, stamp: Stamp) -> bool {
-        !self.is_behind() || self.link.executed() >= stamp.at
+    pub fn has_executed(&self, stamp: MotionStamp) -> bool {
+        !self.has_pending_motion() || self.link.executed() >= stamp.at
     }
 
     /// Whether the board may never execute the motion up to a moment: its pictures must be
     /// dropped.
-    pub const fn is_void(&self, stamp: Stamp) -> bool {
-        stamp.stops != self.motion.stops
+    pub const fn is_discarded(&self, stamp: MotionStamp) -> bool {
+        stamp.resync_count != self.motion.resync_count
     }
 
     /// Ticks of the kernel whose motion may not have been executed yet.
     pub(super) fn ticks_ahead(&self) -> u64 {
         // After a fault this is unknown until the board has reported its position.
-        if self.link.takes_motion() && !self.is_behind() {
+        if self.link.takes_motion() && !self.has_pending_motion() {
             return 0;
         }
         let ahead = self.clock.run.saturating_sub(self.link.executed());
@@ -46,14 +46,14 @@ impl Linked {
     }
 
     /// Takes the count of the stopped slides as the control's position.
-    pub(super) fn stopped_at(&mut self, pulses: PerAxis<Pulses>) {
-        self.report(BoardReport::StandsAt(pulses));
-        self.motion.stand_at(pulses);
+    pub(super) fn adopt_stop(&mut self, pulses: PerAxis<Pulses>) {
+        self.report(BoardReport::StoppedAt(pulses));
+        self.motion.set_count(pulses);
     }
 
     /// Whether the slides move or are being stopped.
     fn is_under_way(&self) -> bool {
-        self.is_behind() || !self.stopping.is_none() || self.thread.pass.is_some()
+        self.has_pending_motion() || !self.stopping.is_none() || self.thread.pass.is_some()
     }
 
     /// After a fault or a loss the control takes the board's last count: the pages show
@@ -67,16 +67,16 @@ impl Linked {
             .last_position()
             .filter(|at| *at != self.motion.pulses)
         {
-            self.stopped_at(at);
+            self.adopt_stop(at);
         }
     }
 
     /// Reports to the control that the slides stand still, and what the board knows of
     /// their position.
     pub(super) fn report_standstill(&mut self) {
-        let stand = !(self.is_under_way() || self.link.is_stopping());
-        self.reports.settled = stand.then(|| Settled {
-            reported: self.link.last_position().is_some(),
+        let is_standstill = !(self.is_under_way() || self.link.is_stopping());
+        self.reports.standstill = is_standstill.then(|| Standstill {
+            position_reported: self.link.last_position().is_some(),
             uncertainty: self.link.uncertainty(),
         });
     }
@@ -88,11 +88,11 @@ impl Linked {
         let answered = |late: HostTime| self.link.has_answered_since(late);
         if let Some((text, _)) = self
             .reports
-            .late
+            .late_motion
             .take_if(|(_, late)| lost || answered(*late))
             .filter(|_| !lost)
         {
-            self.raise(Alarm::new(number::STEPS_TOO_LATE).because(text));
+            self.raise(Alarm::new(number::STEPS_TOO_LATE).with_detail(text));
         }
     }
 }

@@ -1,67 +1,67 @@
 //! Passes the spindle that the board measures to the control.
 
-use super::Linked;
-use crate::board::{BoardSpindle, SpindleTrouble};
+use super::LinkedControl;
+use crate::board::{BoardSpindle, SpindleFault};
 use crate::spindle::SpindleTurn;
 use gsk_link::{SpindleDirection, SpindleView};
 
 /// Greatest correction of an axis that follows the spindle, mm per tick: 2 µm in 10 ms.
-const GIVE: f64 = 0.0002;
+const MAX_CORRECTION_MM: f64 = 0.0002;
 
 /// The spindle as the control last received it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Spindle {
+pub(super) struct MeasuredSpindle {
     /// Direction of the last switching, 1 or -1, and the angle of the last index, turns.
-    way: f64,
-    index: f64,
+    direction: f64,
+    index_turns: f64,
     pub(super) view: Option<SpindleView>,
 }
 
-impl Default for Spindle {
+impl Default for MeasuredSpindle {
     fn default() -> Self {
         Self {
-            way: 1.0,
-            index: 0.0,
+            direction: 1.0,
+            index_turns: 0.0,
             view: None,
         }
     }
 }
 
-impl Linked {
+impl LinkedControl {
     /// The spindle in the control's next tick; `None`: the simulated one applies.
     pub(super) fn read_spindle(&mut self, wanted: SpindleDirection) -> Option<BoardSpindle> {
-        let way = match wanted {
+        let direction = match wanted {
             SpindleDirection::Forward => 1.0,
             SpindleDirection::Reverse => -1.0,
-            SpindleDirection::Stop => self.spindle.way,
+            SpindleDirection::Stop => self.spindle.direction,
         };
-        if way != self.spindle.way {
-            self.spindle.way = way;
+        if direction != self.spindle.direction {
+            self.spindle.direction = direction;
             self.link.spindle_reversed();
         }
-        let lead = self.control.orders.spindle.lead;
-        self.spindle.view = self.link.spindle(lead.map(|lead| GIVE / lead));
+        let lead = self.control.orders.spindle.lead_mm;
+        self.spindle.view = self.link.spindle(lead.map(|lead| MAX_CORRECTION_MM / lead));
         let view = self.spindle.view?;
         if view.passed {
-            self.spindle.index = way * view.now.floor();
+            self.spindle.index_turns = direction * view.now.floor();
         }
         let trouble = if view.lost {
-            Some(SpindleTrouble::Lost)
+            Some(SpindleFault::Lost)
         } else {
-            view.deviation.map(SpindleTrouble::Deviates)
+            view.deviation.map(SpindleFault::Deviates)
         };
         Some(BoardSpindle {
-            rpm: way * view.rpm,
+            rpm: direction * view.rpm,
             turn: SpindleTurn {
-                before: way * view.before,
-                now: way * view.now,
-                index: self.spindle.index,
+                before: direction * view.before,
+                now: direction * view.now,
+                index: self.spindle.index_turns,
                 zero: 0.0,
             },
-            passed: view.passed,
-            commanded: wanted != SpindleDirection::Stop,
+            index_passed: view.passed,
+            is_commanded: wanted != SpindleDirection::Stop,
             variation: view.variation,
-            trouble,
+            fault: trouble,
         })
     }
 }

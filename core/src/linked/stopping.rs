@@ -2,18 +2,18 @@
 
 /// What the link waits for until the board reports the position at which it stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stopping {
+pub(super) enum StopInProgress {
     /// No stop is under way.
     None,
     /// The control stops the board and continues from the position where it stops.
     Flushing,
     /// The board stops the axes on its own.
-    Halting,
+    ByBoard,
     /// The board stops the axes at a switch that the control waits for.
-    Reaching,
+    AtSwitch,
 }
 
-impl Stopping {
+impl StopInProgress {
     /// Whether no stop is under way.
     pub(super) fn is_none(self) -> bool {
         self == Self::None
@@ -36,13 +36,13 @@ impl Stopping {
     /// Notes that the board stops the axes on its own; `reached`: at a switch that the
     /// control waits for. Returns whether that switch is the only reason.
     pub(super) fn halt(&mut self, reached: bool) -> bool {
-        let reaching = reached && self.is_none();
-        *self = if reaching {
-            Self::Reaching
+        let at_switch = reached && self.is_none();
+        *self = if at_switch {
+            Self::AtSwitch
         } else {
-            Self::Halting
+            Self::ByBoard
         };
-        reaching
+        at_switch
     }
 
     /// Ends the stop and returns its kind: the board has stopped.

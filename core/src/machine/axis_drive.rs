@@ -8,13 +8,13 @@
 use serde::{Deserialize, Serialize};
 
 use super::config::{AxisConfig, ScrewError};
-use super::io::OverLimit;
-use crate::axis::{motor_reversed, pulse_weight};
-use crate::memory::Parameters;
+use super::io::TrippedLimit;
+use crate::axis::{is_motor_reversed, pulse_weight};
+use crate::memory::ControlParameters;
 use crate::units::{Axis, Pulses, TICK_S, round_to_i64};
 
 /// Fraction of a motor revolution in which the zero signal is on: one in this number.
-const INDEX_PART: i64 = 50;
+const INDEX_DIVISOR: i64 = 50;
 
 /// The position loop of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,22 +25,22 @@ struct Servo {
     tick_decay: f64,
     /// Following error that trips the drive, pulses.
     #[serde(rename = "largest")]
-    largest: f64,
+    max_error_pulses: f64,
 }
 
 /// A range of motor positions, `from` to before `end`, within which the one-turn signal
 /// does not change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct IndexStretch {
+struct IndexRange {
     from: i64,
     end: i64,
     /// Level of the signal in the range.
     on: bool,
 }
 
-impl IndexStretch {
-    const fn holds(&self, place: i64) -> bool {
-        self.from <= place && place < self.end
+impl IndexRange {
+    const fn contains(&self, position: i64) -> bool {
+        self.from <= position && position < self.end
     }
 }
 
@@ -49,20 +49,20 @@ impl IndexStretch {
 pub(super) struct AxisDrive {
     /// Slide travel of one pulse, mm; negative with a reversed motor.
     #[serde(rename = "pulse")]
-    pulse: f64,
+    pulse_mm: f64,
     /// Commanded position, pulses from the reference point towards plus.
     commanded: i64,
     /// Following error: distance from the motor to the command, pulses.
     #[serde(rename = "behind")]
-    behind: f64,
+    following_error_pulses: f64,
     /// Physical position of the slide, pulses. It is between the motor's position and that
     /// plus the play of the screw.
     slide: i64,
     #[serde(rename = "play")]
-    play: i64,
+    play_pulses: i64,
     /// Command count at the last tick.
     #[serde(rename = "last")]
-    last: i64,
+    last_command: i64,
     servo: Option<Servo>,
     /// Set when the following error became too large, or a stepper met the end of its
     /// slide. The drive is then off.
@@ -71,7 +71,7 @@ pub(super) struct AxisDrive {
     pub blocked: bool,
     /// Pulses per motor revolution.
     #[serde(rename = "turn")]
-    turn: i64,
+    pulses_per_turn: i64,
     limits: Option<(i64, i64)>,
     /// Mechanical ends of the slide, pulses.
     ends: (i64, i64),
@@ -81,13 +81,13 @@ pub(super) struct AxisDrive {
     dog: Option<(i64, i64)>,
     /// Positions of motor and slide before the last tick.
     #[serde(rename = "before")]
-    before: (i64, i64),
+    previous: (i64, i64),
     /// Whether the drive has a one-turn signal.
     has_index: bool,
     /// The range around the motor's position, kept because the motor stays in it for many
     /// ticks.
     #[serde(default)]
-    index_stretch: IndexStretch,
+    index_stretch: IndexRange,
     /// Errors of the screw, mm (X in radius): distance of the slide beyond the position of
     /// the pulses. Switches and ends are compared with the pulses.
     #[serde(default)]
@@ -95,7 +95,7 @@ pub(super) struct AxisDrive {
 }
 
 impl AxisDrive {
-    pub fn new(axis: Axis, config: &AxisConfig, parameters: &Parameters) -> Self {
+    pub fn new(axis: Axis, config: &AxisConfig, parameters: &ControlParameters) -> Self {
         let scale = match axis {
             Axis::X => 0.5,
             Axis::Z => 1.0,
@@ -105,40 +105,42 @@ impl AxisDrive {
             _ => pulse_weight(axis, parameters),
         };
         // All positions in pulses, so that a tick compares integers.
-        let place = |mm: f64| (mm * scale / weight).round() as i64;
+        let to_pulses = |mm: f64| (mm * scale / weight).round() as i64;
         let ends = config.slide_ends(axis);
         let servo = config.servo.as_ref().map(|servo| {
             let gain = servo.gain.clamp(1.0, 1000.0);
             Servo {
                 lag_s: 1.0 / gain,
                 tick_decay: libm::exp(-gain * TICK_S),
-                largest: (servo.largest_error.abs() * scale / weight).max(1.0),
+                max_error_pulses: (servo.largest_error.abs() * scale / weight).max(1.0),
             }
         });
         Self {
-            pulse: if motor_reversed(axis, parameters) != config.reversed {
+            pulse_mm: if is_motor_reversed(axis, parameters) != config.reversed {
                 -weight
             } else {
                 weight
             },
-            commanded: place(config.start),
-            behind: 0.0,
-            slide: place(config.start),
-            play: place(config.backlash).max(0),
-            last: 0,
+            commanded: to_pulses(config.start),
+            following_error_pulses: 0.0,
+            slide: to_pulses(config.start),
+            play_pulses: to_pulses(config.backlash).max(0),
+            last_command: 0,
             servo,
             tripped: false,
             blocked: false,
-            turn: place(config.motor_turn).max(1),
+            pulses_per_turn: to_pulses(config.motor_turn).max(1),
             limits: config
                 .limits
-                .map(|limits| (place(limits.minus), place(limits.plus))),
-            ends: (place(ends.minus), place(ends.plus)),
+                .map(|limits| (to_pulses(limits.minus), to_pulses(limits.plus))),
+            ends: (to_pulses(ends.minus), to_pulses(ends.plus)),
             real: false,
-            dog: config.dog.map(|dog| (place(dog.from), place(dog.to))),
-            before: (place(config.start), place(config.start)),
+            dog: config
+                .dog
+                .map(|dog| (to_pulses(dog.from), to_pulses(dog.to))),
+            previous: (to_pulses(config.start), to_pulses(config.start)),
             has_index: config.one_turn_signal,
-            index_stretch: IndexStretch::default(),
+            index_stretch: IndexRange::default(),
             screw: config
                 .pitch_errors
                 .iter()
@@ -151,18 +153,18 @@ impl AxisDrive {
     }
 
     /// Distance of the slide beyond the position of the pulses, mm.
-    fn screw_error(&self, place: f64) -> f64 {
+    fn screw_error(&self, position: f64) -> f64 {
         if self.real {
             return 0.0;
         }
-        let after = self.screw.partition_point(|point| point.at <= place);
+        let after = self.screw.partition_point(|point| point.at <= position);
         match (
-            after.checked_sub(1).and_then(|it| self.screw.get(it)),
+            after.checked_sub(1).and_then(|index| self.screw.get(index)),
             self.screw.get(after),
         ) {
-            (Some(one), Some(next)) => {
-                let share = (place - one.at) / (next.at - one.at);
-                one.error + share * (next.error - one.error)
+            (Some(before), Some(next)) => {
+                let fraction = (position - before.at) / (next.at - before.at);
+                before.error + fraction * (next.error - before.error)
             }
             (Some(only), None) | (None, Some(only)) => only.error,
             (None, None) => 0.0,
@@ -171,181 +173,189 @@ impl AxisDrive {
 
     /// Converts drive pulses to pulses towards positive coordinates.
     const fn towards_plus(&self, pulses: i64) -> i64 {
-        if self.pulse < 0.0 { -pulses } else { pulses }
+        if self.pulse_mm < 0.0 { -pulses } else { pulses }
     }
 
     /// Position of the motor, pulses.
-    fn motor(&self) -> i64 {
-        if self.behind == 0.0 {
+    fn motor_position(&self) -> i64 {
+        if self.following_error_pulses == 0.0 {
             return self.commanded;
         }
-        self.commanded - round_to_i64(self.behind)
+        self.commanded - round_to_i64(self.following_error_pulses)
     }
 
     /// Follows the command count for one tick. A drive that is not enabled, or has tripped,
     /// ignores the pulses.
     pub fn follow(&mut self, command: Pulses, enabled: bool) {
-        let way = self.towards_plus(command.0 - self.last);
-        self.last = command.0;
-        let before = self.motor();
-        self.before = (before, self.slide);
+        let pulses = self.towards_plus(command.0 - self.last_command);
+        self.last_command = command.0;
+        let before = self.motor_position();
+        self.previous = (before, self.slide);
         if !enabled || self.tripped {
             self.tripped &= enabled;
             self.commanded = before;
-            self.behind = 0.0;
+            self.following_error_pulses = 0.0;
             return;
         }
-        if way == 0 && self.behind == 0.0 {
+        if pulses == 0 && self.following_error_pulses == 0.0 {
             return;
         }
         match self.servo {
             // A blocked stepper loses its steps.
             None if self.blocked => {}
-            None => self.commanded += way,
+            None => self.commanded += pulses,
             Some(servo) => {
-                self.commanded += way;
-                self.fall_behind(&servo, way);
+                self.commanded += pulses;
+                self.update_following_error(&servo, pulses);
             }
         }
-        let motor = self.meet_ends();
-        self.slide = motor.max(self.slide.min(motor + self.play));
-        if self.has_index && !self.index_stretch.holds(motor) {
-            self.index_stretch = self.stretch_around(motor);
+        let motor = self.stop_at_ends();
+        self.slide = motor.max(self.slide.min(motor + self.play_pulses));
+        if self.has_index && !self.index_stretch.contains(motor) {
+            self.index_stretch = self.index_range_around(motor);
         }
     }
 
     /// Updates the following error of a servo whose command moved by `way` pulses in the
     /// tick.
-    fn fall_behind(&mut self, servo: &Servo, way: i64) {
-        let settled = way as f64 / TICK_S * servo.lag_s;
-        self.behind = if self.blocked {
-            self.behind + way as f64
+    fn update_following_error(&mut self, servo: &Servo, pulses: i64) {
+        let settled = pulses as f64 / TICK_S * servo.lag_s;
+        self.following_error_pulses = if self.blocked {
+            self.following_error_pulses + pulses as f64
         } else {
-            settled + (self.behind - settled) * servo.tick_decay
+            settled + (self.following_error_pulses - settled) * servo.tick_decay
         };
-        if way == 0 && self.behind.abs() < 1e-3 {
-            self.behind = 0.0;
+        if pulses == 0 && self.following_error_pulses.abs() < 1e-3 {
+            self.following_error_pulses = 0.0;
         }
-        self.tripped = self.behind.abs() > servo.largest;
+        self.tripped = self.following_error_pulses.abs() > servo.max_error_pulses;
     }
 
     /// Stops a motor that would push the slide past its end. The following error of a servo
     /// grows until it trips; a stepper's drive switches off at once. Returns the motor's
     /// position.
-    fn meet_ends(&mut self) -> i64 {
-        let ((minus, plus), before) = (self.ends, self.before.0);
-        let motor = self.motor();
+    fn stop_at_ends(&mut self) -> i64 {
+        let ((minus, plus), before) = (self.ends, self.previous.0);
+        let motor = self.motor_position();
         // A slide placed beyond its end can move back, but no farther.
-        let stands = motor
-            .max((minus - self.play).min(before))
+        let limited = motor
+            .max((minus - self.play_pulses).min(before))
             .min(plus.max(before));
-        if stands == motor || self.real {
+        if limited == motor || self.real {
             return motor;
         }
         match &self.servo {
             Some(servo) => {
-                self.behind = (self.commanded - stands) as f64;
-                self.tripped = self.behind.abs() > servo.largest;
+                self.following_error_pulses = (self.commanded - limited) as f64;
+                self.tripped = self.following_error_pulses.abs() > servo.max_error_pulses;
             }
             None => {
-                self.commanded = stands;
+                self.commanded = limited;
                 self.tripped = true;
             }
         }
-        stands
+        limited
     }
 
     /// Takes a count for the present position, without motion.
-    pub fn stand_at(&mut self, command: Pulses) {
-        self.last = command.0;
-        self.before = (self.motor(), self.slide);
+    pub fn set_count(&mut self, command: Pulses) {
+        self.last_command = command.0;
+        self.previous = (self.motor_position(), self.slide);
     }
 
     /// Moves the slide to another position, mm from the reference point (X in radius).
-    pub fn put(&mut self, place: f64) {
+    pub fn set_position(&mut self, position: f64) {
         // The screw position for it, by iteration: the screw errors change slowly.
-        let mut said = place;
+        let mut screw_position = position;
         for _ in 0..4 {
-            said = place - self.screw_error(said);
+            screw_position = position - self.screw_error(screw_position);
         }
-        self.commanded = (said / self.pulse.abs()).round() as i64;
-        self.behind = 0.0;
+        self.commanded = (screw_position / self.pulse_mm.abs()).round() as i64;
+        self.following_error_pulses = 0.0;
         self.slide = self.commanded;
-        self.before = (self.commanded, self.slide);
+        self.previous = (self.commanded, self.slide);
     }
 
     /// Position of the slide, mm from the reference point (X in radius).
-    pub fn place(&self) -> f64 {
-        let said = self.slide as f64 * self.pulse.abs();
-        said + self.screw_error(said)
+    pub fn position(&self) -> f64 {
+        let screw_position = self.slide as f64 * self.pulse_mm.abs();
+        screw_position + self.screw_error(screw_position)
     }
 
     /// Following error: distance from the motor to the command, mm (X in radius).
     pub fn following_error(&self) -> f64 {
-        self.behind * self.pulse.abs()
+        self.following_error_pulses * self.pulse_mm.abs()
     }
 
     /// Whether the drive has switched off because of a following error or an end of the
     /// slide.
-    pub const fn tripped(&self) -> bool {
+    pub const fn is_tripped(&self) -> bool {
         self.tripped
     }
 
     /// The limit switch that the slide presses; `None` if none.
-    pub fn over_limit(&self) -> Option<OverLimit> {
+    pub fn pressed_limit(&self) -> Option<TrippedLimit> {
         let (minus, plus) = self.limits?;
         if self.slide < minus {
-            return Some(OverLimit::Minus);
+            return Some(TrippedLimit::Minus);
         }
-        (self.slide > plus).then_some(OverLimit::Plus)
+        (self.slide > plus).then_some(TrippedLimit::Plus)
     }
 
     /// Whether the deceleration switch is pressed.
-    pub(crate) fn on_dog(&self) -> bool {
+    pub(crate) fn is_on_dog(&self) -> bool {
         self.dog
             .is_some_and(|(from, to)| (from..=to).contains(&self.slide))
     }
 
     /// Pulses per revolution in which the one-turn signal is on; they begin at zero.
     const fn index_width(&self) -> i64 {
-        (self.turn + INDEX_PART - 1) / INDEX_PART
+        (self.pulses_per_turn + INDEX_DIVISOR - 1) / INDEX_DIVISOR
     }
 
     /// State of the one-turn signal, whose rising edge is at zero in the positive
     /// direction, and the command count at its change in the last tick.
     #[inline]
-    pub fn index(&self) -> (bool, Option<Pulses>) {
+    pub fn index_signal(&self) -> (bool, Option<Pulses>) {
         if !self.has_index {
             return (false, None);
         }
-        let (from, to) = (self.before.0, self.motor());
+        let (from, to) = (self.previous.0, self.motor_position());
         let stretch = &self.index_stretch;
-        if stretch.holds(from) && stretch.holds(to) {
+        if stretch.contains(from) && stretch.contains(to) {
             return (stretch.on, None);
         }
         let change = self.index_change((from, to));
-        (self.stretch_around(to).on, change)
+        (self.index_range_around(to).on, change)
     }
 
     /// The range between two changes of the one-turn signal around a position.
     #[cold]
-    const fn stretch_around(&self, place: i64) -> IndexStretch {
-        let (on_turn, width) = (place.rem_euclid(self.turn), self.index_width());
+    const fn index_range_around(&self, position: i64) -> IndexRange {
+        let (on_turn, width) = (
+            position.rem_euclid(self.pulses_per_turn),
+            self.index_width(),
+        );
         let on = on_turn < width;
-        let (first, next) = if on { (0, width) } else { (width, self.turn) };
-        IndexStretch {
-            from: place - on_turn + first,
-            end: place - on_turn + next,
+        let (first, next) = if on {
+            (0, width)
+        } else {
+            (width, self.pulses_per_turn)
+        };
+        IndexRange {
+            from: position - on_turn + first,
+            end: position - on_turn + next,
             on,
         }
     }
 
     /// The command count at the first change of the one-turn signal on a travel.
     #[cold]
-    fn index_change(&self, way: (i64, i64)) -> Option<Pulses> {
+    fn index_change(&self, travel: (i64, i64)) -> Option<Pulses> {
         let starts = [0, self.index_width()];
-        self.first_change(way, |place| {
-            let on_turn = |start: &i64| place - (place - start).rem_euclid(self.turn);
+        self.first_change(travel, |position| {
+            let on_turn =
+                |start: &i64| position - (position - start).rem_euclid(self.pulses_per_turn);
             starts.iter().map(on_turn).max()
         })
     }
@@ -353,36 +363,39 @@ impl AxisDrive {
     /// The command count at which the deceleration switch changed in the last tick.
     pub(crate) fn dog_latch(&self) -> Option<Pulses> {
         let (from, to) = self.dog?;
-        let way = (self.before.1, self.slide);
-        self.first_change(way, |place| {
-            [from, to + 1].into_iter().filter(|at| *at <= place).max()
+        let travel = (self.previous.1, self.slide);
+        self.first_change(travel, |position| {
+            [from, to + 1]
+                .into_iter()
+                .filter(|at| *at <= position)
+                .max()
         })
     }
 
     /// The command count at the first change of a signal in the last tick, on the travel of
-    /// motor or slide. `below(place)` is the last boundary at or before a position; a
+    /// motor or slide. `boundary_at_or_before(place)` is the last boundary at or before a position; a
     /// boundary is the first position of its range.
     fn first_change(
         &self,
         (from, to): (i64, i64),
-        below: impl Fn(i64) -> Option<i64>,
+        boundary_at_or_before: impl Fn(i64) -> Option<i64>,
     ) -> Option<Pulses> {
         if to == from {
             return None;
         }
-        let place = if to > from {
+        let position = if to > from {
             // The first boundary after the start.
-            let mut first = below(to).filter(|at| *at > from)?;
-            while let Some(earlier) = below(first - 1).filter(|at| *at > from) {
+            let mut first = boundary_at_or_before(to).filter(|at| *at > from)?;
+            while let Some(earlier) = boundary_at_or_before(first - 1).filter(|at| *at > from) {
                 first = earlier;
             }
             first
         } else {
             // In the negative direction the position before a boundary is the first beyond
             // it.
-            below(from).filter(|at| *at > to)? - 1
+            boundary_at_or_before(from).filter(|at| *at > to)? - 1
         };
         // Counted from the end: at a steady speed a servo moves as fast as its command.
-        Some(Pulses(self.last - self.towards_plus(to - place)))
+        Some(Pulses(self.last_command - self.towards_plus(to - position)))
     }
 }

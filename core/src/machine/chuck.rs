@@ -7,37 +7,37 @@ use serde::{Deserialize, Serialize};
 pub(super) struct Cylinder {
     /// Position, ms of travel: 0 = second end, `travel` = first end.
     #[serde(rename = "place")]
-    place: u32,
+    position_ms: u32,
     #[serde(rename = "travel")]
-    travel: u32,
+    travel_ms: u32,
 }
 
 impl Cylinder {
     /// Starts at the second end.
     pub fn new(travel_ms: u32) -> Self {
         Self {
-            place: 0,
-            travel: travel_ms.max(1),
+            position_ms: 0,
+            travel_ms: travel_ms.max(1),
         }
     }
 
     /// Advances by one tick (1 ms).
     pub fn tick(&mut self, to_first: bool, to_second: bool) {
         if to_first && !to_second {
-            self.place = (self.place + 1).min(self.travel);
+            self.position_ms = (self.position_ms + 1).min(self.travel_ms);
         } else if to_second && !to_first {
-            self.place = self.place.saturating_sub(1);
+            self.position_ms = self.position_ms.saturating_sub(1);
         }
     }
 
     /// Whether the cylinder is at the first end.
-    pub(crate) const fn in_first(&self) -> bool {
-        self.place == self.travel
+    pub(crate) const fn is_at_first_end(&self) -> bool {
+        self.position_ms == self.travel_ms
     }
 
     /// Whether the cylinder is at the second end.
-    pub(crate) const fn in_second(&self) -> bool {
-        self.place == 0
+    pub(crate) const fn is_at_second_end(&self) -> bool {
+        self.position_ms == 0
     }
 }
 
@@ -76,7 +76,7 @@ impl Gearbox {
     }
 
     /// Whether the given gear is in position.
-    pub(crate) const fn in_position(&self, gear: u8) -> bool {
+    pub(crate) const fn is_in_position(&self, gear: u8) -> bool {
         self.gear == gear && self.since >= self.travel
     }
 }

@@ -65,8 +65,8 @@ impl Default for LatheConfig {
 impl LatheConfig {
     /// A lathe without dogs and limit switches, at its machine zero, with the longest
     /// possible slides: for runs whose coordinates do not belong to a real machine.
-    pub fn free() -> Self {
-        let unbound = |axis: AxisConfig| AxisConfig {
+    pub fn without_limits() -> Self {
+        let remove_limits = |axis: AxisConfig| AxisConfig {
             start: 0.0,
             limits: None,
             ends: Some(SlideEnds {
@@ -79,8 +79,8 @@ impl LatheConfig {
         let lathe = Self::default();
         Self {
             name: "lathe without limits".to_owned(),
-            x: unbound(lathe.x),
-            z: unbound(lathe.z),
+            x: remove_limits(lathe.x),
+            z: remove_limits(lathe.z),
             ..lathe
         }
     }
@@ -92,21 +92,21 @@ impl LatheConfig {
 
     /// The training lathe with long slides on both sides of its machine zero, for operator
     /// scripts that name no machine. It starts at its machine zero.
-    pub fn roomy() -> Self {
-        let long = |axis: AxisConfig, to: f64| AxisConfig {
+    pub fn with_long_slides() -> Self {
+        let extend = |axis: AxisConfig, end: f64| AxisConfig {
             start: 0.0,
             limits: Some(LimitSwitches {
-                minus: -to,
-                plus: to,
+                minus: -end,
+                plus: end,
             }),
             ..axis
         };
         let lathe = Self::default();
         Self {
             name: "training lathe with long slides".to_owned(),
-            x: long(lathe.x, 1000.0),
+            x: extend(lathe.x, 1000.0),
             // The longest pitch error table reaches 2550 mm.
-            z: long(lathe.z, 2600.0),
+            z: extend(lathe.z, 2600.0),
             ..lathe
         }
     }
@@ -175,11 +175,11 @@ impl AxisConfig {
     /// The mechanical ends of the slide: those of the machine file, or their defaults.
     pub fn slide_ends(&self, axis: Axis) -> SlideEnds {
         self.ends.unwrap_or_else(|| {
-            let (usual, overrun) = match axis {
+            let (default_limits, overrun) = match axis {
                 Axis::X => (X_LIMITS, 2.0 * OVERRUN_MM),
                 Axis::Z => (Z_LIMITS, OVERRUN_MM),
             };
-            let limits = self.limits.unwrap_or(usual);
+            let limits = self.limits.unwrap_or(default_limits);
             SlideEnds {
                 minus: limits.minus - overrun,
                 plus: limits.plus + overrun,

@@ -32,22 +32,22 @@ impl fmt::Display for ConfigError {
 impl core::error::Error for ConfigError {}
 
 /// Longest slide, fastest spindle and longest time that are accepted.
-const LONGEST_MM: f64 = 9999.999;
-const FASTEST_RPM: f64 = 99_999.0;
-const LONGEST_MS: u32 = 600_000;
+const MAX_LENGTH_MM: f64 = 9999.999;
+const MAX_SPEED_RPM: f64 = 99_999.0;
+const MAX_TIME_MS: u32 = 600_000;
 /// Greatest error of a screw, and its greatest change, mm per mm.
-const LARGEST_SCREW_ERROR_MM: f64 = 1.0;
-const STEEPEST_SCREW: f64 = 0.01;
+const MAX_SCREW_ERROR_MM: f64 = 1.0;
+const MAX_SCREW_SLOPE: f64 = 0.01;
 
 /// Number of station contacts T01 to T08, and highest number of stations in 084.
-const CONTACTS: u8 = 8;
-const MOST_STATIONS: u8 = 32;
+const STATION_CONTACTS: u8 = 8;
+const MAX_STATIONS: u8 = 32;
 
-struct Check(Vec<ConfigError>);
+struct ConfigCheck(Vec<ConfigError>);
 
-impl Check {
-    fn rule(&mut self, holds: bool, field: impl Into<String>, rule: Message) {
-        if !holds {
+impl ConfigCheck {
+    fn check_rule(&mut self, is_met: bool, field: impl Into<String>, rule: Message) {
+        if !is_met {
             self.0.push(ConfigError {
                 field: field.into(),
                 rule,
@@ -55,48 +55,52 @@ impl Check {
         }
     }
 
-    fn length(&mut self, value: f64, field: String) {
+    fn check_length(&mut self, value: f64, field: String) {
         let rule = say::machine_length_wrong(value);
-        self.rule(value.is_finite() && value.abs() <= LONGEST_MM, field, rule);
+        self.check_rule(
+            value.is_finite() && value.abs() <= MAX_LENGTH_MM,
+            field,
+            rule,
+        );
     }
 
-    fn time(&mut self, ms: u32, least: u32, field: &str) {
-        let rule = say::machine_time_wrong(ms, least, LONGEST_MS);
-        self.rule((least..=LONGEST_MS).contains(&ms), field, rule);
+    fn check_time(&mut self, ms: u32, min_ms: u32, field: &str) {
+        let rule = say::machine_time_wrong(ms, min_ms, MAX_TIME_MS);
+        self.check_rule((min_ms..=MAX_TIME_MS).contains(&ms), field, rule);
     }
 
-    fn axis(&mut self, which: Axis, axis: &AxisConfig) {
+    fn check_axis(&mut self, which: Axis, axis: &AxisConfig) {
         let name = match which {
             Axis::X => 'x',
             Axis::Z => 'z',
         };
         let field = |part: &str| format!("{name}.{part}");
-        self.length(axis.start, field("start"));
-        self.ends(which, axis, &field);
+        self.check_length(axis.start, field("start"));
+        self.check_ends(which, axis, &field);
         if let Some(limits) = axis.limits {
-            self.length(limits.minus, field("limits.minus"));
-            self.length(limits.plus, field("limits.plus"));
-            self.rule(
+            self.check_length(limits.minus, field("limits.minus"));
+            self.check_length(limits.plus, field("limits.plus"));
+            self.check_rule(
                 limits.minus < limits.plus,
                 field("limits"),
                 say::machine_ends_reversed(limits.minus, limits.plus),
             );
-            self.rule(
+            self.check_rule(
                 (limits.minus..=limits.plus).contains(&axis.start),
                 field("start"),
                 say::machine_start_beyond_limits(axis.start, limits.minus, limits.plus),
             );
         }
         if let Some(dog) = axis.dog {
-            self.length(dog.from, field("dog.from"));
-            self.length(dog.to, field("dog.to"));
-            self.rule(
+            self.check_length(dog.from, field("dog.from"));
+            self.check_length(dog.to, field("dog.to"));
+            self.check_rule(
                 dog.from < dog.to,
                 field("dog"),
                 say::machine_dog_reversed(dog.from, dog.to),
             );
             if let Some(limits) = axis.limits {
-                self.rule(
+                self.check_rule(
                     limits.minus <= dog.from && dog.to <= limits.plus,
                     field("dog"),
                     say::machine_dog_beyond_limits(dog.from, dog.to, limits.minus, limits.plus),
@@ -104,31 +108,31 @@ impl Check {
             }
         }
         let turn = axis.motor_turn;
-        self.rule(
+        self.check_rule(
             turn.is_finite() && turn > 0.0 && turn <= 1000.0,
             field("motor_turn"),
             say::machine_motor_turn_wrong(turn),
         );
         if let Some(pulse) = axis.pulse {
-            self.rule(
+            self.check_rule(
                 pulse.is_finite() && pulse > 0.0 && pulse <= 1.0,
                 field("pulse"),
                 say::machine_pulse_wrong(pulse),
             );
         }
-        self.rule(
+        self.check_rule(
             axis.backlash.is_finite() && (0.0..=10.0).contains(&axis.backlash),
             field("backlash"),
             say::machine_backlash_wrong(axis.backlash),
         );
-        self.screw(axis, &field);
+        self.check_screw(axis, &field);
         if let Some(servo) = axis.servo {
-            self.rule(
+            self.check_rule(
                 servo.gain.is_finite() && (1.0..=1000.0).contains(&servo.gain),
                 field("servo.gain"),
                 say::machine_gain_wrong(servo.gain),
             );
-            self.rule(
+            self.check_rule(
                 servo.largest_error.is_finite() && servo.largest_error > 0.0,
                 field("servo.largest_error"),
                 say::machine_error_wrong(servo.largest_error),
@@ -137,42 +141,42 @@ impl Check {
     }
 }
 
-impl Check {
+impl ConfigCheck {
     /// Checks the screw errors: in order, and none large enough to reverse a motion.
-    fn screw(&mut self, axis: &AxisConfig, field: &impl Fn(&str) -> String) {
+    fn check_screw(&mut self, axis: &AxisConfig, field: &impl Fn(&str) -> String) {
         for point in &axis.pitch_errors {
-            self.length(point.at, field("pitch_errors.at"));
-            self.rule(
-                point.error.is_finite() && point.error.abs() <= LARGEST_SCREW_ERROR_MM,
+            self.check_length(point.at, field("pitch_errors.at"));
+            self.check_rule(
+                point.error.is_finite() && point.error.abs() <= MAX_SCREW_ERROR_MM,
                 field("pitch_errors.error"),
-                say::machine_screw_error_wrong(point.error, LARGEST_SCREW_ERROR_MM),
+                say::machine_screw_error_wrong(point.error, MAX_SCREW_ERROR_MM),
             );
         }
-        for (one, next) in axis
+        for (previous, next) in axis
             .pitch_errors
             .iter()
             .zip(axis.pitch_errors.iter().skip(1))
         {
-            self.rule(
-                next.at > one.at,
+            self.check_rule(
+                next.at > previous.at,
                 field("pitch_errors"),
-                say::machine_screw_order(next.at, one.at),
+                say::machine_screw_order(next.at, previous.at),
             );
-            let change = (next.error - one.error).abs();
-            self.rule(
-                next.at <= one.at || change <= STEEPEST_SCREW * (next.at - one.at),
+            let change = (next.error - previous.error).abs();
+            self.check_rule(
+                next.at <= previous.at || change <= MAX_SCREW_SLOPE * (next.at - previous.at),
                 field("pitch_errors"),
-                say::machine_screw_steep(change, one.at, next.at),
+                say::machine_screw_steep(change, previous.at, next.at),
             );
         }
     }
 
     /// Checks that start, switches and dog are within the travel of the slide.
-    fn ends(&mut self, which: Axis, axis: &AxisConfig, field: &impl Fn(&str) -> String) {
+    fn check_ends(&mut self, which: Axis, axis: &AxisConfig, field: &impl Fn(&str) -> String) {
         if let Some(ends) = axis.ends {
-            self.length(ends.minus, field("ends.minus"));
-            self.length(ends.plus, field("ends.plus"));
-            self.rule(
+            self.check_length(ends.minus, field("ends.minus"));
+            self.check_length(ends.plus, field("ends.plus"));
+            self.check_rule(
                 ends.minus < ends.plus,
                 field("ends"),
                 say::machine_ends_reversed(ends.minus, ends.plus),
@@ -180,26 +184,26 @@ impl Check {
         }
         let ends = axis.slide_ends(which);
         let within = ends.minus..=ends.plus;
-        let said = || say::machine_slide_ends(ends.minus, ends.plus);
+        let ends_text = || say::machine_slide_ends(ends.minus, ends.plus);
         if let Some(limits) = axis.limits {
-            self.rule(
+            self.check_rule(
                 within.contains(&limits.minus) && within.contains(&limits.plus),
                 field("limits"),
-                say::machine_limits_beyond_slide(limits.minus, limits.plus, said()),
+                say::machine_limits_beyond_slide(limits.minus, limits.plus, ends_text()),
             );
             // The limits include the start and the dog.
             return;
         }
-        self.rule(
+        self.check_rule(
             within.contains(&axis.start),
             field("start"),
-            say::machine_start_beyond_slide(axis.start, said()),
+            say::machine_start_beyond_slide(axis.start, ends_text()),
         );
         if let Some(dog) = axis.dog {
-            self.rule(
+            self.check_rule(
                 within.contains(&dog.from) && within.contains(&dog.to),
                 field("dog"),
-                say::machine_dog_beyond_slide(dog.from, dog.to, said()),
+                say::machine_dog_beyond_slide(dog.from, dog.to, ends_text()),
             );
         }
     }
@@ -211,35 +215,35 @@ impl LatheConfig {
     /// # Errors
     /// All fields that break a rule, in the order of the file.
     pub fn check(&self) -> Result<(), Vec<ConfigError>> {
-        let mut check = Check(Vec::new());
-        check.rule(
+        let mut check = ConfigCheck(Vec::new());
+        check.check_rule(
             !self.name.trim().is_empty(),
             "name",
             say::machine_name_missing(),
         );
-        check.axis(Axis::X, &self.x);
-        check.axis(Axis::Z, &self.z);
+        check.check_axis(Axis::X, &self.x);
+        check.check_axis(Axis::Z, &self.z);
         let turret = &self.turret;
-        let (most, rule) = if turret.coded {
-            (MOST_STATIONS, say::machine_stations_of_code())
+        let (max_stations, rule) = if turret.coded {
+            (MAX_STATIONS, say::machine_stations_of_code())
         } else {
-            (CONTACTS, say::machine_stations_of_contacts())
+            (STATION_CONTACTS, say::machine_stations_of_contacts())
         };
-        let stations = turret.stations.unwrap_or(most);
-        check.rule(
-            stations <= most,
+        let stations = turret.stations.unwrap_or(max_stations);
+        check.check_rule(
+            stations <= max_stations,
             "turret.stations",
-            say::machine_too_many_stations(stations, most, rule),
+            say::machine_too_many_stations(stations, max_stations, rule),
         );
-        check.rule(
+        check.check_rule(
             turret.first >= 1 && turret.first <= stations.max(1),
             "turret.first",
             say::machine_station_wrong(turret.first, stations),
         );
-        check.time(turret.station_ms, 1, "turret.station_ms");
-        check.time(turret.clamp_ms, 0, "turret.clamp_ms");
+        check.check_time(turret.station_ms, 1, "turret.station_ms");
+        check.check_time(turret.clamp_ms, 0, "turret.clamp_ms");
         let window = turret.window;
-        check.rule(
+        check.check_rule(
             window > 0.0 && window < 0.5,
             "turret.window",
             say::machine_window_wrong(window),
@@ -250,23 +254,23 @@ impl LatheConfig {
             .map(|speed| ("spindle.top", speed))
             .chain(spindle.steps.map(|speed| ("spindle.steps", speed)))
         {
-            check.rule(
-                speed.is_finite() && (0.0..=FASTEST_RPM).contains(&speed),
+            check.check_rule(
+                speed.is_finite() && (0.0..=MAX_SPEED_RPM).contains(&speed),
                 name,
                 say::machine_speed_wrong(speed),
             );
         }
-        check.time(spindle.settle_ms, 1, "spindle.settle_ms");
+        check.check_time(spindle.settle_ms, 1, "spindle.settle_ms");
         if let Some(lines) = spindle.encoder_lines {
-            check.rule(
+            check.check_rule(
                 lines == 0 || (100..=5000).contains(&lines),
                 "spindle.encoder_lines",
                 say::machine_encoder_lines_wrong(lines),
             );
         }
-        check.time(self.chuck.travel_ms, 1, "chuck.travel_ms");
+        check.check_time(self.chuck.travel_ms, 1, "chuck.travel_ms");
         if let Some(Err(error)) = self.link.as_ref().map(LinkConfig::check) {
-            check.rule(
+            check.check_rule(
                 false,
                 format!("link.{}", error.field),
                 error.fault.message(),

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// A fault of the simulated lathe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Fault {
+pub enum LatheFault {
     /// The tool post does not turn.
     TurretBlocked,
     /// The tool post's clamp switch never reports that the post is clamped.
@@ -60,15 +60,15 @@ pub enum Fault {
 #[derive(Clone, Copy, Debug)]
 pub struct FaultRow {
     /// The fault that the row describes.
-    pub fault: Fault,
+    pub fault: LatheFault,
     /// The name of the fault in scripts.
     pub name: &'static str,
     label: fn() -> Message,
     effect: fn() -> Message,
 }
 
-const fn row(
-    fault: Fault,
+const fn fault_row(
+    fault: LatheFault,
     name: &'static str,
     label: fn() -> Message,
     effect: fn() -> Message,
@@ -95,146 +95,146 @@ impl FaultRow {
 
 /// All faults, in the order of the enumeration.
 pub static FAULTS: [FaultRow; 24] = [
-    row(
-        Fault::TurretBlocked,
+    fault_row(
+        LatheFault::TurretBlocked,
         "turret-blocked",
         say::fault_turret_blocked,
         say::fault_effect_turret_blocked,
     ),
-    row(
-        Fault::TurretUnclamped,
+    fault_row(
+        LatheFault::TurretUnclamped,
         "turret-unclamped",
         say::fault_turret_unclamped,
         say::fault_effect_turret_unclamped,
     ),
-    row(
-        Fault::TurretContactStuck,
+    fault_row(
+        LatheFault::TurretContactStuck,
         "turret-contact-stuck",
         say::fault_turret_contact_stuck,
         say::fault_effect_turret_contact_stuck,
     ),
-    row(
-        Fault::TurretContactsOpen,
+    fault_row(
+        LatheFault::TurretContactsOpen,
         "turret-contacts-open",
         say::fault_turret_contacts_open,
         say::fault_effect_turret_contacts_open,
     ),
-    row(
-        Fault::SpindleBlocked,
+    fault_row(
+        LatheFault::SpindleBlocked,
         "spindle-blocked",
         say::fault_spindle_blocked,
         say::fault_effect_spindle_blocked,
     ),
-    row(
-        Fault::GearStuck,
+    fault_row(
+        LatheFault::GearStuck,
         "gear-stuck",
         say::fault_gear_stuck,
         say::fault_effect_gear_stuck,
     ),
-    row(
-        Fault::ChuckStuck,
+    fault_row(
+        LatheFault::ChuckStuck,
         "chuck-stuck",
         say::fault_chuck_stuck,
         say::fault_effect_chuck_stuck,
     ),
-    row(
-        Fault::EncoderLost,
+    fault_row(
+        LatheFault::EncoderLost,
         "encoder-lost",
         say::fault_encoder_lost,
         say::fault_effect_spindle_blocked,
     ),
-    row(
-        Fault::EncoderNoise,
+    fault_row(
+        LatheFault::EncoderNoise,
         "encoder-noise",
         say::fault_encoder_noise,
         say::fault_effect_encoder_noise,
     ),
-    row(
-        Fault::SpindleIndexLost,
+    fault_row(
+        LatheFault::SpindleIndexLost,
         "no-spindle-index",
         say::fault_no_spindle_index,
         say::fault_effect_no_spindle_index,
     ),
-    row(
-        Fault::IndexX,
+    fault_row(
+        LatheFault::IndexX,
         "no-index-x",
         say::fault_no_index_x,
         say::fault_effect_no_index_x,
     ),
-    row(
-        Fault::IndexZ,
+    fault_row(
+        LatheFault::IndexZ,
         "no-index-z",
         say::fault_no_index_z,
         say::fault_effect_no_index_z,
     ),
-    row(
-        Fault::DogX,
+    fault_row(
+        LatheFault::DogX,
         "dog-stuck-x",
         say::fault_dog_stuck_x,
         say::fault_effect_dog_stuck_x,
     ),
-    row(
-        Fault::DogZ,
+    fault_row(
+        LatheFault::DogZ,
         "dog-stuck-z",
         say::fault_dog_stuck_z,
         say::fault_effect_dog_stuck_z,
     ),
-    row(
-        Fault::LimitX,
+    fault_row(
+        LatheFault::LimitX,
         "limit-x",
         say::fault_limit_x,
         say::fault_effect_limit_x,
     ),
-    row(
-        Fault::LimitZ,
+    fault_row(
+        LatheFault::LimitZ,
         "limit-z",
         say::fault_limit_z,
         say::fault_effect_limit_x,
     ),
-    row(
-        Fault::DriveX,
+    fault_row(
+        LatheFault::DriveX,
         "drive-x",
         say::fault_drive_x,
         say::fault_effect_drive_x,
     ),
-    row(
-        Fault::DriveZ,
+    fault_row(
+        LatheFault::DriveZ,
         "drive-z",
         say::fault_drive_z,
         say::fault_effect_drive_z,
     ),
-    row(
-        Fault::SlideX,
+    fault_row(
+        LatheFault::SlideX,
         "slide-x-jammed",
         say::fault_slide_x_jammed,
         say::fault_effect_slide_x_jammed,
     ),
-    row(
-        Fault::SlideZ,
+    fault_row(
+        LatheFault::SlideZ,
         "slide-z-jammed",
         say::fault_slide_z_jammed,
         say::fault_effect_slide_z_jammed,
     ),
-    row(
-        Fault::PressureLow,
+    fault_row(
+        LatheFault::PressureLow,
         "pressure-low",
         say::fault_pressure_low,
         say::fault_effect_pressure_low,
     ),
-    row(
-        Fault::DoorOpen,
+    fault_row(
+        LatheFault::DoorOpen,
         "door-open",
         say::fault_door_open,
         say::fault_effect_door_open,
     ),
-    row(
-        Fault::InputBounce,
+    fault_row(
+        LatheFault::InputBounce,
         "input-bounce",
         say::fault_input_bounce,
         say::fault_effect_input_bounce,
     ),
-    row(
-        Fault::EmergencyStop,
+    fault_row(
+        LatheFault::EmergencyStop,
         "e-stop",
         say::fault_e_stop,
         say::fault_effect_e_stop,
@@ -242,19 +242,19 @@ pub static FAULTS: [FaultRow; 24] = [
 ];
 
 /// Names and faults, for scripts.
-const fn names() -> [(&'static str, Fault); FAULTS.len()] {
-    let mut names = [("", Fault::EmergencyStop); FAULTS.len()];
-    let mut at = 0;
-    while at < names.len() {
-        names[at] = (FAULTS[at].name, FAULTS[at].fault);
-        at += 1;
+const fn fault_names() -> [(&'static str, LatheFault); FAULTS.len()] {
+    let mut names = [("", LatheFault::EmergencyStop); FAULTS.len()];
+    let mut index = 0;
+    while index < names.len() {
+        names[index] = (FAULTS[index].name, FAULTS[index].fault);
+        index += 1;
     }
     names
 }
 
-impl Fault {
+impl LatheFault {
     /// All faults with their names in scripts.
-    pub const ALL: [(&'static str, Self); FAULTS.len()] = names();
+    pub const ALL: [(&'static str, Self); FAULTS.len()] = fault_names();
 
     /// The table row of the fault.
     pub fn row(self) -> &'static FaultRow {
@@ -273,11 +273,11 @@ impl Fault {
 
 /// The active faults, as bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Faults(u32);
+pub(super) struct ActiveFaults(u32);
 
-impl Faults {
+impl ActiveFaults {
     /// Whether a fault is active.
-    pub const fn has(self, fault: Fault) -> bool {
+    pub const fn has(self, fault: LatheFault) -> bool {
         self.0 >> (fault as u32) & 1 == 1
     }
 
@@ -287,7 +287,7 @@ impl Faults {
     }
 
     /// Sets or clears a fault.
-    pub const fn set(&mut self, fault: Fault, on: bool) {
+    pub const fn set(&mut self, fault: LatheFault, on: bool) {
         let mask = 1 << (fault as u32);
         self.0 = if on { self.0 | mask } else { self.0 & !mask };
     }
@@ -321,17 +321,17 @@ impl Disturbance {
             self.chatter = [0; 16];
             return;
         }
-        let mut seen = now;
-        for (bit, left) in self.chatter.iter_mut().enumerate() {
+        let mut disturbed = now;
+        for (bit, left_ms) in self.chatter.iter_mut().enumerate() {
             if changed >> bit & 1 == 1 {
-                *left = CHATTER_MS;
+                *left_ms = CHATTER_MS;
             }
-            if *left / CHATTER_LEVEL_MS % 2 == 1 {
-                seen ^= 1 << bit;
+            if *left_ms / CHATTER_LEVEL_MS % 2 == 1 {
+                disturbed ^= 1 << bit;
             }
-            *left = left.saturating_sub(1);
+            *left_ms = left_ms.saturating_sub(1);
         }
-        [*low, *high] = seen.to_le_bytes();
+        [*low, *high] = disturbed.to_le_bytes();
     }
 
     /// Error of the encoder in this tick, counts.
@@ -353,16 +353,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_stands_in_the_order_of_the_faults() {
+    fn the_table_is_in_the_order_of_the_faults() {
         for (at, row) in FAULTS.iter().enumerate() {
             assert_eq!(row.fault as usize, at, "{}", row.name);
-            assert_eq!(Fault::from_name(row.name), Some(row.fault));
+            assert_eq!(LatheFault::from_name(row.name), Some(row.fault));
             assert_eq!(row.fault.row().name, row.name);
         }
     }
 
     #[test]
-    fn a_changed_contact_chatters_and_comes_to_rest() {
+    fn a_changed_contact_chatters_and_settles() {
         let mut disturbance = Disturbance::default();
         let mut levels = Vec::new();
         for _ in 0..40 {

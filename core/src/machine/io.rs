@@ -7,7 +7,7 @@ use crate::units::{PerAxis, Pulses};
 
 /// The limit switch of an axis that is tripped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum OverLimit {
+pub enum TrippedLimit {
     /// The switch at the negative end.
     Minus,
     /// The switch at the positive end.
@@ -18,7 +18,7 @@ pub enum OverLimit {
 
 /// Signals of the machine to the control in one tick.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Inputs {
+pub struct MachineInputs {
     /// Contacts X0–X3 of the machine (1 = closed to +24 V). The control adds the panel keys
     /// X20–X26.
     pub x: [u8; 30],
@@ -43,16 +43,16 @@ pub struct Inputs {
     /// Limit switches that are tripped. No wire reports them separately, because all are in
     /// the loop of *ESP; the alarm of the control names them for the operator.
     #[serde(default)]
-    pub over_limit: PerAxis<Option<OverLimit>>,
+    pub over_limit: PerAxis<Option<TrippedLimit>>,
     /// Reports of the pulse board that makes the motion; `None`: the drives of the lathe
     /// make it. A saved state never contains an open link.
     #[serde(skip)]
     pub(crate) board: Option<Box<BoardInputs>>,
 }
 
-impl Inputs {
+impl MachineInputs {
     /// State of one contact by byte and bit of X; false outside the area.
-    pub const fn contact(&self, byte: usize, bit: u8) -> bool {
+    pub const fn is_closed(&self, byte: usize, bit: u8) -> bool {
         byte < self.x.len() && self.x[byte] >> (bit & 7) & 1 == 1
     }
 }
@@ -61,13 +61,13 @@ impl Inputs {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct BoardContacts {
     /// Whether the emergency-stop chain is open.
-    pub emergency: bool,
+    pub emergency_stop_open: bool,
     /// Whether the door is open.
-    pub door: bool,
+    pub door_open: bool,
     /// Whether the deceleration switch is pressed; `None`: not wired.
-    pub switch: PerAxis<Option<bool>>,
+    pub deceleration_switch: PerAxis<Option<bool>>,
     /// Whether the zero signal is on; `None`: not wired.
-    pub signal: PerAxis<Option<bool>>,
+    pub zero_signal: PerAxis<Option<bool>>,
     /// Contacts X0 to X3: which are wired to the board, and which of them are closed.
     pub wired: [u8; 4],
     pub closed: [u8; 4],
@@ -75,7 +75,7 @@ pub(crate) struct BoardContacts {
 
 /// Signals of the control to the machine in one tick.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Outputs {
+pub struct MachineOutputs {
     /// Outputs Y0–Y3 to the machine (1 = sink closed), lamps above.
     pub y: [u8; 20],
     /// Command pulses of each axis, absolute count.
@@ -90,7 +90,7 @@ pub struct Outputs {
     pub(crate) board: Option<Box<BoardOrders>>,
 }
 
-impl Outputs {
+impl MachineOutputs {
     /// Outputs of a control without power: everything is off, the pulse count stays.
     pub fn without_power(pulses: PerAxis<Pulses>) -> Self {
         Self {
@@ -100,7 +100,7 @@ impl Outputs {
     }
 
     /// State of one output by byte and bit of Y; false outside the area.
-    pub const fn output(&self, byte: usize, bit: u8) -> bool {
+    pub const fn is_on(&self, byte: usize, bit: u8) -> bool {
         byte < self.y.len() && self.y[byte] >> (bit & 7) & 1 == 1
     }
 }

@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 use super::axis_drive::AxisDrive;
 use super::chuck::{Cylinder, Gearbox};
 use super::config::LatheConfig;
-use super::faults::{Disturbance, Fault, Faults};
-use super::io::{BoardContacts, Inputs, Outputs, OverLimit};
-use super::pins::{self, Pin};
-use super::spindle_drive::{SpindleDemand, SpindleDrive};
-use super::turret::Turret;
-use super::wiring::{SharedPin, Wiring};
-use crate::memory::Parameters;
+use super::faults::{ActiveFaults, Disturbance, LatheFault};
+use super::io::{BoardContacts, MachineInputs, MachineOutputs, TrippedLimit};
+use super::pins::{self, ContactPin};
+use super::spindle_drive::{SpindleDrive, SpindleOutputs};
+use super::turret::TurretDrive;
+use super::wiring::{MachineWiring, SharedPin};
+use crate::memory::ControlParameters;
 use crate::units::{Axis, PerAxis, Point, Pulses};
 
 /// Bytes of X that come from the machine and can be forced.
@@ -20,11 +20,11 @@ const X_BYTES: usize = 30;
 
 /// The simulated lathe; plain data, which can be saved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Lathe {
+pub struct SimulatedLathe {
     config: LatheConfig,
-    wiring: Wiring,
+    wiring: MachineWiring,
     axes: PerAxis<AxisDrive>,
-    turret: Turret,
+    turret: TurretDrive,
     spindle: SpindleDrive,
     chuck: Cylinder,
     tailstock: Cylinder,
@@ -34,7 +34,7 @@ pub struct Lathe {
     enable: PerAxis<bool>,
     emergency_button: bool,
     overtravel_release: bool,
-    faults: Faults,
+    faults: ActiveFaults,
     disturbance: Disturbance,
     /// The station whose switch is stuck, if any.
     stuck_station: Option<u8>,
@@ -43,29 +43,29 @@ pub struct Lathe {
     handwheel: i32,
     forced: [u8; X_BYTES],
     #[serde(rename = "forced_to")]
-    forced_to: [u8; X_BYTES],
+    forced_levels: [u8; X_BYTES],
     /// Whether the slides belong to a real lathe. Their switches are then not simulated.
     #[serde(default)]
     real_slides: bool,
 }
 
-impl Lathe {
+impl SimulatedLathe {
     /// Builds and wires the lathe to match the present parameters.
-    pub fn new(config: LatheConfig, parameters: &Parameters) -> Self {
-        let stations = config.turret.stations.unwrap_or(parameters.stations());
+    pub fn new(config: LatheConfig, parameters: &ControlParameters) -> Self {
+        let stations = config.turret.stations.unwrap_or(parameters.station_count());
         let contacts = if config.turret.coded {
             8 - stations.leading_zeros()
         } else {
             u32::from(stations)
         };
-        let wiring = Wiring::new(parameters, contacts);
+        let wiring = MachineWiring::new(parameters, contacts);
         let travel = config.chuck.travel_ms;
         Self {
             axes: PerAxis::new(
                 AxisDrive::new(Axis::X, &config.x, parameters),
                 AxisDrive::new(Axis::Z, &config.z, parameters),
             ),
-            turret: Turret::new(&config.turret, stations),
+            turret: TurretDrive::new(&config.turret, stations),
             spindle: SpindleDrive::new(&config.spindle, &wiring, parameters),
             chuck: Cylinder::new(travel),
             tailstock: Cylinder::new(travel),
@@ -77,13 +77,13 @@ impl Lathe {
             enable: PerAxis::default(),
             emergency_button: false,
             overtravel_release: false,
-            faults: Faults::default(),
+            faults: ActiveFaults::default(),
             disturbance: Disturbance::default(),
             stuck_station: None,
             lost_index: 0,
             handwheel: 0,
             forced: [0; X_BYTES],
-            forced_to: [0; X_BYTES],
+            forced_levels: [0; X_BYTES],
             real_slides: false,
         }
     }
@@ -97,20 +97,20 @@ impl Lathe {
     }
 
     /// Replaces the contacts that are wired to a pulse board.
-    pub(crate) fn add_board_contacts(&self, inputs: &mut Inputs, board: &BoardContacts) {
+    pub(crate) fn add_board_contacts(&self, inputs: &mut MachineInputs, board: &BoardContacts) {
         for (byte, (wired, closed)) in board.wired.iter().zip(board.closed).enumerate() {
             inputs.x[byte] = inputs.x[byte] & !wired | wired & closed;
         }
-        let mut set = |pin: Pin, level: bool| {
+        let mut set = |pin: ContactPin, level: bool| {
             let mask = 1 << pin.1;
             let byte = &mut inputs.x[usize::from(pin.0)];
             *byte = if level { *byte | mask } else { *byte & !mask };
         };
-        if board.emergency {
+        if board.emergency_stop_open {
             set(pins::EMERGENCY_STOP, false);
         }
-        if let Some(closed) = self.wiring.door
-            && board.door
+        if let Some(closed) = self.wiring.door_level
+            && board.door_open
         {
             set(pins::DOOR, !closed);
         }
@@ -119,83 +119,84 @@ impl Lathe {
             (Axis::X, pins::DECELERATION_X),
             (Axis::Z, pins::DECELERATION_Z),
         ] {
-            let switch = *board.switch.get(axis);
+            let switch = *board.deceleration_switch.get(axis);
             if let Some(pressed) = switch {
-                set(pin, pressed == wiring.on_dog);
+                set(pin, pressed == wiring.deceleration_level);
             }
-            let one = switch.filter(|_| *wiring.one_switch.get(axis));
-            *inputs.index_pulse.get_mut(axis) = board.signal.get(axis).or(one).unwrap_or(false);
+            let shared = switch.filter(|_| *wiring.one_switch.get(axis));
+            *inputs.index_pulse.get_mut(axis) =
+                board.zero_signal.get(axis).or(shared).unwrap_or(false);
             *inputs.index_latch.get_mut(axis) = None;
         }
     }
 
     /// Advances by one tick (1 ms) and writes the sensors into `inputs` in place, which
     /// avoids a copy. The contacts are read separately ([`Self::read_contacts`]).
-    pub fn tick(&mut self, outputs: &Outputs, inputs: &mut Inputs) {
-        let on = |pin: Pin| outputs.output(usize::from(pin.0), pin.1);
+    pub fn tick(&mut self, outputs: &MachineOutputs, inputs: &mut MachineInputs) {
+        let is_on = |pin: ContactPin| outputs.is_on(usize::from(pin.0), pin.1);
         self.axes.x.follow(outputs.pulses.x, outputs.enable.x);
         self.axes.z.follow(outputs.pulses.z, outputs.enable.z);
         self.enable = outputs.enable;
         self.turret
-            .tick(on(pins::TURRET_FORWARD), on(pins::TURRET_REVERSE));
-        let chuck_moves = !self.faults.has(Fault::ChuckStuck);
+            .tick(is_on(pins::TURRET_FORWARD), is_on(pins::TURRET_REVERSE));
+        let chuck_moves = !self.faults.has(LatheFault::ChuckStuck);
         self.chuck.tick(
-            chuck_moves && on(pins::CHUCK_INWARD),
-            chuck_moves && on(pins::CHUCK_OUTWARD),
+            chuck_moves && is_on(pins::CHUCK_INWARD),
+            chuck_moves && is_on(pins::CHUCK_OUTWARD),
         );
         self.tailstock
-            .tick(on(pins::TAILSTOCK_OUT), on(pins::TAILSTOCK_BACK));
-        self.coolant = on(pins::COOLANT);
-        self.lubrication = on(pins::LUBRICATION);
+            .tick(is_on(pins::TAILSTOCK_OUT), is_on(pins::TAILSTOCK_BACK));
+        self.coolant = is_on(pins::COOLANT);
+        self.lubrication = is_on(pins::LUBRICATION);
         let step = (1u8..=4)
             .zip(pins::SPEEDS)
-            .find(|(_, pin)| on(*pin))
+            .find(|(_, pin)| is_on(*pin))
             .map(|(step, _)| step);
         if self.wiring.gears {
             self.gears.tick(step);
         }
-        self.spindle.tick(&SpindleDemand {
-            forward: on(pins::FORWARD),
-            reverse: on(pins::REVERSE),
-            brake: on(pins::BRAKE),
+        self.spindle.tick(&SpindleOutputs {
+            forward: is_on(pins::FORWARD),
+            reverse: is_on(pins::REVERSE),
+            brake: is_on(pins::BRAKE),
             volts: outputs.spindle_volts,
             step,
             gear: self.gears.gear(),
         });
-        self.sense(inputs);
-        let noisy = self.faults.has(Fault::EncoderNoise);
+        self.read_sensors(inputs);
+        let noisy = self.faults.has(LatheFault::EncoderNoise);
         inputs.encoder += self.disturbance.noise(noisy);
     }
 
     /// Reads the contacts after a tick: in ticks before the control samples them, and in
     /// all ticks while contacts bounce.
-    pub fn read_contacts(&mut self, inputs: &mut Inputs) {
-        self.contacts(&mut inputs.x);
-        let bouncing = self.contacts_bounce();
+    pub fn read_contacts(&mut self, inputs: &mut MachineInputs) {
+        self.set_contacts(&mut inputs.x);
+        let bouncing = self.has_bouncing_contacts();
         self.disturbance.bounce(&mut inputs.x, bouncing);
     }
 
     /// Whether contacts bounce (fault).
-    pub(crate) fn contacts_bounce(&self) -> bool {
-        self.faults.has(Fault::InputBounce)
+    pub(crate) fn has_bouncing_contacts(&self) -> bool {
+        self.faults.has(LatheFault::InputBounce)
     }
 
     /// The present state of all contacts and sensors.
-    pub fn inputs(&self) -> Inputs {
-        let mut inputs = Inputs::default();
-        self.sense(&mut inputs);
-        self.contacts(&mut inputs.x);
+    pub fn inputs(&self) -> MachineInputs {
+        let mut inputs = MachineInputs::default();
+        self.read_sensors(&mut inputs);
+        self.set_contacts(&mut inputs.x);
         inputs
     }
 
-    fn sense(&self, inputs: &mut Inputs) {
+    fn read_sensors(&self, inputs: &mut MachineInputs) {
         let (encoder, mut encoder_index, mut spindle_index) = self.spindle.encoder();
-        if self.faults.has(Fault::SpindleIndexLost) {
+        if self.faults.has(LatheFault::SpindleIndexLost) {
             encoder_index = self.lost_index;
             spindle_index = false;
         }
-        self.sense_axis(Axis::X, inputs);
-        self.sense_axis(Axis::Z, inputs);
+        self.read_axis_sensors(Axis::X, inputs);
+        self.read_axis_sensors(Axis::Z, inputs);
         inputs.encoder = encoder;
         inputs.encoder_index = encoder_index;
         inputs.spindle_index = spindle_index;
@@ -206,61 +207,61 @@ impl Lathe {
     }
 
     #[inline(always)] // What differs between the axes is known then.
-    fn sense_axis(&self, axis: Axis, inputs: &mut Inputs) {
+    fn read_axis_sensors(&self, axis: Axis, inputs: &mut MachineInputs) {
         let (pulse, latch) = self.zero_signal(axis);
         *inputs.index_pulse.get_mut(axis) = pulse;
         *inputs.index_latch.get_mut(axis) = latch;
-        let failed = self.drive_failed(axis);
+        let failed = self.has_drive_failed(axis);
         *inputs.drive_alarm.get_mut(axis) = self.alarm_signal(axis, failed);
         *inputs.drive_ready.get_mut(axis) = self.ready_signal(axis, failed);
-        *inputs.over_limit.get_mut(axis) = self.limit_switch(axis);
+        *inputs.over_limit.get_mut(axis) = self.tripped_limit(axis);
     }
 
     /// The zero signal of an axis, and the count at its change in the last tick.
     #[inline(always)]
     fn zero_signal(&self, axis: Axis) -> (bool, Option<Pulses>) {
-        let lost = match axis {
-            Axis::X => Fault::IndexX,
-            Axis::Z => Fault::IndexZ,
+        let lost_signal = match axis {
+            Axis::X => LatheFault::IndexX,
+            Axis::Z => LatheFault::IndexZ,
         };
         if *self.wiring.one_switch.get(axis) {
-            (self.on_dog(axis), self.axes.get(axis).dog_latch())
-        } else if self.faults.has(lost) {
+            (self.is_on_dog(axis), self.axes.get(axis).dog_latch())
+        } else if self.faults.has(lost_signal) {
             (false, None)
         } else {
-            self.axes.get(axis).index()
+            self.axes.get(axis).index_signal()
         }
     }
 
     /// Whether the deceleration switch of a slide is pressed, or stuck.
-    fn on_dog(&self, axis: Axis) -> bool {
+    fn is_on_dog(&self, axis: Axis) -> bool {
         let stuck = match axis {
-            Axis::X => Fault::DogX,
-            Axis::Z => Fault::DogZ,
+            Axis::X => LatheFault::DogX,
+            Axis::Z => LatheFault::DogZ,
         };
-        (!self.real_slides && self.axes.get(axis).on_dog()) || self.faults.has(stuck)
+        (!self.real_slides && self.axes.get(axis).is_on_dog()) || self.faults.has(stuck)
     }
 
     /// The limit switch of a slide that is pressed, or stuck.
-    fn limit_switch(&self, axis: Axis) -> Option<OverLimit> {
+    fn tripped_limit(&self, axis: Axis) -> Option<TrippedLimit> {
         if self.real_slides {
             return None;
         }
         let stuck = match axis {
-            Axis::X => Fault::LimitX,
-            Axis::Z => Fault::LimitZ,
+            Axis::X => LatheFault::LimitX,
+            Axis::Z => LatheFault::LimitZ,
         };
-        let stuck = || self.faults.has(stuck).then_some(OverLimit::Stuck);
-        self.axes.get(axis).over_limit().or_else(stuck)
+        let stuck = || self.faults.has(stuck).then_some(TrippedLimit::Stuck);
+        self.axes.get(axis).pressed_limit().or_else(stuck)
     }
 
     /// Whether a drive has switched off.
-    fn drive_failed(&self, axis: Axis) -> bool {
+    fn has_drive_failed(&self, axis: Axis) -> bool {
         let fault = match axis {
-            Axis::X => Fault::DriveX,
-            Axis::Z => Fault::DriveZ,
+            Axis::X => LatheFault::DriveX,
+            Axis::Z => LatheFault::DriveZ,
         };
-        self.faults.has(fault) || self.axes.get(axis).tripped()
+        self.faults.has(fault) || self.axes.get(axis).is_tripped()
     }
 
     /// Level of a drive's alarm line; a line that is not wired stays at rest.
@@ -269,54 +270,56 @@ impl Lathe {
             Axis::X => self.config.x.alarm_line,
             Axis::Z => self.config.z.alarm_line,
         };
-        (wired && failed) == *self.wiring.drive_alarm.get(axis)
+        (wired && failed) == *self.wiring.drive_alarm_level.get(axis)
     }
 
     /// Level of a drive's ready line: ready when enabled and not switched off.
     fn ready_signal(&self, axis: Axis, failed: bool) -> bool {
         let ready = *self.enable.get(axis) && !failed;
-        ready == self.wiring.drive_ready
+        ready == self.wiring.drive_ready_level
     }
 
     /// Active station switches, T01 in bit 0, up to T08.
     fn station_switches(&self) -> u8 {
-        if self.faults.has(Fault::TurretContactsOpen) {
+        if self.faults.has(LatheFault::TurretContactsOpen) {
             return 0;
         }
         let coded = self.config.turret.coded;
-        let answering = |station: Option<u8>| match station {
+        let active_switches = |station: Option<u8>| match station {
             Some(station) if coded => station,
             Some(station @ 1..=8) => 1 << (station - 1),
             _ => 0,
         };
-        answering(self.turret.station()) | answering(self.stuck_station)
+        active_switches(self.turret.station()) | active_switches(self.stuck_station)
     }
 
-    fn contacts(&self, x: &mut [u8; X_BYTES]) {
+    fn set_contacts(&self, x: &mut [u8; X_BYTES]) {
         let wiring = &self.wiring;
         // X0 in the low byte, X1 in the high one; no other contacts are wired. All are open
         // at first.
         let mut closed = 0u16;
-        let mut set = |pin: Pin, level: bool| closed |= u16::from(level) << (pin.0 * 8 + pin.1);
+        let mut set =
+            |pin: ContactPin, level: bool| closed |= u16::from(level) << (pin.0 * 8 + pin.1);
         let switches = self.station_switches();
-        let station_at = |number: u8| (switches >> (number - 1) & 1 == 1) == wiring.in_station;
+        let station_contact_level =
+            |number: u8| (switches >> (number - 1) & 1 == 1) == wiring.station_level;
         // T01–T04 do not share their pins.
         for (number, pin) in (1u8..=4).zip(pins::STATIONS) {
-            set(pin, station_at(number));
+            set(pin, station_contact_level(number));
         }
         let shared = |pin: SharedPin, number: u8, gear_or_chuck: bool| match pin {
-            SharedPin::Station => station_at(number),
-            SharedPin::Gear => gear_or_chuck == wiring.gear_in,
+            SharedPin::Station => station_contact_level(number),
+            SharedPin::Gear => gear_or_chuck == wiring.gear_level,
             SharedPin::Chuck => gear_or_chuck,
-            SharedPin::Enable => !wiring.gear_in,
+            SharedPin::Enable => !wiring.gear_level,
             SharedPin::Closed => true,
             SharedPin::Open => false,
         };
         let in_position = |pin, gear, chuck| match pin {
             SharedPin::Chuck => chuck,
-            _ => self.gears.in_position(gear) && !self.faults.has(Fault::GearStuck),
+            _ => self.gears.is_in_position(gear) && !self.faults.has(LatheFault::GearStuck),
         };
-        let (first, second) = (self.chuck.in_first(), self.chuck.in_second());
+        let (first, second) = (self.chuck.is_at_first_end(), self.chuck.is_at_second_end());
         set(pins::STATIONS[4], shared(wiring.x0_4, 5, false));
         set(pins::STATIONS[5], shared(wiring.x1_0, 6, false));
         set(
@@ -327,29 +330,38 @@ impl Lathe {
             pins::STATIONS[7],
             shared(wiring.x1_2, 8, in_position(wiring.x1_2, 2, first)),
         );
-        set(pins::DECELERATION_X, self.on_dog(Axis::X) == wiring.on_dog);
-        set(pins::DECELERATION_Z, self.on_dog(Axis::Z) == wiring.on_dog);
-        set(pins::EMERGENCY_STOP, self.emergency_loop_closed());
+        set(
+            pins::DECELERATION_X,
+            self.is_on_dog(Axis::X) == wiring.deceleration_level,
+        );
+        set(
+            pins::DECELERATION_Z,
+            self.is_on_dog(Axis::Z) == wiring.deceleration_level,
+        );
+        set(pins::EMERGENCY_STOP, self.is_emergency_loop_closed());
         set(
             pins::TOOL_CLAMPED,
-            match wiring.pressure {
-                Some(good) => self.faults.has(Fault::PressureLow) != good,
+            match wiring.pressure_level {
+                Some(good) => self.faults.has(LatheFault::PressureLow) != good,
                 None => {
-                    let unclamped = self.faults.has(Fault::TurretUnclamped);
-                    (self.turret.clamped() && !unclamped) == wiring.tool_clamped
+                    let unclamped = self.faults.has(LatheFault::TurretUnclamped);
+                    (self.turret.is_clamped() && !unclamped) == wiring.tool_clamped_level
                 }
             },
         );
         set(
             pins::DOOR,
             wiring
-                .door
-                .is_some_and(|closed| self.faults.has(Fault::DoorOpen) != closed),
+                .door_level
+                .is_some_and(|closed| self.faults.has(LatheFault::DoorOpen) != closed),
         );
         *x = [0; X_BYTES];
         [x[0], x[1]] = closed.to_le_bytes();
         if self.forced != [0; X_BYTES] {
-            for (byte, (mask, value)) in x.iter_mut().zip(self.forced.iter().zip(&self.forced_to)) {
+            for (byte, (mask, value)) in x
+                .iter_mut()
+                .zip(self.forced.iter().zip(&self.forced_levels))
+            {
                 *byte = (*byte & !mask) | (value & mask);
             }
         }
@@ -357,18 +369,18 @@ impl Lathe {
 
     /// Whether the loop of the emergency button and the limit switches is closed. The
     /// release button bridges the limit switches.
-    pub fn emergency_loop_closed(&self) -> bool {
+    pub fn is_emergency_loop_closed(&self) -> bool {
         !self.emergency_button
-            && !self.faults.has(Fault::EmergencyStop)
-            && (self.overtravel_release || !self.over_limit())
+            && !self.faults.has(LatheFault::EmergencyStop)
+            && (self.overtravel_release || !self.is_over_limit())
     }
 
     /// Whether any limit switch is tripped.
-    pub fn over_limit(&self) -> bool {
-        let over = self.axes.x.over_limit().or(self.axes.z.over_limit());
-        (over.is_some() && !self.real_slides)
-            || self.faults.has(Fault::LimitX)
-            || self.faults.has(Fault::LimitZ)
+    pub fn is_over_limit(&self) -> bool {
+        let tripped = self.axes.x.pressed_limit().or(self.axes.z.pressed_limit());
+        (tripped.is_some() && !self.real_slides)
+            || self.faults.has(LatheFault::LimitX)
+            || self.faults.has(LatheFault::LimitZ)
     }
 
     /// Forces a machine input to a level; `None` releases it to its sensor. Addresses other
@@ -380,35 +392,35 @@ impl Lathe {
         }
         let mask = 1 << address.bit;
         self.forced[byte] &= !mask;
-        self.forced_to[byte] &= !mask;
+        self.forced_levels[byte] &= !mask;
         if let Some(level) = state {
             self.forced[byte] |= mask;
-            self.forced_to[byte] |= u8::from(level) << address.bit;
+            self.forced_levels[byte] |= u8::from(level) << address.bit;
         }
     }
 
     /// Sets or clears a fault.
-    pub fn set_fault(&mut self, fault: Fault, on: bool) {
+    pub fn set_fault(&mut self, fault: LatheFault, on: bool) {
         if self.faults.has(fault) == on {
             return;
         }
         self.faults.set(fault, on);
         match fault {
-            Fault::TurretBlocked => self.turret.blocked = on,
-            Fault::TurretContactStuck => {
+            LatheFault::TurretBlocked => self.turret.blocked = on,
+            LatheFault::TurretContactStuck => {
                 self.stuck_station = self.turret.station().filter(|_| on);
             }
-            Fault::SpindleBlocked => self.spindle.blocked = on,
-            Fault::EncoderLost => self.spindle.encoder_lost = on,
-            Fault::SlideX => self.axes.x.blocked = on,
-            Fault::SlideZ => self.axes.z.blocked = on,
-            Fault::SpindleIndexLost => self.lost_index = self.spindle.encoder().1,
+            LatheFault::SpindleBlocked => self.spindle.blocked = on,
+            LatheFault::EncoderLost => self.spindle.encoder_lost = on,
+            LatheFault::SlideX => self.axes.x.blocked = on,
+            LatheFault::SlideZ => self.axes.z.blocked = on,
+            LatheFault::SpindleIndexLost => self.lost_index = self.spindle.encoder().1,
             _ => {}
         }
     }
 
     /// Whether a fault is active.
-    pub const fn has_fault(&self, fault: Fault) -> bool {
+    pub const fn has_fault(&self, fault: LatheFault) -> bool {
         self.faults.has(fault)
     }
 
@@ -421,27 +433,27 @@ impl Lathe {
                 .is_some_and(|byte| byte >> (address.bit & 7) & 1 == 1)
         };
         let held = address.area == Area::X && bit(&self.forced);
-        held.then(|| bit(&self.forced_to))
+        held.then(|| bit(&self.forced_levels))
     }
 
     /// Number of forced machine inputs.
-    pub fn forced_inputs(&self) -> usize {
+    pub fn forced_input_count(&self) -> usize {
         let bits = self.forced.iter().map(|byte| byte.count_ones() as usize);
         bits.sum()
     }
 
     /// Number of active faults.
-    pub const fn faults(&self) -> usize {
+    pub const fn fault_count(&self) -> usize {
         self.faults.count()
     }
 
     /// Clears all faults and releases all forced inputs.
-    pub fn mend(&mut self) {
-        for (_, fault) in Fault::ALL {
+    pub fn clear_faults(&mut self) {
+        for (_, fault) in LatheFault::ALL {
             self.set_fault(fault, false);
         }
         self.forced = [0; X_BYTES];
-        self.forced_to = [0; X_BYTES];
+        self.forced_levels = [0; X_BYTES];
     }
 
     /// Sets the emergency button; a pressed button stays in (the panel latches it).
@@ -462,26 +474,26 @@ impl Lathe {
     /// Wires the spindle as inverter or switched speeds, with or without gears, by the
     /// present parameters (001.4, 005.5, 164.7, 164.6). A technician does this while the
     /// power is off.
-    pub fn fit_spindle(&mut self, parameters: &Parameters) {
-        self.wiring.fit_spindle(parameters);
-        self.spindle.fit(&self.wiring);
+    pub fn rewire_spindle(&mut self, parameters: &ControlParameters) {
+        self.wiring.rewire_spindle(parameters);
+        self.spindle.set_wiring(&self.wiring);
     }
 
     /// Takes the control's pulse count for the present position of the slides.
-    pub fn stand_at(&mut self, pulses: PerAxis<Pulses>) {
-        self.axes.x.stand_at(pulses.x);
-        self.axes.z.stand_at(pulses.z);
+    pub fn set_count(&mut self, pulses: PerAxis<Pulses>) {
+        self.axes.x.set_count(pulses.x);
+        self.axes.z.set_count(pulses.z);
     }
 
     /// Moves the slides to another position, mm from the reference point (X in radius).
-    pub fn put_slides(&mut self, place: Point) {
-        self.axes.x.put(place.x);
-        self.axes.z.put(place.z);
+    pub fn move_slides(&mut self, position: Point) {
+        self.axes.x.set_position(position.x);
+        self.axes.z.set_position(position.z);
     }
 
     /// Lets the spindle turn (r/min, negative in reverse) until M03 or M04 takes over.
     pub const fn turn_spindle(&mut self, rpm: f64) {
-        self.spindle.coast(rpm);
+        self.spindle.start_coasting(rpm);
     }
 
     /// The description from which the lathe was built.
@@ -490,8 +502,8 @@ impl Lathe {
     }
 
     /// Position of the slides, mm from the reference point (X in radius).
-    pub fn slides(&self) -> Point {
-        Point::new(self.axes.x.place(), self.axes.z.place())
+    pub fn slide_position(&self) -> Point {
+        Point::new(self.axes.x.position(), self.axes.z.position())
     }
 
     /// Following error of the motors, mm (X in radius).
@@ -521,22 +533,22 @@ impl Lathe {
     }
 
     /// Whether the tool post is clamped.
-    pub const fn tool_post_clamped(&self) -> bool {
-        self.turret.clamped()
+    pub const fn is_tool_post_clamped(&self) -> bool {
+        self.turret.is_clamped()
     }
 
     /// Whether the chuck holds the part.
-    pub const fn chuck_clamped(&self) -> bool {
+    pub const fn is_chuck_clamped(&self) -> bool {
         if self.wiring.outer_chuck {
-            self.chuck.in_second()
+            self.chuck.is_at_second_end()
         } else {
-            self.chuck.in_first()
+            self.chuck.is_at_first_end()
         }
     }
 
     /// Whether the tailstock is forward.
-    pub const fn tailstock_forward(&self) -> bool {
-        self.tailstock.in_first()
+    pub const fn is_tailstock_forward(&self) -> bool {
+        self.tailstock.is_at_first_end()
     }
 
     /// The engaged gear, 1–4.
@@ -545,12 +557,12 @@ impl Lathe {
     }
 
     /// Whether coolant flows.
-    pub const fn coolant(&self) -> bool {
+    pub const fn is_coolant_on(&self) -> bool {
         self.coolant
     }
 
     /// Whether the lubrication pump runs.
-    pub const fn lubrication(&self) -> bool {
+    pub const fn is_lubrication_on(&self) -> bool {
         self.lubrication
     }
 }

@@ -28,7 +28,7 @@ pub use config::{
     SpindleConfig, TurretConfig,
 };
 pub use config_check::ConfigError;
-pub use faults::{FAULTS, Fault, FaultRow};
+pub use faults::{FAULTS, FaultRow, LatheFault};
 pub(crate) use io::BoardContacts;
-pub use io::{Inputs, Outputs, OverLimit};
-pub use lathe::Lathe;
+pub use io::{MachineInputs, MachineOutputs, TrippedLimit};
+pub use lathe::SimulatedLathe;

@@ -4,12 +4,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::config::SpindleConfig;
-use super::wiring::Wiring;
-use crate::memory::Parameters;
+use super::wiring::MachineWiring;
+use crate::memory::ControlParameters;
 use crate::units::{TICK_S, floor_to_i64};
 
 /// Speed differences below this count as zero, r/min.
-const NOTHING: f64 = 0.01;
+const MIN_RPM: f64 = 0.01;
 
 /// The simulated spindle with its drive and encoder.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,7 +22,7 @@ pub(super) struct SpindleDrive {
     braking_lag: f64,
     /// Counts per encoder revolution, and encoder revolutions per spindle revolution.
     #[serde(rename = "counts")]
-    counts: i64,
+    counts_per_turn: i64,
     encoder_ratio: f64,
     rpm: f64,
     /// Spindle revolutions since the start.
@@ -36,13 +36,13 @@ pub(super) struct SpindleDrive {
     encoder: i64,
     /// Whole encoder revolutions, and count at the last index pulse.
     #[serde(rename = "whole")]
-    whole: i64,
+    whole_turns: i64,
     index: i64,
     index_now: bool,
 }
 
 /// Outputs that drive the spindle in a tick.
-pub(super) struct SpindleDemand {
+pub(super) struct SpindleOutputs {
     pub forward: bool,
     pub reverse: bool,
     pub brake: bool,
@@ -54,7 +54,11 @@ pub(super) struct SpindleDemand {
 }
 
 impl SpindleDrive {
-    pub fn new(config: &SpindleConfig, wiring: &Wiring, parameters: &Parameters) -> Self {
+    pub fn new(
+        config: &SpindleConfig,
+        wiring: &MachineWiring,
+        parameters: &ControlParameters,
+    ) -> Self {
         // Within 1 % after the settling time: time constant = settle / ln 100.
         let lag = |ms: f64| 1.0 - libm::exp(-libm::log(100.0) * 1000.0 * TICK_S / ms.max(1.0));
         let settle = f64::from(config.settle_ms);
@@ -65,11 +69,11 @@ impl SpindleDrive {
             analog: wiring.analog,
             top: config
                 .top
-                .unwrap_or([1, 2, 3, 4].map(|gear| parameters.gear_maximum(gear))),
+                .unwrap_or([1, 2, 3, 4].map(|gear| parameters.gear_top_speed(gear))),
             steps: config.steps,
             lag: lag(settle),
             braking_lag: lag(settle / 5.0),
-            counts: (4.0 * lines.max(0.0)) as i64,
+            counts_per_turn: (4.0 * lines.max(0.0)) as i64,
             encoder_ratio: 1.0 / parameters.encoder_ratio(),
             rpm: 0.0,
             turns: 0.0,
@@ -77,19 +81,19 @@ impl SpindleDrive {
             blocked: false,
             encoder_lost: false,
             encoder: 0,
-            whole: 0,
+            whole_turns: 0,
             index: 0,
             index_now: false,
         }
     }
 
     /// Selects inverter or switched speeds.
-    pub const fn fit(&mut self, wiring: &Wiring) {
+    pub const fn set_wiring(&mut self, wiring: &MachineWiring) {
         self.analog = wiring.analog;
     }
 
     /// Lets the spindle turn until M03 or M04 takes over.
-    pub const fn coast(&mut self, rpm: f64) {
+    pub const fn start_coasting(&mut self, rpm: f64) {
         self.coasting = Some(rpm);
         self.rpm = rpm;
     }
@@ -109,7 +113,7 @@ impl SpindleDrive {
         (self.encoder, self.index, self.index_now)
     }
 
-    fn target(&self, demand: &SpindleDemand) -> f64 {
+    fn target_rpm(&self, demand: &SpindleOutputs) -> f64 {
         let speed = if self.analog {
             let gear = usize::from(demand.gear.clamp(1, 4) - 1);
             demand.volts / 10.0 * self.top[gear]
@@ -126,14 +130,14 @@ impl SpindleDrive {
     }
 
     /// Advances by one tick (1 ms).
-    pub fn tick(&mut self, demand: &SpindleDemand) {
+    pub fn tick(&mut self, demand: &SpindleOutputs) {
         if demand.forward || demand.reverse {
             self.coasting = None;
         }
         let target = if self.blocked || demand.brake {
             0.0
         } else {
-            self.target(demand)
+            self.target_rpm(demand)
         };
         let lag = if demand.brake || self.blocked {
             self.braking_lag
@@ -144,7 +148,7 @@ impl SpindleDrive {
         if missing != 0.0 {
             self.rpm += missing * lag;
         }
-        if (self.rpm - target).abs() < NOTHING {
+        if (self.rpm - target).abs() < MIN_RPM {
             self.rpm = target;
         }
         self.turns += self.rpm / 60.0 * TICK_S;
@@ -154,13 +158,14 @@ impl SpindleDrive {
         }
         let turns = self.turns * self.encoder_ratio;
         let whole = floor_to_i64(turns);
-        let crossed = self.whole.max(whole);
-        self.index_now = self.whole != whole;
+        let crossed = self.whole_turns.max(whole);
+        self.index_now = self.whole_turns != whole;
         if self.index_now {
-            self.index = crossed * self.counts;
+            self.index = crossed * self.counts_per_turn;
         }
-        self.whole = whole;
-        let part = turns - whole as f64;
-        self.encoder = whole * self.counts + (part * self.counts as f64) as i64;
+        self.whole_turns = whole;
+        let fraction = turns - whole as f64;
+        self.encoder =
+            whole * self.counts_per_turn + (fraction * self.counts_per_turn as f64) as i64;
     }
 }

@@ -13,11 +13,11 @@ use super::config::TurretConfig;
 
 /// A tool post that turns in one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Turret {
+pub(super) struct TurretDrive {
     stations: u8,
     /// Position, ms of turning; station n is at (n - 1) · `pitch`.
     #[serde(rename = "place")]
-    place: u32,
+    position_ms: u32,
     pitch: u32,
     /// Half the width in which a station switch is active, ms of turning.
     window: u32,
@@ -29,14 +29,14 @@ pub(super) struct Turret {
     pub blocked: bool,
 }
 
-impl Turret {
+impl TurretDrive {
     pub fn new(config: &TurretConfig, stations: u8) -> Self {
         let pitch = config.station_ms.clamp(1, 100_000);
         let first = u32::from(config.first.clamp(1, stations.max(1)) - 1);
         let window = (f64::from(pitch) * config.window.clamp(0.0, 0.49)).round();
         Self {
             stations,
-            place: first * pitch,
+            position_ms: first * pitch,
             pitch,
             window: window as u32,
             clamp_ms: config.clamp_ms,
@@ -51,8 +51,8 @@ impl Turret {
         if self.stations == 0 {
             return None;
         }
-        let nearest = (self.place + self.pitch / 2) / self.pitch;
-        let off = self.place.abs_diff(nearest * self.pitch);
+        let nearest = (self.position_ms + self.pitch / 2) / self.pitch;
+        let distance = self.position_ms.abs_diff(nearest * self.pitch);
         let stations = u32::from(self.stations);
         // The first station follows the last one; a division is necessary only there.
         let station = if nearest < stations {
@@ -60,11 +60,11 @@ impl Turret {
         } else {
             nearest % stations
         };
-        (off <= self.window).then_some(station as u8 + 1)
+        (distance <= self.window).then_some(station as u8 + 1)
     }
 
     /// Whether the post is clamped.
-    pub const fn clamped(&self) -> bool {
+    pub const fn is_clamped(&self) -> bool {
         self.clamped
     }
 
@@ -77,20 +77,20 @@ impl Turret {
             self.clamped = false;
             self.pressed = 0;
             if !self.blocked {
-                self.place = (self.place + 1) % (self.pitch * u32::from(self.stations));
+                self.position_ms = (self.position_ms + 1) % (self.pitch * u32::from(self.stations));
             }
             return;
         }
         // TL- drives the post against the pawl of the station that it has reached.
-        let seat = (self.place + self.window) / self.pitch * self.pitch;
-        if self.place != seat && !self.blocked {
-            self.place = if self.place < seat {
-                self.place + 1
+        let seat = (self.position_ms + self.window) / self.pitch * self.pitch;
+        if self.position_ms != seat && !self.blocked {
+            self.position_ms = if self.position_ms < seat {
+                self.position_ms + 1
             } else {
-                self.place - 1
+                self.position_ms - 1
             };
         }
         self.pressed = (self.pressed + 1).min(self.clamp_ms);
-        self.clamped = self.place == seat && self.pressed >= self.clamp_ms;
+        self.clamped = self.position_ms == seat && self.pressed >= self.clamp_ms;
     }
 }

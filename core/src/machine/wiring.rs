@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::memory::Parameters;
+use crate::memory::ControlParameters;
 use crate::units::{Axis, PerAxis};
 
 /// The signal on a pin that chuck, gears, stations and enable switches share.
@@ -24,7 +24,7 @@ pub(super) enum SharedPin {
 }
 
 /// The first signal that claims a pin.
-fn first<const N: usize>(claims: [(bool, SharedPin); N]) -> SharedPin {
+fn first_claim<const N: usize>(claims: [(bool, SharedPin); N]) -> SharedPin {
     claims
         .into_iter()
         .find(|(claimed, _)| *claimed)
@@ -33,29 +33,29 @@ fn first<const N: usize>(claims: [(bool, SharedPin); N]) -> SharedPin {
 
 /// Polarities of the contacts and signals of the shared pins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Wiring {
+pub(super) struct MachineWiring {
     /// Contact level of a pressed deceleration switch (004.5 DECI).
     #[serde(rename = "on_dog")]
-    pub on_dog: bool,
+    pub deceleration_level: bool,
     /// One switch for deceleration and zero (007.0, 007.1 ZC).
     pub one_switch: PerAxis<bool>,
     /// Contact level of a station in place (011.1 TSGN = 0: closed).
     #[serde(rename = "in_station")]
-    pub in_station: bool,
+    pub station_level: bool,
     /// Contact level of the clamped tool post (011.0 TCPS = 1: closed).
     #[serde(rename = "tool_clamped")]
-    pub tool_clamped: bool,
+    pub tool_clamped_level: bool,
     /// Level of the pressure switch on X0.7 at good pressure; `None`: X0.7 carries *TCP
     /// (168.4 PB3).
     #[serde(rename = "pressure")]
-    pub pressure: Option<bool>,
+    pub pressure_level: Option<bool>,
     /// Level of the door switch on X1.5 with a closed door; `None`: no door switch (168.6
     /// PB4).
     #[serde(rename = "door")]
-    pub door: Option<bool>,
+    pub door_level: Option<bool>,
     /// Contact level of a gear in position; an active enable has the other one (164.5 AGIM).
     #[serde(rename = "gear_in")]
-    pub gear_in: bool,
+    pub gear_level: bool,
     /// Signals on X0.4, X1.0, X1.1 and X1.2.
     pub x0_4: SharedPin,
     pub x1_0: SharedPin,
@@ -63,9 +63,9 @@ pub(super) struct Wiring {
     pub x1_2: SharedPin,
     /// Signal level of a ready drive (005.2 DRDY) and of a drive with an alarm (009 ALM).
     #[serde(rename = "drive_ready")]
-    pub drive_ready: bool,
+    pub drive_ready_level: bool,
     #[serde(rename = "drive_alarm")]
-    pub drive_alarm: PerAxis<bool>,
+    pub drive_alarm_level: PerAxis<bool>,
     /// Number of station contacts of the tool post.
     contacts: u32,
     /// Whether the spindle is analog (001.4), and has gears M41–M44 (164.7 AGER).
@@ -75,60 +75,63 @@ pub(super) struct Wiring {
     pub outer_chuck: bool,
 }
 
-impl Wiring {
+impl MachineWiring {
     /// Wires a machine by the parameters; `contacts` is the number of station switches.
-    pub fn new(parameters: &Parameters, contacts: u32) -> Self {
+    pub fn new(parameters: &ControlParameters, contacts: u32) -> Self {
         // Feed override switches (172.0 SOVI), station switches T05–T08, chuck
         // (168.2 PB2), gears (164.7 AGER, 164.6 AGIN), enables (SPEN, STEN).
         let switches = parameters.has_override_switches();
-        let many = contacts >= 5;
+        let has_many_stations = contacts >= 5;
         let chuck = parameters.watches_chuck();
-        let gears = parameters.automatic_gears();
+        let gears = parameters.has_automatic_gears();
         let gear_switches = gears && parameters.watches_gear();
         Self {
-            on_dog: parameters.closed_means_deceleration(),
+            deceleration_level: parameters.is_deceleration_closed(),
             one_switch: PerAxis::new(
-                parameters.one_zero_switch(Axis::X),
-                parameters.one_zero_switch(Axis::Z),
+                parameters.has_one_zero_switch(Axis::X),
+                parameters.has_one_zero_switch(Axis::Z),
             ),
-            in_station: parameters.station_level(),
-            tool_clamped: parameters.tool_clamped_level(),
-            pressure: parameters.pressure_level(),
-            door: parameters.door_level(),
-            gear_in: parameters.gear_in_level(),
-            x0_4: first([
+            station_level: parameters.station_level(),
+            tool_clamped_level: parameters.tool_clamped_level(),
+            pressure_level: parameters.pressure_level(),
+            door_level: parameters.door_level(),
+            gear_level: parameters.gear_in_level(),
+            x0_4: first_claim([
                 (switches, SharedPin::Closed),
-                (parameters.spindle_is_enabled_outside(), SharedPin::Enable),
-                (many, SharedPin::Station),
+                (parameters.has_spindle_enable_input(), SharedPin::Enable),
+                (has_many_stations, SharedPin::Station),
             ]),
-            x1_0: first([(switches, SharedPin::Open), (many, SharedPin::Station)]),
-            x1_1: first([
+            x1_0: first_claim([
+                (switches, SharedPin::Open),
+                (has_many_stations, SharedPin::Station),
+            ]),
+            x1_1: first_claim([
                 (switches, SharedPin::Closed),
                 (chuck, SharedPin::Chuck),
                 (gear_switches, SharedPin::Gear),
-                (many, SharedPin::Station),
+                (has_many_stations, SharedPin::Station),
             ]),
-            x1_2: first([
+            x1_2: first_claim([
                 (switches, SharedPin::Open),
                 (chuck, SharedPin::Chuck),
                 (gear_switches, SharedPin::Gear),
-                (parameters.start_is_enabled_outside(), SharedPin::Enable),
-                (many, SharedPin::Station),
+                (parameters.has_start_enable_input(), SharedPin::Enable),
+                (has_many_stations, SharedPin::Station),
             ]),
-            drive_ready: parameters.drive_ready_level(),
-            drive_alarm: PerAxis::new(
+            drive_ready_level: parameters.drive_ready_level(),
+            drive_alarm_level: PerAxis::new(
                 parameters.drive_alarm_level(Axis::X),
                 parameters.drive_alarm_level(Axis::Z),
             ),
             contacts,
-            analog: parameters.analog_spindle(),
+            analog: parameters.has_analog_spindle(),
             gears,
-            outer_chuck: parameters.outer_chuck(),
+            outer_chuck: parameters.is_outer_chuck(),
         }
     }
 
     /// Rewires the drive of the spindle, and with it the switches of the gears.
-    pub fn fit_spindle(&mut self, parameters: &Parameters) {
+    pub fn rewire_spindle(&mut self, parameters: &ControlParameters) {
         let new = Self::new(parameters, self.contacts);
         self.analog = new.analog;
         self.gears = new.gears;

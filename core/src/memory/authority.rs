@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 
 /// An operation level: 0 (everything) to 5 (logged off).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct Level(u8);
+pub struct OperationLevel(u8);
 
-impl Level {
+impl OperationLevel {
     /// Machine builder: may send and receive programs above O9000.
     pub(crate) const BUILDER: Self = Self(2);
     /// Workshop: parameters and all programs. A new control has this level.
@@ -23,7 +23,7 @@ impl Level {
     }
 
     /// The level after power-on: levels above the workshop's are lost at power-off.
-    const fn at_power_on(self) -> Self {
+    const fn after_power_on(self) -> Self {
         if self.0 < Self::WORKSHOP.0 {
             Self::WORKSHOP
         } else {
@@ -32,7 +32,7 @@ impl Level {
     }
 
     /// Number of digits of the level's password.
-    const fn digits(self) -> usize {
+    const fn password_digits(self) -> usize {
         8 - self.0 as usize
     }
 }
@@ -41,7 +41,7 @@ impl Level {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "Plain", into = "Plain")]
 pub struct Authority {
-    level: Level,
+    level: OperationLevel,
     passwords: [String; 5],
 }
 
@@ -54,9 +54,9 @@ struct Plain {
 
 impl Default for Authority {
     fn default() -> Self {
-        let first = |level: u8| "12345678"[..Level(level).digits()].to_owned();
+        let first = |level: u8| "12345678"[..OperationLevel(level).password_digits()].to_owned();
         Self {
-            level: Level::WORKSHOP,
+            level: OperationLevel::WORKSHOP,
             passwords: [0, 1, 2, 3, 4].map(first),
         }
     }
@@ -64,34 +64,34 @@ impl Default for Authority {
 
 impl Authority {
     /// The active level.
-    pub const fn level(&self) -> Level {
+    pub const fn level(&self) -> OperationLevel {
         self.level
     }
 
     /// The level that a password opens; `None` for a wrong one.
-    pub fn level_of(&self, password: &str) -> Option<Level> {
-        let at = self.passwords.iter().position(|own| own == password)?;
-        u8::try_from(at).ok().map(Level)
+    pub fn level_for(&self, password: &str) -> Option<OperationLevel> {
+        let level = self.passwords.iter().position(|own| own == password)?;
+        u8::try_from(level).ok().map(OperationLevel)
     }
 
     /// Enters the level of a password; returns `false` for a wrong one.
     pub fn enter(&mut self, password: &str) -> bool {
-        let level = self.level_of(password);
+        let level = self.level_for(password);
         self.level = level.unwrap_or(self.level);
         level.is_some()
     }
 
-    /// Logs off: enters [`Level::NONE`].
-    pub const fn leave(&mut self) {
-        self.level = Level::NONE;
+    /// Logs off: enters [`OperationLevel::NONE`].
+    pub const fn log_off(&mut self) {
+        self.level = OperationLevel::NONE;
     }
 
     /// Replaces a password by one of the same length. Returns `false` if the old one is
     /// wrong, or the new one has another length or other characters than digits.
-    pub fn change(&mut self, old: &str, new: &str) -> bool {
+    pub fn change_password(&mut self, old: &str, new: &str) -> bool {
         let digits = new.bytes().all(|byte| byte.is_ascii_digit());
-        let place = self.passwords.iter_mut().find(|own| *own == old);
-        match place {
+        let password = self.passwords.iter_mut().find(|own| *own == old);
+        match password {
             Some(own) if digits && new.len() == own.len() => {
                 new.clone_into(own);
                 true
@@ -102,7 +102,7 @@ impl Authority {
 
     /// Lowers a level above the workshop's to the workshop's, as power-on does.
     pub const fn power_on(&mut self) {
-        self.level = self.level.at_power_on();
+        self.level = self.level.after_power_on();
     }
 }
 
@@ -119,17 +119,20 @@ impl TryFrom<Plain> for Authority {
     type Error = Message;
 
     fn try_from(plain: Plain) -> Result<Self, Message> {
-        if plain.level > Level::NONE.0 {
+        if plain.level > OperationLevel::NONE.0 {
             return Err(say::level_out_of_range(plain.level));
         }
         for (level, password) in (0..).zip(&plain.passwords) {
             let digits = password.bytes().all(|byte| byte.is_ascii_digit());
-            if !digits || password.len() != Level(level).digits() {
-                return Err(say::password_digits(level, Level(level).digits()));
+            if !digits || password.len() != OperationLevel(level).password_digits() {
+                return Err(say::password_digits(
+                    level,
+                    OperationLevel(level).password_digits(),
+                ));
             }
         }
         Ok(Self {
-            level: Level(plain.level),
+            level: OperationLevel(plain.level),
             passwords: plain.passwords,
         })
     }
@@ -142,25 +145,29 @@ mod tests {
     #[test]
     fn passwords_open_their_levels() {
         let mut authority = Authority::default();
-        assert_eq!(authority.level(), Level::WORKSHOP);
+        assert_eq!(authority.level(), OperationLevel::WORKSHOP);
         for (password, level) in [("1234", 4), ("12345", 3), ("123456", 2), ("12345678", 0)] {
             assert!(authority.enter(password));
             assert_eq!(authority.level().number(), level);
         }
         assert!(!authority.enter("123") && !authority.enter(""));
         assert_eq!(authority.level().number(), 0, "a wrong one changes nothing");
-        authority.leave();
-        assert_eq!(authority.level(), Level::NONE);
+        authority.log_off();
+        assert_eq!(authority.level(), OperationLevel::NONE);
     }
 
     #[test]
     fn a_new_password_is_as_long_as_the_old_one() {
         let mut authority = Authority::default();
-        assert!(!authority.change("1234", "99999"));
-        assert!(!authority.change("0000", "9999"));
-        assert!(!authority.change("1234", "99x9"));
-        assert!(authority.change("1234", "9999"));
-        assert_eq!(authority.level(), Level::WORKSHOP, "the level stays");
+        assert!(!authority.change_password("1234", "99999"));
+        assert!(!authority.change_password("0000", "9999"));
+        assert!(!authority.change_password("1234", "99x9"));
+        assert!(authority.change_password("1234", "9999"));
+        assert_eq!(
+            authority.level(),
+            OperationLevel::WORKSHOP,
+            "the level stays"
+        );
         assert!(!authority.enter("1234") && authority.enter("9999"));
     }
 
@@ -168,7 +175,7 @@ mod tests {
     fn high_levels_do_not_outlast_the_power() {
         for (before, after) in [(0, 3), (1, 3), (2, 3), (3, 3), (4, 4), (5, 5)] {
             let mut authority = Authority {
-                level: Level(before),
+                level: OperationLevel(before),
                 ..Authority::default()
             };
             authority.power_on();

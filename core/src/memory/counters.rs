@@ -3,20 +3,20 @@
 use serde::{Deserialize, Serialize};
 
 /// The part counter has four digits, 0 to 9999 (manual III-2.1.1).
-const PARTS: u32 = 10_000;
+const PART_COUNT_LIMIT: u32 = 10_000;
 /// Limit of the number of required parts in macro B.
-const REQUIRED: u32 = 10_000;
+const REQUIRED_PARTS_LIMIT: u32 = 10_000;
 /// The timer of cycle start wraps at 1145324.612 h, ms.
-const STARTED_MS: u64 = 4_123_168_603_200;
+const STARTED_LIMIT_MS: u64 = 4_123_168_603_200;
 /// The cutting time has two digits for hours, ms.
-const CUTTING_MS: u64 = 100 * 60 * 60 * 1000;
+const CUTTING_LIMIT_MS: u64 = 100 * 60 * 60 * 1000;
 
 /// Counters of the position page; they are kept over power-off.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counters {
     /// Parts made: counts each M30, and each M99 of the main program.
     pub parts: u32,
-    /// Time in cutting feed, ms, below [`Self::CUTTING_MS`].
+    /// Time in cutting feed, ms, below [`Self::CUTTING_LIMIT_MS`].
     pub cutting_ms: u64,
     /// Number of required parts: #3902 of macro B. No page shows it.
     #[serde(default, skip_serializing_if = "is_zero_u32")]
@@ -43,7 +43,7 @@ const fn is_zero(value: &u64) -> bool {
 }
 
 /// Adds `ms` and wraps at `limit`. The value read from a file may exceed the limit.
-const fn counted(before: u64, ms: u64, limit: u64) -> u64 {
+const fn add_wrapping(before: u64, ms: u64, limit: u64) -> u64 {
     let sum = before.saturating_add(ms);
     if sum < limit {
         sum
@@ -54,27 +54,27 @@ const fn counted(before: u64, ms: u64, limit: u64) -> u64 {
 
 impl Counters {
     /// The part counter wraps to 0 at this value.
-    pub const PARTS: u32 = PARTS;
+    pub const PART_COUNT_LIMIT: u32 = PART_COUNT_LIMIT;
     /// The cutting time wraps to 0 at this value, ms.
-    pub const CUTTING_MS: u64 = CUTTING_MS;
+    pub const CUTTING_LIMIT_MS: u64 = CUTTING_LIMIT_MS;
     /// Required parts must be below this value.
-    pub const REQUIRED: u32 = REQUIRED;
+    pub const REQUIRED_PARTS_LIMIT: u32 = REQUIRED_PARTS_LIMIT;
     /// The time of cycle start wraps to 0 at this value, ms.
-    pub const STARTED_MS: u64 = STARTED_MS;
+    pub const STARTED_LIMIT_MS: u64 = STARTED_LIMIT_MS;
 
     /// Counts one part; 0 follows 9999.
     pub(crate) const fn count_part(&mut self) {
-        self.parts = (self.parts % PARTS + 1) % PARTS;
+        self.parts = (self.parts % PART_COUNT_LIMIT + 1) % PART_COUNT_LIMIT;
     }
 
     /// Adds time in cutting feed, ms; 00:00:00 follows 99:59:59.
     pub(crate) const fn count_cutting_ms(&mut self, ms: u64) {
-        self.cutting_ms = counted(self.cutting_ms, ms, CUTTING_MS);
+        self.cutting_ms = add_wrapping(self.cutting_ms, ms, CUTTING_LIMIT_MS);
     }
 
     /// Adds time with cycle start on, ms.
     pub(crate) const fn count_started_ms(&mut self, ms: u64) {
-        self.started_ms = counted(self.started_ms, ms, STARTED_MS);
+        self.started_ms = add_wrapping(self.started_ms, ms, STARTED_LIMIT_MS);
     }
 
     /// Parts to zero.
@@ -96,8 +96,8 @@ mod tests {
     fn both_counters_start_again_after_their_last_digit() {
         let mut counters = Counters {
             parts: 9999,
-            cutting_ms: CUTTING_MS - 1,
-            started_ms: STARTED_MS - 1,
+            cutting_ms: CUTTING_LIMIT_MS - 1,
+            started_ms: STARTED_LIMIT_MS - 1,
             required: 0,
         };
         counters.count_part();

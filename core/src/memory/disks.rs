@@ -4,16 +4,16 @@
 use serde::{Deserialize, Serialize};
 
 use super::offsets::Offsets;
-use super::parameters::Parameters;
+use super::parameter_table::ElectronicDisk;
+use super::parameters::ControlParameters;
 use super::pitch::PitchTable;
-use super::table::Disk;
-use crate::model::Record;
+use crate::model::ModelRecord;
 
 /// The data on a disk.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DiskContent {
     /// State and data parameters.
-    pub parameters: Parameters,
+    pub parameters: ControlParameters,
     /// Tool offsets.
     pub offsets: Offsets,
     /// Pitch error table.
@@ -22,9 +22,9 @@ pub struct DiskContent {
 
 impl DiskContent {
     /// The factory data of a disk for a control model.
-    fn factory(disk: Disk, record: &Record) -> Self {
-        let mut parameters = Parameters::factory(disk);
-        parameters.take_delivered(record);
+    fn factory(disk: ElectronicDisk, record: &ModelRecord) -> Self {
+        let mut parameters = ControlParameters::factory(disk);
+        parameters.apply_delivered_values(record);
         Self {
             parameters,
             offsets: Offsets::default(),
@@ -39,33 +39,33 @@ pub struct Disks {
     saved: [Option<DiskContent>; 4],
 }
 
-const fn place(disk: Disk) -> Option<usize> {
+const fn save_index(disk: ElectronicDisk) -> Option<usize> {
     match disk {
-        Disk::N0 => None,
-        Disk::N1 => Some(0),
-        Disk::N2 => Some(1),
-        Disk::N3 => Some(2),
-        Disk::N4 => Some(3),
+        ElectronicDisk::N0 => None,
+        ElectronicDisk::N1 => Some(0),
+        ElectronicDisk::N2 => Some(1),
+        ElectronicDisk::N3 => Some(2),
+        ElectronicDisk::N4 => Some(3),
     }
 }
 
 impl Disks {
     /// The data on a disk; without saved data, the factory data for the control model.
-    pub fn load(&self, disk: Disk, record: &Record) -> DiskContent {
-        place(disk)
+    pub fn load(&self, disk: ElectronicDisk, record: &ModelRecord) -> DiskContent {
+        save_index(disk)
             .and_then(|place| self.saved[place].clone())
             .unwrap_or_else(|| DiskContent::factory(disk, record))
     }
 
     /// The saved data of a disk; `None` if it has the factory data. N0 always has the
     /// factory data.
-    pub fn saved(&self, disk: Disk) -> Option<&DiskContent> {
-        self.saved.get(place(disk)?)?.as_ref()
+    pub fn saved(&self, disk: ElectronicDisk) -> Option<&DiskContent> {
+        self.saved.get(save_index(disk)?)?.as_ref()
     }
 
     /// Saves data on a disk. N0 is read-only: nothing is saved.
-    pub fn save(&mut self, disk: Disk, content: DiskContent) {
-        if let Some(place) = place(disk) {
+    pub fn save(&mut self, disk: ElectronicDisk, content: DiskContent) {
+        if let Some(place) = save_index(disk) {
             self.saved[place] = Some(content);
         }
     }
@@ -81,15 +81,25 @@ mod tests {
         let mut disks = Disks::default();
         let td = ModelId::default().record();
         let hx31 = ModelId::Hx31.record();
-        assert_eq!(disks.load(Disk::N0, hx31).parameters.value(22), 60_000);
-        assert_eq!(disks.load(Disk::N3, td).parameters.value(24), 400);
-        let mut content = disks.load(Disk::N0, td);
+        assert_eq!(
+            disks.load(ElectronicDisk::N0, hx31).parameters.value(22),
+            60_000
+        );
+        assert_eq!(disks.load(ElectronicDisk::N3, td).parameters.value(24), 400);
+        let mut content = disks.load(ElectronicDisk::N0, td);
         content.parameters.set(24, 123).unwrap();
-        for disk in [Disk::N0, Disk::N1, Disk::N4] {
+        for disk in [ElectronicDisk::N0, ElectronicDisk::N1, ElectronicDisk::N4] {
             disks.save(disk, content.clone());
         }
         let rapid_time = |disk| disks.load(disk, td).parameters.value(24);
-        let all = [Disk::N0, Disk::N1, Disk::N2, Disk::N3, Disk::N4].map(rapid_time);
+        let all = [
+            ElectronicDisk::N0,
+            ElectronicDisk::N1,
+            ElectronicDisk::N2,
+            ElectronicDisk::N3,
+            ElectronicDisk::N4,
+        ]
+        .map(rapid_time);
         assert_eq!(all, [300, 123, 50, 400, 123]);
     }
 }

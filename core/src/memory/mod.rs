@@ -1,7 +1,7 @@
 //! Data that the control stores: parameters, offsets, variables, counters.
 
 /// Numbers of data parameters that other modules pass on, by name, from the `id` column of
-/// `assets/tables/parameters.tsv`. All other parameters have a method of [`Parameters`].
+/// `assets/tables/parameters.tsv`. All other parameters have a method of [`ControlParameters`].
 pub mod parameter {
     include!(concat!(env!("OUT_DIR"), "/parameter_numbers.rs"));
 }
@@ -9,29 +9,31 @@ pub mod parameter {
 mod authority;
 mod counters;
 mod disks;
-mod groups;
-mod named;
-mod named_machine;
-mod named_panel;
+mod machine_parameters;
+mod named_parameters;
 mod offsets;
+mod panel_parameters;
+mod parameter_groups;
+mod parameter_table;
 mod parameters;
 mod pitch;
 mod registers;
 mod rights;
 mod settings;
-mod table;
 mod variables;
 
-pub use authority::{Authority, Level};
+pub use authority::{Authority, OperationLevel};
 pub use counters::Counters;
 pub use disks::{DiskContent, Disks};
-pub use groups::ParameterGroup;
-pub use offsets::{OFFSETS, Offsets, ToolOffset};
-pub use parameters::{ParameterError, Parameters};
+pub use offsets::{OFFSET_ROWS, Offsets, ToolOffset};
+pub use parameter_groups::ParameterGroup;
+pub use parameter_table::{
+    EffectiveTime, ElectronicDisk, ParameterRange, ParameterRow, parameter_row, parameter_rows,
+};
+pub use parameters::{ControlParameters, ParameterError};
 pub use pitch::{PitchError, PitchTable};
 pub(crate) use registers::SwitchedOff;
 pub use registers::{DayTime, Registers};
-pub use rights::{Refusal, Rights};
-pub use settings::{Setting, Settings};
-pub use table::{Disk, Effective, ParameterRow, Range, row, rows};
+pub use rights::{Rights, WriteRefusal};
+pub use settings::{ControlSettings, SettingRow};
 pub use variables::Variables;

@@ -3,15 +3,15 @@
 use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
-use super::Parameters;
+use super::ControlParameters;
 use crate::alarm::{Alarm, number};
 use crate::units::Point;
 
 /// Number of rows on the offset page, 000 included.
-pub const OFFSETS: usize = 33;
+pub const OFFSET_ROWS: usize = 33;
 
 /// Greatest absolute value of X, Z or R, mm.
-const LIMIT: f64 = 9999.999;
+const LIMIT_MM: f64 = 9999.999;
 
 /// One row of the offset page.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -36,7 +36,7 @@ pub struct Offsets {
 impl Default for Offsets {
     fn default() -> Self {
         Self {
-            rows: vec![ToolOffset::default(); OFFSETS],
+            rows: vec![ToolOffset::default(); OFFSET_ROWS],
         }
     }
 }
@@ -59,10 +59,10 @@ impl Offsets {
             Some(row) if number > 0 => row,
             _ => {
                 let detail = say::offset_number_out_of_range(number);
-                return Err(Alarm::new(number::BAD_OFFSET).because(detail));
+                return Err(Alarm::new(number::BAD_OFFSET).with_detail(detail));
             }
         };
-        *row = checked(offset)?;
+        *row = check_offset(offset)?;
         Ok(())
     }
 
@@ -72,28 +72,28 @@ impl Offsets {
     /// 043 for a value out of range.
     pub(crate) fn set_work_shift(&mut self, shift: ToolOffset) -> Result<(), Alarm> {
         if let Some(row) = self.rows.first_mut() {
-            *row = checked(shift)?;
+            *row = check_offset(shift)?;
         }
         Ok(())
     }
 
     /// The offset as a displacement of the slide (X as a radius), mm. With 012.6 WSFT = 1 it
     /// includes the work shift.
-    pub fn vector(&self, number: u8, parameters: &Parameters) -> Point {
-        let own = self.row_vector(number, parameters);
-        if parameters.work_shift() && number > 0 {
-            own + self.row_vector(0, parameters)
-        } else if parameters.work_shift() || number > 0 {
+    pub fn slide_displacement(&self, number: u8, parameters: &ControlParameters) -> Point {
+        let own = self.row_displacement(number, parameters);
+        if parameters.has_work_shift() && number > 0 {
+            own + self.row_displacement(0, parameters)
+        } else if parameters.has_work_shift() || number > 0 {
             own
         } else {
             Point::default()
         }
     }
 
-    fn row_vector(&self, number: u8, parameters: &Parameters) -> Point {
+    fn row_displacement(&self, number: u8, parameters: &ControlParameters) -> Point {
         let ToolOffset { x, z, .. } = self.get(number);
         Point::new(
-            if parameters.offset_is_radius() {
+            if parameters.is_offset_radius() {
                 x
             } else {
                 x / 2.0
@@ -115,19 +115,19 @@ impl Offsets {
     }
 }
 
-fn checked(offset: ToolOffset) -> Result<ToolOffset, Alarm> {
+fn check_offset(offset: ToolOffset) -> Result<ToolOffset, Alarm> {
     let length = |name: &str, value: f64| {
         let value = (value * 1000.0).round() / 1000.0;
         // Written as a negation so that NaN is refused.
-        if !(-LIMIT..=LIMIT).contains(&value) {
-            let detail = say::offset_out_of_range(name, value, LIMIT);
-            return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));
+        if !(-LIMIT_MM..=LIMIT_MM).contains(&value) {
+            let detail = say::offset_out_of_range(name, value, LIMIT_MM);
+            return Err(Alarm::new(number::OUT_OF_RANGE).with_detail(detail));
         }
         Ok(value + 0.0)
     };
     if offset.t > 9 {
         return Err(
-            Alarm::new(number::OUT_OF_RANGE).because(say::offset_nose_out_of_range(offset.t))
+            Alarm::new(number::OUT_OF_RANGE).with_detail(say::offset_nose_out_of_range(offset.t))
         );
     }
     Ok(ToolOffset {
@@ -199,12 +199,18 @@ mod tests {
     #[test]
     fn the_vector_is_a_radius() {
         let mut offsets = Offsets::default();
-        let mut parameters = Parameters::default();
+        let mut parameters = ControlParameters::default();
         offsets.set(1, ROW).unwrap();
-        assert_eq!(offsets.vector(1, &parameters), Point::new(0.02, -1.235));
+        assert_eq!(
+            offsets.slide_displacement(1, &parameters),
+            Point::new(0.02, -1.235)
+        );
         parameters.set_bit(4, 4, true).unwrap();
-        assert_eq!(offsets.vector(1, &parameters), Point::new(0.04, -1.235));
-        assert_eq!(offsets.vector(0, &parameters), Point::default());
+        assert_eq!(
+            offsets.slide_displacement(1, &parameters),
+            Point::new(0.04, -1.235)
+        );
+        assert_eq!(offsets.slide_displacement(0, &parameters), Point::default());
     }
 
     #[test]
@@ -222,11 +228,20 @@ mod tests {
         let row = |x, z| ToolOffset { x, z, ..ROW };
         offsets.set(1, row(2.0, -1.5)).unwrap();
         offsets.set_work_shift(row(4.0, 1.0)).unwrap();
-        let mut parameters = Parameters::default();
-        assert_eq!(offsets.vector(0, &parameters), Point::default());
-        assert_eq!(offsets.vector(1, &parameters), Point::new(1.0, -1.5));
+        let mut parameters = ControlParameters::default();
+        assert_eq!(offsets.slide_displacement(0, &parameters), Point::default());
+        assert_eq!(
+            offsets.slide_displacement(1, &parameters),
+            Point::new(1.0, -1.5)
+        );
         parameters.set_bit(12, 6, true).unwrap();
-        assert_eq!(offsets.vector(0, &parameters), Point::new(2.0, 1.0));
-        assert_eq!(offsets.vector(1, &parameters), Point::new(3.0, -0.5));
+        assert_eq!(
+            offsets.slide_displacement(0, &parameters),
+            Point::new(2.0, 1.0)
+        );
+        assert_eq!(
+            offsets.slide_displacement(1, &parameters),
+            Point::new(3.0, -0.5)
+        );
     }
 }

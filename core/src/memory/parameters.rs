@@ -7,11 +7,11 @@ use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 use super::parameter;
-use super::table::{self, Disk, Effective, LAST_PARAMETER, Range};
+use super::parameter_table::{self, EffectiveTime, ElectronicDisk, LAST_PARAMETER, ParameterRange};
 use crate::alarm::Alarm;
-use crate::model::{ModelId, Record};
+use crate::model::{ModelId, ModelRecord};
 
-const COUNT: usize = LAST_PARAMETER as usize + 1;
+const PARAMETER_COUNT: usize = LAST_PARAMETER as usize + 1;
 
 /// State parameters 001–014, 164, 168, 172–185 and data parameters 015–124.
 ///
@@ -19,7 +19,7 @@ const COUNT: usize = LAST_PARAMETER as usize + 1;
 /// methods check only numbers and ranges.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "BTreeMap<u16, i32>", try_from = "BTreeMap<u16, i32>")]
-pub struct Parameters {
+pub struct ControlParameters {
     values: Vec<i32>,
 }
 
@@ -40,7 +40,7 @@ pub enum ParameterError {
         /// The refused value.
         value: i32,
         /// The allowed values.
-        range: Range,
+        range: ParameterRange,
     },
 }
 
@@ -72,23 +72,26 @@ impl core::error::Error for ParameterError {}
 
 impl From<ParameterError> for Alarm {
     fn from(error: ParameterError) -> Self {
-        Self::new(43).because(error.message())
+        Self::new(43).with_detail(error.message())
     }
 }
 
-impl Default for Parameters {
+impl Default for ControlParameters {
     fn default() -> Self {
-        Self::factory(Disk::N0)
+        Self::factory(ElectronicDisk::N0)
     }
 }
 
-impl Parameters {
+impl ControlParameters {
     /// The factory values of an electronic disk (manual, appendix 2).
-    pub fn factory(disk: Disk) -> Self {
-        let mut values = vec![0; COUNT];
-        for row in table::rows().iter().filter(|row| row.bit.is_none()) {
+    pub fn factory(disk: ElectronicDisk) -> Self {
+        let mut values = vec![0; PARAMETER_COUNT];
+        for row in parameter_table::parameter_rows()
+            .iter()
+            .filter(|row| row.bit.is_none())
+        {
             if let Some(value) = values.get_mut(usize::from(row.number)) {
-                *value = row.factory(disk);
+                *value = row.factory_value(disk);
             }
         }
         Self { values }
@@ -126,9 +129,9 @@ impl Parameters {
     ///
     /// # Errors
     /// As [`Self::set`].
-    pub fn set_of(
+    pub fn set_for_model(
         &mut self,
-        record: &Record,
+        record: &ModelRecord,
         number: u16,
         value: i32,
     ) -> Result<(), ParameterError> {
@@ -136,15 +139,15 @@ impl Parameters {
     }
 
     /// Takes over the delivered values in which a control model differs.
-    pub fn take_delivered(&mut self, record: &Record) {
+    pub fn apply_delivered_values(&mut self, record: &ModelRecord) {
         for (number, value) in &record.delivered {
-            self.put(*number, *value);
+            self.write_unchecked(*number, *value);
         }
     }
 
-    fn put(&mut self, number: u16, value: i32) {
-        if let Some(place) = self.values.get_mut(usize::from(number)) {
-            *place = value;
+    fn write_unchecked(&mut self, number: u16, value: i32) {
+        if let Some(slot) = self.values.get_mut(usize::from(number)) {
+            *slot = value;
         }
     }
 
@@ -155,11 +158,11 @@ impl Parameters {
         range: Option<(i32, i32)>,
     ) -> Result<(), ParameterError> {
         let unknown = ParameterError::Unknown { number, bit: None };
-        let Some(row) = table::row(number, None) else {
+        let Some(row) = parameter_table::parameter_row(number, None) else {
             return Err(unknown);
         };
         let range = match range {
-            Some((low, high)) => Range::Span(low, high),
+            Some((low, high)) => ParameterRange::Span(low, high),
             None => row.range.clone(),
         };
         let interval = matches!(
@@ -182,8 +185,8 @@ impl Parameters {
                 range,
             });
         }
-        let place = self.values.get_mut(usize::from(number)).ok_or(unknown)?;
-        *place = value;
+        let slot = self.values.get_mut(usize::from(number)).ok_or(unknown)?;
+        *slot = value;
         Ok(())
     }
 
@@ -192,7 +195,7 @@ impl Parameters {
     /// # Errors
     /// A number that is not a state parameter, or a bit above 7.
     pub fn set_bit(&mut self, number: u16, bit: u8, on: bool) -> Result<(), ParameterError> {
-        let state = table::row(number, None).is_some_and(|row| row.state);
+        let state = parameter_table::parameter_row(number, None).is_some_and(|row| row.state);
         if !state || bit > 7 {
             return Err(ParameterError::Unknown {
                 number,
@@ -213,8 +216,8 @@ impl Parameters {
 
     /// Whether the change from `before` to these values needs a power cycle (alarm 000).
     pub(crate) fn needs_power_cycle(&self, before: &Self) -> bool {
-        table::rows().iter().any(|row| {
-            row.effective == Effective::AtPowerOn { alarm: true }
+        parameter_table::parameter_rows().iter().any(|row| {
+            row.effective == EffectiveTime::AtPowerOn { alarm: true }
                 && match row.bit {
                     Some(bit) => self.bit(row.number, bit) != before.bit(row.number, bit),
                     None => self.value(row.number) != before.value(row.number),
@@ -224,10 +227,10 @@ impl Parameters {
 
     /// These values, except those whose change raises alarm 000: they remain as at power-on.
     #[must_use]
-    pub(crate) fn in_force(&self, at_power_on: &Self) -> Self {
+    pub(crate) fn active_values(&self, at_power_on: &Self) -> Self {
         let mut in_force = self.clone();
-        for row in table::rows() {
-            if row.effective != (Effective::AtPowerOn { alarm: true }) {
+        for row in parameter_table::parameter_rows() {
+            if row.effective != (EffectiveTime::AtPowerOn { alarm: true }) {
                 continue;
             }
             match row.bit {
@@ -235,7 +238,7 @@ impl Parameters {
                 Some(bit) => {
                     let _ = in_force.set_bit(row.number, bit, at_power_on.bit(row.number, bit));
                 }
-                None => in_force.put(row.number, at_power_on.value(row.number)),
+                None => in_force.write_unchecked(row.number, at_power_on.value(row.number)),
             }
         }
         in_force
@@ -243,21 +246,23 @@ impl Parameters {
 
     /// All parameters with their values, by number.
     pub fn iter(&self) -> impl Iterator<Item = (u16, i32)> {
-        let whole = table::rows().iter().filter(|row| row.bit.is_none());
+        let whole = parameter_table::parameter_rows()
+            .iter()
+            .filter(|row| row.bit.is_none());
         whole.map(|row| (row.number, self.value(row.number)))
     }
 }
 
 const DEBOUNCE: u16 = 20;
 
-impl From<Parameters> for BTreeMap<u16, i32> {
-    fn from(parameters: Parameters) -> Self {
+impl From<ControlParameters> for BTreeMap<u16, i32> {
+    fn from(parameters: ControlParameters) -> Self {
         parameters.iter().collect()
     }
 }
 
 /// Missing numbers have their factory values.
-impl TryFrom<BTreeMap<u16, i32>> for Parameters {
+impl TryFrom<BTreeMap<u16, i32>> for ControlParameters {
     type Error = ParameterError;
 
     fn try_from(values: BTreeMap<u16, i32>) -> Result<Self, ParameterError> {
@@ -265,12 +270,12 @@ impl TryFrom<BTreeMap<u16, i32>> for Parameters {
         for (number, value) in values {
             // The control model is stored elsewhere: accept a value that any model allows.
             let mut models = ModelId::ALL.iter().map(|id| id.record());
-            let of_model = |record: &'static Record| {
+            let is_in_model_range = |record: &'static ModelRecord| {
                 let range = record.parameter_range(number);
                 range.is_some_and(|(low, high)| (low..=high).contains(&value))
             };
-            match models.find(|record| of_model(record)) {
-                Some(record) => parameters.set_of(record, number, value)?,
+            match models.find(|record| is_in_model_range(record)) {
+                Some(record) => parameters.set_for_model(record, number, value)?,
                 None => parameters.set(number, value)?,
             }
         }
@@ -284,18 +289,18 @@ mod tests {
 
     #[test]
     fn factory_values() {
-        let parameters = Parameters::default();
+        let parameters = ControlParameters::default();
         assert_eq!(parameters.value(23), 7600);
         assert_eq!(parameters.byte(12), 0b0010_1011);
         assert!(parameters.bit(3, 4) && !parameters.bit(1, 4));
-        assert_eq!(Parameters::factory(Disk::N2).value(24), 50);
+        assert_eq!(ControlParameters::factory(ElectronicDisk::N2).value(24), 50);
         assert_eq!(parameters.value(200), 0);
         assert!(!parameters.bit(12, 8) && !parameters.bit(12, 255));
     }
 
     #[test]
     fn writes_are_checked() {
-        let mut parameters = Parameters::default();
+        let mut parameters = ControlParameters::default();
         parameters.set(51, 4000).unwrap();
         parameters.set(51, 0).unwrap();
         let error = parameters.set(22, 15001).unwrap_err();
@@ -313,38 +318,43 @@ mod tests {
     }
 
     #[test]
-    fn debounce_is_put_right_at_power_on() {
-        let mut parameters = Parameters::default();
+    fn debounce_is_corrected_at_power_on() {
+        let mut parameters = ControlParameters::default();
         parameters.set(20, 16).unwrap();
         parameters.power_on();
         assert_eq!(parameters.value(20), 2);
     }
 
     #[test]
-    fn what_needs_a_power_cycle() {
-        let before = Parameters::default();
+    fn some_changes_need_a_power_cycle() {
+        let before = ControlParameters::default();
         let mut parameters = before.clone();
         parameters.set(22, 4000).unwrap();
         parameters.set(20, 5).unwrap();
         assert!(!parameters.needs_power_cycle(&before));
         parameters.set_bit(11, 6, true).unwrap();
         assert!(parameters.needs_power_cycle(&before));
-        let in_force = parameters.in_force(&before);
+        let in_force = parameters.active_values(&before);
         assert_eq!(in_force.value(22), 4000);
         assert!(!in_force.bit(11, 6));
     }
 
     #[test]
     fn stored_values_are_checked() {
-        let mut parameters = Parameters::factory(Disk::N3);
+        let mut parameters = ControlParameters::factory(ElectronicDisk::N3);
         parameters.set(84, 8).unwrap();
         let text = ron::to_string(&parameters).unwrap();
-        assert_eq!(ron::from_str::<Parameters>(&text).unwrap(), parameters);
         assert_eq!(
-            ron::from_str::<Parameters>("{22:4000}").unwrap().value(22),
+            ron::from_str::<ControlParameters>(&text).unwrap(),
+            parameters
+        );
+        assert_eq!(
+            ron::from_str::<ControlParameters>("{22:4000}")
+                .unwrap()
+                .value(22),
             4000
         );
-        assert!(ron::from_str::<Parameters>("{22:70000}").is_err());
-        assert!(ron::from_str::<Parameters>("{999:0}").is_err());
+        assert!(ron::from_str::<ControlParameters>("{22:70000}").is_err());
+        assert!(ron::from_str::<ControlParameters>("{999:0}").is_err());
     }
 }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::units::{Axis, PerAxis};
 
 /// Greatest absolute value of a point, µm.
-const LARGEST: i16 = 255;
+const LARGEST_ERROR: i16 = 255;
 
 /// Errors of the lead screws in 0.001 mm, before the factor 013. A point that is not listed
 /// is 0. Point 0 may have a value, but no interval belongs to it.
@@ -34,7 +34,7 @@ pub struct PitchError {
 impl PitchError {
     /// The text for the operator.
     pub fn message(&self) -> Message {
-        say::pitch_error_out_of_range(self.point, self.value, LARGEST)
+        say::pitch_error_out_of_range(self.point, self.value, LARGEST_ERROR)
     }
 }
 
@@ -48,7 +48,7 @@ impl core::error::Error for PitchError {}
 
 impl From<PitchError> for crate::alarm::Alarm {
     fn from(error: PitchError) -> Self {
-        Self::new(43).because(error.message())
+        Self::new(43).with_detail(error.message())
     }
 }
 
@@ -63,7 +63,7 @@ impl PitchTable {
     /// # Errors
     /// A value beyond ±255 (alarm 043).
     pub fn set(&mut self, axis: Axis, point: u8, value: i16) -> Result<(), PitchError> {
-        check(point, value)?;
+        check_value(point, value)?;
         let points = self.points.get_mut(axis);
         if value == 0 {
             points.remove(&point);
@@ -79,8 +79,8 @@ impl PitchTable {
     }
 }
 
-const fn check(point: u8, value: i16) -> Result<(), PitchError> {
-    if value < -LARGEST || value > LARGEST {
+const fn check_value(point: u8, value: i16) -> Result<(), PitchError> {
+    if value < -LARGEST_ERROR || value > LARGEST_ERROR {
         return Err(PitchError { point, value });
     }
     Ok(())

@@ -11,12 +11,12 @@ use chrono::{DateTime, Datelike, Timelike};
 use serde::{Deserialize, Serialize};
 
 /// Resolution of the timer, ms.
-const STEP_MS: i64 = 16;
+const TIMER_STEP_MS: i64 = 16;
 /// The timer wraps to 0 at this value, ms.
-const TIMER_MS: i64 = 65_536;
+const TIMER_PERIOD_MS: i64 = 65_536;
 
 /// 2000-01-01 00:00:00: a clock that was never set.
-const NOT_SET: i64 = 946_684_800;
+const UNSET_CLOCK_SECONDS: i64 = 946_684_800;
 
 /// Local date and time of day.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,7 +28,9 @@ pub struct DayTime {
 
 impl Default for DayTime {
     fn default() -> Self {
-        Self { seconds: NOT_SET }
+        Self {
+            seconds: UNSET_CLOCK_SECONDS,
+        }
     }
 }
 
@@ -41,13 +43,13 @@ impl DayTime {
     /// Parses `1993-03-28 15:34:56`; `None` for an invalid text.
     pub fn from_text(text: &str) -> Option<Self> {
         let (date, time) = text.trim().split_once([' ', 'T'])?;
-        let three = |text: &str, by| {
+        let parse_triple = |text: &str, by| {
             let mut parts = text.split(by).map(|part| part.parse::<u32>().ok());
             let all = (parts.next()??, parts.next()??, parts.next()??);
             parts.next().is_none().then_some(all)
         };
-        let (year, month, day) = three(date, '-')?;
-        let (hour, minute, second) = three(time, ':')?;
+        let (year, month, day) = parse_triple(date, '-')?;
+        let (hour, minute, second) = parse_triple(time, ':')?;
         let year = i32::try_from(year)
             .ok()
             .filter(|year| (1970..=9999).contains(year))?;
@@ -78,12 +80,12 @@ impl SwitchedOff {
     pub(crate) const GREATEST: (u8, u8) = (3, 7);
 
     /// #3003.
-    pub(crate) const fn stops(self) -> u8 {
+    pub(crate) const fn stop_bits(self) -> u8 {
         self.bits.0
     }
 
     /// #3004.
-    pub(crate) const fn motion(self) -> u8 {
+    pub(crate) const fn motion_bits(self) -> u8 {
         self.bits.1
     }
 
@@ -96,27 +98,27 @@ impl SwitchedOff {
     }
 
     /// Single block does not stop the program.
-    pub(crate) const fn single_block(self) -> bool {
+    pub(crate) const fn is_single_block_off(self) -> bool {
         self.bits.0 & 1 != 0
     }
 
     /// The next block does not wait for the completion of M, S and T.
-    pub(crate) const fn completion(self) -> bool {
+    pub(crate) const fn is_completion_wait_off(self) -> bool {
         self.bits.0 & 2 != 0
     }
 
     /// Feed hold does not stop motion.
-    pub(crate) const fn feed_hold(self) -> bool {
+    pub(crate) const fn is_feed_hold_off(self) -> bool {
         self.bits.1 & 1 != 0
     }
 
     /// The feed override is fixed at 100 %.
-    pub(crate) const fn feed_override(self) -> bool {
+    pub(crate) const fn is_feed_override_off(self) -> bool {
         self.bits.1 & 2 != 0
     }
 
     /// Cuts blend into each other without an exact stop.
-    pub(crate) const fn exact_stop(self) -> bool {
+    pub(crate) const fn is_exact_stop_off(self) -> bool {
         self.bits.1 & 4 != 0
     }
 }
@@ -143,17 +145,17 @@ impl Registers {
     }
 
     /// Greatest value of the timer, ms.
-    pub const TIMER_GREATEST: i64 = TIMER_MS - 1;
+    pub const TIMER_GREATEST: i64 = TIMER_PERIOD_MS - 1;
 
     /// Value of the timer, ms, `now` ms after power-on; it counts in steps of 16 ms.
     pub const fn timer(&self, now: u64) -> i64 {
-        let since = (now as i64 - self.timer_from) / STEP_MS * STEP_MS;
-        since.rem_euclid(TIMER_MS)
+        let since = (now as i64 - self.timer_from) / TIMER_STEP_MS * TIMER_STEP_MS;
+        since.rem_euclid(TIMER_PERIOD_MS)
     }
 
     /// Sets the timer to `ms`, `now` ms after power-on.
     pub const fn set_timer(&mut self, ms: i64, now: u64) {
-        self.timer_from = now as i64 - ms / STEP_MS * STEP_MS;
+        self.timer_from = now as i64 - ms / TIMER_STEP_MS * TIMER_STEP_MS;
     }
 
     /// The date, YYYYMMDD, `now` ms after power-on.
@@ -194,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn leap_days_and_texts_that_are_no_moment() {
+    fn leap_days_and_invalid_times() {
         let digits = |text| DayTime::from_text(text).map(|it| it.digits(86_400_000));
         assert_eq!(digits("2024-02-28 01:02:03"), Some((20_240_229, 10_203)));
         assert_eq!(digits("2023-02-28T01:02:03"), Some((20_230_301, 10_203)));

@@ -3,10 +3,10 @@
 
 use gsk_messages::say;
 
-use super::authority::Level;
-use super::parameters::Parameters;
+use super::authority::OperationLevel;
+use super::parameters::ControlParameters;
 use crate::alarm::{Alarm, number};
-use crate::mode::Mode;
+use crate::mode::OperatingMode;
 
 /// Programs from this number need more than the operator's level.
 const PROTECTED_FROM: u16 = 9000;
@@ -15,11 +15,11 @@ const PROTECTED_FROM: u16 = 9000;
 #[derive(Clone, Copy, Debug)]
 pub struct Rights<'a> {
     /// The active parameters.
-    pub parameters: &'a Parameters,
+    pub parameters: &'a ControlParameters,
     /// The active operation level.
-    pub level: Level,
+    pub level: OperationLevel,
     /// The operating mode.
-    pub mode: Mode,
+    pub mode: OperatingMode,
     /// A program or an MDI block is running or held.
     pub operating: bool,
     /// A block is running.
@@ -40,7 +40,7 @@ pub struct Rights<'a> {
 
 /// The reason why a write is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refusal {
+pub enum WriteRefusal {
     /// Another operating mode is needed.
     Mode,
     /// A program is running or held, or an axis moves.
@@ -57,104 +57,107 @@ pub enum Refusal {
     Locked,
 }
 
-impl Refusal {
+impl WriteRefusal {
     /// The alarm of a refused program operation; only [`Self::Level`] has one.
     pub fn alarm(self) -> Option<Alarm> {
         (self == Self::Level)
-            .then(|| Alarm::new(number::PROGRAM_NUMBER).because(say::level_too_low()))
+            .then(|| Alarm::new(number::PROGRAM_NUMBER).with_detail(say::level_too_low()))
     }
 }
 
-const fn unless(allowed: bool, refusal: Refusal) -> Result<(), Refusal> {
+const fn require(allowed: bool, refusal: WriteRefusal) -> Result<(), WriteRefusal> {
     if allowed { Ok(()) } else { Err(refusal) }
 }
 
 /// The level that may send and receive a program through the serial port: above O9000 the
 /// machine builder's.
-const fn serial_level(number: u16) -> Level {
+const fn serial_level(number: u16) -> OperationLevel {
     if number <= PROTECTED_FROM {
-        Level::OPERATOR
+        OperationLevel::OPERATOR
     } else {
-        Level::BUILDER
+        OperationLevel::BUILDER
     }
 }
 
 impl Rights<'_> {
-    fn level_at_most(&self, level: Level) -> Result<(), Refusal> {
-        unless(self.level <= level, Refusal::Level)
+    fn require_level(&self, level: OperationLevel) -> Result<(), WriteRefusal> {
+        require(self.level <= level, WriteRefusal::Level)
     }
 
-    fn at_rest(&self) -> Result<(), Refusal> {
-        unless(!self.operating && !self.moving, Refusal::Running)
+    fn require_standstill(&self) -> Result<(), WriteRefusal> {
+        require(!self.operating && !self.moving, WriteRefusal::Running)
     }
 
-    fn mdi(&self) -> Result<(), Refusal> {
-        unless(self.mode == Mode::Mdi, Refusal::Mode)
+    fn require_mdi(&self) -> Result<(), WriteRefusal> {
+        require(self.mode == OperatingMode::Mdi, WriteRefusal::Mode)
     }
 
-    fn mdi_or_emergency_stop(&self) -> Result<(), Refusal> {
-        unless(self.mode == Mode::Mdi || self.emergency_stop, Refusal::Mode)
+    fn require_mdi_or_emergency_stop(&self) -> Result<(), WriteRefusal> {
+        require(
+            self.mode == OperatingMode::Mdi || self.emergency_stop,
+            WriteRefusal::Mode,
+        )
     }
 
     /// Whether 012.4 PRG9 hides a program.
-    pub fn hides(&self, program: u16) -> bool {
-        self.parameters.hides_upper_programs() && program >= PROTECTED_FROM
+    pub fn is_hidden(&self, program: u16) -> bool {
+        self.parameters.are_upper_programs_hidden() && program >= PROTECTED_FROM
     }
 
     /// Checks editing, creating, deleting, renaming or copying a program.
     ///
     /// # Errors
     /// The first unmet condition.
-    pub fn program(&self, number: u16) -> Result<(), Refusal> {
-        unless(self.mode.edits(), Refusal::Mode)?;
-        unless(!self.running, Refusal::Running)?;
-        unless(
-            !self.alarm || self.parameters.edits_in_alarm(),
-            Refusal::Alarm,
+    pub fn check_program_edit(&self, number: u16) -> Result<(), WriteRefusal> {
+        require(self.mode.edits(), WriteRefusal::Mode)?;
+        require(!self.running, WriteRefusal::Running)?;
+        require(
+            !self.alarm || self.parameters.can_edit_in_alarm(),
+            WriteRefusal::Alarm,
         )?;
-        self.program_memory(number)
+        self.check_program_store(number)
     }
 
     /// Checks storing text that was typed while editing was allowed.
     ///
     /// # Errors
     /// The first unmet condition.
-    pub fn program_memory(&self, number: u16) -> Result<(), Refusal> {
-        unless(self.program_switch, Refusal::ProgramSwitch)?;
+    pub fn check_program_store(&self, number: u16) -> Result<(), WriteRefusal> {
+        require(self.program_switch, WriteRefusal::ProgramSwitch)?;
         let locked =
-            self.protected || self.parameters.program_switch_masked() || self.hides(number);
-        unless(!locked, Refusal::Locked)?;
-        self.level_at_most(if number < PROTECTED_FROM {
-            Level::OPERATOR
+            self.protected || self.parameters.is_program_switch_masked() || self.is_hidden(number);
+        require(!locked, WriteRefusal::Locked)?;
+        self.require_level(if number < PROTECTED_FROM {
+            OperationLevel::OPERATOR
         } else {
-            Level::WORKSHOP
+            OperationLevel::WORKSHOP
         })
     }
 
-    fn may_send(&self) -> Result<(), Refusal> {
-        unless(self.mode == Mode::Edit, Refusal::Mode)?;
-        unless(!self.operating, Refusal::Running)
+    fn require_send(&self) -> Result<(), WriteRefusal> {
+        require(self.mode == OperatingMode::Edit, WriteRefusal::Mode)?;
+        require(!self.operating, WriteRefusal::Running)
     }
 
     /// Checks sending a program through the serial port (manual III-9.8.2).
     ///
     /// # Errors
     /// The first unmet condition.
-    pub fn send_program(&self, number: u16) -> Result<(), Refusal> {
-        self.may_send()?;
-        unless(self.program_switch, Refusal::ProgramSwitch)?;
-        unless(!self.hides(number), Refusal::Locked)?;
-        self.level_at_most(serial_level(number))
+    pub fn check_send_program(&self, number: u16) -> Result<(), WriteRefusal> {
+        self.require_send()?;
+        require(self.program_switch, WriteRefusal::ProgramSwitch)?;
+        require(!self.is_hidden(number), WriteRefusal::Locked)?;
+        self.require_level(serial_level(number))
     }
 
     /// Checks sending parameters, offsets or the pitch table.
     ///
     /// # Errors
     /// The first unmet condition.
-    pub fn send_data(&self) -> Result<(), Refusal> {
-        self.may_send()?;
-        unless(self.parameter_switch, Refusal::ParameterSwitch)?;
-        self.level_at_most(Level::WORKSHOP)
+    pub fn check_send_data(&self) -> Result<(), WriteRefusal> {
+        self.require_send()?;
+        require(self.parameter_switch, WriteRefusal::ParameterSwitch)?;
+        self.require_level(OperationLevel::WORKSHOP)
     }
 
     /// Checks sending a program that the partner on the serial port requests: in any mode,
@@ -162,124 +165,133 @@ impl Rights<'_> {
     ///
     /// # Errors
     /// The first unmet condition.
-    pub fn fetch_program(&self, number: u16) -> Result<(), Refusal> {
-        self.at_rest()?;
-        unless(self.program_switch, Refusal::ProgramSwitch)?;
-        unless(!self.hides(number), Refusal::Locked)?;
-        self.level_at_most(serial_level(number))
+    pub fn check_fetch_program(&self, number: u16) -> Result<(), WriteRefusal> {
+        self.require_standstill()?;
+        require(self.program_switch, WriteRefusal::ProgramSwitch)?;
+        require(!self.is_hidden(number), WriteRefusal::Locked)?;
+        self.require_level(serial_level(number))
     }
 
     /// Checks sending parameters, offsets or the pitch table that the partner requests.
     ///
     /// # Errors
     /// The first unmet condition.
-    pub fn fetch_data(&self) -> Result<(), Refusal> {
-        self.at_rest()?;
-        unless(self.parameter_switch, Refusal::ParameterSwitch)?;
-        self.level_at_most(Level::WORKSHOP)
+    pub fn check_fetch_data(&self) -> Result<(), WriteRefusal> {
+        self.require_standstill()?;
+        require(self.parameter_switch, WriteRefusal::ParameterSwitch)?;
+        self.require_level(OperationLevel::WORKSHOP)
     }
 
-    fn may_receive(&self) -> Result<(), Refusal> {
-        self.at_rest()?;
-        unless(!self.protected, Refusal::Locked)
+    fn require_receive(&self) -> Result<(), WriteRefusal> {
+        self.require_standstill()?;
+        require(!self.protected, WriteRefusal::Locked)
     }
 
     /// Checks receiving a program through the serial port.
     ///
     /// # Errors
     /// The first unmet condition.
-    pub fn receive_program(&self, number: u16) -> Result<(), Refusal> {
-        self.may_receive()?;
-        unless(self.program_switch, Refusal::ProgramSwitch)?;
-        let locked = self.parameters.program_switch_masked() || self.hides(number);
-        unless(!locked, Refusal::Locked)?;
-        self.level_at_most(serial_level(number))
+    pub fn check_receive_program(&self, number: u16) -> Result<(), WriteRefusal> {
+        self.require_receive()?;
+        require(self.program_switch, WriteRefusal::ProgramSwitch)?;
+        let locked = self.parameters.is_program_switch_masked() || self.is_hidden(number);
+        require(!locked, WriteRefusal::Locked)?;
+        self.require_level(serial_level(number))
     }
 
     /// Checks receiving parameters, offsets or the pitch table through the serial port.
     ///
     /// # Errors
     /// The first unmet condition.
-    pub fn receive_data(&self) -> Result<(), Refusal> {
-        self.may_receive()?;
-        unless(self.parameter_switch, Refusal::ParameterSwitch)?;
-        unless(!self.parameters.parameter_switch_masked(), Refusal::Locked)?;
-        self.level_at_most(Level::WORKSHOP)
+    pub fn check_receive_data(&self) -> Result<(), WriteRefusal> {
+        self.require_receive()?;
+        require(self.parameter_switch, WriteRefusal::ParameterSwitch)?;
+        require(
+            !self.parameters.is_parameter_switch_masked(),
+            WriteRefusal::Locked,
+        )?;
+        self.require_level(OperationLevel::WORKSHOP)
     }
 
     /// Checks writing tool offsets.
     ///
     /// # Errors
     /// The first unmet condition.
-    pub fn offsets(&self) -> Result<(), Refusal> {
-        unless(!self.protected, Refusal::Locked)?;
-        self.level_at_most(Level::OPERATOR)
+    pub fn check_offsets(&self) -> Result<(), WriteRefusal> {
+        require(!self.protected, WriteRefusal::Locked)?;
+        self.require_level(OperationLevel::OPERATOR)
     }
 
     /// Checks writing macro variables.
     ///
     /// # Errors
     /// The first unmet condition.
-    pub fn variables(&self) -> Result<(), Refusal> {
-        self.mdi()?;
-        unless(!self.operating, Refusal::Running)?;
-        self.level_at_most(Level::OPERATOR)
+    pub fn check_variables(&self) -> Result<(), WriteRefusal> {
+        self.require_mdi()?;
+        require(!self.operating, WriteRefusal::Running)?;
+        self.require_level(OperationLevel::OPERATOR)
     }
 
     /// Checks writing rows of the setting page.
     ///
     /// # Errors
     /// The first unmet condition.
-    pub fn settings(&self) -> Result<(), Refusal> {
-        self.mdi()?;
-        self.at_rest()?;
-        unless(self.parameter_switch, Refusal::ParameterSwitch)?;
-        self.level_at_most(Level::WORKSHOP)
+    pub fn check_settings(&self) -> Result<(), WriteRefusal> {
+        self.require_mdi()?;
+        self.require_standstill()?;
+        require(self.parameter_switch, WriteRefusal::ParameterSwitch)?;
+        self.require_level(OperationLevel::WORKSHOP)
     }
 
     /// Checks operating the parameter switch (参数开关).
     ///
     /// # Errors
     /// The first unmet condition.
-    pub fn parameter_switch(&self) -> Result<(), Refusal> {
-        unless(!self.operating, Refusal::Running)?;
-        unless(!self.parameters.parameter_switch_masked(), Refusal::Locked)?;
-        self.level_at_most(Level::WORKSHOP)
+    pub fn check_parameter_switch(&self) -> Result<(), WriteRefusal> {
+        require(!self.operating, WriteRefusal::Running)?;
+        require(
+            !self.parameters.is_parameter_switch_masked(),
+            WriteRefusal::Locked,
+        )?;
+        self.require_level(OperationLevel::WORKSHOP)
     }
 
     /// Checks operating the program switch (程序开关).
     ///
     /// # Errors
     /// The first unmet condition.
-    pub fn program_switch(&self) -> Result<(), Refusal> {
-        unless(!self.operating, Refusal::Running)?;
-        unless(!self.parameters.program_switch_masked(), Refusal::Locked)?;
-        self.level_at_most(Level::OPERATOR)
+    pub fn check_program_switch(&self) -> Result<(), WriteRefusal> {
+        require(!self.operating, WriteRefusal::Running)?;
+        require(
+            !self.parameters.is_program_switch_masked(),
+            WriteRefusal::Locked,
+        )?;
+        self.require_level(OperationLevel::OPERATOR)
     }
 
     /// Checks writing parameters and the pitch table.
     ///
     /// # Errors
     /// The first unmet condition.
-    pub fn parameters(&self) -> Result<(), Refusal> {
-        self.mdi_or_emergency_stop()?;
-        self.at_rest()?;
-        unless(self.parameter_switch, Refusal::ParameterSwitch)?;
-        let locked = self.protected || self.parameters.parameter_switch_masked();
-        unless(!locked, Refusal::Locked)?;
-        self.level_at_most(Level::WORKSHOP)
+    pub fn check_parameters(&self) -> Result<(), WriteRefusal> {
+        self.require_mdi_or_emergency_stop()?;
+        self.require_standstill()?;
+        require(self.parameter_switch, WriteRefusal::ParameterSwitch)?;
+        let locked = self.protected || self.parameters.is_parameter_switch_masked();
+        require(!locked, WriteRefusal::Locked)?;
+        self.require_level(OperationLevel::WORKSHOP)
     }
 
     /// Checks loading and saving the electronic disks.
     ///
     /// # Errors
     /// The first unmet condition.
-    pub fn disks(&self) -> Result<(), Refusal> {
-        self.mdi_or_emergency_stop()?;
-        self.at_rest()?;
-        unless(self.parameter_switch, Refusal::ParameterSwitch)?;
-        unless(!self.protected, Refusal::Locked)?;
-        self.level_at_most(Level::WORKSHOP)
+    pub fn check_disks(&self) -> Result<(), WriteRefusal> {
+        self.require_mdi_or_emergency_stop()?;
+        self.require_standstill()?;
+        require(self.parameter_switch, WriteRefusal::ParameterSwitch)?;
+        require(!self.protected, WriteRefusal::Locked)?;
+        self.require_level(OperationLevel::WORKSHOP)
     }
 
     /// Checks writing 坐标选择 of the graphic, presets of the PLC, and the tool in position
@@ -287,11 +299,11 @@ impl Rights<'_> {
     ///
     /// # Errors
     /// The first unmet condition.
-    pub fn machine_data(&self) -> Result<(), Refusal> {
-        self.mdi()?;
-        unless(self.parameter_switch, Refusal::ParameterSwitch)?;
-        unless(!self.protected, Refusal::Locked)?;
-        self.level_at_most(Level::WORKSHOP)
+    pub fn check_machine_data(&self) -> Result<(), WriteRefusal> {
+        self.require_mdi()?;
+        require(self.parameter_switch, WriteRefusal::ParameterSwitch)?;
+        require(!self.protected, WriteRefusal::Locked)?;
+        self.require_level(OperationLevel::WORKSHOP)
     }
 
     /// Checks loading a ladder with its messages, comments and initial data (manual PLC-III
@@ -299,20 +311,20 @@ impl Rights<'_> {
     ///
     /// # Errors
     /// The first unmet condition.
-    pub fn ladder(&self) -> Result<(), Refusal> {
-        unless(self.mode == Mode::Edit, Refusal::Mode)?;
-        self.at_rest()?;
-        unless(self.parameter_switch, Refusal::ParameterSwitch)?;
-        unless(!self.protected, Refusal::Locked)?;
-        self.level_at_most(Level::WORKSHOP)
+    pub fn check_ladder(&self) -> Result<(), WriteRefusal> {
+        require(self.mode == OperatingMode::Edit, WriteRefusal::Mode)?;
+        self.require_standstill()?;
+        require(self.parameter_switch, WriteRefusal::ParameterSwitch)?;
+        require(!self.protected, WriteRefusal::Locked)?;
+        self.require_level(OperationLevel::WORKSHOP)
     }
 
     /// Checks opening the password page.
     ///
     /// # Errors
     /// The first unmet condition.
-    pub fn password(&self) -> Result<(), Refusal> {
-        unless(!self.operating, Refusal::Running)
+    pub fn check_password(&self) -> Result<(), WriteRefusal> {
+        require(!self.operating, WriteRefusal::Running)
     }
 }
 

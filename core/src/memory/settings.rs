@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// A row of the setting page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Setting {
+pub enum SettingRow {
     /// 奇偶校检: stored, without effect on this control.
     Parity,
     /// ISO 代码: character code of program transfer.
@@ -18,7 +18,7 @@ pub enum Setting {
 /// The settings, kept over power-off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Settings {
+pub struct ControlSettings {
     /// 奇偶校检 (parity check): without effect on this control.
     pub parity: bool,
     /// ISO 代码: programs are transferred in ISO code, otherwise in EIA.
@@ -41,7 +41,7 @@ const fn is_off(option: &bool) -> bool {
     !*option
 }
 
-impl Default for Settings {
+impl Default for ControlSettings {
     fn default() -> Self {
         Self {
             parity: false,
@@ -53,24 +53,24 @@ impl Default for Settings {
     }
 }
 
-impl Settings {
+impl ControlSettings {
     /// Whether a row is on.
-    pub const fn get(&self, setting: Setting) -> bool {
+    pub const fn get(&self, setting: SettingRow) -> bool {
         match setting {
-            Setting::Parity => self.parity,
-            Setting::Iso => self.iso,
-            Setting::Inch => self.inch,
-            Setting::Numbering => self.numbering,
+            SettingRow::Parity => self.parity,
+            SettingRow::Iso => self.iso,
+            SettingRow::Inch => self.inch,
+            SettingRow::Numbering => self.numbering,
         }
     }
 
     /// Switches a row on or off.
-    pub const fn set(&mut self, setting: Setting, on: bool) {
+    pub const fn set(&mut self, setting: SettingRow, on: bool) {
         match setting {
-            Setting::Parity => self.parity = on,
-            Setting::Iso => self.iso = on,
-            Setting::Inch => self.inch = on,
-            Setting::Numbering => self.numbering = on,
+            SettingRow::Parity => self.parity = on,
+            SettingRow::Iso => self.iso = on,
+            SettingRow::Inch => self.inch = on,
+            SettingRow::Numbering => self.numbering = on,
         }
     }
 }

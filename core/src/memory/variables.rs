@@ -10,21 +10,21 @@ use serde::{Deserialize, Serialize};
 use crate::alarm::{Alarm, number};
 
 /// First number and count of the two groups of macro A.
-const GROUPS: [(u16, usize); 2] = [(200, 32), (500, 16)];
-const COUNT: usize = 48;
+const MACRO_A_GROUPS: [(u16, usize); 2] = [(200, 32), (500, 16)];
+const MACRO_A_COUNT: usize = 48;
 
 /// Real variables that are kept over power-off, and those that are not.
-const REAL: core::ops::RangeInclusive<u16> = 500..=999;
-const PASSING: core::ops::RangeInclusive<u16> = 100..=199;
+const RETAINED_NUMBERS: core::ops::RangeInclusive<u16> = 500..=999;
+const VOLATILE_NUMBERS: core::ops::RangeInclusive<u16> = 100..=199;
 /// Variables of the Huaxing lathes, which are not kept either.
-const COUNTED: core::ops::RangeInclusive<u16> = 1..=99;
+const HUAXING_NUMBERS: core::ops::RangeInclusive<u16> = 1..=99;
 
 /// The common variables. All programs share them. They are kept over power-off, except #100
 /// to #199. A variable without a value is zero, or null if only macro B has it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "BTreeMap<u16, Stored>", try_from = "BTreeMap<u16, Stored>")]
 pub struct Variables {
-    values: [i64; COUNT],
+    values: [i64; MACRO_A_COUNT],
     /// Values with a fraction, and values of variables that only macro B has.
     reals: BTreeMap<u16, f64>,
 }
@@ -40,7 +40,7 @@ enum Stored {
 impl Default for Variables {
     fn default() -> Self {
         Self {
-            values: [0; COUNT],
+            values: [0; MACRO_A_COUNT],
             reals: BTreeMap::new(),
         }
     }
@@ -55,20 +55,20 @@ impl Variables {
     pub const GREATEST_REAL: f64 = 1e47;
 
     /// Whether macro A has a common variable with this number.
-    pub fn has(number: u16) -> bool {
-        index(number).is_some()
+    pub fn has_integer(number: u16) -> bool {
+        value_index(number).is_some()
     }
 
     /// The numbers of the common variables of macro A, ascending.
     pub fn numbers() -> impl Iterator<Item = u16> {
-        GROUPS
+        MACRO_A_GROUPS
             .into_iter()
             .flat_map(|(first, count)| (first..).take(count))
     }
 
     /// The integer value of a variable; `None` if macro A has no such variable.
     pub fn get(&self, number: u16) -> Option<i64> {
-        self.values.get(index(number)?).copied()
+        self.values.get(value_index(number)?).copied()
     }
 
     /// Sets an integer variable.
@@ -76,13 +76,13 @@ impl Variables {
     /// # Errors
     /// 115 for an invalid number, 111 for a value beyond −2³² to 2³² − 1.
     pub fn set(&mut self, number: u16, value: i64) -> Result<(), Alarm> {
-        let Some(slot) = index(number).and_then(|index| self.values.get_mut(index)) else {
+        let Some(slot) = value_index(number).and_then(|index| self.values.get_mut(index)) else {
             let detail = say::variable_not_common(number);
-            return Err(Alarm::new(number::BAD_VARIABLE).because(detail));
+            return Err(Alarm::new(number::BAD_VARIABLE).with_detail(detail));
         };
         if !(Self::LEAST..=Self::GREATEST).contains(&value) {
             let detail = say::variable_value_out_of_range(value, number);
-            return Err(Alarm::new(number::MACRO_RANGE).because(detail));
+            return Err(Alarm::new(number::MACRO_RANGE).with_detail(detail));
         }
         *slot = value;
         self.reals.remove(&number);
@@ -91,24 +91,29 @@ impl Variables {
 
     /// Whether macro B has a common variable with this number.
     pub(crate) fn has_real(number: u16) -> bool {
-        REAL.contains(&number) || PASSING.contains(&number) || Self::has(number)
+        RETAINED_NUMBERS.contains(&number)
+            || VOLATILE_NUMBERS.contains(&number)
+            || Self::has_integer(number)
     }
 
     /// The numbers that the page lists where programs use macro B: the local variables #1 to
     /// #33, and all common ones.
     pub fn numbers_of_macro_b() -> impl Iterator<Item = u16> {
-        let (first, count) = GROUPS[0];
+        let (first, count) = MACRO_A_GROUPS[0];
         let of_both = (first..).take(count);
-        (1..=33).chain(PASSING).chain(of_both).chain(REAL)
+        (1..=33)
+            .chain(VOLATILE_NUMBERS)
+            .chain(of_both)
+            .chain(RETAINED_NUMBERS)
     }
 
     /// The numbers of the variables of Huaxing lathes.
     pub fn numbers_of_huaxing() -> impl Iterator<Item = u16> {
-        COUNTED
+        HUAXING_NUMBERS
     }
 
     /// The value of a variable of the Huaxing lathes; `None`: null.
-    pub(crate) fn counted(&self, number: u16) -> Option<f64> {
+    pub(crate) fn huaxing_value(&self, number: u16) -> Option<f64> {
         self.reals.get(&number).copied()
     }
 
@@ -116,16 +121,20 @@ impl Variables {
     ///
     /// # Errors
     /// 111 for a value that formulas cannot yield.
-    pub(crate) fn set_counted(&mut self, number: u16, value: Option<f64>) -> Result<(), Alarm> {
-        match value.filter(|_| COUNTED.contains(&number)) {
-            Some(value) => self.reals.insert(number, Self::checked(number, value)?),
+    pub(crate) fn set_huaxing_value(
+        &mut self,
+        number: u16,
+        value: Option<f64>,
+    ) -> Result<(), Alarm> {
+        match value.filter(|_| HUAXING_NUMBERS.contains(&number)) {
+            Some(value) => self.reals.insert(number, Self::check_real(number, value)?),
             None => self.reals.remove(&number),
         };
         Ok(())
     }
 
     /// The value that macro B reads; `None`: null.
-    pub fn real(&self, number: u16) -> Option<f64> {
+    pub fn real_value(&self, number: u16) -> Option<f64> {
         let real = self.reals.get(&number).copied();
         real.or_else(|| self.get(number).map(|whole| whole as f64))
     }
@@ -136,8 +145,8 @@ impl Variables {
     /// 115 for an invalid number. 111 for a value that macro A could not read, and for one
     /// that formulas cannot yield.
     pub fn set_real(&mut self, number: u16, value: Option<f64>) -> Result<(), Alarm> {
-        if Self::has(number) {
-            let value = Self::checked(number, value.unwrap_or(0.0))?;
+        if Self::has_integer(number) {
+            let value = Self::check_real(number, value.unwrap_or(0.0))?;
             self.set(number, libm::trunc(value) as i64)?;
             if libm::trunc(value) != value {
                 self.reals.insert(number, value);
@@ -146,10 +155,10 @@ impl Variables {
         }
         if !Self::has_real(number) {
             let detail = say::variable_not_common(number);
-            return Err(Alarm::new(number::BAD_VARIABLE).because(detail));
+            return Err(Alarm::new(number::BAD_VARIABLE).with_detail(detail));
         }
         match value {
-            Some(value) => self.reals.insert(number, Self::checked(number, value)?),
+            Some(value) => self.reals.insert(number, Self::check_real(number, value)?),
             None => self.reals.remove(&number),
         };
         Ok(())
@@ -159,24 +168,25 @@ impl Variables {
     ///
     /// # Errors
     /// 111 for NaN and for a value that formulas cannot yield.
-    pub(crate) fn checked(number: u16, value: f64) -> Result<f64, Alarm> {
+    pub(crate) fn check_real(number: u16, value: f64) -> Result<f64, Alarm> {
         if (-Self::GREATEST_REAL..=Self::GREATEST_REAL).contains(&value) {
             return Ok(value);
         }
         let detail = say::variable_value_beyond_formulas(format_args!("{value:e}"), number);
-        Err(Alarm::new(number::MACRO_RANGE).because(detail))
+        Err(Alarm::new(number::MACRO_RANGE).with_detail(detail))
     }
 
     /// Clears the variables that are not kept over power-off.
     pub fn power_on(&mut self) {
-        self.reals
-            .retain(|number, _| !PASSING.contains(number) && !COUNTED.contains(number));
+        self.reals.retain(|number, _| {
+            !VOLATILE_NUMBERS.contains(number) && !HUAXING_NUMBERS.contains(number)
+        });
     }
 }
 
-fn index(number: u16) -> Option<usize> {
+fn value_index(number: u16) -> Option<usize> {
     let mut before = 0;
-    for (first, count) in GROUPS {
+    for (first, count) in MACRO_A_GROUPS {
         let within = usize::from(number.wrapping_sub(first));
         if within < count {
             return Some(before + within);
@@ -205,13 +215,15 @@ impl TryFrom<BTreeMap<u16, Stored>> for Variables {
         let mut variables = Self::default();
         for (number, value) in values {
             match value {
-                Stored::Whole(value) if Self::has(number) => variables.set(number, value)?,
+                Stored::Whole(value) if Self::has_integer(number) => {
+                    variables.set(number, value)?
+                }
                 Stored::Whole(value) => variables.set_real(number, Some(value as f64))?,
                 // Earlier versions stored such values from project folders. The variable is
                 // empty then, and the reader of the file reports it.
                 Stored::Real(value) if !value.is_finite() => {}
-                Stored::Real(value) if COUNTED.contains(&number) => {
-                    variables.set_counted(number, Some(value))?;
+                Stored::Real(value) if HUAXING_NUMBERS.contains(&number) => {
+                    variables.set_huaxing_value(number, Some(value))?;
                 }
                 Stored::Real(value) => variables.set_real(number, Some(value))?,
             }
@@ -228,7 +240,7 @@ mod tests {
     fn numbers_and_range() {
         let mut variables = Variables::default();
         let numbers: Vec<u16> = Variables::numbers().collect();
-        assert_eq!(numbers.len(), COUNT);
+        assert_eq!(numbers.len(), MACRO_A_COUNT);
         for (value, number) in (0..).zip(&numbers) {
             variables.set(*number, value).unwrap();
         }
@@ -236,7 +248,7 @@ mod tests {
             assert_eq!(variables.get(*number), Some(value));
         }
         for number in [0, 199, 232, 499, 516, 1000, 9200, u16::MAX] {
-            assert!(!Variables::has(number));
+            assert!(!Variables::has_integer(number));
             assert_eq!(variables.set(number, 0).unwrap_err().number, 115);
         }
         for value in [Variables::LEAST, Variables::GREATEST] {
@@ -258,7 +270,7 @@ mod tests {
         assert!(ron::from_str::<Variables>("{232:1}").is_err());
         assert!(ron::from_str::<Variables>("{200:4294967296}").is_err());
         let damaged = ron::from_str::<Variables>("{500:NaN,501:7,600:-inf,601:2.5}").unwrap();
-        let values = [500, 501, 600, 601].map(|number| damaged.real(number));
+        let values = [500, 501, 600, 601].map(|number| damaged.real_value(number));
         assert_eq!(values, [Some(0.0), Some(7.0), None, Some(2.5)]);
     }
 
@@ -271,7 +283,10 @@ mod tests {
                 assert_eq!(refused.number, 111, "#{number} = {value}");
             }
             assert_eq!(
-                variables.set_counted(7, Some(value)).unwrap_err().number,
+                variables
+                    .set_huaxing_value(7, Some(value))
+                    .unwrap_err()
+                    .number,
                 111
             );
         }

@@ -6,8 +6,8 @@ use std::sync::LazyLock;
 use gsk_messages::Language;
 use serde::Deserialize;
 
-use super::calls::CallRange;
 use super::conventions::Conventions;
+use super::program_calls::CallRange;
 use super::{GCode, MCode, ModelId};
 use crate::units::Axis;
 
@@ -16,7 +16,7 @@ const G_CODES: usize = 100;
 
 /// The data of a control model.
 #[derive(Clone, Debug, Deserialize)]
-pub struct Record {
+pub struct ModelRecord {
     /// The model of this record.
     #[serde(skip)]
     id: ModelId,
@@ -47,13 +47,13 @@ pub struct Record {
     pub(crate) first_input: u8,
     /// The effect of an input's rising edge in manual modes.
     #[serde(default)]
-    pub(crate) edges: BTreeMap<u8, Edge>,
+    pub(crate) edges: BTreeMap<u8, EdgeAction>,
     /// Inputs that are also contacts of the machine.
     #[serde(default)]
-    pub(crate) wires: BTreeMap<u8, Wire>,
+    pub(crate) wires: BTreeMap<u8, WiredContact>,
     /// Outputs of the ladder with M codes that act when the output changes, from any cause.
     #[serde(default)]
-    pub(crate) followers: Vec<Follower>,
+    pub(crate) followers: Vec<OutputFollower>,
     /// Number of the output of the spindle brake.
     #[serde(default)]
     pub(crate) brake_output: Option<u8>,
@@ -119,7 +119,7 @@ pub struct Record {
 
 /// The effect of a rising edge of an input in a manual mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-pub(crate) enum Edge {
+pub(crate) enum EdgeAction {
     /// Executes one of two M codes in turn.
     Toggles(u8, u8),
     /// Executes an M code.
@@ -128,18 +128,18 @@ pub(crate) enum Edge {
 
 /// The contact of the machine that an input of a model is wired to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-pub(crate) enum Wire {
+pub(crate) enum WiredContact {
     /// An emergency stop button.
     EmergencyStop,
     /// A limit switch.
-    Limit(Axis, Side),
+    Limit(Axis, AxisEnd),
     /// A deceleration switch.
     Deceleration(Axis),
 }
 
 /// An end of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-pub(crate) enum Side {
+pub(crate) enum AxisEnd {
     /// The positive one.
     Plus,
     /// The negative one.
@@ -148,7 +148,7 @@ pub(crate) enum Side {
 
 /// An output of the ladder whose changes execute M codes of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-pub(crate) struct Follower {
+pub(crate) struct OutputFollower {
     /// The output of the ladder.
     pub(crate) output: LadderOutput,
     /// The M code that is executed when the output switches on.
@@ -173,7 +173,7 @@ pub(crate) enum LadderOutput {
 pub struct MFunction {
     /// The meaning of the code.
     #[serde(rename = "does")]
-    pub does: MCode,
+    pub meaning: MCode,
     /// Numbers of the outputs that the code switches on.
     #[serde(default)]
     pub on: Vec<u8>,
@@ -186,7 +186,7 @@ pub struct MFunction {
 #[derive(Clone, Debug, Deserialize)]
 pub struct ModelParameter {
     /// Name in both languages.
-    name: Name,
+    name: BilingualName,
     /// Unit of the value.
     pub unit: String,
     /// Least and greatest value.
@@ -196,7 +196,7 @@ pub struct ModelParameter {
 }
 
 #[derive(Clone, Debug, Deserialize)]
-struct Name {
+struct BilingualName {
     en: String,
     zh: String,
 }
@@ -231,15 +231,15 @@ impl ModelParameter {
     }
 }
 
-impl Record {
+impl ModelRecord {
     /// The record of a model.
-    pub(super) fn of(id: ModelId) -> &'static Self {
+    pub(super) fn for_model(id: ModelId) -> &'static Self {
         // Each record is read at its first use: a run normally has one model.
-        static RECORDS: [LazyLock<Record>; 4] = [
-            LazyLock::new(|| read(ModelId::Gsk980td)),
-            LazyLock::new(|| read(ModelId::Gsk980mdi)),
-            LazyLock::new(|| read(ModelId::Hx31)),
-            LazyLock::new(|| read(ModelId::Ncb08)),
+        static RECORDS: [LazyLock<ModelRecord>; 4] = [
+            LazyLock::new(|| read_record(ModelId::Gsk980td)),
+            LazyLock::new(|| read_record(ModelId::Gsk980mdi)),
+            LazyLock::new(|| read_record(ModelId::Hx31)),
+            LazyLock::new(|| read_record(ModelId::Ncb08)),
         ];
         &RECORDS[id as usize]
     }
@@ -279,7 +279,7 @@ impl Record {
     }
 
     /// Whether a letter is an address outside macro calls.
-    pub fn takes_address(&self, letter: u8) -> bool {
+    pub fn is_address(&self, letter: u8) -> bool {
         let of_lathe = matches!(letter, b'F'..=b'U' | b'W' | b'X' | b'Z');
         (of_lathe || self.has_address(letter)) && !self.is_argument_only(letter)
     }
@@ -308,12 +308,12 @@ impl Record {
     }
 
     /// Whether both axes arrive at the same time in G00.
-    pub fn rapids_are_straight(&self) -> bool {
+    pub fn are_rapids_straight(&self) -> bool {
         self.g_code(0) == Some(GCode::StraightRapid)
     }
 }
 
-fn read(id: ModelId) -> Record {
+fn read_record(id: ModelId) -> ModelRecord {
     let text = match id {
         ModelId::Gsk980td => include_str!("../../../assets/models/gsk980td.ron"),
         ModelId::Gsk980mdi => include_str!("../../../assets/models/gsk980mdi.ron"),
@@ -322,7 +322,7 @@ fn read(id: ModelId) -> Record {
     };
     let options =
         ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-    let mut record: Record = match options.from_str(text) {
+    let mut record: ModelRecord = match options.from_str(text) {
         Ok(record) => record,
         Err(error) => unreachable!("the record of {id:?} is part of the program: {error}"),
     };

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::lag::Lag;
 use super::limits::MotionLimits;
-use super::path::Path;
+use super::path::CutPath;
 use super::straight_rapid;
 use crate::command::MoveKind;
 use crate::units::{Axis, Point, TICK_S};
@@ -13,44 +13,44 @@ use crate::units::{Axis, Point, TICK_S};
 pub(crate) fn path_length(kind: MoveKind, from: Point, to: Point, center: Option<Point>) -> f64 {
     match (kind, center) {
         (MoveKind::Clockwise | MoveKind::CounterClockwise, Some(_)) => {
-            path(kind, from, to, center).length()
+            to_path(kind, from, to, center).length()
         }
         _ => (to - from).length(),
     }
 }
 
-fn path(kind: MoveKind, from: Point, to: Point, center: Option<Point>) -> Path {
+fn to_path(kind: MoveKind, from: Point, to: Point, center: Option<Point>) -> CutPath {
     match (kind, center) {
-        (MoveKind::Clockwise, Some(center)) => Path::arc(from, to, center, true),
-        (MoveKind::CounterClockwise, Some(center)) => Path::arc(from, to, center, false),
-        _ => Path::line(from, to),
+        (MoveKind::Clockwise, Some(center)) => CutPath::arc(from, to, center, true),
+        (MoveKind::CounterClockwise, Some(center)) => CutPath::arc(from, to, center, false),
+        _ => CutPath::line(from, to),
     }
 }
 
 /// The lag forgets earlier cuts after this many time constants: a ten-thousandth of the lag
 /// of a fast cut is left, which is negligible even beside a slow cut.
-const MEMORY: f64 = 8.0;
+const MEMORY_TIME_CONSTANTS: f64 = 8.0;
 
 /// Consecutive cuts without exact corners (007.3 = 0), as far back as they affect the lag
 /// of the tool.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Sequel {
-    cuts: VecDeque<Made>,
+pub struct CutChain {
+    cuts: VecDeque<TimedCut>,
     /// Total time of the cuts, s.
-    spent: f64,
+    total_s: f64,
 }
 
 /// A cut with its speed, mm/s, and its duration, s.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Made {
-    path: Path,
+struct TimedCut {
+    path: CutPath,
     rate: f64,
-    time: f64,
+    duration_s: f64,
 }
 
-impl Sequel {
+impl CutChain {
     /// Adds a cut and returns the duration of its command, s; `feed` in mm/min.
-    pub fn cut(
+    pub fn add_cut(
         &mut self,
         kind: MoveKind,
         from: Point,
@@ -59,7 +59,7 @@ impl Sequel {
         feed: f64,
         limits: &MotionLimits,
     ) -> f64 {
-        let path = path(kind, from, to, center);
+        let path = to_path(kind, from, to, center);
         let rate = (feed / 60.0).min(limits.cutting());
         if path.length() <= 0.0 {
             return 0.0;
@@ -68,60 +68,72 @@ impl Sequel {
             return f64::INFINITY;
         }
         let time = path.length() / rate;
-        self.cuts.push_back(Made { path, rate, time });
-        self.spent += time;
-        let memory = MEMORY * limits.cutting_law().time_constant();
-        while let Some(oldest) = self.cuts.front().map(|made| made.time)
-            && self.spent - oldest > memory
+        self.cuts.push_back(TimedCut {
+            path,
+            rate,
+            duration_s: time,
+        });
+        self.total_s += time;
+        let memory = MEMORY_TIME_CONSTANTS * limits.cutting_law().time_constant();
+        while let Some(oldest) = self.cuts.front().map(|made| made.duration_s)
+            && self.total_s - oldest > memory
         {
             self.cuts.pop_front();
-            self.spent -= oldest;
+            self.total_s -= oldest;
         }
         time
     }
 
     /// Duration in which the tool reaches the end of the last cut, s. The next cut begins
     /// at rest.
-    pub fn close(&mut self, limits: &MotionLimits) -> f64 {
+    pub fn finish(&mut self, limits: &MotionLimits) -> f64 {
         let law = limits.cutting_law();
         let constant = law.time_constant();
         let mut lag = Lag::default();
-        let mut before = (self.spent - MEMORY * constant).max(0.0);
+        let mut before = (self.total_s - MEMORY_TIME_CONSTANTS * constant).max(0.0);
         for made in self.cuts.drain(..) {
-            let from = before.min(made.time);
+            let from = before.min(made.duration_s);
             before -= from;
             // From rest a line is exact in one step; otherwise the direction changes.
-            let steps = if lag.is_none() && made.path.is_straight() {
+            let steps = if lag.is_zero() && made.path.is_straight() {
                 1.0
             } else {
-                ((made.time - from) / TICK_S).ceil().max(1.0)
+                ((made.duration_s - from) / TICK_S).ceil().max(1.0)
             };
-            let step = (made.time - from) / steps;
-            let mut at = made.path.at((made.time - from) * made.rate);
+            let step = (made.duration_s - from) / steps;
+            let mut at = made.path.point_at((made.duration_s - from) * made.rate);
             for number in 1..=steps as u32 {
                 let left = (steps - f64::from(number)) * step;
-                let next = made.path.at(left * made.rate);
+                let next = made.path.point_at(left * made.rate);
                 lag.follow(law, next - at, step);
                 at = next;
             }
         }
-        self.spent = 0.0;
+        self.total_s = 0.0;
         lag.time_to_close(law)
     }
 }
 
 /// Duration of a move from rest to rest at overrides of 100 %, s. `feed` in mm/min applies
-/// to cuts; a dwell takes no time here, and a cut without feed never ends. `way` is the
+/// to cuts; a dwell takes no time here, and a cut without feed never ends. `displacement` is the
 /// vector from start to end, `length` the length of the path, mm.
-pub fn duration(kind: MoveKind, way: Point, length: f64, feed: f64, limits: &MotionLimits) -> f64 {
+pub fn move_duration(
+    kind: MoveKind,
+    displacement: Point,
+    length: f64,
+    feed: f64,
+    limits: &MotionLimits,
+) -> f64 {
     match kind {
         MoveKind::Dwell => 0.0,
-        MoveKind::Rapid if limits.rapids_are_straight() => straight_rapid::duration(limits, way),
+        MoveKind::Rapid if limits.rapids_are_straight() => {
+            straight_rapid::duration(limits, displacement)
+        }
         MoveKind::Rapid => {
             let time = |axis| {
                 limits
                     .rapid_law(axis)
-                    .duration(way.get(axis).abs(), limits.rapid(axis))
+                    .duration(displacement.get(axis).abs(), limits.rapid(axis))
             };
             time(Axis::X).max(time(Axis::Z))
         }
@@ -134,17 +146,19 @@ pub fn duration(kind: MoveKind, way: Point, length: f64, feed: f64, limits: &Mot
 
 /// Highest speed of each axis in a rapid or a cut, mm/min (for an arc, the speed on its
 /// path); `feed` as for [`duration`].
-pub fn top_speed(kind: MoveKind, way: Point, feed: f64, limits: &MotionLimits) -> Point {
+pub fn top_speed(kind: MoveKind, displacement: Point, feed: f64, limits: &MotionLimits) -> Point {
     if kind == MoveKind::Rapid && limits.rapids_are_straight() {
-        return straight_rapid::top_speed(limits, way) * 60.0;
+        return straight_rapid::top_speed(limits, displacement) * 60.0;
     }
     let rate = feed.min(limits.cutting_rate());
     let axis_speed = |axis| match kind {
         MoveKind::Rapid => {
-            let reached = limits.rapid_law(axis).reached(way.get(axis).abs());
+            let reached = limits
+                .rapid_law(axis)
+                .peak_speed(displacement.get(axis).abs());
             (reached * 60.0).min(limits.rapid_rate(axis))
         }
-        MoveKind::Feed => rate * way.get(axis).abs() / way.length().max(1e-9),
+        MoveKind::Feed => rate * displacement.get(axis).abs() / displacement.length().max(1e-9),
         _ => rate,
     };
     Point::new(axis_speed(Axis::X), axis_speed(Axis::Z))

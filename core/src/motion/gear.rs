@@ -14,37 +14,37 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::memory::Parameters;
+use crate::memory::ControlParameters;
 
 /// Turns below this count as zero.
-const NOTHING: f64 = 1e-12;
+const MIN_TURNS: f64 = 1e-12;
 
 /// How the gear increases and decreases its rate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct GearLaw {
     /// Time constant T (029), s.
     #[serde(rename = "time")]
-    pub time: f64,
+    pub time_constant_s: f64,
     /// Exponential instead of linear (175.4).
     pub exponential: bool,
     /// Speed at which threads start and end (028), mm/s.
     #[serde(rename = "lowest")]
-    pub lowest: f64,
+    pub lowest_mm_per_s: f64,
 }
 
 impl GearLaw {
     /// The rate at which the speed is `lowest`, for a lead and a spindle speed (turns/s).
     pub(crate) fn lowest_rate(&self, lead: f64, spin: f64) -> f64 {
         let speed = lead * spin;
-        if self.time <= 0.0 || speed <= self.lowest {
+        if self.time_constant_s <= 0.0 || speed <= self.lowest_mm_per_s {
             1.0
         } else {
-            self.lowest / speed
+            self.lowest_mm_per_s / speed
         }
     }
 
     /// Turns made while the rate decreases to `last`; `unit` is the turns in T.
-    fn braking(&self, rate: f64, last: f64, unit: f64) -> f64 {
+    fn braking_turns(&self, rate: f64, last: f64, unit: f64) -> f64 {
         if rate <= last {
             0.0
         } else if self.exponential {
@@ -57,38 +57,38 @@ impl GearLaw {
     /// Duration of `total` turns at `spin` turns/s, s: from the rate `first` (1: already in
     /// phase) to `last` (1: continuing).
     pub fn duration(&self, total: f64, spin: f64, first: f64, last: f64) -> f64 {
-        if total <= NOTHING {
+        if total <= MIN_TURNS {
             return 0.0;
         }
         if spin <= 0.0 {
             return f64::INFINITY;
         }
-        let even = total / spin;
-        let time = self.time;
+        let even_s = total / spin;
+        let time = self.time_constant_s;
         if time <= 0.0 || (first >= 1.0 && last >= 1.0) {
-            return even;
+            return even_s;
         }
         if self.exponential {
-            return self.exponential_duration(even, first, last);
+            return self.exponential_duration(even_s, first, last);
         }
         // Turns, as a fraction of those in T, for the direct change between both rates.
         let straight = (last * last - first * first) / 2.0;
-        if even < time * straight {
-            return time * ((first * first + 2.0 * even / time).sqrt() - first);
+        if even_s < time * straight {
+            return time * ((first * first + 2.0 * even_s / time).sqrt() - first);
         }
-        if even < -time * straight {
-            return 2.0 * even / (first + last);
+        if even_s < -time * straight {
+            return 2.0 * even_s / (first + last);
         }
-        let peak = f64::midpoint(first * first, last * last) + even / time;
+        let peak = f64::midpoint(first * first, last * last) + even_s / time;
         if peak < 1.0 {
             return time * (2.0 * peak.sqrt() - first - last).max(0.0);
         }
         let lost = |rate: f64| (1.0 - rate) * (1.0 - rate) / 2.0;
-        even + time * (lost(first) + lost(last))
+        even_s + time * (lost(first) + lost(last))
     }
 
     fn exponential_duration(&self, even: f64, first: f64, last: f64) -> f64 {
-        let time = self.time;
+        let time = self.time_constant_s;
         let missing = |after: f64| (1.0 - first) * libm::exp(-after / time);
         let down = time * (first - last);
         if even < down {
@@ -116,17 +116,17 @@ impl GearLaw {
         } else if to >= 1.0 {
             f64::INFINITY
         } else {
-            self.time * libm::log((1.0 - from) / (1.0 - to))
+            self.time_constant_s * libm::log((1.0 - from) / (1.0 - to))
         }
     }
 }
 
 /// The law of lead-in and lead-out, from the parameters.
-pub(super) fn gear_law(parameters: &Parameters) -> GearLaw {
+pub(super) fn gear_law(parameters: &ControlParameters) -> GearLaw {
     GearLaw {
-        time: parameters.feed_time() / 1000.0,
-        exponential: parameters.thread_exponential(),
-        lowest: parameters.thread_floor() / 60.0,
+        time_constant_s: parameters.feed_time() / 1000.0,
+        exponential: parameters.is_thread_exponential(),
+        lowest_mm_per_s: parameters.thread_start_speed() / 60.0,
     }
 }
 
@@ -146,7 +146,7 @@ pub(crate) struct Gear {
     pub rate: f64,
     /// Thread turns made.
     #[serde(rename = "done")]
-    pub done: f64,
+    pub done_turns: f64,
 }
 
 impl Gear {
@@ -156,57 +156,57 @@ impl Gear {
         if turns <= 0.0 || time <= 0.0 {
             // The spindle stands still or turns back: the tool follows, but never past the
             // start.
-            self.done += self.rate * turns.min(0.0);
+            self.done_turns += self.rate * turns.min(0.0);
             return time;
         }
         let spin = turns / time;
         let mut used = 0.0;
         // Each iteration is one phase: increase, keep, decrease the rate.
         for _ in 0..8 {
-            let (left, rest) = (time - used, end.total - self.done);
-            if rest <= NOTHING {
-                self.done = end.total;
+            let (left, rest) = (time - used, end.total - self.done_turns);
+            if rest <= MIN_TURNS {
+                self.done_turns = end.total;
                 return used;
             }
             if left <= 1e-15 {
                 break;
             }
-            used += self.phase(law, end, spin, left);
+            used += self.advance_phase(law, end, spin, left);
         }
-        if end.total - self.done <= NOTHING {
-            self.done = end.total;
+        if end.total - self.done_turns <= MIN_TURNS {
+            self.done_turns = end.total;
             return used;
         }
         time
     }
 
-    fn phase(&mut self, law: &GearLaw, end: GearEnd, spin: f64, left: f64) -> f64 {
-        let rest = end.total - self.done;
-        let unit = spin * law.time;
-        if law.time <= 0.0 {
+    fn advance_phase(&mut self, law: &GearLaw, end: GearEnd, spin: f64, left: f64) -> f64 {
+        let rest = end.total - self.done_turns;
+        let unit = spin * law.time_constant_s;
+        if law.time_constant_s <= 0.0 {
             self.rate = 1.0;
         }
         let last = end.last.unwrap_or(1.0);
-        let braking = law.braking(self.rate, last, unit);
+        let braking = law.braking_turns(self.rate, last, unit);
         if braking > 0.0 && rest <= braking * (1.0 + 1e-9) {
-            return self.drop_rate(law, last, spin, rest, left);
+            return self.decrease_rate(law, last, spin, rest, left);
         }
         if self.rate < 1.0 {
-            return self.take_up(law, last, spin, rest, left);
+            return self.increase_rate(law, last, spin, rest, left);
         }
-        let room = rest - braking;
-        let until = room / spin;
+        let free_turns = rest - braking;
+        let until = free_turns / spin;
         if until > left {
-            self.done += spin * left;
+            self.done_turns += spin * left;
             return left;
         }
-        self.done += room;
+        self.done_turns += free_turns;
         until
     }
 
     /// Increases the rate towards 1, or to the point where it must decrease.
-    fn take_up(&mut self, law: &GearLaw, last: f64, spin: f64, rest: f64, left: f64) -> f64 {
-        let (rate, time) = (self.rate, law.time);
+    fn increase_rate(&mut self, law: &GearLaw, last: f64, spin: f64, rest: f64, left: f64) -> f64 {
+        let (rate, time) = (self.rate, law.time_constant_s);
         let unit = spin * time;
         if law.exponential {
             // Below the final rate no turns are reserved for the decrease.
@@ -214,7 +214,7 @@ impl Gear {
             let until = if rate < last {
                 rising
             } else {
-                (rest - law.braking(rate, last, unit)) / spin
+                (rest - law.braking_turns(rate, last, unit)) / spin
             };
             let span = until.clamp(0.0, left);
             if span <= 1e-15 {
@@ -225,14 +225,14 @@ impl Gear {
             self.rate = reached;
             if rate < last {
                 if made >= rest {
-                    self.done += rest;
+                    self.done_turns += rest;
                     return span * rest / made;
                 }
                 if span >= rising {
                     self.rate = last;
                 }
             }
-            self.done += made;
+            self.done_turns += made;
             return span;
         }
         let free = (rate * rate + 2.0 * rest / unit).sqrt();
@@ -252,7 +252,7 @@ impl Gear {
         } else {
             (left, rate + left / time)
         };
-        self.done += spin * f64::midpoint(rate, reached) * span;
+        self.done_turns += spin * f64::midpoint(rate, reached) * span;
         self.rate = reached;
         span
     }
@@ -261,36 +261,36 @@ impl Gear {
     fn coast(&mut self, spin: f64, rest: f64, left: f64) -> f64 {
         let until = rest / (spin * self.rate.max(1e-6));
         if until > left {
-            self.done += spin * self.rate * left;
+            self.done_turns += spin * self.rate * left;
             return left;
         }
-        self.done += rest;
+        self.done_turns += rest;
         until
     }
 
     /// Decreases the rate to `last` exactly at the end, at any change of the spindle speed.
-    fn drop_rate(&mut self, law: &GearLaw, last: f64, spin: f64, rest: f64, left: f64) -> f64 {
+    fn decrease_rate(&mut self, law: &GearLaw, last: f64, spin: f64, rest: f64, left: f64) -> f64 {
         let rate = self.rate;
         if law.exponential {
-            let own = rest / (spin * (rate - last));
-            let reached = rate * libm::exp(-left / own);
+            let time_constant = rest / (spin * (rate - last));
+            let reached = rate * libm::exp(-left / time_constant);
             if reached > last {
-                self.done += rest - spin * own * (reached - last);
+                self.done_turns += rest - spin * time_constant * (reached - last);
                 self.rate = reached;
                 return left;
             }
-            self.done += rest;
+            self.done_turns += rest;
             self.rate = last;
-            return (own * libm::log(rate / last)).min(left);
+            return (time_constant * libm::log(rate / last)).min(left);
         }
         let until = 2.0 * rest / (spin * (rate + last));
         if until <= left {
-            self.done += rest;
+            self.done_turns += rest;
             self.rate = last;
             return until;
         }
         self.rate = rate - (rate - last) * left / until;
-        self.done += spin * f64::midpoint(rate, self.rate) * left;
+        self.done_turns += spin * f64::midpoint(rate, self.rate) * left;
         left
     }
 }

@@ -31,10 +31,10 @@ impl RapidOverride {
 pub struct DryRun {
     /// Rate of cuts, mm/min.
     #[serde(rename = "cutting")]
-    pub cutting: f64,
+    pub cutting_mm_per_min: f64,
     /// Rate of rapids, mm/min; `None`: the rapid rates.
     #[serde(rename = "rapid")]
-    pub rapid: Option<f64>,
+    pub rapid_mm_per_min: Option<f64>,
 }
 
 /// Inputs of the motion beside its command.
@@ -101,7 +101,8 @@ pub(super) fn rapid_targets(
 fn rapid_target(limits: &MotionLimits, inputs: &MotionInputs, axis: Axis) -> f64 {
     match inputs.dry_run {
         Some(DryRun {
-            rapid: Some(rate), ..
+            rapid_mm_per_min: Some(rate),
+            ..
         }) => (rate / 60.0).min(limits.rapid(axis)),
         _ => rapid_rate(limits, inputs.rapid_override, axis),
     }
@@ -110,9 +111,11 @@ fn rapid_target(limits: &MotionLimits, inputs: &MotionInputs, axis: Axis) -> f64
 /// Speed of a cut after override and clamp, mm/s.
 pub(super) fn cutting_target(limits: &MotionLimits, inputs: &MotionInputs, feed: Feed) -> f64 {
     let per_minute = match (inputs.dry_run, feed) {
-        (Some(dry_run), _) => dry_run.cutting,
+        (Some(dry_run), _) => dry_run.cutting_mm_per_min,
         (None, Feed::PerMinute(rate)) => rate * inputs.feed_override,
-        (None, Feed::PerRevolution(way)) => way * inputs.spindle_rpm.abs() * inputs.feed_override,
+        (None, Feed::PerRevolution(per_revolution)) => {
+            per_revolution * inputs.spindle_rpm.abs() * inputs.feed_override
+        }
     };
     min_not_nan(per_minute / 60.0, limits.cutting())
 }

@@ -8,76 +8,83 @@
 //!   tool  ──────────── ●
 //! ```
 //!
-//! On a straight line this is the law of [`Law::Exponential`]: from rest the speed is `F -
+//! On a straight line this is the law of [`SpeedLaw::Exponential`]: from rest the speed is `F -
 //! (F - FL) e^(-t/T)`, the lag reaches `T (F - FL)`, and after the command has stopped the
 //! tool needs `T ln(F / FL)` for the rest. At a corner the tool cuts the corner; on an arc
 //! it follows a smaller one.
 
 use serde::{Deserialize, Serialize};
 
-use super::ramp::Law;
+use super::ramp::SpeedLaw;
 use crate::units::Point;
 
 /// A lag below this counts as zero, mm.
-const NOTHING: f64 = 1e-9;
+const MIN_LAG_MM: f64 = 1e-9;
 
 /// Lag of the tool after the command.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Lag {
     /// Vector from the tool to the command, mm.
     #[serde(rename = "behind")]
-    pub behind: Point,
+    pub vector: Point,
 }
 
 impl Lag {
     /// Whether the tool is at the command.
-    pub fn is_none(&self) -> bool {
-        self.behind == Point::default()
+    pub fn is_zero(&self) -> bool {
+        self.vector == Point::default()
     }
 
-    /// Advances the command evenly by `way` in `time` seconds.
-    pub fn follow(&mut self, law: &Law, way: Point, time: f64) {
-        let Law::Exponential {
+    /// Advances the command evenly by `displacement` in `time` seconds.
+    pub fn follow(&mut self, law: &SpeedLaw, displacement: Point, time: f64) {
+        let SpeedLaw::Exponential {
             time: constant,
             lowest,
             ..
         } = *law
         else {
-            return self.behind = Point::default();
+            return self.vector = Point::default();
         };
         if time <= 0.0 {
-            self.behind = self.behind + way;
+            self.vector = self.vector + displacement;
             return;
         }
         if constant <= 0.0 {
-            return self.behind = Point::default();
+            return self.vector = Point::default();
         }
-        let speed = way * (1.0 / time);
+        let speed = displacement * (1.0 / time);
         let mut left = time;
         // Each iteration is one direction of the lag.
         for _ in 0..4 {
             if left <= 1e-15 {
                 return;
             }
-            left -= self.phase(law, constant, lowest, speed, left);
+            left -= self.advance_phase(law, constant, lowest, speed, left);
         }
     }
 
     /// Advances until the lag in its direction is zero, at most for `left` seconds. Returns
     /// the time used.
-    fn phase(&mut self, law: &Law, constant: f64, lowest: f64, speed: Point, left: f64) -> f64 {
-        let distance = self.behind.length();
-        let along = if distance > NOTHING {
-            self.behind * (1.0 / distance)
+    fn advance_phase(
+        &mut self,
+        law: &SpeedLaw,
+        constant: f64,
+        lowest: f64,
+        speed: Point,
+        left: f64,
+    ) -> f64 {
+        let distance = self.vector.length();
+        let along = if distance > MIN_LAG_MM {
+            self.vector * (1.0 / distance)
         } else {
-            self.behind = Point::default();
+            self.vector = Point::default();
             let rate = speed.length();
             if rate <= lowest {
                 return left;
             }
             speed * (1.0 / rate)
         };
-        let distance = if distance > NOTHING { distance } else { 0.0 };
+        let distance = if distance > MIN_LAG_MM { distance } else { 0.0 };
         let limit = (speed - along * lowest) * constant;
         let shrinking = -limit.dot(along);
         let mut span = left;
@@ -88,18 +95,18 @@ impl Lag {
             span = until.min(left);
         }
         let rest = law.decay(span);
-        let behind = if ends {
-            let behind = limit + (self.behind - limit) * rest;
-            behind - along * behind.dot(along)
+        let vector = if ends {
+            let unclamped = limit + (self.vector - limit) * rest;
+            unclamped - along * unclamped.dot(along)
         } else {
             // FL acts along the resulting lag, so that its direction cannot oscillate.
-            let whole = speed * (constant * (1.0 - rest)) + self.behind * rest;
+            let whole = speed * (constant * (1.0 - rest)) + self.vector * rest;
             let length = whole.length();
             let left = (length - lowest * constant * (1.0 - rest)).max(0.0);
-            whole * (left / length.max(NOTHING))
+            whole * (left / length.max(MIN_LAG_MM))
         };
-        self.behind = if behind.length() > NOTHING {
-            behind
+        self.vector = if vector.length() > MIN_LAG_MM {
+            vector
         } else {
             Point::default()
         };
@@ -108,10 +115,10 @@ impl Lag {
 
     /// Advances by `time` seconds with the command at rest. Returns the time used, which is
     /// less than `time` only when the tool has arrived.
-    pub(crate) fn close_up(&mut self, law: &Law, time: f64) -> f64 {
+    pub(crate) fn close_lag(&mut self, law: &SpeedLaw, time: f64) -> f64 {
         let until = self.time_to_close(law);
         if until <= time {
-            self.behind = Point::default();
+            self.vector = Point::default();
             return until;
         }
         self.follow(law, Point::default(), time);
@@ -119,10 +126,10 @@ impl Lag {
     }
 
     /// Time in which the tool reaches a command at rest, s.
-    pub(crate) fn time_to_close(&self, law: &Law) -> f64 {
+    pub(crate) fn time_to_close(&self, law: &SpeedLaw) -> f64 {
         match *law {
-            Law::Exponential { time, lowest, .. } if time > 0.0 => {
-                time * libm::log1p(self.behind.length() / (time * lowest))
+            SpeedLaw::Exponential { time, lowest, .. } if time > 0.0 => {
+                time * libm::log1p(self.vector.length() / (time * lowest))
             }
             _ => 0.0,
         }

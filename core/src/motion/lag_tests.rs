@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::command::MoveKind;
-use crate::memory::Parameters;
+use crate::memory::ControlParameters;
 use crate::units::{Axis, Feed, Point, TICK_S};
 
 /// Mean speed of the last tick along the path, mm/min.
@@ -13,7 +13,7 @@ fn speed(interpolator: &Interpolator) -> f64 {
 }
 
 fn limits(exact: bool, time: i32, lowest: i32) -> MotionLimits {
-    let mut parameters = Parameters::default();
+    let mut parameters = ControlParameters::default();
     parameters.set_bit(7, 3, exact).unwrap();
     parameters.set(29, time).unwrap();
     parameters.set(30, lowest).unwrap();
@@ -24,7 +24,7 @@ const FEED: f64 = 3000.0;
 /// [`FEED`] in mm/s.
 const RATE: f64 = 50.0;
 
-fn goes_on() -> MotionInputs {
+fn continuing_inputs() -> MotionInputs {
     MotionInputs {
         cut_continues: true,
         ..MotionInputs::default()
@@ -32,9 +32,13 @@ fn goes_on() -> MotionInputs {
 }
 
 /// Runs a cut to the end of its command, then starts the next one in the rest of the tick.
-fn over(interpolator: &mut Interpolator, limits: &MotionLimits, start: impl Fn(&mut Interpolator)) {
-    while !interpolator.finished() {
-        interpolator.tick(limits, &goes_on());
+fn start_next_cut(
+    interpolator: &mut Interpolator,
+    limits: &MotionLimits,
+    start: impl Fn(&mut Interpolator),
+) {
+    while !interpolator.is_finished() {
+        interpolator.tick(limits, &continuing_inputs());
     }
     start(interpolator);
 }
@@ -46,17 +50,17 @@ fn one_straight_cut_is_the_same_with_and_without_exact_corners() {
         let mut interpolator = Interpolator::new(Point::new(1.0, 2.0));
         interpolator.start_line(Point::new(9.0, -4.0), Feed::PerMinute(FEED));
         let mut places = Vec::new();
-        while !interpolator.finished() {
+        while !interpolator.is_finished() {
             places.push(interpolator.tick(&limits, &MotionInputs::default()));
         }
         places
     };
-    let (exact, over) = (run(true), run(false));
-    assert_eq!(exact.len(), over.len());
-    for (a, b) in exact.iter().zip(&over) {
+    let (exact, rounded) = (run(true), run(false));
+    assert_eq!(exact.len(), rounded.len());
+    for (a, b) in exact.iter().zip(&rounded) {
         assert!((*a - *b).length() < 1e-8, "{a:?} {b:?}");
     }
-    assert_eq!(exact.last(), over.last());
+    assert_eq!(exact.last(), rounded.last());
 }
 
 /// A right-angled corner at full speed, without 030: with L = F T and s = t / T after
@@ -67,10 +71,10 @@ fn a_corner_is_rounded_as_the_exponential_law_says() {
     let limits = limits(false, 50, 0);
     let mut interpolator = Interpolator::new(Point::default());
     interpolator.start_line(Point::new(0.0, 100.0), Feed::PerMinute(FEED));
-    over(&mut interpolator, &limits, |interpolator| {
+    start_next_cut(&mut interpolator, &limits, |interpolator| {
         interpolator.start_line(Point::new(60.0, 100.0), Feed::PerMinute(FEED));
     });
-    let since = interpolator.time_left();
+    let since = interpolator.leftover_time();
     interpolator.continue_tick(&limits, &MotionInputs::default());
     let (constant, lag) = (0.05, RATE * 0.05);
     let theory = |time: f64| {
@@ -106,7 +110,7 @@ fn a_circle_shrinks_as_the_exponential_law_says() {
             Feed::PerMinute(FEED),
         );
         for _ in 0..800 {
-            interpolator.tick(&limits, &goes_on());
+            interpolator.tick(&limits, &continuing_inputs());
         }
         let (spin, floor) = (RATE / 10.0, f64::from(lowest).max(1.0) / 60.0);
         // (FL + e/T)² / ω² + e² = R²
@@ -114,15 +118,15 @@ fn a_circle_shrinks_as_the_exponential_law_says() {
         let lag =
             (-a * b + (a * a * b * b - (a * a + 1.0) * (b * b - 100.0)).sqrt()) / (a * a + 1.0);
         let radius = (100.0 - lag * lag).sqrt();
-        let made = interpolator.position().length();
+        let measured_radius = interpolator.position().length();
         assert!(
-            (made - radius).abs() < 0.001,
-            "{made} mm, {radius} by theory"
+            (measured_radius - radius).abs() < 0.001,
+            "{measured_radius} mm, {radius} by theory"
         );
         if expected > 0.0 {
             assert!((radius - expected).abs() < 0.001);
         }
-        assert!(!interpolator.finished());
+        assert!(!interpolator.is_finished());
     }
 }
 
@@ -131,19 +135,19 @@ fn hold_brings_the_tool_to_rest_where_the_command_stopped() {
     let limits = limits(false, 100, 30);
     let mut interpolator = Interpolator::new(Point::default());
     interpolator.start_line(Point::new(0.0, 50.0), Feed::PerMinute(FEED));
-    over(&mut interpolator, &limits, |interpolator| {
+    start_next_cut(&mut interpolator, &limits, |interpolator| {
         interpolator.start_line(Point::new(30.0, 50.0), Feed::PerMinute(FEED));
     });
     for _ in 0..30 {
-        interpolator.tick(&limits, &goes_on());
+        interpolator.tick(&limits, &continuing_inputs());
     }
     let command = interpolator.stopping_point(&limits);
     assert!(command.z == 50.0 && interpolator.position().z < 49.0);
-    let way = (command - interpolator.position()).length();
-    let time = 0.1 * libm::log1p(way / (0.1 * 0.5));
+    let distance = (command - interpolator.position()).length();
+    let time = 0.1 * libm::log1p(distance / (0.1 * 0.5));
     let hold = MotionInputs {
         hold: true,
-        ..goes_on()
+        ..continuing_inputs()
     };
     let mut ticks = 0;
     while interpolator.is_moving() {
@@ -152,7 +156,7 @@ fn hold_brings_the_tool_to_rest_where_the_command_stopped() {
     }
     assert_eq!(interpolator.position(), command);
     assert!((f64::from(ticks) * TICK_S - time).abs() < 0.003, "{ticks}");
-    while !interpolator.finished() {
+    while !interpolator.is_finished() {
         interpolator.tick(&limits, &MotionInputs::default());
     }
     assert_eq!(interpolator.position(), Point::new(30.0, 50.0));
@@ -163,16 +167,16 @@ fn a_reset_in_a_corner_drops_the_rest_and_comes_to_rest() {
     let limits = limits(false, 100, 30);
     let mut interpolator = Interpolator::new(Point::default());
     interpolator.start_line(Point::new(0.0, 50.0), Feed::PerMinute(FEED));
-    over(&mut interpolator, &limits, |interpolator| {
+    start_next_cut(&mut interpolator, &limits, |interpolator| {
         interpolator.start_line(Point::new(30.0, 50.0), Feed::PerMinute(FEED));
     });
-    interpolator.tick(&limits, &goes_on());
+    interpolator.tick(&limits, &continuing_inputs());
     let command = interpolator.commanded();
     interpolator.decelerate();
     for _ in 0..1000 {
-        interpolator.tick(&limits, &goes_on());
+        interpolator.tick(&limits, &continuing_inputs());
     }
-    assert!(interpolator.finished() && !interpolator.is_moving());
+    assert!(interpolator.is_finished() && !interpolator.is_moving());
     assert_eq!(interpolator.position(), command);
 }
 
@@ -196,8 +200,11 @@ fn the_feed_override_acts_within_a_tick() {
             let half = libm::exp(-0.0005 / 0.1);
             let expected = target + (before - target) * half;
             // The speed was constant before; the first tick is half a tick later.
-            let made = speed(&interpolator);
-            assert!((made - expected).abs() < 0.001 * FEED, "{made} {expected}");
+            let measured = speed(&interpolator);
+            assert!(
+                (measured - expected).abs() < 0.001 * FEED,
+                "{measured} {expected}"
+            );
             for _ in 0..2500 {
                 interpolator.tick(&limits, &inputs);
             }
@@ -231,18 +238,18 @@ fn the_rapid_override_acts_within_a_tick() {
 
 /// A cut from the end of the previous one.
 #[derive(Clone, Copy, Debug)]
-enum Cut {
+enum RandomCut {
     Line(Point, f64),
     Arc(f64, f64, f64, f64),
 }
 
-fn cut() -> impl Strategy<Value = Cut> {
+fn any_cut() -> impl Strategy<Value = RandomCut> {
     prop_oneof![
         (-8000i32..8000, -8000i32..8000, 20.0..9000.0f64).prop_map(|(x, z, feed)| {
-            Cut::Line(Point::new(f64::from(x), f64::from(z)) * 0.001, feed)
+            RandomCut::Line(Point::new(f64::from(x), f64::from(z)) * 0.001, feed)
         }),
         (0.0..6.2f64, 0.1..20.0f64, -6.2..6.2f64, 50.0..9000.0f64)
-            .prop_map(|(angle, radius, sweep, feed)| Cut::Arc(angle, radius, sweep, feed)),
+            .prop_map(|(angle, radius, sweep, feed)| RandomCut::Arc(angle, radius, sweep, feed)),
     ]
 }
 
@@ -257,13 +264,13 @@ proptest! {
         let limits = limits(false, 80, lowest);
         let mut interpolator = Interpolator::new(Point::default());
         let mut events = events.into_iter();
-        let (mut inputs, mut left) = (goes_on(), 0);
+        let (mut inputs, mut left) = (continuing_inputs(), 0);
         let (mut end, mut ticks) = (Point::default(), 0u32);
         for (x, z) in ways {
             end = end + Point::new(f64::from(x), f64::from(z)) * 0.001;
             interpolator.start_line(end, Feed::PerMinute(FEED));
             interpolator.continue_tick(&limits, &inputs);
-            while !interpolator.finished() {
+            while !interpolator.is_finished() {
                 if left == 0 {
                     let next = events.next();
                     let (time, hold, feed) = next.unwrap_or((u32::MAX, false, 10));
@@ -288,14 +295,14 @@ proptest! {
     /// No end is missed, no speed exceeded, and the duration is the predicted one.
     #[test]
     fn chains_of_cuts_keep_end_speed_and_time(
-        cuts in prop::collection::vec(cut(), 1..12),
+        cuts in prop::collection::vec(any_cut(), 1..12),
         scale in prop_oneof![Just(1.0), Just(0.1), Just(0.002)],
         time in 0i32..400,
         lowest in prop_oneof![Just(0), 1i32..2000],
     ) {
         let limits = limits(false, time, lowest);
         let mut interpolator = Interpolator::new(Point::default());
-        let mut sequel = Sequel::default();
+        let mut sequel = CutChain::default();
         let (mut expected, mut top, mut ticks) = (0.0, 0.0f64, 0u32);
         // Greatest turn of an arc in a tick, rad: the chord replaces the arc, and where two
         // small arcs meet the tool cuts the corner in few ticks.
@@ -304,12 +311,12 @@ proptest! {
         for (index, cut) in cuts.into_iter().enumerate() {
             let from = interpolator.commanded();
             let (kind, to, center, feed) = match cut {
-                Cut::Line(way, feed) => {
+                RandomCut::Line(way, feed) => {
                     let to = from + way * scale;
                     interpolator.start_line(to, Feed::PerMinute(feed));
                     (MoveKind::Feed, to, None, feed)
                 }
-                Cut::Arc(angle, radius, sweep, feed) => {
+                RandomCut::Arc(angle, radius, sweep, feed) => {
                     let sweep = if sweep.abs() < 0.01 { 0.01 } else { sweep };
                     let arm = |angle: f64| Point::new(libm::sin(angle), libm::cos(angle)) * (radius * scale);
                     let center = from - arm(angle);
@@ -319,11 +326,11 @@ proptest! {
                     (MoveKind::arc(sweep < 0.0), to, Some(center), feed)
                 }
             };
-            expected += sequel.cut(kind, from, to, center, feed, &limits);
+            expected += sequel.add_cut(kind, from, to, center, feed, &limits);
             top = top.max(feed.min(limits.cutting_rate()));
             let inputs = MotionInputs { cut_continues: index + 1 < count, ..MotionInputs::default() };
             interpolator.continue_tick(&limits, &inputs);
-            while !interpolator.finished() {
+            while !interpolator.is_finished() {
                 interpolator.tick(&limits, &inputs);
                 ticks += 1;
                 prop_assert!(ticks < 4_000_000);
@@ -333,7 +340,7 @@ proptest! {
             prop_assert!((interpolator.commanded() - to).length() < 1e-9);
         }
         prop_assert!(!interpolator.is_moving());
-        expected += sequel.close(&limits);
+        expected += sequel.finish(&limits);
         let ticked = f64::from(ticks) * TICK_S;
         // Arcs that take only a few ticks are estimated roughly; whole programs stay within
         // half a percent (tests of the transitions).

@@ -3,62 +3,62 @@
 use serde::{Deserialize, Serialize};
 
 use super::gear::{GearLaw, gear_law};
-use super::ramp::Law;
+use super::ramp::SpeedLaw;
 use crate::axis::gear_speed_limit;
-use crate::memory::Parameters;
+use crate::memory::ControlParameters;
 use crate::model::{ControlModel, ncb08};
 use crate::units::{Axis, PerAxis, Point};
 
 /// Lowest start and end speed of the exponential law, mm/min. With 030 or 041 = 0 the
 /// exponential tail would never end.
-const LEAST_LOWEST: f64 = 1.0;
+const MIN_LOWEST_MM_PER_MIN: f64 = 1.0;
 
 /// Rates and accelerations from the parameters, computed again when one changes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MotionLimits {
     rapid: PerAxis<f64>,
-    rapid_law: PerAxis<Law>,
+    rapid_law: PerAxis<SpeedLaw>,
     lowest_rapid: f64,
     /// Highest speed of straight rapids with an S-shaped speed profile, mm/s; `None`: each
     /// axis moves at its own rate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     straight_rapid: Option<f64>,
     cutting: f64,
-    cutting_law: Law,
+    cutting_law: SpeedLaw,
     exact_corners: bool,
     /// Whether a macro B program has switched exact corners off.
     #[serde(default)]
     #[serde(rename = "corners_passed")]
-    corners_passed: bool,
-    jog_law: Law,
+    exact_corners_off: bool,
+    jog_law: SpeedLaw,
     gear_law: GearLaw,
     #[serde(rename = "tail_rate")]
-    tail_rate: f64,
+    run_out_rate: f64,
     #[serde(rename = "tail_time")]
-    tail_time: f64,
+    run_out_time: f64,
     pulse_limit: PerAxis<Option<f64>>,
 }
 
-impl From<&Parameters> for MotionLimits {
-    fn from(parameters: &Parameters) -> Self {
+impl From<&ControlParameters> for MotionLimits {
+    fn from(parameters: &ControlParameters) -> Self {
         let per_second = |rate: f64| rate.max(1.0) / 60.0;
         let rapid = |axis| per_second(parameters.rapid_rate(axis));
-        let law = |axis| Law::linear(rapid(axis), parameters.rapid_time(axis) / 1000.0);
+        let law = |axis| SpeedLaw::linear(rapid(axis), parameters.rapid_time(axis) / 1000.0);
         let time = parameters.feed_time() / 1000.0;
-        let lowest = |rate: f64| rate.max(LEAST_LOWEST) / 60.0;
+        let lowest = |rate: f64| rate.max(MIN_LOWEST_MM_PER_MIN) / 60.0;
         Self {
             rapid: PerAxis::new(rapid(Axis::X), rapid(Axis::Z)),
             rapid_law: PerAxis::new(law(Axis::X), law(Axis::Z)),
-            lowest_rapid: per_second(parameters.rapid_lowest()),
+            lowest_rapid: per_second(parameters.lowest_rapid_rate()),
             straight_rapid: None,
             cutting: per_second(parameters.feed_limit()),
-            cutting_law: Law::exponential(time, lowest(parameters.feed_floor())),
-            exact_corners: parameters.exact_corners(),
-            corners_passed: false,
-            jog_law: Law::exponential(time, lowest(parameters.jog_floor())),
+            cutting_law: SpeedLaw::exponential(time, lowest(parameters.feed_start_speed())),
+            exact_corners: parameters.has_exact_corners(),
+            exact_corners_off: false,
+            jog_law: SpeedLaw::exponential(time, lowest(parameters.jog_start_speed())),
             gear_law: gear_law(parameters),
-            tail_rate: parameters.run_out_rate() / 60.0,
-            tail_time: parameters.run_out_time() / 1000.0,
+            run_out_rate: parameters.run_out_rate() / 60.0,
+            run_out_time: parameters.run_out_time() / 1000.0,
             pulse_limit: PerAxis::new(
                 gear_speed_limit(Axis::X, parameters),
                 gear_speed_limit(Axis::Z, parameters),
@@ -69,14 +69,14 @@ impl From<&Parameters> for MotionLimits {
 
 impl MotionLimits {
     /// The limits of a control model.
-    pub fn of(parameters: &Parameters, model: &ControlModel) -> Self {
+    pub fn from_model(parameters: &ControlParameters, model: &ControlModel) -> Self {
         let limits = Self::from(parameters);
-        if !model.record().rapids_are_straight() {
+        if !model.record().are_rapids_straight() {
             return limits;
         }
-        let most = f64::from(model.parameter(ncb08::RAPID_LIMIT)) / 60.0;
+        let limit = f64::from(model.parameter(ncb08::RAPID_LIMIT)) / 60.0;
         Self {
-            straight_rapid: Some(most),
+            straight_rapid: Some(limit),
             ..limits
         }
     }
@@ -108,7 +108,7 @@ impl MotionLimits {
 
     /// The axis that exceeds the speed of its electronic gear (alarm 097), with its limit
     /// in mm/min; `speed` in mm/min.
-    pub(crate) fn too_fast_for_gear(&self, speed: Point) -> Option<(Axis, f64)> {
+    pub(crate) fn exceeded_gear_limit(&self, speed: Point) -> Option<(Axis, f64)> {
         [Axis::X, Axis::Z].into_iter().find_map(|axis| {
             let limit = (*self.pulse_limit.get(axis))?;
             (speed.get(axis).abs() > limit + 1e-6).then_some((axis, limit))
@@ -130,7 +130,7 @@ impl MotionLimits {
         *self.rapid.get(axis)
     }
 
-    pub(super) const fn rapid_law(&self, axis: Axis) -> &Law {
+    pub(super) const fn rapid_law(&self, axis: Axis) -> &SpeedLaw {
         self.rapid_law.get(axis)
     }
 
@@ -143,18 +143,18 @@ impl MotionLimits {
         self.cutting
     }
 
-    pub(super) const fn cutting_law(&self) -> &Law {
+    pub(super) const fn cutting_law(&self) -> &SpeedLaw {
         &self.cutting_law
     }
 
     /// Sets whether a macro B program lets cuts continue into each other (#3004).
-    pub(crate) const fn pass_corners(&mut self, on: bool) {
-        self.corners_passed = on;
+    pub(crate) const fn set_exact_corners_off(&mut self, off: bool) {
+        self.exact_corners_off = off;
     }
 
     /// Whether each cut ends at its end point before the next begins (007.3).
-    pub(crate) const fn exact_corners(&self) -> bool {
-        self.exact_corners && !self.corners_passed
+    pub(crate) const fn has_exact_corners(&self) -> bool {
+        self.exact_corners && !self.exact_corners_off
     }
 
     /// Law of lead-in and lead-out of threads (028, 029, 175.4).
@@ -163,16 +163,16 @@ impl MotionLimits {
     }
 
     /// Speed of X in the run-out of a thread (107), mm/s; 0: the speed of the thread.
-    pub(super) const fn tail_rate(&self) -> f64 {
-        self.tail_rate
+    pub(super) const fn run_out_rate(&self) -> f64 {
+        self.run_out_rate
     }
 
     /// Time constant of X in the run-out of a thread (026), s.
-    pub(super) const fn tail_time(&self) -> f64 {
-        self.tail_time
+    pub(super) const fn run_out_time(&self) -> f64 {
+        self.run_out_time
     }
 
-    pub(super) const fn jog_law(&self) -> &Law {
+    pub(super) const fn jog_law(&self) -> &SpeedLaw {
         &self.jog_law
     }
 }

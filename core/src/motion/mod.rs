@@ -52,18 +52,18 @@
 //! Feed hold, reset and an override of 0 % reduce the speed by the law in force. The
 //! distance to go is kept, so that no position is lost.
 
-mod driven;
 mod duration;
-mod follower;
+mod external_cut;
 mod gear;
 mod inputs;
 mod interpolator;
-mod jog;
 mod lag;
 mod limits;
+mod manual_axis;
 mod path;
 mod ramp;
 mod rapid;
+mod spindle_follower;
 mod straight_rapid;
 mod tap;
 mod thread;
@@ -76,9 +76,9 @@ mod tests;
 mod thread_tests;
 
 pub(crate) use duration::path_length;
-pub use duration::{Sequel, duration, top_speed};
+pub use duration::{CutChain, move_duration, top_speed};
 pub use inputs::{DryRun, MotionInputs, RapidOverride};
 pub use interpolator::Interpolator;
-pub use jog::JogRate;
 pub use limits::MotionLimits;
+pub use manual_axis::JogRate;
 pub use thread::ThreadMove;

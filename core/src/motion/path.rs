@@ -7,21 +7,21 @@ use serde::{Deserialize, Serialize};
 use crate::units::Point;
 
 /// Points nearer than this coincide, mm; an arc between them is a full circle.
-const SAME: f64 = 1e-7;
+const COINCIDENT_MM: f64 = 1e-7;
 
 /// A line or an arc with its length.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Path {
+pub(crate) struct CutPath {
     from: Point,
     to: Point,
     length: f64,
     #[serde(rename = "bend")]
-    bend: Option<Bend>,
+    arc_geometry: Option<ArcGeometry>,
 }
 
 /// The circular part of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Bend {
+struct ArcGeometry {
     center: Point,
     /// Angle of the start, from +Z towards +X, rad.
     start: f64,
@@ -32,14 +32,14 @@ struct Bend {
     growth: f64,
 }
 
-impl Path {
+impl CutPath {
     /// A straight line.
     pub fn line(from: Point, to: Point) -> Self {
         Self {
             from,
             to,
             length: (to - from).length(),
-            bend: None,
+            arc_geometry: None,
         }
     }
 
@@ -49,31 +49,31 @@ impl Path {
         let start_arm = from - center;
         let end_arm = to - center;
         let radius = start_arm.length();
-        if radius <= SAME || !radius.is_finite() {
+        if radius <= COINCIDENT_MM || !radius.is_finite() {
             return Self::line(from, to);
         }
         let start = libm::atan2(start_arm.x, start_arm.z);
         let end = libm::atan2(end_arm.x, end_arm.z);
-        let turn = if clockwise { start - end } else { end - start };
-        let turn = if turn < 0.0 { turn + TAU } else { turn };
-        let turn = if (to - from).length() <= SAME {
+        let sweep = if clockwise { start - end } else { end - start };
+        let sweep = if sweep < 0.0 { sweep + TAU } else { sweep };
+        let sweep = if (to - from).length() <= COINCIDENT_MM {
             TAU
         } else {
-            turn
+            sweep
         };
         let growth = end_arm.length() - radius;
-        let bend = Bend {
+        let arc_geometry = ArcGeometry {
             center,
             start,
-            sweep: if clockwise { -turn } else { turn },
+            sweep: if clockwise { -sweep } else { sweep },
             radius,
             growth,
         };
         Self {
             from,
             to,
-            length: turn * (radius + growth / 2.0),
-            bend: Some(bend),
+            length: sweep * (radius + growth / 2.0),
+            arc_geometry: Some(arc_geometry),
         }
     }
 
@@ -84,7 +84,7 @@ impl Path {
 
     /// Whether the path is a line.
     pub(crate) const fn is_straight(&self) -> bool {
-        self.bend.is_none()
+        self.arc_geometry.is_none()
     }
 
     /// End point.
@@ -93,29 +93,29 @@ impl Path {
     }
 
     /// The point `remaining` mm before the end; exactly the end point at zero.
-    pub fn at(&self, remaining: f64) -> Point {
+    pub fn point_at(&self, remaining: f64) -> Point {
         if remaining <= 0.0 {
             return self.to;
         }
-        let done = 1.0 - remaining / self.length;
-        let Some(bend) = &self.bend else {
-            return self.from + (self.to - self.from) * done;
+        let fraction = 1.0 - remaining / self.length;
+        let Some(arc_geometry) = &self.arc_geometry else {
+            return self.from + (self.to - self.from) * fraction;
         };
-        let (sine, cosine) = libm::sincos(bend.start + bend.sweep * done);
-        let radius = bend.radius + bend.growth * done;
-        bend.center + Point::new(sine * radius, cosine * radius)
+        let (sine, cosine) = libm::sincos(arc_geometry.start + arc_geometry.sweep * fraction);
+        let radius = arc_geometry.radius + arc_geometry.growth * fraction;
+        arc_geometry.center + Point::new(sine * radius, cosine * radius)
     }
 
     /// The path shifted by a vector.
-    pub fn translated(self, by: Point) -> Self {
-        let bend = self.bend.map(|bend| Bend {
+    pub fn shifted(self, by: Point) -> Self {
+        let bend = self.arc_geometry.map(|bend| ArcGeometry {
             center: bend.center + by,
             ..bend
         });
         Self {
             from: self.from + by,
             to: self.to + by,
-            bend,
+            arc_geometry: bend,
             ..self
         }
     }

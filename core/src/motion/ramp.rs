@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 use crate::units::{TICK_S, max_not_nan, min_not_nan};
 
 /// A distance to go below this counts as zero, mm.
-const NOTHING: f64 = 1e-12;
+const MIN_DISTANCE_MM: f64 = 1e-12;
 
 /// Law by which a speed changes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Law {
+pub(crate) enum SpeedLaw {
     /// Constant acceleration, mm/s².
     Linear { acceleration: f64 },
     /// Exponential approach to the target speed.
@@ -25,7 +25,7 @@ pub(crate) enum Law {
     },
 }
 
-impl Law {
+impl SpeedLaw {
     /// Constant acceleration that reaches `rate` (mm/s) in `time` seconds.
     pub fn linear(rate: f64, time: f64) -> Self {
         Self::Linear {
@@ -75,7 +75,7 @@ impl Law {
     }
 
     /// Highest speed on a distance `length` from rest to rest, mm/s.
-    pub fn reached(&self, length: f64) -> f64 {
+    pub fn peak_speed(&self, length: f64) -> f64 {
         match *self {
             Self::Linear { acceleration } => (acceleration * length).sqrt(),
             Self::Exponential { .. } => f64::INFINITY,
@@ -92,7 +92,7 @@ impl Law {
 
     /// Duration of a whole move of `length` mm at the target speed `rate`, s.
     pub fn duration(&self, length: f64, rate: f64) -> f64 {
-        if length <= NOTHING {
+        if length <= MIN_DISTANCE_MM {
             return 0.0;
         }
         if rate <= 0.0 {
@@ -123,17 +123,17 @@ impl Law {
 
 /// Result of one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Advance {
+pub(crate) struct RampStep {
     /// Distance travelled, mm.
-    pub moved: f64,
+    pub distance: f64,
     /// Time used, s: less than available only when the end was reached.
-    pub used: f64,
+    pub used_s: f64,
 }
 
-impl Advance {
-    const NOTHING: Self = Self {
-        moved: 0.0,
-        used: 0.0,
+impl RampStep {
+    const NONE: Self = Self {
+        distance: 0.0,
+        used_s: 0.0,
     };
 }
 
@@ -156,55 +156,61 @@ impl Ramp {
     }
 
     /// Whether the end is reached.
-    pub fn finished(&self) -> bool {
+    pub fn is_finished(&self) -> bool {
         self.remaining <= 0.0
     }
 
     /// Advances by `dt` seconds towards the speed `target`, braking in time for the end.
-    pub fn advance(&mut self, law: &Law, target: f64, dt: f64) -> Advance {
+    pub fn advance(&mut self, law: &SpeedLaw, target: f64, dt: f64) -> RampStep {
         let target = if target > 0.0 { target } else { 0.0 };
-        let mut step = Advance::NOTHING;
-        if self.goes_on(dt) {
-            step = self.phase(law, target, dt);
-            if self.goes_on(dt - step.used) {
-                step = self.further_phases(law, target, dt, step);
+        let mut step = RampStep::NONE;
+        if self.is_running(dt) {
+            step = self.advance_phase(law, target, dt);
+            if self.is_running(dt - step.used_s) {
+                step = self.advance_further_phases(law, target, dt, step);
             }
         }
-        if self.remaining <= NOTHING {
-            step.moved += self.remaining;
+        if self.remaining <= MIN_DISTANCE_MM {
+            step.distance += self.remaining;
             *self = Self::new(0.0);
         } else {
-            step.used = dt;
+            step.used_s = dt;
         }
         step
     }
 
     /// Whether distance and time are left.
-    fn goes_on(&self, time: f64) -> bool {
-        !self.finished() && time > 1e-15
+    fn is_running(&self, time: f64) -> bool {
+        !self.is_finished() && time > 1e-15
     }
 
     /// A tick seldom has more than one phase.
     #[cold]
-    fn further_phases(&mut self, law: &Law, target: f64, dt: f64, first: Advance) -> Advance {
+    fn advance_further_phases(
+        &mut self,
+        law: &SpeedLaw,
+        target: f64,
+        dt: f64,
+        first: RampStep,
+    ) -> RampStep {
         let mut step = first;
         for _ in 1..8 {
-            let time = dt - step.used;
-            if !self.goes_on(time) {
+            let time = dt - step.used_s;
+            if !self.is_running(time) {
                 break;
             }
-            let phase = self.phase(law, target, time);
-            step.moved += phase.moved;
-            step.used += phase.used;
+            let phase = self.advance_phase(law, target, time);
+            step.distance += phase.distance;
+            step.used_s += phase.used_s;
         }
         step
     }
 
     /// One phase: changes the speed, keeps it or brakes.
-    fn phase(&mut self, law: &Law, target: f64, time: f64) -> Advance {
+    fn advance_phase(&mut self, law: &SpeedLaw, target: f64, time: f64) -> RampStep {
         match *law {
-            Law::Linear { acceleration } => self.linear_phase(acceleration, target, time),
-            Law::Exponential {
+            SpeedLaw::Linear { acceleration } => self.linear_phase(acceleration, target, time),
+            SpeedLaw::Exponential {
                 time: constant,
                 lowest,
                 tick_decay,
@@ -213,41 +219,44 @@ impl Ramp {
     }
 
     /// Moves by `moved` in `used` seconds, with `speed` at the end.
-    fn take(&mut self, moved: f64, used: f64, speed: f64) -> Advance {
+    fn move_by(&mut self, moved: f64, used: f64, speed: f64) -> RampStep {
         let moved = min_not_nan(moved, self.remaining);
         self.remaining -= moved;
         self.speed = speed;
-        Advance { moved, used }
+        RampStep {
+            distance: moved,
+            used_s: used,
+        }
     }
 
     /// Moves to the end in `used` seconds.
-    fn arrive(&mut self, used: f64) -> Advance {
-        self.take(self.remaining, used, 0.0)
+    fn move_to_end(&mut self, used: f64) -> RampStep {
+        self.move_by(self.remaining, used, 0.0)
     }
 
     /// Moves at constant speed until the end, a distance of `room`, or the end of the time.
-    fn cruise(&mut self, room: f64, time: f64) -> Advance {
-        let until = room / self.speed;
+    fn cruise(&mut self, distance: f64, time: f64) -> RampStep {
+        let until = distance / self.speed;
         if until > time {
-            return self.take(self.speed * time, time, self.speed);
+            return self.move_by(self.speed * time, time, self.speed);
         }
-        if room >= self.remaining {
-            return self.arrive(until);
+        if distance >= self.remaining {
+            return self.move_to_end(until);
         }
-        self.take(room, until, self.speed)
+        self.move_by(distance, until, self.speed)
     }
 
-    fn linear_phase(&mut self, acceleration: f64, target: f64, time: f64) -> Advance {
+    fn linear_phase(&mut self, acceleration: f64, target: f64, time: f64) -> RampStep {
         let speed = self.speed;
         let braking = speed * speed / (2.0 * acceleration);
         if speed > 0.0 && self.remaining <= braking * (1.0 + 1e-9) {
             // On the braking curve: the acceleration that ends exactly at the end point.
             let until_end = 2.0 * self.remaining / speed;
             if until_end <= time {
-                return self.arrive(until_end);
+                return self.move_to_end(until_end);
             }
             let end_speed = speed * (1.0 - time / until_end);
-            return self.take((speed + end_speed) / 2.0 * time, time, end_speed);
+            return self.move_by((speed + end_speed) / 2.0 * time, time, end_speed);
         }
         if speed > target {
             let span = ((speed - target) / acceleration).min(time);
@@ -256,7 +265,7 @@ impl Ramp {
             } else {
                 speed - acceleration * span
             };
-            return self.take(
+            return self.move_by(
                 (speed + end_speed) / 2.0 * span,
                 span,
                 end_speed.max(target),
@@ -272,12 +281,12 @@ impl Ramp {
             } else {
                 (time, speed + acceleration * time)
             };
-            return self.take((speed + end_speed) / 2.0 * span, span, end_speed);
+            return self.move_by((speed + end_speed) / 2.0 * span, span, end_speed);
         }
         if speed <= 0.0 {
-            return Advance {
-                moved: 0.0,
-                used: time,
+            return RampStep {
+                distance: 0.0,
+                used_s: time,
             };
         }
         self.cruise(self.remaining - braking, time)
@@ -290,42 +299,42 @@ impl Ramp {
         tick_decay: f64,
         target: f64,
         time: f64,
-    ) -> Advance {
+    ) -> RampStep {
         // Below the lowest speed, or without a time constant, the speed follows at once.
         self.speed = max_not_nan(self.speed, min_not_nan(lowest, target));
         if constant <= 0.0 || (self.speed <= lowest && target <= lowest) {
             self.speed = target;
             if target <= 0.0 {
-                return Advance {
-                    moved: 0.0,
-                    used: time,
+                return RampStep {
+                    distance: 0.0,
+                    used_s: time,
                 };
             }
             return self.cruise(self.remaining, time);
         }
         let speed = self.speed;
-        let room = self.remaining - constant * (speed - lowest);
-        if speed > lowest && room <= 1e-9 * constant * speed {
+        let distance_to_braking = self.remaining - constant * (speed - lowest);
+        if speed > lowest && distance_to_braking <= 1e-9 * constant * speed {
             return self.brake_exponentially(constant, lowest, tick_decay, time);
         }
         // Until the braking curve is met: the distance at `target` is `room`. Far from it
         // no division is needed.
-        let mut span = if target > 0.0 && room < 2.0 * target * time {
-            min_not_nan(room / target, time)
+        let mut span = if target > 0.0 && distance_to_braking < 2.0 * target * time {
+            min_not_nan(distance_to_braking / target, time)
         } else {
             time
         };
-        let mut lands_at = None;
+        let mut final_speed = None;
         if target < lowest {
             let until_lowest = constant * libm::log((speed - target) / (lowest - target));
             if until_lowest <= span {
                 span = until_lowest;
-                lands_at = Some(target);
+                final_speed = Some(target);
             }
         }
         let end_speed = target + (speed - target) * decay(span, constant, tick_decay);
         let moved = target * span + constant * (speed - end_speed);
-        self.take(moved, span, lands_at.unwrap_or(end_speed))
+        self.move_by(moved, span, final_speed.unwrap_or(end_speed))
     }
 
     /// Brakes down to the lowest speed at the end point. The time constant follows from the
@@ -336,20 +345,20 @@ impl Ramp {
         lowest: f64,
         tick_decay: f64,
         time: f64,
-    ) -> Advance {
+    ) -> RampStep {
         let speed = self.speed;
-        let own = self.remaining / (speed - lowest);
-        let factor = if (own - constant).abs() <= 1e-6 * constant {
+        let time_constant = self.remaining / (speed - lowest);
+        let factor = if (time_constant - constant).abs() <= 1e-6 * constant {
             decay(time, constant, tick_decay)
         } else {
-            libm::exp(-time / own)
+            libm::exp(-time / time_constant)
         };
         let end_speed = speed * factor;
         if end_speed > lowest {
-            let left = own * (end_speed - lowest);
-            return self.take(self.remaining - left, time, end_speed);
+            let left = time_constant * (end_speed - lowest);
+            return self.move_by(self.remaining - left, time, end_speed);
         }
-        self.arrive((own * libm::log(speed / lowest)).min(time))
+        self.move_to_end((time_constant * libm::log(speed / lowest)).min(time))
     }
 }
 

@@ -17,11 +17,14 @@ pub(crate) struct Rapid {
 impl Rapid {
     /// A rapid at rest at `from`.
     pub fn new(from: Point, to: Point) -> Self {
-        let way = to - from;
+        let displacement = to - from;
         Self {
             to,
-            ramps: PerAxis::new(Ramp::new(way.x.abs()), Ramp::new(way.z.abs())),
-            negative: PerAxis::new(way.x < 0.0, way.z < 0.0),
+            ramps: PerAxis::new(
+                Ramp::new(displacement.x.abs()),
+                Ramp::new(displacement.z.abs()),
+            ),
+            negative: PerAxis::new(displacement.x < 0.0, displacement.z < 0.0),
         }
     }
 
@@ -31,8 +34,8 @@ impl Rapid {
     }
 
     /// Whether both axes have arrived.
-    pub fn finished(&self) -> bool {
-        self.ramps.x.finished() && self.ramps.z.finished()
+    pub fn is_finished(&self) -> bool {
+        self.ramps.x.is_finished() && self.ramps.z.is_finished()
     }
 
     /// Whether an axis has speed.
@@ -50,15 +53,15 @@ impl Rapid {
             .ramps
             .z
             .advance(limits.rapid_law(Axis::Z), target.z, dt);
-        if self.finished() {
-            x.used.max(z.used)
+        if self.is_finished() {
+            x.used_s.max(z.used_s)
         } else {
             dt
         }
     }
 
     /// Position of the axes after a further `ahead` mm of each.
-    fn point(&self, ahead: PerAxis<f64>) -> Point {
+    fn position_after(&self, ahead: PerAxis<f64>) -> Point {
         let coordinate = |axis| {
             let rest = (self.ramps.get(axis).remaining - ahead.get(axis)).max(0.0);
             let signed = if *self.negative.get(axis) {
@@ -73,21 +76,24 @@ impl Rapid {
 
     /// Current position of the axes.
     pub fn position(&self) -> Point {
-        self.point(PerAxis::new(0.0, 0.0))
+        self.position_after(PerAxis::new(0.0, 0.0))
     }
 
     /// Position at which the axes stop if they brake now.
     pub(crate) fn stopping_point(&self, limits: &MotionLimits) -> Point {
-        let way = |axis| {
+        let braking_distance = |axis| {
             limits
                 .rapid_law(axis)
                 .braking_distance(self.ramps.get(axis).speed)
         };
-        self.point(PerAxis::new(way(Axis::X), way(Axis::Z)))
+        self.position_after(PerAxis::new(
+            braking_distance(Axis::X),
+            braking_distance(Axis::Z),
+        ))
     }
 
     /// The rapid shifted by a vector.
-    pub fn translated(self, by: Point) -> Self {
+    pub fn shifted(self, by: Point) -> Self {
         Self {
             to: self.to + by,
             ..self

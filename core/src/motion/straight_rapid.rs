@@ -18,40 +18,40 @@ use super::limits::MotionLimits;
 use crate::units::{Axis, PerAxis, Point};
 
 /// Greatest slope of the S-curve divided by its mean slope.
-const STEEPEST: f64 = 1.5;
+const STEEPEST_RATIO: f64 = 1.5;
 
 /// A distance to go below this counts as zero, mm.
-const NOTHING: f64 = 1e-9;
+const MIN_DISTANCE_MM: f64 = 1e-9;
 
 /// A change of speed under way.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Change {
+struct SpeedChange {
     from: f64,
     to: f64,
     /// Target speed when the change was planned, mm/s.
     #[serde(rename = "wanted")]
-    wanted: f64,
+    target: f64,
     /// Its total and its elapsed time, s.
     span: f64,
     elapsed: f64,
     /// Whether it ends at the end point: nothing interrupts it.
     #[serde(rename = "last")]
-    last: bool,
+    is_last: bool,
 }
 
-impl Change {
+impl SpeedChange {
     /// Speed at a fraction of its time, mm/s.
-    fn speed(&self, part: f64) -> f64 {
-        self.from + (self.to - self.from) * part * part * (3.0 - 2.0 * part)
+    fn speed_at(&self, fraction: f64) -> f64 {
+        self.from + (self.to - self.from) * fraction * fraction * (3.0 - 2.0 * fraction)
     }
 
     /// Distance at a fraction of its time, mm.
-    fn way(&self, part: f64) -> f64 {
-        let s = part * part * part * (1.0 - part / 2.0);
-        self.span * (self.from * part + (self.to - self.from) * s)
+    fn distance_at(&self, fraction: f64) -> f64 {
+        let s = fraction * fraction * fraction * (1.0 - fraction / 2.0);
+        self.span * (self.from * fraction + (self.to - self.from) * s)
     }
 
-    fn part(&self) -> f64 {
+    fn fraction(&self) -> f64 {
         if self.span > 0.0 {
             (self.elapsed / self.span).min(1.0)
         } else {
@@ -70,17 +70,17 @@ pub(crate) struct StraightRapid {
     remaining: f64,
     /// Speed along the line, mm/s.
     speed: f64,
-    change: Option<Change>,
+    change: Option<SpeedChange>,
 }
 
 impl StraightRapid {
     /// A rapid at rest at `from`.
     pub fn new(from: Point, to: Point) -> Self {
-        let way = to - from;
-        let length = way.length();
+        let displacement = to - from;
+        let length = displacement.length();
         Self {
             to,
-            direction: way * (1.0 / length.max(NOTHING)),
+            direction: displacement * (1.0 / length.max(MIN_DISTANCE_MM)),
             remaining: length,
             speed: 0.0,
             change: None,
@@ -93,7 +93,7 @@ impl StraightRapid {
     }
 
     /// Whether the end is reached.
-    pub fn finished(&self) -> bool {
+    pub fn is_finished(&self) -> bool {
         self.remaining <= 0.0
     }
 
@@ -109,15 +109,17 @@ impl StraightRapid {
 
     /// Position at which the axes stop if they brake now.
     pub(crate) fn stopping_point(&self, limits: &MotionLimits) -> Point {
-        let way = match &self.change {
-            Some(change) if change.to <= 0.0 => change.way(1.0) - change.way(change.part()),
+        let distance = match &self.change {
+            Some(change) if change.to <= 0.0 => {
+                change.distance_at(1.0) - change.distance_at(change.fraction())
+            }
             _ => self.speed * self.speed / (2.0 * mean_acceleration(limits, self.direction)),
         };
-        self.to - self.direction * (self.remaining - way).max(0.0)
+        self.to - self.direction * (self.remaining - distance).max(0.0)
     }
 
     /// The rapid shifted by a vector.
-    pub fn translated(self, by: Point) -> Self {
+    pub fn shifted(self, by: Point) -> Self {
         Self {
             to: self.to + by,
             ..self
@@ -127,19 +129,19 @@ impl StraightRapid {
     /// Advances by `dt` seconds towards the target speeds of the axes. Returns the time
     /// used.
     pub fn advance(&mut self, limits: &MotionLimits, target: PerAxis<f64>, dt: f64) -> f64 {
-        let target = along(self.direction, target).min(limits.straight_rapid());
+        let target = speed_along(self.direction, target).min(limits.straight_rapid());
         let acceleration = mean_acceleration(limits, self.direction);
         let mut left = dt;
         // A tick contains at most the end of one change and the start of another, twice on
         // very short distances.
         for _ in 0..8 {
-            if self.finished() || left <= 0.0 {
+            if self.is_finished() || left <= 0.0 {
                 break;
             }
             self.plan(target, acceleration);
-            left -= self.go_on(left, acceleration);
+            left -= self.follow_change(left, acceleration);
         }
-        if self.finished() { dt - left } else { dt }
+        if self.is_finished() { dt - left } else { dt }
     }
 
     /// Plans how the speed changes from here on.
@@ -147,62 +149,62 @@ impl StraightRapid {
         let braking = self.speed * self.speed / (2.0 * acceleration);
         // The planned change continues unless the target speed has changed.
         if let Some(change) = &self.change
-            && (change.last || (change.wanted - target).abs() < 1e-9)
+            && (change.is_last || (change.target - target).abs() < 1e-9)
         {
             return;
         }
         self.change = None;
-        if target > 0.0 && self.speed > 0.0 && self.remaining <= braking + NOTHING {
-            self.change = Some(Change {
+        if target > 0.0 && self.speed > 0.0 && self.remaining <= braking + MIN_DISTANCE_MM {
+            self.change = Some(SpeedChange {
                 from: self.speed,
                 to: 0.0,
-                wanted: target,
+                target,
                 span: 2.0 * self.remaining / self.speed,
                 elapsed: 0.0,
-                last: true,
+                is_last: true,
             });
             return;
         }
-        let goal = target.min(self.peak(acceleration));
+        let goal = target.min(self.peak_speed(acceleration));
         if (goal - self.speed).abs() > 1e-9 {
-            self.change = Some(Change {
+            self.change = Some(SpeedChange {
                 from: self.speed,
                 to: goal,
-                wanted: target,
+                target,
                 span: (goal - self.speed).abs() / acceleration,
                 elapsed: 0.0,
-                last: false,
+                is_last: false,
             });
         }
     }
 
     /// The highest speed from which the rest of the distance is enough to brake.
-    fn peak(&self, acceleration: f64) -> f64 {
+    fn peak_speed(&self, acceleration: f64) -> f64 {
         (acceleration * self.remaining + self.speed * self.speed / 2.0).sqrt()
     }
 
     /// Advances the planned change, at most by `dt` and up to the next point to plan.
     /// Returns the time used.
-    fn go_on(&mut self, dt: f64, acceleration: f64) -> f64 {
+    fn follow_change(&mut self, dt: f64, acceleration: f64) -> f64 {
         let Some(mut change) = self.change else {
             return self.cruise(dt, acceleration);
         };
-        let before = change.way(change.part());
-        let took = dt.min(change.span - change.elapsed).max(0.0);
-        change.elapsed += took;
-        let over = change.elapsed >= change.span - 1e-12;
-        let part = if over { 1.0 } else { change.part() };
-        self.speed = change.speed(part);
-        self.remaining -= change.way(part) - before;
-        self.change = (!over).then_some(change);
+        let before = change.distance_at(change.fraction());
+        let used = dt.min(change.span - change.elapsed).max(0.0);
+        change.elapsed += used;
+        let is_done = change.elapsed >= change.span - 1e-12;
+        let fraction = if is_done { 1.0 } else { change.fraction() };
+        self.speed = change.speed_at(fraction);
+        self.remaining -= change.distance_at(fraction) - before;
+        self.change = (!is_done).then_some(change);
         // The last part of the S-curve is shorter than the rounding, and takes its time.
-        if change.last && !over {
+        if change.is_last && !is_done {
             self.remaining = self.remaining.max(f64::MIN_POSITIVE);
         }
-        if (over || !change.last) && (change.last || self.remaining <= NOTHING) {
-            self.arrive();
+        if (is_done || !change.is_last) && (change.is_last || self.remaining <= MIN_DISTANCE_MM) {
+            self.finish();
         }
-        took
+        used
     }
 
     /// Moves at constant speed up to the point where braking begins.
@@ -212,12 +214,12 @@ impl StraightRapid {
         }
         let braking = self.speed * self.speed / (2.0 * acceleration);
         let free = (self.remaining - braking).max(0.0);
-        let took = dt.min(free / self.speed);
-        self.remaining -= took * self.speed;
-        took
+        let used = dt.min(free / self.speed);
+        self.remaining -= used * self.speed;
+        used
     }
 
-    fn arrive(&mut self) {
+    fn finish(&mut self) {
         self.remaining = 0.0;
         self.speed = 0.0;
         self.change = None;
@@ -225,26 +227,29 @@ impl StraightRapid {
 }
 
 /// Speed along a direction at which no axis exceeds its limit.
-fn along(direction: Point, of_axes: PerAxis<f64>) -> f64 {
+fn speed_along(direction: Point, axis_speeds: PerAxis<f64>) -> f64 {
     [Axis::X, Axis::Z]
-        .map(|axis| of_axes.get(axis) / direction.get(axis).abs().max(1e-12))
+        .map(|axis| axis_speeds.get(axis) / direction.get(axis).abs().max(1e-12))
         .into_iter()
         .fold(f64::INFINITY, f64::min)
 }
 
 /// Mean acceleration along a direction, mm/s².
 fn mean_acceleration(limits: &MotionLimits, direction: Point) -> f64 {
-    let of_axis = |axis| limits.rapid_law(axis).acceleration();
-    along(direction, PerAxis::new(of_axis(Axis::X), of_axis(Axis::Z))) / STEEPEST
+    let axis_acceleration = |axis| limits.rapid_law(axis).acceleration();
+    speed_along(
+        direction,
+        PerAxis::new(axis_acceleration(Axis::X), axis_acceleration(Axis::Z)),
+    ) / STEEPEST_RATIO
 }
 
 /// Duration of a whole straight rapid at 100 %, s.
-pub(super) fn duration(limits: &MotionLimits, way: Point) -> f64 {
-    let length = way.length();
-    if length <= NOTHING {
+pub(super) fn duration(limits: &MotionLimits, displacement: Point) -> f64 {
+    let length = displacement.length();
+    if length <= MIN_DISTANCE_MM {
         return 0.0;
     }
-    let (rate, acceleration) = rate_and_acceleration(limits, way);
+    let (rate, acceleration) = rate_and_acceleration(limits, displacement);
     if length * acceleration >= rate * rate {
         length / rate + rate / acceleration
     } else {
@@ -253,21 +258,21 @@ pub(super) fn duration(limits: &MotionLimits, way: Point) -> f64 {
 }
 
 /// Highest speed of each axis in a straight rapid, mm/s.
-pub(super) fn top_speed(limits: &MotionLimits, way: Point) -> Point {
-    let length = way.length();
-    if length <= NOTHING {
+pub(super) fn top_speed(limits: &MotionLimits, displacement: Point) -> Point {
+    let length = displacement.length();
+    if length <= MIN_DISTANCE_MM {
         return Point::default();
     }
-    let (rate, acceleration) = rate_and_acceleration(limits, way);
+    let (rate, acceleration) = rate_and_acceleration(limits, displacement);
     let reached = rate.min((acceleration * length).sqrt());
-    Point::new(way.x.abs(), way.z.abs()) * (reached / length)
+    Point::new(displacement.x.abs(), displacement.z.abs()) * (reached / length)
 }
 
-fn rate_and_acceleration(limits: &MotionLimits, way: Point) -> (f64, f64) {
-    let direction = way * (1.0 / way.length());
+fn rate_and_acceleration(limits: &MotionLimits, displacement: Point) -> (f64, f64) {
+    let direction = displacement * (1.0 / displacement.length());
     let rates = PerAxis::new(limits.rapid(Axis::X), limits.rapid(Axis::Z));
     (
-        along(direction, rates).min(limits.straight_rapid()),
+        speed_along(direction, rates).min(limits.straight_rapid()),
         mean_acceleration(limits, direction),
     )
 }
@@ -275,23 +280,26 @@ fn rate_and_acceleration(limits: &MotionLimits, way: Point) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::memory::Parameters;
+    use crate::memory::ControlParameters;
     use crate::model::{ControlModel, ModelId};
     use crate::units::TICK_S;
     use proptest::prelude::*;
 
     fn limits() -> MotionLimits {
-        MotionLimits::of(&Parameters::default(), &ControlModel::new(ModelId::Ncb08))
+        MotionLimits::from_model(
+            &ControlParameters::default(),
+            &ControlModel::new(ModelId::Ncb08),
+        )
     }
 
-    fn full(limits: &MotionLimits) -> PerAxis<f64> {
+    fn full_rates(limits: &MotionLimits) -> PerAxis<f64> {
         PerAxis::new(limits.rapid(Axis::X), limits.rapid(Axis::Z))
     }
 
     /// Positions tick by tick; `share` is the fraction of the rapid rate in each tick.
     fn run(from: Point, to: Point, share: impl Fn(u32) -> f64) -> (Vec<Point>, f64) {
         let limits = limits();
-        let rates = full(&limits);
+        let rates = full_rates(&limits);
         let mut rapid = StraightRapid::new(from, to);
         let mut path = vec![from];
         let mut time = 0.0;
@@ -300,7 +308,7 @@ mod tests {
             let target = PerAxis::new(rates.x * part, rates.z * part);
             time += rapid.advance(&limits, target, TICK_S);
             path.push(rapid.position());
-            if rapid.finished() {
+            if rapid.is_finished() {
                 return (path, time);
             }
         }
@@ -309,7 +317,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_takes_its_time_and_keeps_to_its_line(
+        fn duration_and_line_are_exact(
             x in -200.0_f64..200.0, z in -400.0_f64..400.0
         ) {
             let (from, to) = (Point::default(), Point::new(x, z));
@@ -333,7 +341,7 @@ mod tests {
                 if tick > 20_000 { 1.0 } else { steps[((tick / 50 + seed) % 8) as usize] }
             };
             let limits = limits();
-            let rates = full(&limits);
+            let rates = full_rates(&limits);
             let (path, _) = run(Point::default(), Point::new(x, z), share);
             let speeds: Vec<Point> = path.windows(2).map(|it| (it[1] - it[0]) * (1.0 / TICK_S)).collect();
             for axis in [Axis::X, Axis::Z] {
@@ -351,18 +359,18 @@ mod tests {
     }
 
     #[test]
-    fn a_hold_ends_where_it_was_said_to() {
+    fn a_hold_ends_at_the_predicted_point() {
         let limits = limits();
-        let rates = full(&limits);
+        let rates = full_rates(&limits);
         let mut rapid = StraightRapid::new(Point::default(), Point::new(20.0, -150.0));
         for _ in 0..300 {
             rapid.advance(&limits, rates, TICK_S);
         }
-        let stands_at = rapid.stopping_point(&limits);
+        let predicted = rapid.stopping_point(&limits);
         for _ in 0..2000 {
             rapid.advance(&limits, PerAxis::new(0.0, 0.0), TICK_S);
         }
-        assert!(!rapid.is_moving() && !rapid.finished());
-        assert!((rapid.position() - stands_at).length() < 1e-9);
+        assert!(!rapid.is_moving() && !rapid.is_finished());
+        assert!((rapid.position() - predicted).length() < 1e-9);
     }
 }

@@ -2,10 +2,10 @@
 
 use proptest::prelude::*;
 
-use super::ramp::{Law, Ramp};
+use super::ramp::{Ramp, SpeedLaw};
 use super::*;
 use crate::command::MoveKind;
-use crate::memory::Parameters;
+use crate::memory::ControlParameters;
 use crate::units::{Axis, Feed, Point, TICK_S};
 
 /// Mean speed of the last tick along the path, mm/min.
@@ -14,7 +14,7 @@ fn speed(interpolator: &Interpolator) -> f64 {
 }
 
 fn limits() -> MotionLimits {
-    MotionLimits::from(&Parameters::default())
+    MotionLimits::from(&ControlParameters::default())
 }
 
 /// Limits from parameters over their whole ranges.
@@ -29,7 +29,7 @@ fn any_limits() -> impl Strategy<Value = MotionLimits> {
     )
         .prop_map(
             |((rapid_x, rapid_z, time_x, time_z), (top, time, lowest))| {
-                let mut parameters = Parameters::default();
+                let mut parameters = ControlParameters::default();
                 let values = [
                     (22, rapid_x),
                     (23, rapid_z),
@@ -49,33 +49,33 @@ fn any_limits() -> impl Strategy<Value = MotionLimits> {
 
 /// One random block.
 #[derive(Clone, Copy, Debug)]
-enum Block {
+enum RandomBlock {
     Rapid(Point),
     Line(Point, f64),
     /// Angle of the centre, radius, angle swept (positive counter-clockwise), feed.
     Arc(f64, f64, f64, f64),
 }
 
-fn point() -> impl Strategy<Value = Point> {
+fn any_point() -> impl Strategy<Value = Point> {
     (-40_000i32..40_000, -40_000i32..40_000)
         .prop_map(|(x, z)| Point::new(f64::from(x) / 2000.0, f64::from(z) / 1000.0))
 }
 
-fn block() -> impl Strategy<Value = Block> {
+fn any_block() -> impl Strategy<Value = RandomBlock> {
     prop_oneof![
-        point().prop_map(Block::Rapid),
-        (point(), 1.0..12_000.0).prop_map(|(to, feed)| Block::Line(to, feed)),
+        any_point().prop_map(RandomBlock::Rapid),
+        (any_point(), 1.0..12_000.0).prop_map(|(to, feed)| RandomBlock::Line(to, feed)),
         (0.0..6.2f64, 0.05..30.0f64, -6.2..6.2f64, 50.0..9000.0).prop_map(
             |(angle, radius, sweep, feed)| {
                 let sweep = if sweep.abs() < 0.01 { 0.01 } else { sweep };
-                Block::Arc(angle, radius, sweep, feed)
+                RandomBlock::Arc(angle, radius, sweep, feed)
             }
         ),
     ]
 }
 
 /// A started block: kind, start, end, centre and feed.
-struct Begun {
+struct StartedBlock {
     kind: MoveKind,
     from: Point,
     to: Point,
@@ -83,16 +83,16 @@ struct Begun {
     feed: f64,
 }
 
-fn on_circle(center: Point, radius: f64, angle: f64) -> Point {
+fn point_on_circle(center: Point, radius: f64, angle: f64) -> Point {
     center + Point::new(libm::sin(angle) * radius, libm::cos(angle) * radius)
 }
 
-fn begin(interpolator: &mut Interpolator, block: Block) -> Begun {
+fn start_block(interpolator: &mut Interpolator, block: RandomBlock) -> StartedBlock {
     let from = interpolator.position();
     match block {
-        Block::Rapid(to) => {
+        RandomBlock::Rapid(to) => {
             interpolator.start_rapid(to, &limits());
-            Begun {
+            StartedBlock {
                 kind: MoveKind::Rapid,
                 from,
                 to,
@@ -100,9 +100,9 @@ fn begin(interpolator: &mut Interpolator, block: Block) -> Begun {
                 feed: 0.0,
             }
         }
-        Block::Line(to, feed) => {
+        RandomBlock::Line(to, feed) => {
             interpolator.start_line(to, Feed::PerMinute(feed));
-            Begun {
+            StartedBlock {
                 kind: MoveKind::Feed,
                 from,
                 to,
@@ -110,9 +110,9 @@ fn begin(interpolator: &mut Interpolator, block: Block) -> Begun {
                 feed,
             }
         }
-        Block::Arc(angle, radius, sweep, feed) => {
-            let center = on_circle(from, -radius, angle);
-            let to = on_circle(center, radius, angle + sweep);
+        RandomBlock::Arc(angle, radius, sweep, feed) => {
+            let center = point_on_circle(from, -radius, angle);
+            let to = point_on_circle(center, radius, angle + sweep);
             let clockwise = sweep < 0.0;
             interpolator.start_arc(to, center, clockwise, Feed::PerMinute(feed));
             let kind = if clockwise {
@@ -120,7 +120,7 @@ fn begin(interpolator: &mut Interpolator, block: Block) -> Begun {
             } else {
                 MoveKind::CounterClockwise
             };
-            Begun {
+            StartedBlock {
                 kind,
                 from,
                 to,
@@ -131,14 +131,14 @@ fn begin(interpolator: &mut Interpolator, block: Block) -> Begun {
     }
 }
 
-fn time_of(begun: &Begun, limits: &MotionLimits) -> f64 {
-    let (way, kind) = (begun.to - begun.from, begun.kind);
+fn expected_duration(begun: &StartedBlock, limits: &MotionLimits) -> f64 {
+    let (displacement, kind) = (begun.to - begun.from, begun.kind);
     let length = path_length(kind, begun.from, begun.to, begun.center);
-    duration(kind, way, length, begun.feed, limits)
+    move_duration(kind, displacement, length, begun.feed, limits)
 }
 
 /// Checks the speeds of a tick against the limits of the block.
-fn check_speed(interpolator: &Interpolator, begun: &Begun, limits: &MotionLimits) {
+fn check_speed(interpolator: &Interpolator, begun: &StartedBlock, limits: &MotionLimits) {
     let velocity = interpolator.velocity();
     assert!(velocity.x.is_finite() && velocity.z.is_finite());
     if begun.kind == MoveKind::Rapid {
@@ -157,13 +157,14 @@ fn check_speed(interpolator: &Interpolator, begun: &Begun, limits: &MotionLimits
 }
 
 /// Checks that the commanded path is the programmed one, far below 0.001 mm.
-fn check_path(position: Point, begun: &Begun) {
+fn check_path(position: Point, begun: &StartedBlock) {
     if let Some(center) = begun.center {
         let off = (position - center).length() - (begun.from - center).length();
         assert!(off.abs() < 1e-6, "{off} mm off the circle");
     } else if begun.kind != MoveKind::Rapid {
-        let (way, made) = (begun.to - begun.from, position - begun.from);
-        let off = (way.x * made.z - way.z * made.x) / way.length().max(1e-9);
+        let (displacement, travelled) = (begun.to - begun.from, position - begun.from);
+        let off = (displacement.x * travelled.z - displacement.z * travelled.x)
+            / displacement.length().max(1e-9);
         assert!(off.abs() < 1e-6, "{off} mm off the line");
     }
 }
@@ -172,19 +173,19 @@ const TICKS_MAX: u32 = 4_000_000;
 
 proptest! {
     #[test]
-    fn single_blocks_keep_path_speed_end_and_time(block in block(), limits in any_limits()) {
+    fn single_blocks_keep_path_speed_end_and_time(block in any_block(), limits in any_limits()) {
         let inputs = MotionInputs::default();
         let mut interpolator = Interpolator::new(Point::new(3.25, -7.5));
-        let begun = begin(&mut interpolator, block);
+        let begun = start_block(&mut interpolator, block);
         let mut ticks = 0;
-        while !interpolator.finished() && ticks < TICKS_MAX {
+        while !interpolator.is_finished() && ticks < TICKS_MAX {
             let position = interpolator.tick(&limits, &inputs);
             check_speed(&interpolator, &begun, &limits);
             check_path(position, &begun);
             ticks += 1;
         }
         prop_assert_eq!(interpolator.position(), begun.to);
-        let expected = time_of(&begun, &limits);
+        let expected = expected_duration(&begun, &limits);
         let ticked = f64::from(ticks) * TICK_S;
         prop_assert!((ticked - expected).abs() < 0.0015, "{} s instead of {}", ticked, expected);
     }
@@ -192,8 +193,8 @@ proptest! {
     /// Blocks chained within the tick: no end point is missed, no time is lost, no limit is
     /// exceeded.
     #[test]
-    fn chains_lose_neither_time_nor_place(
-        blocks in prop::collection::vec(block(), 2..12),
+    fn chains_lose_neither_time_nor_position(
+        blocks in prop::collection::vec(any_block(), 2..12),
         short in any::<bool>(),
         at_once in any::<bool>(),
         limits in any_limits(),
@@ -206,18 +207,18 @@ proptest! {
         let scale = if short { 0.001 } else { 1.0 };
         for block in blocks {
             let block = match block {
-                Block::Rapid(to) => Block::Rapid(to * scale),
-                Block::Line(to, feed) => Block::Line(to * scale, feed),
-                arc @ Block::Arc(..) => arc,
+                RandomBlock::Rapid(to) => RandomBlock::Rapid(to * scale),
+                RandomBlock::Line(to, feed) => RandomBlock::Line(to * scale, feed),
+                arc @ RandomBlock::Arc(..) => arc,
             };
-            let begun = begin(&mut interpolator, block);
-            let time = time_of(&begun, &limits);
+            let begun = start_block(&mut interpolator, block);
+            let time = expected_duration(&begun, &limits);
             expected += time;
             shortest = time.min(shortest);
             if at_once {
                 interpolator.continue_tick(&limits, &inputs);
             }
-            while !interpolator.finished() && ticks < TICKS_MAX {
+            while !interpolator.is_finished() && ticks < TICKS_MAX {
                 interpolator.tick(&limits, &inputs);
                 ticks += 1;
             }
@@ -233,13 +234,13 @@ proptest! {
     /// Holds, resumes and overrides at any moment do not change path and end point.
     #[test]
     fn holds_and_overrides_keep_the_path(
-        block in block(),
+        block in any_block(),
         events in prop::collection::vec((1u32..400, any::<bool>(), 0u8..=15, 0u8..=4), 1..30),
     ) {
         let limits = limits();
         let mut inputs = MotionInputs::default();
         let mut interpolator = Interpolator::new(Point::default());
-        let begun = begin(&mut interpolator, block);
+        let begun = start_block(&mut interpolator, block);
         let path = path_length(begun.kind, begun.from, begun.to, begun.center);
         let mut travelled = 0.0;
         let mut tick = |interpolator: &mut Interpolator, inputs: &MotionInputs| {
@@ -262,7 +263,7 @@ proptest! {
         }
         inputs = MotionInputs::default();
         for _ in 0..TICKS_MAX {
-            if interpolator.finished() {
+            if interpolator.is_finished() {
                 break;
             }
             tick(&mut interpolator, &inputs);
@@ -291,13 +292,13 @@ proptest! {
         for _ in 0..100_000 {
             interpolator.tick(&limits, &inputs);
         }
-        prop_assert!(!interpolator.stepping(Axis::Z) && !interpolator.is_moving());
+        prop_assert!(!interpolator.is_stepping(Axis::Z) && !interpolator.is_moving());
         prop_assert!((interpolator.position().z - sum).abs() < 1e-9);
     }
 }
 
 /// Ticks until nothing moves; returns the distance and the ticks.
-fn run_out(interpolator: &mut Interpolator, inputs: &MotionInputs) -> (Point, u32) {
+fn run_to_standstill(interpolator: &mut Interpolator, inputs: &MotionInputs) -> (Point, u32) {
     let from = interpolator.position();
     let mut ticks = 0;
     while interpolator.is_moving() && ticks < TICKS_MAX {
@@ -314,11 +315,17 @@ fn ticks(interpolator: &mut Interpolator, inputs: &MotionInputs, count: u32) {
 }
 
 #[test]
-fn a_rapid_takes_way_over_rate_plus_time_constant() {
+fn a_rapid_takes_distance_over_rate_plus_time_constant() {
     // Z 100 mm at 7600 mm/min with 300 ms.
     let limits = limits();
-    let way = Point::new(0.0, 100.0);
-    let time = duration(MoveKind::Rapid, way, way.length(), 0.0, &limits);
+    let displacement = Point::new(0.0, 100.0);
+    let time = move_duration(
+        MoveKind::Rapid,
+        displacement,
+        displacement.length(),
+        0.0,
+        &limits,
+    );
     assert!((time - (100.0 / (7600.0 / 60.0) + 0.3)).abs() < 1e-12);
 }
 
@@ -328,7 +335,7 @@ fn the_axes_of_a_rapid_do_not_wait_for_each_other() {
     interpolator.start_rapid(Point::new(10.0, 100.0), &limits());
     ticks(&mut interpolator, &MotionInputs::default(), 500);
     assert_eq!(interpolator.position().x, 10.0);
-    assert!(interpolator.position().z < 90.0 && !interpolator.finished());
+    assert!(interpolator.position().z < 90.0 && !interpolator.is_finished());
 }
 
 #[test]
@@ -357,7 +364,7 @@ fn feed_per_revolution_follows_the_measured_speed() {
     ticks(&mut interpolator, &inputs, 2000);
     assert!((speed(&interpolator) - 54.0).abs() < 1e-3);
     ticks(&mut interpolator, &MotionInputs::default(), 2000);
-    assert!(!interpolator.is_moving() && !interpolator.finished());
+    assert!(!interpolator.is_moving() && !interpolator.is_finished());
 }
 
 #[test]
@@ -373,19 +380,19 @@ fn an_override_acts_within_the_tick() {
     ticks(&mut interpolator, &inputs, 1500);
     assert!((speed(&interpolator) - 500.0).abs() < 1e-3);
     inputs.feed_override = 0.0;
-    let (way, _) = run_out(&mut interpolator, &inputs);
-    assert!(way.z < 0.0 && !interpolator.finished());
+    let (distance, _) = run_to_standstill(&mut interpolator, &inputs);
+    assert!(distance.z < 0.0 && !interpolator.is_finished());
 }
 
 #[test]
-fn dry_run_goes_through_standstill() {
+fn dry_run_passes_through_standstill() {
     let mut inputs = MotionInputs::default();
     let mut interpolator = Interpolator::new(Point::default());
     interpolator.start_line(Point::new(0.0, -500.0), Feed::PerMinute(100.0));
     ticks(&mut interpolator, &inputs, 1000);
     inputs.dry_run = Some(DryRun {
-        cutting: 1260.0,
-        rapid: None,
+        cutting_mm_per_min: 1260.0,
+        rapid_mm_per_min: None,
     });
     let mut slowest = f64::INFINITY;
     for _ in 0..2000 {
@@ -405,12 +412,15 @@ fn reset_decelerates_and_drops_the_rest() {
     ticks(&mut interpolator, &inputs, 1000);
     let stop = interpolator.stopping_point(&limits());
     interpolator.decelerate();
-    let (way, taken) = run_out(&mut interpolator, &inputs);
-    assert!((300..=301).contains(&taken), "{taken} ticks");
-    assert!((way.z + 7600.0 / 60.0 * 0.15).abs() < 1e-6, "{way:?}");
+    let (distance, ticks_used) = run_to_standstill(&mut interpolator, &inputs);
+    assert!((300..=301).contains(&ticks_used), "{ticks_used} ticks");
+    assert!(
+        (distance.z + 7600.0 / 60.0 * 0.15).abs() < 1e-6,
+        "{distance:?}"
+    );
     assert!((interpolator.position() - stop).length() < 1e-9);
     ticks(&mut interpolator, &inputs, 1);
-    assert!(interpolator.finished());
+    assert!(interpolator.is_finished());
 }
 
 #[test]
@@ -422,21 +432,24 @@ fn emergency_stop_stops_at_once() {
     interpolator.stop_now();
     ticks(&mut interpolator, &MotionInputs::default(), 10);
     assert_eq!(interpolator.position(), position);
-    assert!(interpolator.finished() && !interpolator.is_moving());
+    assert!(interpolator.is_finished() && !interpolator.is_moving());
 }
 
 #[test]
-fn jog_reaches_its_rate_and_runs_out() {
+fn jog_reaches_its_rate_and_decelerates() {
     let inputs = MotionInputs::default();
     let mut interpolator = Interpolator::new(Point::default());
     interpolator.set_jog(Axis::X, Some((false, JogRate::Feed(790.0))));
     ticks(&mut interpolator, &inputs, 2000);
     assert!((interpolator.velocity().x * 60.0 + 790.0).abs() < 1e-3);
-    assert!(interpolator.finished());
+    assert!(interpolator.is_finished());
     interpolator.set_jog(Axis::X, None);
-    let (way, _) = run_out(&mut interpolator, &inputs);
+    let (distance, _) = run_to_standstill(&mut interpolator, &inputs);
     // T (v - 041): 0.1 s · (790 - 100) mm/min.
-    assert!((way.x + 0.1 * 690.0 / 60.0).abs() < 1e-6, "{way:?}");
+    assert!(
+        (distance.x + 0.1 * 690.0 / 60.0).abs() < 1e-6,
+        "{distance:?}"
+    );
 }
 
 #[test]
@@ -468,7 +481,7 @@ fn translation_moves_the_rest_of_a_block_along() {
     );
     ticks(&mut interpolator, &inputs, 700);
     interpolator.translate(Point::new(1.0, 2.0));
-    while !interpolator.finished() {
+    while !interpolator.is_finished() {
         ticks(&mut interpolator, &inputs, 1);
     }
     assert_eq!(interpolator.position(), Point::new(11.0, -8.0));
@@ -487,12 +500,12 @@ fn start_and_end_in_one_point_make_a_full_circle() {
 }
 
 #[test]
-fn blocks_without_way_take_no_time() {
+fn blocks_without_distance_take_no_time() {
     let inputs = MotionInputs::default();
     let mut interpolator = Interpolator::new(Point::default());
     interpolator.start_rapid(Point::default(), &limits());
     interpolator.tick(&limits(), &inputs);
-    assert!(interpolator.finished());
+    assert!(interpolator.is_finished());
     interpolator.start_line(Point::new(0.0, 1.0), Feed::PerMinute(100.0));
     interpolator.continue_tick(&limits(), &inputs);
     assert!(interpolator.position().z > 0.0);
@@ -500,17 +513,20 @@ fn blocks_without_way_take_no_time() {
 
 #[test]
 fn a_parameter_changed_while_braking_still_meets_the_end() {
-    let slow = Law::exponential(0.1, 0.1);
+    let slow = SpeedLaw::exponential(0.1, 0.1);
     let mut ramp = Ramp::new(2.0);
     for _ in 0..100 {
         ramp.advance(&slow, 15.0, TICK_S);
     }
-    for law in [Law::exponential(1.0, 0.1), Law::exponential(0.0, 0.1)] {
+    for law in [
+        SpeedLaw::exponential(1.0, 0.1),
+        SpeedLaw::exponential(0.0, 0.1),
+    ] {
         let mut ramp = ramp;
-        let mut way = 0.0;
+        let mut distance = 0.0;
         for _ in 0..10_000 {
-            way += ramp.advance(&law, 15.0, TICK_S).moved;
+            distance += ramp.advance(&law, 15.0, TICK_S).distance;
         }
-        assert!(ramp.finished() && way > 0.0 && way < 2.0);
+        assert!(ramp.is_finished() && distance > 0.0 && distance < 2.0);
     }
 }

@@ -13,9 +13,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::follower::{Follower, Handover, SpindleTick, Wait, Way};
 use super::limits::MotionLimits;
-use super::path::Path;
+use super::path::CutPath;
+use super::spindle_follower::{
+    FollowerTravel, FollowerWait, Handover, SpindleFollower, SpindleTick,
+};
 use crate::command::{Action, ThreadStart};
 use crate::units::{Axis, Point};
 
@@ -26,7 +28,7 @@ pub struct ThreadMove {
     pub to: Point,
     /// Axis that the lead is measured along.
     #[serde(rename = "long")]
-    pub long: Axis,
+    pub lead_axis: Axis,
     /// Lead at the start, mm per turn.
     pub lead: f64,
     /// Change of the lead, mm per turn and turn.
@@ -39,10 +41,10 @@ pub struct ThreadMove {
 
 impl ThreadMove {
     /// The thread of a command; `None` for other actions.
-    pub fn of(action: &Action) -> Option<Self> {
+    pub fn from_action(action: &Action) -> Option<Self> {
         let Action::Thread {
             to,
-            long,
+            lead_axis: long,
             lead,
             increase,
             start,
@@ -53,7 +55,7 @@ impl ThreadMove {
         };
         Some(Self {
             to: *to,
-            long: *long,
+            lead_axis: *long,
             lead: *lead,
             increase: *increase,
             start: *start,
@@ -63,11 +65,11 @@ impl ThreadMove {
 
     /// The length along which the lead is measured, mm: that of the path if the lead axis
     /// does not move.
-    fn way(&self, from: Point) -> f64 {
+    fn lead_distance(&self, from: Point) -> f64 {
         let displacement = self.to - from;
-        let way = displacement.get(self.long).abs();
-        if way > 0.0 {
-            way
+        let distance = displacement.get(self.lead_axis).abs();
+        if distance > 0.0 {
+            distance
         } else {
             displacement.length()
         }
@@ -75,18 +77,18 @@ impl ThreadMove {
 
     /// Turns of the whole thread, from `way = F n + R n² / 2`.
     pub(crate) fn turns(&self, from: Point) -> f64 {
-        let (way, lead) = (self.way(from), self.lead.abs().max(1e-6));
+        let (distance, lead) = (self.lead_distance(from), self.lead.abs().max(1e-6));
         if self.increase == 0.0 {
-            return way / lead;
+            return distance / lead;
         }
-        let last = lead * lead + 2.0 * self.increase * way;
-        2.0 * way / (lead + last.max(0.0).sqrt())
+        let last = lead * lead + 2.0 * self.increase * distance;
+        2.0 * distance / (lead + last.max(0.0).sqrt())
     }
 
     /// Distance along the path at the start, mm per turn.
-    pub(crate) fn lead_along(&self, from: Point) -> f64 {
-        let way = self.way(from).max(1e-9);
-        self.lead.abs() * (self.to - from).length() / way
+    pub(crate) fn lead_along_path(&self, from: Point) -> f64 {
+        let distance = self.lead_distance(from).max(1e-9);
+        self.lead.abs() * (self.to - from).length() / distance
     }
 
     /// Lead at the end, mm per turn.
@@ -96,14 +98,14 @@ impl ThreadMove {
 
     /// Highest speed of each axis at a spindle speed, mm/min.
     pub fn top_speed(&self, from: Point, rpm: f64, limits: &MotionLimits) -> Point {
-        let way = self.way(from);
-        if way <= 0.0 {
+        let distance = self.lead_distance(from);
+        if distance <= 0.0 {
             return Point::default();
         }
-        let along = self.lead.max(self.last_lead(from)) * rpm.abs() / way;
+        let along = self.lead.max(self.last_lead(from)) * rpm.abs() / distance;
         let displacement = self.to - from;
         let mut top = Point::new(displacement.x.abs(), displacement.z.abs()) * along;
-        if let Some(tail) = self.tail(from, limits) {
+        if let Some(tail) = self.short_axis_run_out(from, limits) {
             *top.get_mut(tail.axis) = tail.rate(rpm.abs() / 60.0) * 60.0;
         }
         top
@@ -119,125 +121,129 @@ impl ThreadMove {
             ThreadStart::AtIndex { .. } => law.lowest_rate(self.lead, spin),
         };
         let last = law.lowest_rate(self.last_lead(from), spin);
-        let mut going_on = law.duration(total, spin, first, 1.0);
+        let mut continuing = law.duration(total, spin, first, 1.0);
         let mut stopping = law.duration(total, spin, first, last);
-        if let Some(tail) = self.tail(from, limits) {
+        if let Some(tail) = self.short_axis_run_out(from, limits) {
             let leaving = tail.duration(spin);
-            going_on = going_on.max(leaving);
+            continuing = continuing.max(leaving);
             stopping = stopping.max(leaving);
         }
-        (going_on, (stopping - going_on).max(0.0))
+        (continuing, (stopping - continuing).max(0.0))
     }
 
     /// The short axis of a run-out: at its own speed (107), or at the cutting feed with the
     /// time constant of 026. Without either it stays on the straight line (`None`).
-    fn tail(&self, from: Point, limits: &MotionLimits) -> Option<Tail> {
-        let (axis, factor) = match self.long {
+    fn short_axis_run_out(&self, from: Point, limits: &MotionLimits) -> Option<ShortAxisRunOut> {
+        let (axis, factor) = match self.lead_axis {
             Axis::X => (Axis::Z, 2.0),
             Axis::Z => (Axis::X, 1.0),
         };
-        let way = self.to.get(axis) - from.get(axis);
-        let own = limits.tail_rate() * factor;
-        let time = limits.tail_time();
-        let rate = if own > 0.0 {
-            TailRate::Own(own)
+        let distance = self.to.get(axis) - from.get(axis);
+        let own_rate = limits.run_out_rate() * factor;
+        let time = limits.run_out_time();
+        let rate = if own_rate > 0.0 {
+            RunOutRate::Fixed(own_rate)
         } else {
-            TailRate::CuttingFeed {
-                way_per_turn: way.abs() / self.turns(from),
+            RunOutRate::CuttingFeed {
+                distance_per_turn: distance.abs() / self.turns(from),
             }
         };
-        (self.run_out && way != 0.0 && (own > 0.0 || time > 0.0)).then(|| Tail {
-            axis,
-            from: from.get(axis),
-            way,
-            rate,
-            time,
-            passed: 0.0,
+        (self.run_out && distance != 0.0 && (own_rate > 0.0 || time > 0.0)).then(|| {
+            ShortAxisRunOut {
+                axis,
+                from: from.get(axis),
+                distance,
+                rate,
+                time,
+                elapsed_s: 0.0,
+            }
         })
     }
 }
 
 /// Speed of the short axis in the run-out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-enum TailRate {
+enum RunOutRate {
     /// Fixed speed, mm/s: that of 107, or the cutting feed once the run-out has begun.
     #[serde(rename = "Own")]
-    Own(f64),
+    Fixed(f64),
     /// The speed of the straight line to the end at the spindle speed with which the
     /// run-out begins (107 = 0).
     CuttingFeed {
         /// Distance per turn, mm.
         #[serde(rename = "way_per_turn")]
-        way_per_turn: f64,
+        distance_per_turn: f64,
     },
 }
 
 /// The short axis of a run-out: `x = v (t - T (1 - e^(-t/T)))`, v of 107 or the
 /// cutting feed, T of 026 (manual I-3.2.4.4, III-12.5).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Tail {
+struct ShortAxisRunOut {
     axis: Axis,
     from: f64,
     #[serde(rename = "way")]
-    way: f64,
-    rate: TailRate,
+    distance: f64,
+    rate: RunOutRate,
     time: f64,
     #[serde(rename = "passed")]
-    passed: f64,
+    elapsed_s: f64,
 }
 
-impl Tail {
+impl ShortAxisRunOut {
     /// Final speed at `spin` turns/s of the spindle, mm/s.
     const fn rate(&self, spin: f64) -> f64 {
         match self.rate {
-            TailRate::Own(rate) => rate,
-            TailRate::CuttingFeed { way_per_turn } => way_per_turn * spin,
+            RunOutRate::Fixed(rate) => rate,
+            RunOutRate::CuttingFeed {
+                distance_per_turn: way_per_turn,
+            } => way_per_turn * spin,
         }
     }
 
     /// Advances by `time` seconds at `spin` turns/s; begins with a spindle that turns.
     fn advance(&mut self, spin: f64, time: f64) {
         if spin > 0.0 && time > 0.0 {
-            self.rate = TailRate::Own(self.rate(spin));
+            self.rate = RunOutRate::Fixed(self.rate(spin));
         }
-        if let TailRate::Own(_) = self.rate {
-            self.passed += time;
+        if let RunOutRate::Fixed(_) = self.rate {
+            self.elapsed_s += time;
         }
     }
 
-    fn made(&self, passed: f64) -> f64 {
+    fn distance_at(&self, passed: f64) -> f64 {
         let lag = if self.time > 0.0 {
             self.time * (1.0 - libm::exp(-passed / self.time))
         } else {
             0.0
         };
-        let TailRate::Own(rate) = self.rate else {
+        let RunOutRate::Fixed(rate) = self.rate else {
             return 0.0;
         };
-        (rate * (passed - lag)).clamp(0.0, self.way.abs())
+        (rate * (passed - lag)).clamp(0.0, self.distance.abs())
     }
 
-    fn finished(&self) -> bool {
-        self.made(self.passed) >= self.way.abs()
+    fn is_finished(&self) -> bool {
+        self.distance_at(self.elapsed_s) >= self.distance.abs()
     }
 
-    fn at(&self) -> f64 {
-        if self.finished() {
-            return self.from + self.way;
+    fn position(&self) -> f64 {
+        if self.is_finished() {
+            return self.from + self.distance;
         }
-        self.from + self.made(self.passed) * self.way.signum()
+        self.from + self.distance_at(self.elapsed_s) * self.distance.signum()
     }
 
     /// Duration of the run-out, s; Newton's steps approach it from above.
     fn duration(&self, spin: f64) -> f64 {
-        let straight = self.way.abs() / self.rate(spin);
-        if self.time <= 0.0 || !straight.is_finite() {
-            return straight;
+        let straight_s = self.distance.abs() / self.rate(spin);
+        if self.time <= 0.0 || !straight_s.is_finite() {
+            return straight_s;
         }
-        let mut whole = straight + self.time;
+        let mut whole = straight_s + self.time;
         for _ in 0..8 {
             let risen = 1.0 - libm::exp(-whole / self.time);
-            whole -= (whole - self.time * risen - straight) / risen;
+            whole -= (whole - self.time * risen - straight_s) / risen;
         }
         whole
     }
@@ -245,21 +251,21 @@ impl Tail {
 
 /// A thread under way.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Thread {
-    path: Path,
+pub(crate) struct ThreadMotion {
+    path: CutPath,
     #[serde(rename = "way")]
-    way: f64,
+    lead_distance: f64,
     lead: f64,
     increase: f64,
     last_lead: f64,
     #[serde(rename = "total")]
-    total: f64,
-    follower: Follower,
+    total_turns: f64,
+    follower: SpindleFollower,
     #[serde(rename = "tail")]
-    tail: Option<Tail>,
+    run_out: Option<ShortAxisRunOut>,
 }
 
-impl Thread {
+impl ThreadMotion {
     /// A thread from `from`; `before` is the state that the thread before passed on.
     pub fn new(
         from: Point,
@@ -268,25 +274,29 @@ impl Thread {
         limits: &MotionLimits,
     ) -> Self {
         let follower = match (thread.start, before) {
-            (ThreadStart::AtIndex { degrees }, _) => Follower::waiting(Wait::degrees(degrees)),
-            (ThreadStart::Continued, None) => Follower::waiting(Wait::degrees(0.0)),
-            (ThreadStart::Continued, Some(before)) => Follower::going_on(&before),
+            (ThreadStart::AtIndex { degrees }, _) => {
+                SpindleFollower::waiting(FollowerWait::from_degrees(degrees))
+            }
+            (ThreadStart::Continued, None) => {
+                SpindleFollower::waiting(FollowerWait::from_degrees(0.0))
+            }
+            (ThreadStart::Continued, Some(before)) => SpindleFollower::continuing(&before),
         };
         Self {
-            path: Path::line(from, thread.to),
-            way: thread.way(from),
+            path: CutPath::line(from, thread.to),
+            lead_distance: thread.lead_distance(from),
             lead: thread.lead.abs().max(1e-6),
             increase: thread.increase,
             last_lead: thread.last_lead(from),
-            total: thread.turns(from),
+            total_turns: thread.turns(from),
             follower,
-            tail: thread.tail(from, limits),
+            run_out: thread.short_axis_run_out(from, limits),
         }
     }
 
     /// Whether the tool follows the spindle.
-    pub const fn running(&self) -> bool {
-        self.follower.running()
+    pub const fn is_running(&self) -> bool {
+        self.follower.is_running()
     }
 
     /// Whether the tool follows a spindle that turns.
@@ -300,53 +310,53 @@ impl Thread {
     }
 
     /// Whether the end is reached.
-    pub fn finished(&self) -> bool {
-        self.arrived() && self.tail.is_none_or(|tail| tail.finished())
+    pub fn is_finished(&self) -> bool {
+        self.has_arrived() && self.run_out.is_none_or(|tail| tail.is_finished())
     }
 
-    fn arrived(&self) -> bool {
-        self.follower.done() >= self.total
+    fn has_arrived(&self) -> bool {
+        self.follower.turns_done() >= self.total_turns
     }
 
     /// Whether the thread passes its speed on to a thread that follows. A run-out whose
     /// short axis has its own law stops.
-    const fn passes_on(&self, continues: bool) -> bool {
-        continues && self.tail.is_none()
+    const fn passes_speed_on(&self, continues: bool) -> bool {
+        continues && self.run_out.is_none()
     }
 
     /// Advances by `time` seconds, the last of the tick. Returns the time used.
     pub fn advance(&mut self, tick: &SpindleTick<'_>, time: f64) -> f64 {
-        if self.total <= 0.0 {
+        if self.total_turns <= 0.0 {
             return 0.0;
         }
-        let comes_down = !self.passes_on(tick.continues);
-        let way = Way {
-            turns: self.total,
+        let slows_down = !self.passes_speed_on(tick.continues);
+        let travel = FollowerTravel {
+            turns: self.total_turns,
             first_lead: self.lead,
-            last_lead: comes_down.then_some(self.last_lead),
+            last_lead: slows_down.then_some(self.last_lead),
         };
-        let spent = self.follower.advance(tick, way, time);
-        match &mut self.tail {
-            Some(tail) if !tail.finished() => {
-                tail.advance(tick.rpm.abs() / 60.0, spent.offered);
-                spent.waiting + spent.offered
+        let step_time = self.follower.advance(tick, travel, time);
+        match &mut self.run_out {
+            Some(tail) if !tail.is_finished() => {
+                tail.advance(tick.rpm.abs() / 60.0, step_time.available_s);
+                step_time.waiting_s + step_time.available_s
             }
-            _ => spent.waiting + spent.used,
+            _ => step_time.waiting_s + step_time.used_s,
         }
     }
 
     /// Current position of the tool.
     pub fn position(&self) -> Point {
-        let mut at = if self.arrived() {
+        let mut at = if self.has_arrived() {
             self.path.to()
         } else {
-            let turns = self.follower.done();
-            let made = turns * (self.lead + self.increase * turns / 2.0);
-            let rest = (1.0 - made / self.way).clamp(0.0, 1.0);
-            self.path.at(rest * self.path.length())
+            let turns = self.follower.turns_done();
+            let distance = turns * (self.lead + self.increase * turns / 2.0);
+            let rest = (1.0 - distance / self.lead_distance).clamp(0.0, 1.0);
+            self.path.point_at(rest * self.path.length())
         };
-        if let Some(tail) = &self.tail {
-            *at.get_mut(tail.axis) = tail.at();
+        if let Some(tail) = &self.run_out {
+            *at.get_mut(tail.axis) = tail.position();
         }
         at
     }
@@ -354,14 +364,14 @@ impl Thread {
     /// State for a thread that continues this finished one.
     pub(crate) fn handover(&self, continues: bool) -> Handover {
         self.follower
-            .handover(self.total, self.passes_on(continues))
+            .handover(self.total_turns, self.passes_speed_on(continues))
     }
 
     /// The thread shifted by a vector.
-    pub fn translated(self, by: Point) -> Self {
+    pub fn shifted(self, by: Point) -> Self {
         Self {
-            path: self.path.translated(by),
-            tail: self.tail.map(|tail| Tail {
+            path: self.path.shifted(by),
+            run_out: self.run_out.map(|tail| ShortAxisRunOut {
                 from: tail.from + by.get(tail.axis),
                 ..tail
             }),

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::command::{MoveKind, ThreadStart};
-use crate::memory::Parameters;
+use crate::memory::ControlParameters;
 use crate::spindle::{SpindleAngle, SpindleControl, SpindleInputs};
 use crate::units::{Axis, Point, TICK_S};
 
@@ -25,7 +25,7 @@ struct Rig {
 impl Rig {
     /// A spindle that has been turning for a while; plus parameters.
     fn new(rpm: f64, changes: &[(u16, i32)]) -> Self {
-        let mut parameters = Parameters::default();
+        let mut parameters = ControlParameters::default();
         for (number, value) in changes {
             parameters.set(*number, *value).unwrap();
         }
@@ -49,9 +49,9 @@ impl Rig {
         let index = self.turns.floor() as i64 * COUNTS as i64;
         self.angle.tick(encoder, index);
         self.spindle.tick(&SpindleInputs {
-            measured: None,
+            measured_rpm: None,
             encoder,
-            radius: 0.0,
+            radius_mm: 0.0,
             override_percent: 100,
         });
         self.inputs.spindle = self.angle.turn();
@@ -75,7 +75,7 @@ impl Rig {
 
     fn finish(&mut self) -> u32 {
         let mut ticks = 0;
-        while !self.interpolator.finished() {
+        while !self.interpolator.is_finished() {
             self.tick();
             ticks += 1;
             assert!(ticks < 1_000_000, "the thread never ends");
@@ -98,7 +98,7 @@ impl Rig {
 fn thread(to: Point, lead: f64, start: ThreadStart) -> ThreadMove {
     ThreadMove {
         to,
-        long: Axis::Z,
+        lead_axis: Axis::Z,
         lead,
         increase: 0.0,
         start,
@@ -107,9 +107,9 @@ fn thread(to: Point, lead: f64, start: ThreadStart) -> ThreadMove {
 }
 
 /// Distance of two fractions of a turn.
-fn apart(one: f64, other: f64) -> f64 {
-    let apart = (one - other).abs();
-    apart.min(1.0 - apart)
+fn turn_distance(one: f64, other: f64) -> f64 {
+    let distance = (one - other).abs();
+    distance.min(1.0 - distance)
 }
 
 #[test]
@@ -121,19 +121,19 @@ fn passes_meet_the_same_groove() {
             let mut first = vec![None; starts as usize];
             for pass in 0..12u32 {
                 let start = pass % starts;
-                let share = f64::from(start) / f64::from(starts);
+                let fraction = f64::from(start) / f64::from(starts);
                 rig.interpolator = Interpolator::new(Point::new(10.0, 0.0));
                 rig.wait(17 * pass + 3);
-                rig.start(Point::new(10.0, -40.0), lead, share * 360.0);
+                rig.start(Point::new(10.0, -40.0), lead, fraction * 360.0);
                 let phase = rig.phase_at(-20.0, lead);
                 let reference = *first[start as usize].get_or_insert(phase);
-                let error = apart(phase, reference) * lead;
+                let error = turn_distance(phase, reference) * lead;
                 assert!(error <= PULSE, "{error} mm at {rpm} r/min, start {start}");
-                let shift = apart(phase, first[0].unwrap());
-                let wanted = share.min(1.0 - share);
+                let shift = turn_distance(phase, first[0].unwrap());
+                let expected = fraction.min(1.0 - fraction);
                 assert!(
-                    (shift - wanted).abs() * lead <= PULSE,
-                    "start {start} of {starts}: {shift} turns instead of {share}"
+                    (shift - expected).abs() * lead <= PULSE,
+                    "start {start} of {starts}: {shift} turns instead of {fraction}"
                 );
                 rig.finish();
             }
@@ -178,11 +178,11 @@ fn the_lead_grows_as_programmed() {
         rig.tick();
     }
     let begun = rig.turns.floor();
-    while !rig.interpolator.finished() {
+    while !rig.interpolator.is_finished() {
         rig.tick();
         let turns = rig.turns - begun;
-        let way = 2.0 * turns + 0.25 * turns * turns;
-        let off = (-rig.interpolator.position().z - way.min(52.0)).abs();
+        let distance = 2.0 * turns + 0.25 * turns * turns;
+        let off = (-rig.interpolator.position().z - distance.min(52.0)).abs();
         assert!(off < 0.003, "{off} mm off after {turns} turns");
     }
     // 2 n + n² / 4 = 52.
@@ -190,7 +190,7 @@ fn the_lead_grows_as_programmed() {
 }
 
 #[test]
-fn a_thread_that_goes_on_keeps_phase_and_speed() {
+fn a_continued_thread_keeps_phase_and_speed() {
     for tick_later in [false, true] {
         let mut rig = Rig::new(480.0, &[]);
         rig.start(Point::new(10.0, -12.3), 2.0, 0.0);
@@ -198,9 +198,9 @@ fn a_thread_that_goes_on_keeps_phase_and_speed() {
         let mut slowest = f64::INFINITY;
         let mut joined = false;
         let mut phases = Vec::new();
-        while !(joined && rig.interpolator.finished()) {
+        while !(joined && rig.interpolator.is_finished()) {
             let moved = rig.tick();
-            if rig.interpolator.finished() && !joined {
+            if rig.interpolator.is_finished() && !joined {
                 joined = true;
                 let next = thread(Point::new(12.0, -30.0), 2.0, ThreadStart::Continued);
                 rig.interpolator.start_thread(&next, &rig.limits);
@@ -222,20 +222,20 @@ fn a_thread_that_goes_on_keeps_phase_and_speed() {
             }
         }
         assert_eq!(rig.interpolator.position(), Point::new(12.0, -30.0));
-        let spread = phases
-            .iter()
-            .fold(0.0f64, |worst, phase| worst.max(apart(*phase, phases[0])));
+        let spread = phases.iter().fold(0.0f64, |worst, phase| {
+            worst.max(turn_distance(*phase, phases[0]))
+        });
         if !tick_later {
             assert!(spread * 2.0 <= 2.0 * PULSE, "{} mm", spread * 2.0);
             assert!(slowest > 0.9 * 16.0 * TICK_S, "slowed down to {slowest}");
         }
         let last = *phases.last().unwrap();
-        assert!(apart(last, phases[0]) * 2.0 <= PULSE);
+        assert!(turn_distance(last, phases[0]) * 2.0 <= PULSE);
     }
 }
 
 #[test]
-fn a_thread_that_went_on_too_late_waits_for_its_angle() {
+fn a_thread_continued_too_late_waits_for_its_angle() {
     let mut rig = Rig::new(480.0, &[]);
     rig.start(Point::new(10.0, -12.3), 2.0, 0.0);
     let before = rig.phase_at(-8.0, 2.0);
@@ -244,7 +244,10 @@ fn a_thread_that_went_on_too_late_waits_for_its_angle() {
     let next = thread(Point::new(10.0, -30.0), 2.0, ThreadStart::Continued);
     rig.interpolator.start_thread(&next, &rig.limits);
     let after = rig.phase_at(-20.0, 2.0);
-    assert!(apart(before, after) * 2.0 <= PULSE, "{before} {after}");
+    assert!(
+        turn_distance(before, after) * 2.0 <= PULSE,
+        "{before} {after}"
+    );
 }
 
 #[test]
@@ -276,7 +279,7 @@ fn reset_stops_a_thread_on_its_line() {
     rig.interpolator.decelerate();
     rig.wait(1000);
     let at = rig.interpolator.position();
-    assert!(rig.interpolator.finished() && !rig.interpolator.is_moving());
+    assert!(rig.interpolator.is_finished() && !rig.interpolator.is_moving());
     assert!(at.z < -10.0 && at.z > -14.0, "{at:?}");
     assert!((at.x / at.z + 0.25).abs() < 1e-6);
 }
@@ -292,13 +295,13 @@ fn a_run_out_with_its_own_speed_moves_x_at_it() {
     tail.run_out = true;
     rig.interpolator = Interpolator::new(Point::new(10.0, 0.0));
     rig.interpolator.start_thread(&tail, &rig.limits);
-    let (going_on, stopping) = tail.duration(Point::new(10.0, 0.0), 480.0, &rig.limits);
+    let (continuing, stopping) = tail.duration(Point::new(10.0, 0.0), 480.0, &rig.limits);
     while rig.interpolator.position() == Point::new(10.0, 0.0) {
         rig.tick();
     }
     let ticks = rig.finish();
     assert_eq!(rig.interpolator.position(), Point::new(12.0, -2.0));
-    let expected = going_on + stopping;
+    let expected = continuing + stopping;
     // 2 mm at 20 mm/s and the time constant of 50 ms; Z takes 2 mm at 16 mm/s.
     assert!(expected > 0.125, "{expected}");
     assert!((f64::from(ticks) * TICK_S - expected).abs() < 0.005);
@@ -309,7 +312,7 @@ fn a_tap_follows_the_spindle_in_and_out() {
     let mut rig = Rig::new(600.0, &[]);
     rig.interpolator
         .start_tap(Point::new(0.0, -15.0), 1.25, 0.0);
-    while !rig.interpolator.tap_at_bottom() {
+    while !rig.interpolator.is_tap_at_bottom() {
         rig.tick();
     }
     let phase = |rig: &Rig| rig.turns + rig.interpolator.position().z / 1.25;
@@ -324,7 +327,7 @@ fn a_tap_follows_the_spindle_in_and_out() {
             let off = (phase(&rig) - locked).abs() * 1.25;
             assert!(off < 0.006, "{off} mm out of phase");
         }
-        rig.interpolator.turn_back();
+        rig.interpolator.reverse_tap();
     }
     assert!(deepest < -15.5, "{deepest}");
     rig.finish();
@@ -332,11 +335,11 @@ fn a_tap_follows_the_spindle_in_and_out() {
 }
 
 #[test]
-fn threads_wait_with_a_standing_spindle() {
+fn threads_wait_while_the_spindle_stands_still() {
     let mut rig = Rig::new(0.0, &[]);
     rig.start(Point::new(0.0, -10.0), 2.0, 0.0);
     rig.wait(1000);
-    assert!(!rig.interpolator.finished() && !rig.interpolator.is_moving());
+    assert!(!rig.interpolator.is_finished() && !rig.interpolator.is_moving());
     assert_eq!(rig.interpolator.position(), Point::default());
 }
 
@@ -345,7 +348,7 @@ proptest! {
 
     /// At any spindle motion a thread stays on its line and ends at its end point.
     #[test]
-    fn threads_end_where_they_should(
+    fn threads_end_at_their_end_point(
         (x, z) in (-20_000i32..20_000, -40_000i32..40_000),
         lead in 5i32..500,
         increase in -20i32..20,
@@ -364,7 +367,7 @@ proptest! {
         let least = -0.4 * lead * lead / way;
         let cut = ThreadMove {
             to,
-            long,
+            lead_axis: long,
             lead,
             increase: (f64::from(increase) / 100.0).max(least),
             start: ThreadStart::AtIndex { degrees: f64::from(degrees) },
@@ -388,7 +391,7 @@ proptest! {
         for (direction, ticks) in [(forward, 60_000), (-forward, 130_000)] {
             rig.rpm = direction;
             for _ in 0..ticks {
-                if rig.interpolator.finished() {
+                if rig.interpolator.is_finished() {
                     break;
                 }
                 rig.tick();
@@ -400,7 +403,7 @@ proptest! {
 
     /// The duration of the preview is the duration of the motion.
     #[test]
-    fn the_time_is_known_beforehand(
+    fn the_duration_is_predicted(
         way in 1i32..60_000,
         lead in 10i32..600,
         part in -0.4..0.4,
@@ -411,37 +414,37 @@ proptest! {
         let lead = f64::from(lead) / 100.0;
         // The lead stays above zero to the end (alarm 043 otherwise).
         let increase = part * lead * lead / way;
-        as_foretold(way, (lead, increase), rpm, (floor, time, exponential))?;
+        check_predicted_duration(way, (lead, increase), rpm, (floor, time, exponential))?;
     }
 }
 
 /// Cuts a thread and compares its duration with the predicted one: `way` in mm, lead and
 /// its change, r/min, parameters 028, 029 and 175.4.
-fn as_foretold(
-    way: f64,
+fn check_predicted_duration(
+    distance: f64,
     (lead, increase): (f64, f64),
     rpm: i32,
     (floor, time, exponential): (i32, i32, bool),
 ) -> Result<(), TestCaseError> {
     let changes = [(28, floor), (29, time), (175, i32::from(exponential) << 4)];
     let mut rig = Rig::new(f64::from(rpm), &changes);
-    let to = Point::new(0.0, -way);
+    let to = Point::new(0.0, -distance);
     let cut = ThreadMove {
         increase,
         ..thread(to, lead, ThreadStart::AtIndex { degrees: 0.0 })
     };
     rig.interpolator.start_thread(&cut, &rig.limits);
-    let (going_on, stopping) = cut.duration(Point::default(), f64::from(rpm), &rig.limits);
-    let expected = going_on + stopping;
+    let (continuing, stopping) = cut.duration(Point::default(), f64::from(rpm), &rig.limits);
+    let expected = continuing + stopping;
     let mut ticks = 0;
-    while !rig.interpolator.finished() {
+    while !rig.interpolator.is_finished() {
         rig.tick();
         ticks += u32::from(rig.interpolator.position() != Point::default());
     }
-    let took = f64::from(ticks) * TICK_S;
+    let duration = f64::from(ticks) * TICK_S;
     prop_assert!(
-        (took - expected).abs() < 0.004 + 0.01 * expected,
-        "{took} s instead of {expected}"
+        (duration - expected).abs() < 0.004 + 0.01 * expected,
+        "{duration} s instead of {expected}"
     );
     let length = path_length(MoveKind::Thread, Point::default(), to, None);
     prop_assert_eq!(length, to.length());
@@ -453,6 +456,6 @@ fn as_foretold(
 #[test]
 fn a_thread_does_not_creep_to_its_end() {
     for exponential in [true, false] {
-        as_foretold(0.546, (4.44, 0.0), 646, (1424, 234, exponential)).unwrap();
+        check_predicted_duration(0.546, (4.44, 0.0), 646, (1424, 234, exponential)).unwrap();
     }
 }

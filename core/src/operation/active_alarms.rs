@@ -32,7 +32,7 @@ impl ActiveAlarms {
     }
 
     /// Replaces the detail of an alarm in force.
-    pub(crate) fn restate(&mut self, number: u16, detail: Message) {
+    pub(crate) fn set_detail(&mut self, number: u16, detail: Message) {
         if let Some(alarm) = self.list.iter_mut().find(|alarm| alarm.number == number) {
             alarm.detail = Some(detail);
         }
@@ -48,11 +48,11 @@ impl ActiveAlarms {
         self.list.retain(|alarm| alarm.number != number);
     }
 
-    /// Removes the alarms that RESET can clear, except those for which `stands` returns
+    /// Removes the alarms that RESET can clear, except those for which `is_in_force` returns
     /// true. The emergency stop ends with its contact only, 100 with the parameter switch,
     /// 000 with the power.
-    pub fn reset(&mut self, stands: impl Fn(u16) -> bool) {
+    pub fn reset(&mut self, is_in_force: impl Fn(u16) -> bool) {
         self.list
-            .retain(|alarm| groups::outlives_reset(alarm.number) || stands(alarm.number));
+            .retain(|alarm| groups::survives_reset(alarm.number) || is_in_force(alarm.number));
     }
 }

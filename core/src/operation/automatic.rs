@@ -9,12 +9,12 @@
 //!    └─ RESET key, M30, emergency stop: from every state
 //! ```
 
-use super::arrival::Arrival;
 use super::intervention::CycleShift;
-use super::thread_state::{Protection, SpindleWatch, TapStage};
+use super::speed_arrival::SpeedArrival;
+use super::thread_state::{HoldProtection, SpindleWatch, TapStage};
 use crate::alarm::Alarm;
-use crate::command::{Action, Command, Frame, ProgramId, Source};
-use crate::interpreter::ReadTo;
+use crate::command::{Action, ControlCommand, Frame, ProgramId, SourcePosition};
+use crate::interpreter::ReadState;
 use crate::motion::Interpolator;
 use crate::run_state::RunState;
 use crate::units::Point;
@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 
 /// What the command under way still waits for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Stage {
+pub(crate) enum CommandStage {
     /// Motion or dwell is under way.
     Acting,
     /// Only the M/S/T handshake is open (DEN is 1 if nothing else runs).
@@ -31,119 +31,119 @@ pub(crate) enum Stage {
 
 /// The command under way.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Current {
-    pub(crate) command: Command,
-    pub(crate) stage: Stage,
+pub(crate) struct CurrentCommand {
+    pub(crate) command: ControlCommand,
+    pub(crate) stage: CommandStage,
     /// Position at its start, machine coordinates.
     pub(crate) from: Point,
     /// Machine time at its start, s.
     #[serde(rename = "started")]
-    pub(crate) started: f64,
+    pub(crate) start_s: f64,
 }
 
 /// Automatic operation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Automatic {
+pub struct AutomaticRun {
     /// Current state of the run.
     pub state: RunState,
-    pub(crate) current: Option<Current>,
+    pub(crate) current: Option<CurrentCommand>,
     #[serde(rename = "ahead")]
-    pub(crate) ahead: Option<Command>,
+    pub(crate) next_command: Option<ControlCommand>,
     /// An alarm found while reading ahead. It is raised when its block begins.
     pub(crate) fault_ahead: Option<Alarm>,
     /// Whether the interpreter waits for a standstill. It is not called before.
     #[serde(rename = "waiting")]
-    pub(crate) waiting: bool,
+    pub(crate) waits_for_standstill: bool,
     /// Whether a program has been started and can be resumed.
     #[serde(rename = "started")]
-    pub(crate) started: bool,
+    pub(crate) is_started: bool,
     /// Whether the interpreter has no more commands.
     #[serde(rename = "ended")]
-    pub(crate) ended: bool,
+    pub(crate) has_ended: bool,
     /// Whether the run stops at the end of the block, regardless of single block.
     pub(crate) stop_requested: bool,
     #[serde(rename = "dwell_left")]
-    pub(crate) dwell_left: u32,
+    pub(crate) dwell_left_ms: u32,
     /// M00, M01, M02 or M30 whose decode signal is 1.
     #[serde(rename = "decoded")]
-    pub(crate) decoded: Option<u8>,
+    pub(crate) decoded_m: Option<u8>,
     /// Whether the MDI block runs, not the program of AUTO.
     #[serde(rename = "mdi")]
-    pub(crate) mdi: bool,
+    pub(crate) is_mdi: bool,
     /// Source of the last executed command.
     #[serde(rename = "last")]
-    pub(crate) last: Option<Source>,
+    pub(crate) last_source: Option<SourcePosition>,
     /// Whether more commands of the running block follow.
     pub(crate) within_block: bool,
-    pub(crate) protection: Protection,
+    pub(crate) protection: HoldProtection,
     /// Stage of the tap under way.
     pub(crate) tap: Option<TapStage>,
     /// M code that reverses the spindle for the way out of the tap.
     pub(crate) tap_reverse: u8,
     pub(crate) watch: SpindleWatch,
-    pub(crate) arrival: Arrival,
+    pub(crate) arrival: SpeedArrival,
     /// The stopped AUTO run that is suspended while MDI blocks are executed.
     #[serde(rename = "aside")]
-    pub(crate) aside: Option<Box<Aside>>,
+    pub(crate) suspended: Option<Box<SuspendedRun>>,
     pub(crate) cycle_shift: CycleShift,
     /// Whether feed hold was requested while #3004 did not permit it.
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     #[serde(rename = "hold_put_off")]
-    pub(crate) hold_put_off: bool,
+    pub(crate) hold_deferred: bool,
 }
 
 /// A stopped AUTO run that is suspended while MDI blocks are executed (manual II, MDI;
 /// III-6).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Aside {
-    pub automatic: Automatic,
+pub(crate) struct SuspendedRun {
+    pub automatic: AutomaticRun,
     /// The rest of its block, if it was held within one.
     pub held: Option<Interpolator>,
     /// How far its program was read, if that differs from the position of the tool.
-    pub read_to: Option<ReadTo>,
+    pub read_to: Option<ReadState>,
     /// The coordinate frame in force when it was read.
     pub frame: Frame,
 }
 
-impl Default for Automatic {
+impl Default for AutomaticRun {
     fn default() -> Self {
         Self {
             state: RunState::Reset,
             current: None,
-            ahead: None,
+            next_command: None,
             fault_ahead: None,
-            waiting: false,
-            started: false,
-            ended: false,
+            waits_for_standstill: false,
+            is_started: false,
+            has_ended: false,
             stop_requested: false,
-            dwell_left: 0,
-            decoded: None,
-            mdi: false,
-            last: None,
+            dwell_left_ms: 0,
+            decoded_m: None,
+            is_mdi: false,
+            last_source: None,
             within_block: false,
-            protection: Protection::None,
+            protection: HoldProtection::None,
             tap: None,
             tap_reverse: 0,
             watch: SpindleWatch::default(),
-            arrival: Arrival::default(),
-            aside: None,
+            arrival: SpeedArrival::default(),
+            suspended: None,
             cycle_shift: CycleShift::default(),
-            hold_put_off: false,
+            hold_deferred: false,
         }
     }
 }
 
-impl Automatic {
+impl AutomaticRun {
     /// STL or SPL: a block is under way or held.
-    pub const fn operating(&self) -> bool {
+    pub const fn is_operating(&self) -> bool {
         matches!(self.state, RunState::Run | RunState::Hold)
     }
 
     /// DEN: only FIN is missing for the end of the block.
-    pub(crate) fn distribution_end(&self) -> bool {
+    pub(crate) fn is_distribution_end(&self) -> bool {
         self.current.as_ref().is_some_and(|current| {
             let is_last = matches!(current.command.action, Action::Tool { is_last: true, .. });
-            current.stage == Stage::Handshake && (current.command.block_end || is_last)
+            current.stage == CommandStage::Handshake && (current.command.block_end || is_last)
         })
     }
 
@@ -159,92 +159,97 @@ impl Automatic {
                         | Action::Thread { .. }
                         | Action::Tap { .. }
                 );
-                current.stage == Stage::Acting && cuts
+                current.stage == CommandStage::Acting && cuts
             })
     }
 
     /// Whether single block has stopped between two moves of one block. SPL then shows that
     /// the block is not at its end (manual PLC-II 6.3.3).
-    pub(crate) fn stands_within_block(&self) -> bool {
-        let run = match &self.aside {
-            Some(aside) if !self.operating() => &aside.automatic,
+    pub(crate) fn is_stopped_within_block(&self) -> bool {
+        let run = match &self.suspended {
+            Some(aside) if !self.is_operating() => &aside.automatic,
             _ => self,
         };
-        run.state == RunState::Stop && run.goes_on() && run.within_block
+        run.state == RunState::Stop && run.can_resume() && run.within_block
     }
 
     /// Updates the decode signals DM: M01 and M02 are set once motion and dwell of their
     /// block are finished, unless FIN came before. FIN clears all of them (manual PLC-II
     /// 8.1).
-    pub(crate) fn follow_decoded(&mut self, waiting_m: Option<u8>, fin: bool) {
+    pub(crate) fn update_decoded(&mut self, waiting_m: Option<u8>, fin: bool) {
         if fin {
-            self.decoded = None;
-        } else if self.distribution_end() && matches!(waiting_m, Some(1 | 2)) {
-            self.decoded = waiting_m;
+            self.decoded_m = None;
+        } else if self.is_distribution_end() && matches!(waiting_m, Some(1 | 2)) {
+            self.decoded_m = waiting_m;
         }
     }
 
     /// Whether the dwell of a G04 is running.
-    pub(crate) fn dwelling(&self) -> bool {
-        self.dwell_left > 0 && matches!(self.action(), Some(Action::Dwell { .. }))
+    pub(crate) fn is_dwelling(&self) -> bool {
+        self.dwell_left_ms > 0 && matches!(self.current_action(), Some(Action::Dwell { .. }))
     }
 
     /// The action under way.
-    pub(crate) fn action(&self) -> Option<&Action> {
+    pub(crate) fn current_action(&self) -> Option<&Action> {
         self.current.as_ref().map(|current| &current.command.action)
     }
 
     /// Whether the cut under way continues into the command read ahead: that is a cut too,
     /// and nothing stops the run in between.
-    pub(crate) fn cut_continues(&self) -> bool {
+    pub(crate) fn continues_cut(&self) -> bool {
         self.state == RunState::Run
             && !self.stop_requested
-            && self.ahead.as_ref().is_some_and(|next| is_cut(&next.action))
+            && self
+                .next_command
+                .as_ref()
+                .is_some_and(|next| is_cut(&next.action))
     }
 
     /// Drops everything that was read, except the source of the last command.
     pub(crate) fn clear(&mut self) {
         *self = Self {
-            last: self.last,
+            last_source: self.last_source,
             ..Self::default()
         };
     }
 
     /// Whether a started run can be resumed.
-    pub(crate) const fn goes_on(&self) -> bool {
-        self.started && !self.ended
+    pub(crate) const fn can_resume(&self) -> bool {
+        self.is_started && !self.has_ended
     }
 
     pub(crate) const fn begin_run(&mut self, mdi: bool) {
-        self.mdi = mdi;
-        self.started = true;
+        self.is_mdi = mdi;
+        self.is_started = true;
         self.state = RunState::Run;
     }
 
     /// Source of the suspended AUTO run, if MDI blocks are executed in between.
-    pub(crate) fn source_aside(&self) -> Option<Source> {
-        self.aside.as_ref().and_then(|aside| aside.automatic.last)
+    pub(crate) fn suspended_source(&self) -> Option<SourcePosition> {
+        self.suspended
+            .as_ref()
+            .and_then(|aside| aside.automatic.last_source)
     }
 
     /// Source of the block in a stored program that a stop interrupts; `None` for MDI and
     /// DNC.
-    pub(crate) fn broken_off(&self) -> Option<Source> {
-        let run = match &self.aside {
+    pub(crate) fn interrupted_source(&self) -> Option<SourcePosition> {
+        let run = match &self.suspended {
             Some(aside) => &aside.automatic,
             None => self,
         };
-        let stored = |last: &Source| last.program != ProgramId::Dnc;
-        run.last
-            .filter(|_| run.operating() && !run.mdi)
+        let stored = |last: &SourcePosition| last.program != ProgramId::Dnc;
+        run.last_source
+            .filter(|_| run.is_operating() && !run.is_mdi)
             .filter(stored)
     }
 
     /// Stops at the end of a block.
-    pub(crate) const fn stop(&mut self) {
+    pub(crate) const fn stop_at_block_end(&mut self) {
         self.state = RunState::Stop;
         self.stop_requested = false;
-        self.hold_put_off = false;
-        self.protection = Protection::None;
+        self.hold_deferred = false;
+        self.protection = HoldProtection::None;
     }
 
     /// Requests a stop at the end of the running block.

@@ -8,9 +8,10 @@ use gsk_messages::say;
 
 /// Raises alarm 097 if an axis is faster than its gear allows; speeds in mm/min.
 pub(crate) fn check_gear_speed(limits: &MotionLimits, speed: Point) -> Result<(), Alarm> {
-    let Some((axis, limit)) = limits.too_fast_for_gear(speed) else {
+    let Some((axis, limit)) = limits.exceeded_gear_limit(speed) else {
         return Ok(());
     };
-    let made = speed.get(axis).abs();
-    Err(Alarm::new(number::GEAR_SPEED).because(say::gear_speed_too_great(axis, made, limit)))
+    let axis_speed = speed.get(axis).abs();
+    Err(Alarm::new(number::GEAR_SPEED)
+        .with_detail(say::gear_speed_too_great(axis, axis_speed, limit)))
 }

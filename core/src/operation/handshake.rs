@@ -12,7 +12,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Delay from code to strobe, and time that FIN must last, ms.
-const T_STROBE: u32 = 16;
+const STROBE_MS: u32 = 16;
 
 /// The function that a strobe belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -27,7 +27,7 @@ pub enum Strobe {
 
 /// Phase of the handshake of one function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Phase {
+pub enum HandshakePhase {
     /// No handshake is under way.
     Idle,
     /// The code is output; the strobe follows after this many ms.
@@ -41,7 +41,7 @@ pub enum Phase {
 /// The handshakes of M, S and T functions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Handshake {
-    phases: [Phase; 3],
+    phases: [HandshakePhase; 3],
     /// M code output on F10, 0 when none.
     pub m: u8,
     /// S code output on F22–F25.
@@ -53,7 +53,7 @@ pub struct Handshake {
 impl Default for Handshake {
     fn default() -> Self {
         Self {
-            phases: [Phase::Idle; 3],
+            phases: [HandshakePhase::Idle; 3],
             m: 0,
             s: 0,
             t: 0,
@@ -69,55 +69,61 @@ impl Handshake {
             Strobe::S => self.s = u32::from(code),
             Strobe::T => self.t = code,
         }
-        self.phases[strobe as usize] = Phase::Code(T_STROBE);
+        self.phases[strobe as usize] = HandshakePhase::Code(STROBE_MS);
     }
 
     /// Whether a strobe signal is up.
-    pub fn strobe(&self, strobe: Strobe) -> bool {
-        matches!(self.phases[strobe as usize], Phase::Strobe(_))
+    pub fn is_strobe_up(&self, strobe: Strobe) -> bool {
+        matches!(self.phases[strobe as usize], HandshakePhase::Strobe(_))
     }
 
     /// The M code that waits for FIN; `None` if there is none.
     pub(crate) const fn waiting_m(&self) -> Option<u8> {
         match self.phases[Strobe::M as usize] {
-            Phase::Code(_) | Phase::Strobe(_) => Some(self.m),
-            Phase::Idle | Phase::Release => None,
+            HandshakePhase::Code(_) | HandshakePhase::Strobe(_) => Some(self.m),
+            HandshakePhase::Idle | HandshakePhase::Release => None,
         }
     }
 
     /// Whether any handshake is under way.
-    pub fn busy(&self) -> bool {
-        self.phases.iter().any(|phase| *phase != Phase::Idle)
+    pub fn is_busy(&self) -> bool {
+        self.phases
+            .iter()
+            .any(|phase| *phase != HandshakePhase::Idle)
     }
 
     /// The first function whose strobe is up without FIN, with its code.
-    pub(crate) fn unfinished(&self) -> Option<(Strobe, u32)> {
+    pub(crate) fn unanswered_strobe(&self) -> Option<(Strobe, u32)> {
         let codes = [
             (Strobe::M, u32::from(self.m)),
             (Strobe::S, self.s),
             (Strobe::T, u32::from(self.t)),
         ];
-        codes.into_iter().find(|(strobe, _)| self.strobe(*strobe))
+        codes
+            .into_iter()
+            .find(|(strobe, _)| self.is_strobe_up(*strobe))
     }
 
     /// Advances by one tick (1 ms) with the FIN signal of the PLC.
     pub fn tick(&mut self, fin: bool) {
-        if !self.busy() {
+        if !self.is_busy() {
             return;
         }
         for (index, phase) in self.phases.iter_mut().enumerate() {
             *phase = match *phase {
-                Phase::Idle => continue,
-                Phase::Code(0 | 1) => Phase::Strobe(0),
-                Phase::Code(left) => Phase::Code(left - 1),
-                Phase::Strobe(stood) if fin && stood + 1 >= T_STROBE => Phase::Release,
-                Phase::Strobe(stood) if fin => Phase::Strobe(stood + 1),
-                Phase::Strobe(_) => Phase::Strobe(0),
-                Phase::Release if fin => Phase::Release,
-                Phase::Release => Phase::Idle,
+                HandshakePhase::Idle => continue,
+                HandshakePhase::Code(0 | 1) => HandshakePhase::Strobe(0),
+                HandshakePhase::Code(left) => HandshakePhase::Code(left - 1),
+                HandshakePhase::Strobe(stood) if fin && stood + 1 >= STROBE_MS => {
+                    HandshakePhase::Release
+                }
+                HandshakePhase::Strobe(stood) if fin => HandshakePhase::Strobe(stood + 1),
+                HandshakePhase::Strobe(_) => HandshakePhase::Strobe(0),
+                HandshakePhase::Release if fin => HandshakePhase::Release,
+                HandshakePhase::Release => HandshakePhase::Idle,
             };
             // S and T codes stay until the next code, the M code does not.
-            if *phase == Phase::Idle && index == Strobe::M as usize {
+            if *phase == HandshakePhase::Idle && index == Strobe::M as usize {
                 self.m = 0;
             }
         }
@@ -125,7 +131,7 @@ impl Handshake {
 
     /// Reset: all strobes fall at once, and FIN is no longer awaited.
     pub fn reset(&mut self) {
-        self.phases = [Phase::Idle; 3];
+        self.phases = [HandshakePhase::Idle; 3];
         self.m = 0;
     }
 }
@@ -137,7 +143,7 @@ mod tests {
     /// Ticks until the strobe changes, with FIN as given.
     fn ticks_until(handshake: &mut Handshake, up: bool, fin: bool) -> u32 {
         let mut count = 0;
-        while handshake.strobe(Strobe::M) != up {
+        while handshake.is_strobe_up(Strobe::M) != up {
             handshake.tick(fin);
             count += 1;
             assert!(count < 1000, "the strobe never changes");
@@ -154,13 +160,16 @@ mod tests {
         for _ in 0..500 {
             handshake.tick(false);
         }
-        assert!(handshake.strobe(Strobe::M), "without FIN nothing goes on");
+        assert!(
+            handshake.is_strobe_up(Strobe::M),
+            "without FIN nothing goes on"
+        );
         assert_eq!(ticks_until(&mut handshake, false, true), 16);
-        assert!(handshake.busy(), "FIN must fall");
+        assert!(handshake.is_busy(), "FIN must fall");
         handshake.tick(true);
-        assert!(handshake.busy());
+        assert!(handshake.is_busy());
         handshake.tick(false);
-        assert!(!handshake.busy());
+        assert!(!handshake.is_busy());
         assert_eq!(handshake.m, 0, "the M code goes");
     }
 
@@ -176,18 +185,18 @@ mod tests {
         for _ in 0..15 {
             handshake.tick(true);
         }
-        assert!(handshake.strobe(Strobe::M));
+        assert!(handshake.is_strobe_up(Strobe::M));
     }
 
     #[test]
-    fn codes_of_s_and_t_stand_until_the_next() {
+    fn s_and_t_codes_stay_until_the_next() {
         let mut handshake = Handshake::default();
         handshake.start(Strobe::T, 3);
         for _ in 0..40 {
             handshake.tick(true);
         }
         handshake.tick(false);
-        assert!(!handshake.busy());
+        assert!(!handshake.is_busy());
         assert_eq!(handshake.t, 3);
     }
 
@@ -198,8 +207,8 @@ mod tests {
         for _ in 0..20 {
             handshake.tick(false);
         }
-        assert!(handshake.strobe(Strobe::S));
+        assert!(handshake.is_strobe_up(Strobe::S));
         handshake.reset();
-        assert!(!handshake.strobe(Strobe::S) && !handshake.busy());
+        assert!(!handshake.is_strobe_up(Strobe::S) && !handshake.is_busy());
     }
 }

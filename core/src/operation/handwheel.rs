@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Half graduations that the counter accepts per tick: 500 graduations a second, five turns
 /// of a wheel with 100 graduations. Faster pulses are lost.
-const HALVES_A_TICK: i32 = 1;
+const HALVES_PER_TICK: i32 = 1;
 
 /// Half graduations that the counter accepts at once: those of a tenth of a second.
 const HALVES_AT_ONCE: i32 = 100;
@@ -16,40 +16,40 @@ pub(crate) struct WheelCounter {
     last: Option<i32>,
     /// Half graduations that the counter still accepts.
     #[serde(rename = "room")]
-    room: i32,
+    allowance: i32,
 }
 
 impl Default for WheelCounter {
     fn default() -> Self {
         Self {
             last: None,
-            room: HALVES_AT_ONCE,
+            allowance: HALVES_AT_ONCE,
         }
     }
 }
 
 impl WheelCounter {
     /// Number of graduations that count in this tick; negative anticlockwise.
-    pub(crate) const fn counts(&mut self, wheel: i32) -> i32 {
+    pub(crate) const fn count_tick(&mut self, wheel: i32) -> i32 {
         let turned = match self.last {
-            Some(last) if last == wheel && self.room == HALVES_AT_ONCE => return 0,
+            Some(last) if last == wheel && self.allowance == HALVES_AT_ONCE => return 0,
             Some(last) => wheel.wrapping_sub(last),
             None => 0,
         };
         self.last = Some(wheel);
-        self.room += HALVES_A_TICK;
-        if self.room > HALVES_AT_ONCE {
-            self.room = HALVES_AT_ONCE;
+        self.allowance += HALVES_PER_TICK;
+        if self.allowance > HALVES_AT_ONCE {
+            self.allowance = HALVES_AT_ONCE;
         }
-        let most = self.room / 2;
-        let counted = if turned > most {
-            most
-        } else if turned < -most {
-            -most
+        let limit = self.allowance / 2;
+        let counted = if turned > limit {
+            limit
+        } else if turned < -limit {
+            -limit
         } else {
             turned
         };
-        self.room -= 2 * counted.abs();
+        self.allowance -= 2 * counted.abs();
         counted
     }
 }
@@ -62,14 +62,14 @@ mod tests {
     fn five_turns_a_second_count_and_no_more() {
         let counted = |a_tick: i32| {
             let mut counter = WheelCounter::default();
-            counter.counts(0);
+            counter.count_tick(0);
             let mut sum = 0;
             // Every tenth tick, for ten seconds.
             for tick in 1..=1000 {
                 for _ in 0..9 {
-                    counter.counts((tick - 1) * a_tick);
+                    counter.count_tick((tick - 1) * a_tick);
                 }
-                sum += counter.counts(tick * a_tick);
+                sum += counter.count_tick(tick * a_tick);
             }
             sum
         };
@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn the_place_of_the_wheel_at_power_on_is_no_turning() {
-        assert_eq!(WheelCounter::default().counts(1234), 0);
+    fn the_position_at_power_on_is_not_a_motion() {
+        assert_eq!(WheelCounter::default().count_tick(1234), 0);
     }
 }

@@ -25,7 +25,7 @@ impl Default for InputFilter {
 
 impl InputFilter {
     /// Creates a filter that has already accepted these contacts.
-    pub fn standing(contacts: &[u8; X_BYTES]) -> Self {
+    pub fn from_contacts(contacts: &[u8; X_BYTES]) -> Self {
         Self {
             accepted: *contacts,
             ..Self::default()
@@ -46,8 +46,8 @@ impl InputFilter {
         };
         // In most ticks nothing changes. The compiler vectorises a fold over the bits, but
         // not a search.
-        let waiting = self.differing.iter().fold(0, |any, count| any | count);
-        if waiting == 0 && self.accepted == *contacts {
+        let pending = self.differing.iter().fold(0, |any, count| any | count);
+        if pending == 0 && self.accepted == *contacts {
             return;
         }
         for (index, (accepted, contact)) in self.accepted.iter_mut().zip(contacts).enumerate() {
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bounce_is_not_seen() {
+    fn a_bounce_is_filtered_out() {
         let mut filter = InputFilter::default();
         let mut contacts = [0; X_BYTES];
         for sample in 0..100 {

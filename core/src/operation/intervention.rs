@@ -1,6 +1,6 @@
 //! The shift of a cycle's path by manual motion (manual III-5.1.5, I-3.2.6).
 
-use crate::command::Command;
+use crate::command::ControlCommand;
 use crate::units::Point;
 use serde::{Deserialize, Serialize};
 
@@ -8,30 +8,30 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct CycleShift {
     #[serde(rename = "by")]
-    pub by: Point,
+    pub shift: Point,
     /// End of the cycle's last move, until the next one begins.
     pub ended_at: Option<Point>,
 }
 
 impl CycleShift {
     /// Notes the end of a command.
-    pub(crate) const fn ended(&mut self, command: &Command, at: Point) {
-        if command.whole {
+    pub(crate) const fn note_end(&mut self, command: &ControlCommand, at: Point) {
+        if command.defers_feed_hold {
             self.ended_at = Some(at);
         }
     }
 
     /// Returns the command that begins, shifted by the present shift.
-    pub(crate) fn begin(&mut self, command: Command) -> Command {
+    pub(crate) fn shift_command(&mut self, command: ControlCommand) -> ControlCommand {
         self.ended_at = None;
-        if !command.whole {
-            self.by = Point::default();
+        if !command.defers_feed_hold {
+            self.shift = Point::default();
         }
-        if self.by == Point::default() {
+        if self.shift == Point::default() {
             return command;
         }
-        Command {
-            action: command.action.translated(self.by),
+        ControlCommand {
+            action: command.action.shifted(self.shift),
             ..command
         }
     }

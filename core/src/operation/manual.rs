@@ -17,14 +17,14 @@ pub fn jog_rate(code: u8) -> f64 {
 
 /// Direction in which a key moves an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Direction {
+pub(crate) enum AxisDirection {
     Plus,
     Minus,
 }
 
-impl Direction {
+impl AxisDirection {
     /// The direction of a signed distance; `None` for zero.
-    pub(crate) fn of(distance: f64) -> Option<Self> {
+    pub(crate) fn from_distance(distance: f64) -> Option<Self> {
         match distance {
             d if d > 0.0 => Some(Self::Plus),
             d if d < 0.0 => Some(Self::Minus),
@@ -33,7 +33,7 @@ impl Direction {
     }
 
     /// Gives a distance the sign of this direction.
-    pub(crate) const fn signed(self, distance: f64) -> f64 {
+    pub(crate) const fn apply_sign(self, distance: f64) -> f64 {
         match self {
             Self::Plus => distance,
             Self::Minus => -distance,

@@ -2,9 +2,8 @@
 //! M/S/T handshake, PLC signals by name, the list of active alarms. `cnc` applies them.
 
 mod active_alarms;
-mod arrival;
 mod automatic;
-mod drives;
+mod drive_watch;
 mod gear_speed;
 mod handshake;
 mod handwheel;
@@ -16,32 +15,33 @@ mod output_timers;
 mod sensors;
 mod signals;
 mod soft_switch;
+mod speed_arrival;
 mod thread;
 mod thread_state;
 mod zero_return;
 
-pub use crate::mode::Mode;
+pub use crate::mode::OperatingMode;
 pub use crate::run_state::RunState;
 pub use active_alarms::ActiveAlarms;
-pub(crate) use arrival::Arrival;
-pub use automatic::Automatic;
-pub(crate) use automatic::{Aside, Current, Stage, is_cut};
-pub(crate) use drives::DriveWatch;
+pub use automatic::AutomaticRun;
+pub(crate) use automatic::{CommandStage, CurrentCommand, SuspendedRun, is_cut};
+pub(crate) use drive_watch::DriveWatch;
 pub(crate) use gear_speed::check_gear_speed;
-pub use handshake::{Handshake, Phase, Strobe};
+pub use handshake::{Handshake, HandshakePhase, Strobe};
 pub(crate) use handwheel::WheelCounter;
 pub use input_filter::InputFilter;
 pub(crate) use input_filter::X_BYTES;
 pub(crate) use limits::travel_alarm;
 pub use manual::jog_rate;
-pub(crate) use manual::{Direction, JOG_RATE_MAX};
+pub(crate) use manual::{AxisDirection, JOG_RATE_MAX};
 pub(crate) use output_timers::OutputTimers;
 pub use sensors::Sensors;
 pub use signals::{FromPlc, ToPlc};
 pub use soft_switch::SoftSwitch;
-pub(crate) use soft_switch::Turning;
+pub(crate) use soft_switch::SoftSwitchChange;
+pub(crate) use speed_arrival::SpeedArrival;
 pub(crate) use thread::{
-    AfterThread, STANDING_RPM, check_encoder, check_standing, check_thread_speed,
+    AfterThread, STANDSTILL_RPM, check_encoder, check_spindle_turns, check_thread_speed,
 };
-pub(crate) use thread_state::{Protection, TapStage};
-pub(crate) use zero_return::Return;
+pub(crate) use thread_state::{HoldProtection, TapStage};
+pub(crate) use zero_return::ZeroReturnStage;

@@ -13,14 +13,14 @@ pub(crate) struct OutputTimers([u32; OUTPUTS]);
 
 impl OutputTimers {
     /// Switches outputs and sets their timers; a later command replaces a running timer.
-    /// `now` and the result contain all outputs, Y0 in bit 0.
-    pub(crate) fn switch(&mut self, now: u32, on: u32, off: u32, ms: u32) -> u32 {
-        for (output, left) in self.0.iter_mut().enumerate() {
+    /// `outputs` and the result contain all outputs, Y0 in bit 0.
+    pub(crate) fn switch(&mut self, outputs: u32, on: u32, off: u32, ms: u32) -> u32 {
+        for (output, left_ms) in self.0.iter_mut().enumerate() {
             if (on | off) >> output & 1 == 1 {
-                *left = if on >> output & 1 == 1 { ms } else { 0 };
+                *left_ms = if on >> output & 1 == 1 { ms } else { 0 };
             }
         }
-        (now | on) & !off
+        (outputs | on) & !off
     }
 
     /// Advances by one tick. Returns the outputs whose time has elapsed.
@@ -28,14 +28,14 @@ impl OutputTimers {
         if self.is_idle() {
             return 0;
         }
-        let mut over = 0;
-        for (output, left) in self.0.iter_mut().enumerate() {
-            if *left > 0 {
-                *left = left.saturating_sub(TICK_MS);
-                over |= u32::from(*left == 0) << output;
+        let mut elapsed = 0;
+        for (output, left_ms) in self.0.iter_mut().enumerate() {
+            if *left_ms > 0 {
+                *left_ms = left_ms.saturating_sub(TICK_MS);
+                elapsed |= u32::from(*left_ms == 0) << output;
             }
         }
-        over
+        elapsed
     }
 
     /// Whether no timer is running.

@@ -3,13 +3,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::machine::Inputs;
-use crate::memory::Parameters;
+use crate::machine::MachineInputs;
+use crate::memory::ControlParameters;
 use crate::units::{Axis, PerAxis};
 
 /// Display time of the spindle's one-turn signal, ms. The signal lasts a thousandth of a
 /// turn, too short for a picture.
-const MARK_MS: u8 = 60;
+const INDEX_DISPLAY_MS: u8 = 60;
 
 /// Current signals of drives and encoder.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -18,7 +18,7 @@ pub struct Sensors {
     pub zero_signal: PerAxis<bool>,
     /// Whether the drive reports no alarm.
     #[serde(rename = "drive_well")]
-    pub drive_well: PerAxis<bool>,
+    pub drive_ok: PerAxis<bool>,
     /// Count of the spindle encoder.
     pub encoder: i64,
     mark_left: u8,
@@ -26,20 +26,20 @@ pub struct Sensors {
 
 impl Sensors {
     /// Updates the signals; called once per tick.
-    pub fn sense(&mut self, inputs: &Inputs, parameters: &Parameters) {
+    pub fn update(&mut self, inputs: &MachineInputs, parameters: &ControlParameters) {
         self.zero_signal = inputs.index_pulse;
         let well = |axis| *inputs.drive_alarm.get(axis) != parameters.drive_alarm_level(axis);
-        self.drive_well = PerAxis::new(well(Axis::X), well(Axis::Z));
+        self.drive_ok = PerAxis::new(well(Axis::X), well(Axis::Z));
         self.encoder = inputs.encoder;
         self.mark_left = if inputs.spindle_index {
-            MARK_MS
+            INDEX_DISPLAY_MS
         } else {
             self.mark_left.saturating_sub(1)
         };
     }
 
     /// Whether the spindle's one-turn signal came within the display time.
-    pub const fn spindle_mark(&self) -> bool {
+    pub const fn is_index_shown(&self) -> bool {
         self.mark_left > 0
     }
 }

@@ -5,8 +5,8 @@ use gsk_plc::PlcMemory;
 use serde::{Deserialize, Serialize};
 
 use super::handshake::{Handshake, Strobe};
-use crate::memory::Parameters;
-use crate::mode::Mode;
+use crate::memory::ControlParameters;
+use crate::mode::OperatingMode;
 use crate::units::{Axis, PerAxis};
 
 /// The G signals, decoded once after every PLC slot.
@@ -53,7 +53,7 @@ pub struct FromPlc {
     /// MLK, G44.1 alone, which MMLK repeats.
     #[serde(default)]
     #[serde(rename = "all_locked")]
-    pub all_locked: bool,
+    pub all_axes_locked: bool,
     /// MLK, G44.1 and G108: machine lock of each axis.
     pub machine_lock: PerAxis<bool>,
     /// HDT, G44.7: index the tool post by one station.
@@ -88,21 +88,21 @@ pub struct FromPlc {
     pub current_tool: u8,
 }
 
-const fn bit(byte: u8, bit: u8) -> bool {
+const fn is_set(byte: u8, bit: u8) -> bool {
     byte & (1 << bit) != 0
 }
 
-const fn axes(byte: u8) -> PerAxis<bool> {
-    PerAxis::new(bit(byte, 0), bit(byte, 1))
+const fn axis_bits(byte: u8) -> PerAxis<bool> {
+    PerAxis::new(is_set(byte, 0), is_set(byte, 1))
 }
 
-const fn low_axes(byte: u8) -> PerAxis<bool> {
-    axes(!byte)
+const fn inverted_axis_bits(byte: u8) -> PerAxis<bool> {
+    axis_bits(!byte)
 }
 
 /// Rapid override from ROV1 and ROV2, or from the 1 % code when HROV selects it.
 fn rapid_override(g14: u8, g96: u8) -> u8 {
-    if bit(g96, 7) {
+    if is_set(g96, 7) {
         return (!g96 & 0x7f).min(100);
     }
     match g14 & 0b11 {
@@ -135,23 +135,23 @@ impl FromPlc {
     /// Decodes the G area of the PLC memory.
     pub fn read(memory: &PlcMemory) -> Self {
         let g = |number: u16| memory.g(number);
-        let all_locked = bit(g(44), 1);
-        let locked = axes(g(108));
+        let all_axes_locked = is_set(g(44), 1);
+        let locked = axis_bits(g(108));
         Self {
-            fin: bit(g(4), 3),
-            auxiliary_lock: bit(g(5), 6),
-            override_cancel: bit(g(6), 4),
-            start_lock: bit(g(7), 1),
-            start: bit(g(7), 2),
-            interlock: !bit(g(8), 0),
-            emergency_stop: !bit(g(8), 4),
-            feed_hold: !bit(g(8), 5),
-            external_reset: bit(g(8), 7),
+            fin: is_set(g(4), 3),
+            auxiliary_lock: is_set(g(5), 6),
+            override_cancel: is_set(g(6), 4),
+            start_lock: is_set(g(7), 1),
+            start: is_set(g(7), 2),
+            interlock: !is_set(g(8), 0),
+            emergency_stop: !is_set(g(8), 4),
+            feed_hold: !is_set(g(8), 5),
+            external_reset: is_set(g(8), 7),
             jog_code: if g(11) == 0 { g(10).min(15) } else { 15 },
             feed_override: (15 - g(12).min(15)) * 10,
             rapid_override: rapid_override(g(14), g(96)),
-            rapid: bit(g(19), 7),
-            speed_arrival: bit(g(29), 4),
+            rapid: is_set(g(19), 7),
+            speed_arrival: is_set(g(29), 4),
             spindle_override: spindle_override(g(30)),
             mode_code: g(43),
             wheel_axis: match g(18) & 0b11 {
@@ -165,23 +165,23 @@ impl FromPlc {
                 2 => 100,
                 _ => 1000,
             },
-            block_skip: bit(g(44), 0),
-            all_locked,
-            machine_lock: PerAxis::new(all_locked || locked.x, all_locked || locked.z),
-            next_tool: bit(g(44), 7),
-            single_block: bit(g(46), 1),
-            memory_protect: bit(g(46), 3),
-            dry_run: bit(g(46), 7),
-            spindle_forward: bit(g(74), 4),
-            spindle_reverse: bit(g(74), 5),
-            jog_plus: axes(g(100)),
-            jog_minus: axes(g(102)),
-            limit_plus: low_axes(g(114)),
-            limit_minus: low_axes(g(116)),
-            axis_interlock: axes(g(130)),
-            plus_interlock: axes(g(132)),
-            minus_interlock: axes(g(134)),
-            spindle_jog: bit(g(200), 0),
+            block_skip: is_set(g(44), 0),
+            all_axes_locked,
+            machine_lock: PerAxis::new(all_axes_locked || locked.x, all_axes_locked || locked.z),
+            next_tool: is_set(g(44), 7),
+            single_block: is_set(g(46), 1),
+            memory_protect: is_set(g(46), 3),
+            dry_run: is_set(g(46), 7),
+            spindle_forward: is_set(g(74), 4),
+            spindle_reverse: is_set(g(74), 5),
+            jog_plus: axis_bits(g(100)),
+            jog_minus: axis_bits(g(102)),
+            limit_plus: inverted_axis_bits(g(114)),
+            limit_minus: inverted_axis_bits(g(116)),
+            axis_interlock: axis_bits(g(130)),
+            plus_interlock: axis_bits(g(132)),
+            minus_interlock: axis_bits(g(134)),
+            spindle_jog: is_set(g(200), 0),
             current_tool: current_tool([g(201), g(202), g(203), g(204)]),
         }
     }
@@ -190,7 +190,7 @@ impl FromPlc {
 /// Signals of the control for the PLC.
 pub struct ToPlc<'a> {
     /// Operating mode.
-    pub mode: Mode,
+    pub mode: OperatingMode,
     /// STL: cycle started.
     pub started: bool,
     /// SPL: feed hold.
@@ -236,11 +236,11 @@ pub struct ToPlc<'a> {
     /// Whether data is received through the serial port.
     pub receiving: bool,
     /// BGEACT: a program is being received while another one runs.
-    pub reading_in: bool,
+    pub receiving_in_background: bool,
     /// COVL: the feed override in force is 0 %.
     pub stopped_by_override: bool,
     /// CINP: the slides have not completed the commanded motion.
-    pub checking: bool,
+    pub board_lags: bool,
     /// Switches of the soft machine panel, as the bits of F75.
     pub soft_switches: u8,
     /// MA: the control is ready; not with a system alarm.
@@ -248,7 +248,7 @@ pub struct ToPlc<'a> {
     /// MSPHD: the spindle is jogged.
     pub spindle_jog: bool,
     /// Parameters, mirrored in F200–F214.
-    pub parameters: &'a Parameters,
+    pub parameters: &'a ControlParameters,
 }
 
 const fn pack(bits: &[(u8, bool)]) -> u8 {
@@ -309,14 +309,14 @@ impl ToPlc<'_> {
         set(
             3,
             u8::from(self.mode.teaches()) << 7
-                | match self.mode.motion() {
-                    Mode::Step => 1 << 0,
-                    Mode::Handwheel => 1 << 1,
-                    Mode::Jog => 1 << 2,
-                    Mode::Mdi => 1 << 3,
-                    Mode::Dnc => 1 << 4,
-                    Mode::Auto => 1 << 5,
-                    Mode::Edit => 1 << 6,
+                | match self.mode.motion_mode() {
+                    OperatingMode::Step => 1 << 0,
+                    OperatingMode::Handwheel => 1 << 1,
+                    OperatingMode::Jog => 1 << 2,
+                    OperatingMode::Mdi => 1 << 3,
+                    OperatingMode::Dnc => 1 << 4,
+                    OperatingMode::Auto => 1 << 5,
+                    OperatingMode::Edit => 1 << 6,
                     _ => 0,
                 },
         );
@@ -324,19 +324,19 @@ impl ToPlc<'_> {
             4,
             pack(&[
                 (0, g.block_skip),
-                (1, g.all_locked),
+                (1, g.all_axes_locked),
                 (3, g.single_block),
                 (4, g.auxiliary_lock),
-                (5, self.mode == Mode::MachineZero),
-                (6, self.mode == Mode::ProgramZero),
+                (5, self.mode == OperatingMode::MachineZero),
+                (6, self.mode == OperatingMode::ProgramZero),
             ]),
         );
         set(
             7,
             pack(&[
-                (0, self.handshake.strobe(Strobe::M)),
-                (2, self.handshake.strobe(Strobe::S)),
-                (3, self.handshake.strobe(Strobe::T)),
+                (0, self.handshake.is_strobe_up(Strobe::M)),
+                (2, self.handshake.is_strobe_up(Strobe::S)),
+                (3, self.handshake.is_strobe_up(Strobe::T)),
             ]),
         );
         set(
@@ -354,7 +354,7 @@ impl ToPlc<'_> {
         }
         set(26, self.handshake.t);
         set(34, 1 << (self.gear.clamp(1, 4) - 1));
-        set(53, pack(&[(4, self.reading_in)]));
+        set(53, pack(&[(4, self.receiving_in_background)]));
         set(75, self.soft_switches);
         set(76, pack(&[(3, self.tapping)]));
         set(94, pack_axes(self.at_reference));
@@ -368,12 +368,12 @@ impl ToPlc<'_> {
             212,
             pack(&[
                 (2, self.dwelling),
-                (3, self.checking),
+                (3, self.board_lags),
                 (4, self.stopped_by_override),
             ]),
         );
         set(213, pack(&[(0, self.sending), (1, self.receiving)]));
-        set(207, self.parameters.stations());
+        set(207, self.parameters.station_count());
         for (f, parameter) in MIRRORED {
             set(f, self.parameters.byte(parameter));
         }

@@ -42,9 +42,9 @@ impl SoftSwitch {
 
 /// A switch that is changing to a new state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Turning {
+pub(crate) struct SoftSwitchChange {
     pub switch: SoftSwitch,
     #[serde(rename = "to")]
-    pub to: bool,
+    pub target: bool,
     pub left_ms: u32,
 }

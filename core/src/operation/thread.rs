@@ -1,10 +1,10 @@
 //! Threads and tapping: their protection against feed hold and single block, and the checks
 //! of the spindle (manual I-3.2.4, PLC-I «feed hold», «rigid tapping»).
 
-use super::automatic::Current;
-use super::thread_state::Protection;
+use super::automatic::CurrentCommand;
+use super::thread_state::HoldProtection;
 use crate::alarm::{Alarm, number};
-use crate::command::{Action, Command, ThreadStart};
+use crate::command::{Action, ControlCommand, ThreadStart};
 use crate::motion::MotionLimits;
 use crate::run_state::RunState;
 use crate::spindle::Encoder;
@@ -12,38 +12,38 @@ use crate::units::{Axis, Point};
 use gsk_messages::say;
 
 /// Below this speed the spindle counts as stopped, r/min.
-pub(crate) const STANDING_RPM: f64 = 1.0;
+pub(crate) const STANDSTILL_RPM: f64 = 1.0;
 
 /// What follows a finished command of a thread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum AfterThread {
     /// The next command begins.
-    GoesOn,
+    Continue,
     /// The run holds, because feed hold was requested in the thread.
-    Stands,
+    Hold,
     /// The run stops for single block.
-    Stops,
+    Stop,
 }
 
-impl super::automatic::Automatic {
+impl super::automatic::AutomaticRun {
     /// Whether motion continues although feed hold is requested.
-    pub(crate) fn protected(&self) -> bool {
-        let whole = |current: &Current| current.command.whole;
-        self.protection != Protection::None || self.current.as_ref().is_some_and(whole)
+    pub(crate) fn is_hold_protected(&self) -> bool {
+        let defers_hold = |current: &CurrentCommand| current.command.defers_feed_hold;
+        self.protection != HoldProtection::None || self.current.as_ref().is_some_and(defers_hold)
     }
 
     /// Whether a thread or tap is under way.
-    pub(crate) fn threading(&self) -> bool {
+    pub(crate) fn is_threading(&self) -> bool {
         matches!(
-            self.action(),
+            self.current_action(),
             Some(Action::Thread { .. } | Action::Tap { .. })
         )
     }
 
     /// Whether the command read ahead continues the thread in phase.
-    pub(crate) fn thread_continues(&self) -> bool {
+    pub(crate) fn continues_thread(&self) -> bool {
         matches!(
-            self.ahead.as_ref().map(|command| &command.action),
+            self.next_command.as_ref().map(|command| &command.action),
             Some(Action::Thread {
                 start: ThreadStart::Continued,
                 ..
@@ -52,44 +52,44 @@ impl super::automatic::Automatic {
     }
 
     /// Whether the next command may begin in the present state.
-    pub(crate) fn may_begin(&self) -> bool {
+    pub(crate) fn can_begin_command(&self) -> bool {
         match self.state {
             RunState::Run => true,
             RunState::Hold => match self.protection {
-                Protection::None => false,
-                Protection::Thread => true,
-                Protection::After { .. } => self.within_block,
+                HoldProtection::None => false,
+                HoldProtection::Thread => true,
+                HoldProtection::After { .. } => self.within_block,
             },
             RunState::Reset | RunState::Stop => false,
         }
     }
 
     /// Updates the protection when a command begins.
-    pub(crate) fn protect(&mut self, action: &Action) {
+    pub(crate) fn update_protection(&mut self, action: &Action) {
         if !self.within_block {
             self.tap_reverse = 0;
         }
         self.watch.rpm = None;
         self.watch.ticks = 0;
-        self.watch.waited = 0;
+        self.watch.waited_ticks = 0;
         // A programmed stop is expected.
         if matches!(
             action,
             Action::Miscellaneous { code: 5 } | Action::End { .. }
         ) {
-            self.watch.turned = false;
+            self.watch.has_turned = false;
         }
         self.protection = match action {
-            Action::Thread { .. } | Action::Tap { .. } => Protection::Thread,
-            _ if self.state == RunState::Hold && self.protection != Protection::None => {
+            Action::Thread { .. } | Action::Tap { .. } => HoldProtection::Thread,
+            _ if self.state == RunState::Hold && self.protection != HoldProtection::None => {
                 match self.protection {
-                    Protection::After { again } => Protection::After { again },
-                    _ => Protection::After {
+                    HoldProtection::After { again } => HoldProtection::After { again },
+                    _ => HoldProtection::After {
                         again: !self.within_block,
                     },
                 }
             }
-            _ => Protection::None,
+            _ => HoldProtection::None,
         };
     }
 
@@ -97,7 +97,7 @@ impl super::automatic::Automatic {
     /// block would stop the run here. `None`: the ordinary rules apply.
     pub(crate) fn after_thread(
         &self,
-        command: &Command,
+        command: &ControlCommand,
         single_block: bool,
     ) -> Option<AfterThread> {
         let held = self.state == RunState::Hold;
@@ -106,37 +106,38 @@ impl super::automatic::Automatic {
             // block.
             (Action::Thread { .. }, _) => {
                 let stops = !held && !command.block_end && single_block;
-                Some(if stops && !self.thread_continues() {
-                    AfterThread::Stops
+                Some(if stops && !self.continues_thread() {
+                    AfterThread::Stop
                 } else {
-                    AfterThread::GoesOn
+                    AfterThread::Continue
                 })
             }
-            (Action::Rapid { .. } | Action::Line { .. }, Protection::After { again: false }) => {
-                Some(match held {
-                    true if single_block => AfterThread::Stops,
-                    true => AfterThread::Stands,
-                    false => AfterThread::GoesOn,
-                })
-            }
+            (
+                Action::Rapid { .. } | Action::Line { .. },
+                HoldProtection::After { again: false },
+            ) => Some(match held {
+                true if single_block => AfterThread::Stop,
+                true => AfterThread::Hold,
+                false => AfterThread::Continue,
+            }),
             _ => None,
         }
     }
 }
 
 /// Alarm 092: an encoder with less than 100 or more than 5000 lines (070).
-pub(crate) fn check_encoder(parameters: &crate::memory::Parameters) -> Result<(), Alarm> {
+pub(crate) fn check_encoder(parameters: &crate::memory::ControlParameters) -> Result<(), Alarm> {
     if Encoder::counts_per_turn(parameters).is_some() {
         return Ok(());
     }
     let lines = parameters.encoder_lines();
-    Err(Alarm::new(number::ENCODER_LINES).because(say::encoder_lines_out_of_range(lines)))
+    Err(Alarm::new(number::ENCODER_LINES).with_detail(say::encoder_lines_out_of_range(lines)))
 }
 
 /// Alarm 094: the spindle stands still at a thread.
-pub(crate) fn check_standing(rpm: f64) -> Result<(), Alarm> {
-    if rpm.abs() < STANDING_RPM {
-        return Err(Alarm::new(number::THREAD_SPEED).because(say::thread_spindle_stands()));
+pub(crate) fn check_spindle_turns(rpm: f64) -> Result<(), Alarm> {
+    if rpm.abs() < STANDSTILL_RPM {
+        return Err(Alarm::new(number::THREAD_SPEED).with_detail(say::thread_spindle_stands()));
     }
     Ok(())
 }
@@ -149,7 +150,7 @@ pub(crate) fn check_thread_speed(top: Point, rpm: f64, limits: &MotionLimits) ->
         let speed = top.get(axis);
         if speed > limit {
             let why = say::thread_axis_too_fast(axis, speed, rpm.abs(), limit, parameter);
-            return Err(Alarm::new(number::THREAD_SPEED).because(why));
+            return Err(Alarm::new(number::THREAD_SPEED).with_detail(why));
         }
     }
     Ok(())

@@ -2,14 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::board::SpindleTrouble;
+use crate::board::SpindleFault;
 
 /// Interval between two comparisons of the spindle speed during a thread, ticks (106).
 const FLUCTUATION_TICKS: u32 = 100;
 
 /// Whether feed hold can stop the motion under way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum Protection {
+pub(crate) enum HoldProtection {
     /// Feed hold stops the motion.
     #[default]
     None,
@@ -53,18 +53,18 @@ pub(crate) struct SpindleWatch {
     pub ticks: u32,
     /// Whether the spindle has turned during a cut of this run.
     #[serde(rename = "turned")]
-    pub turned: bool,
+    pub has_turned: bool,
     /// Ticks that the command under way has waited for the spindle.
     #[serde(rename = "waited")]
-    pub waited: u32,
+    pub waited_ticks: u32,
     /// Fault of the spindle during the thread under way: the run ends after the thread.
     #[serde(rename = "spoilt")]
-    pub spoilt: Option<SpindleTrouble>,
+    pub fault: Option<SpindleFault>,
 }
 
 impl SpindleWatch {
     /// Whether the speed has stayed within 0.5 % for [`FLUCTUATION_TICKS`].
-    pub fn steady(&mut self, rpm: f64) -> bool {
+    pub fn check_steady(&mut self, rpm: f64) -> bool {
         let before = *self.rpm.get_or_insert(rpm);
         self.ticks += 1;
         if self.ticks < FLUCTUATION_TICKS {
@@ -76,7 +76,7 @@ impl SpindleWatch {
     }
 
     /// Whether `|n - n0| · 200 / (n + n0)` exceeds the limit, %.
-    pub(crate) fn fluctuates(&mut self, rpm: f64, limit: f64) -> bool {
+    pub(crate) fn check_fluctuation(&mut self, rpm: f64, limit: f64) -> bool {
         let before = *self.rpm.get_or_insert(rpm);
         self.ticks += 1;
         if limit <= 0.0 || self.ticks < FLUCTUATION_TICKS {

@@ -5,15 +5,15 @@ use crate::units::Point;
 
 /// The smallest axis-parallel box around a path, mm; X as a radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
+pub struct PathBounds {
     /// Least X and least Z.
     pub least: Point,
     /// Greatest X and greatest Z.
     pub greatest: Point,
 }
 
-impl Bounds {
-    const fn at(point: Point) -> Self {
+impl PathBounds {
+    const fn from_point(point: Point) -> Self {
         Self {
             least: point,
             greatest: point,
@@ -22,8 +22,8 @@ impl Bounds {
 
     /// Extends a box by a move, including the bulge of an arc. `None` becomes the box of the
     /// move.
-    pub fn widen(bounds: &mut Option<Self>, executed: &ExecutedMove) {
-        include(bounds, executed);
+    pub fn extend_by_move(bounds: &mut Option<Self>, executed: &ExecutedMove) {
+        extend_bounds(bounds, executed);
     }
 
     fn contains(&self, point: Point) -> bool {
@@ -31,17 +31,17 @@ impl Bounds {
             && (self.least.z..=self.greatest.z).contains(&point.z)
     }
 
-    fn take(&mut self, point: Point) {
+    fn extend_to(&mut self, point: Point) {
         self.least = Point::new(self.least.x.min(point.x), self.least.z.min(point.z));
         self.greatest = Point::new(self.greatest.x.max(point.x), self.greatest.z.max(point.z));
     }
 }
 
 /// Extends a box by a move.
-pub(super) fn include(bounds: &mut Option<Bounds>, executed: &ExecutedMove) {
-    let bounds = bounds.get_or_insert(Bounds::at(executed.from));
-    bounds.take(executed.from);
-    bounds.take(executed.to);
+pub(super) fn extend_bounds(bounds: &mut Option<PathBounds>, executed: &ExecutedMove) {
+    let bounds = bounds.get_or_insert(PathBounds::from_point(executed.from));
+    bounds.extend_to(executed.from);
+    bounds.extend_to(executed.to);
     let Some(center) = executed.center else {
         return;
     };
@@ -59,9 +59,9 @@ pub(super) fn include(bounds: &mut Option<Bounds>, executed: &ExecutedMove) {
         if bounds.contains(center + side) {
             continue;
         }
-        let (from, to) = (turn(first - center), turn(side));
-        if wrapped(to - from) <= sweep(first - center, last - center) {
-            bounds.take(center + side);
+        let (from_turn, to_turn) = (quarter_turns(first - center), quarter_turns(side));
+        if normalize_angle(to_turn - from_turn) <= sweep_quarters(first - center, last - center) {
+            bounds.extend_to(center + side);
         }
     }
 }
@@ -70,23 +70,23 @@ const FULL_TURN: f64 = 4.0;
 
 /// The counter-clockwise angle from one direction to another, in quarter turns; a full turn
 /// if they are equal.
-fn sweep(from: Point, to: Point) -> f64 {
-    let way = wrapped(turn(to) - turn(from));
-    if way == 0.0 { FULL_TURN } else { way }
+fn sweep_quarters(from: Point, to: Point) -> f64 {
+    let angle = normalize_angle(quarter_turns(to) - quarter_turns(from));
+    if angle == 0.0 { FULL_TURN } else { angle }
 }
 
 /// A difference of directions, normalized to less than a full turn.
-fn wrapped(way: f64) -> f64 {
-    match way {
-        _ if way < 0.0 => way + FULL_TURN,
-        _ if way >= FULL_TURN => way - FULL_TURN,
-        _ => way,
+fn normalize_angle(angle: f64) -> f64 {
+    match angle {
+        _ if angle < 0.0 => angle + FULL_TURN,
+        _ if angle >= FULL_TURN => angle - FULL_TURN,
+        _ => angle,
     }
 }
 
 /// The direction as a number that grows with the angle from +Z by one per quarter turn. It
 /// is cheaper than the angle.
-fn turn(direction: Point) -> f64 {
+fn quarter_turns(direction: Point) -> f64 {
     let size = direction.x.abs() + direction.z.abs();
     if size == 0.0 {
         return 0.0;

@@ -4,22 +4,22 @@ use core::mem::discriminant;
 
 use gsk_messages::{Message, say};
 
-use super::facts::Facts;
-use super::{Turning, Walk};
-use crate::command::{Command, ProgramId, Source};
-use crate::interpreter::{IgnoredWord, Interpreter, Remark, WordAdvice};
+use super::certainty::ProgramFacts;
+use super::{PreviewRun, SpindleRotation};
+use crate::command::{ControlCommand, ProgramId, SourcePosition};
+use crate::interpreter::{BlockRemark, IgnoredWord, Interpreter, WordAdvice};
 use crate::units::Feed;
 
 /// A lower feed per minute was probably meant per revolution, mm/min.
-const LEAST_FEED: f64 = 1.0;
+const LEAST_FEED_MM_PER_MIN: f64 = 1.0;
 
 /// A kind of probable mistake.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Slip {
+pub enum CautionKind {
     /// A cut under G98 below 1 mm/min.
     SlowFeed,
     /// A cut while the spindle is stopped.
-    SpindleStands,
+    SpindleStopped,
     /// A cut after a T word while no tool offset is active.
     NoOffset,
     /// G28 while the position of the work on the machine is unknown.
@@ -43,38 +43,38 @@ pub enum Slip {
 }
 
 /// Greatest number of listed cautions of one kind.
-const MOST_OF_A_KIND: usize = 50;
+const MAX_CAUTIONS_PER_KIND: usize = 50;
 
 /// A probable mistake and its block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Caution {
     /// The kind of mistake.
-    pub slip: Slip,
+    pub kind: CautionKind,
     /// Its block; for most kinds the first one with such a mistake.
-    pub source: Source,
+    pub source: SourcePosition,
 }
 
 impl Caution {
     /// The sentence for the operator, with the line.
-    pub fn sentence(&self) -> Message {
-        say::in_line(self.source.line, self.slip.message())
+    pub fn message_with_line(&self) -> Message {
+        say::in_line(self.source.line, self.kind.message())
     }
 
     /// First and last column of the word, in characters from 1; `None`: the whole line.
     pub fn columns(&self) -> Option<(u32, u32)> {
-        match &self.slip {
-            Slip::IgnoredWord(word) => Some(word.columns),
+        match &self.kind {
+            CautionKind::IgnoredWord(word) => Some(word.columns),
             _ => None,
         }
     }
 }
 
-impl Slip {
+impl CautionKind {
     /// A stable identifier for tools that sort findings.
     pub const fn id(&self) -> &'static str {
         match self {
             Self::SlowFeed => "slow-feed",
-            Self::SpindleStands => "spindle-stands",
+            Self::SpindleStopped => "spindle-stands",
             Self::NoOffset => "no-offset",
             Self::MachineZero => "machine-zero",
             Self::EndElsewhere { .. } => "end-elsewhere",
@@ -89,13 +89,13 @@ impl Slip {
     pub fn message(&self) -> Message {
         match self {
             Self::SlowFeed => say::caution_feed_slow(),
-            Self::SpindleStands => say::caution_spindle_stands(),
+            Self::SpindleStopped => say::caution_spindle_stands(),
             Self::NoOffset => say::caution_no_offset(),
             Self::MachineZero => say::caution_machine_zero(),
             Self::EndElsewhere { set, end } => {
                 say::caution_end_elsewhere(set.0, set.1, end.0, end.1)
             }
-            Self::IgnoredWord(word) => of_word(word),
+            Self::IgnoredWord(word) => ignored_word_message(word),
             Self::AfterSemicolon => say::caution_after_semicolon(),
             Self::AfterEnd => say::caution_after_end(),
             Self::ColonName(number) => say::caution_colon_name(format_args!("{number:04}")),
@@ -104,7 +104,7 @@ impl Slip {
 }
 
 /// The text about a word without effect, with the correct notation if it is known.
-fn of_word(word: &IgnoredWord) -> Message {
+fn ignored_word_message(word: &IgnoredWord) -> Message {
     let text = &word.text;
     let rule = match &word.code {
         Some(code) => say::ignored_word_of_code(text, code, word.address),
@@ -124,73 +124,77 @@ fn of_word(word: &IgnoredWord) -> Message {
     say::several([rule, advice])
 }
 
-impl Walk<'_> {
+impl PreviewRun<'_> {
     /// Lists what the interpreter has remarked about a block.
     pub(super) fn take_remarks(&mut self, interpreter: &mut Interpreter) {
         for (remark, source) in interpreter.take_remarks() {
             let slip = match remark {
-                Remark::Ignored(word) => Slip::IgnoredWord(Box::new(word)),
-                Remark::AfterSemicolon => Slip::AfterSemicolon,
+                BlockRemark::Ignored(word) => CautionKind::IgnoredWord(Box::new(word)),
+                BlockRemark::AfterSemicolon => CautionKind::AfterSemicolon,
             };
-            self.caution_each(slip, source);
+            self.add_each_caution(slip, source);
         }
     }
 
     /// Checks the text of the program itself.
-    pub(super) fn look_at_text(&mut self, program: ProgramId) {
+    pub(super) fn check_text(&mut self, program: ProgramId) {
         let Some(text) = self.programs.get(program) else {
             return;
         };
-        let at = |line| Source {
+        let at = |line| SourcePosition {
             program,
             line,
             sequence: None,
         };
         let (colon, after) = (text.colon_name(), text.line_after_end());
         if let Some((line, number)) = colon {
-            self.caution(Slip::ColonName(number), at(line));
+            self.add_caution(CautionKind::ColonName(number), at(line));
         }
         if let Some(line) = after {
-            self.caution(Slip::AfterEnd, at(line));
+            self.add_caution(CautionKind::AfterEnd, at(line));
         }
     }
 
     /// Checks a cut before it is executed.
-    pub(super) fn look_at_cut(&mut self, command: &Command, feed: Option<Feed>) {
+    pub(super) fn check_cut(&mut self, command: &ControlCommand, feed: Option<Feed>) {
         let source = command.source;
-        let of_feed = Facts::MOTION.and(Facts::FEED).and(Facts::PER);
-        if matches!(feed, Some(Feed::PerMinute(rate)) if rate < LEAST_FEED)
-            && self.is_sure_of(of_feed)
+        let feed_facts = ProgramFacts::MOTION
+            .union(ProgramFacts::FEED)
+            .union(ProgramFacts::FEED_UNIT);
+        if matches!(feed, Some(Feed::PerMinute(rate)) if rate < LEAST_FEED_MM_PER_MIN)
+            && self.is_certain(feed_facts)
         {
-            self.caution(Slip::SlowFeed, source);
+            self.add_caution(CautionKind::SlowFeed, source);
         }
-        if self.spindle.turning() == Turning::Stopped
-            && self.is_sure_of(Facts::MOTION.and(Facts::TURNING))
+        if self.spindle.rotation() == SpindleRotation::Stopped
+            && self.is_certain(ProgramFacts::MOTION.union(ProgramFacts::SPINDLE_DIRECTION))
         {
-            self.caution(Slip::SpindleStands, source);
+            self.add_caution(CautionKind::SpindleStopped, source);
         }
         if command.modal.offset == 0
-            && !self.so_far.tools.is_empty()
-            && self.is_sure_of(Facts::MOTION.and(Facts::TOOL))
+            && !self.preview.tools.is_empty()
+            && self.is_certain(ProgramFacts::MOTION.union(ProgramFacts::TOOL))
         {
-            self.caution(Slip::NoOffset, source);
+            self.add_caution(CautionKind::NoOffset, source);
         }
     }
 
-    pub(super) fn caution(&mut self, slip: Slip, source: Source) {
-        let cautions = &mut self.so_far.cautions;
-        let same = |caution: &Caution| discriminant(&caution.slip) == discriminant(&slip);
+    pub(super) fn add_caution(&mut self, slip: CautionKind, source: SourcePosition) {
+        let cautions = &mut self.preview.cautions;
+        let same = |caution: &Caution| discriminant(&caution.kind) == discriminant(&slip);
         if !cautions.iter().any(same) {
-            cautions.push(Caution { slip, source });
+            cautions.push(Caution { kind: slip, source });
         }
     }
 
     /// Lists a caution at each of its blocks.
-    fn caution_each(&mut self, slip: Slip, source: Source) {
-        let caution = Caution { slip, source };
-        let cautions = &mut self.so_far.cautions;
-        let same = |other: &&Caution| discriminant(&other.slip) == discriminant(&caution.slip);
-        if cautions.iter().filter(same).count() < MOST_OF_A_KIND && !cautions.contains(&caution) {
+    fn add_each_caution(&mut self, slip: CautionKind, source: SourcePosition) {
+        let caution = Caution { kind: slip, source };
+        let cautions = &mut self.preview.cautions;
+        let same = |other: &&Caution| discriminant(&other.kind) == discriminant(&caution.kind);
+        if cautions.iter().filter(same).count() < MAX_CAUTIONS_PER_KIND
+            && !cautions.contains(&caution)
+        {
             cautions.push(caution);
         }
     }

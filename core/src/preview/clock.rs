@@ -6,26 +6,26 @@ use crate::setup::Setup;
 
 /// Time since the start of the program, including functions that run in parallel with
 /// motion.
-pub(super) struct Clock {
-    now: f64,
+pub(super) struct PreviewClock {
+    now_s: f64,
     /// Time at which the M function in parallel with the motion of the block is finished, s.
     busy_until: f64,
-    m_s: f64,
-    s_s: f64,
+    m_function_s: f64,
+    s_function_s: f64,
     /// Duration of a change to gears 1 and 2, and to gears 3 and 4, s.
-    gear_s: [f64; 2],
-    turret: Turret,
+    gear_change_s: [f64; 2],
+    turret: TurretTimes,
 }
 
 /// Durations of tool changes.
-struct Turret {
+struct TurretTimes {
     stations: u8,
-    at: u8,
+    station: u8,
     station_s: f64,
     clamp_s: f64,
 }
 
-impl Clock {
+impl PreviewClock {
     pub(super) fn new(setup: &Setup) -> Self {
         let seconds = |number| f64::from(setup.memory.parameters.timer_ms(number)) / 1000.0;
         // 065 and 066, and the travel of a gear whose switch is monitored (AGIN).
@@ -38,14 +38,14 @@ impl Clock {
             setup.memory.parameters.watches_gear() && !setup.memory.parameters.watches_chuck();
         let travel_ms = setup.lathe.chuck.travel_ms;
         Self {
-            gear_s: [shift(if checked { travel_ms } else { 0 }), shift(0)],
-            now: 0.0,
+            gear_change_s: [shift(if checked { travel_ms } else { 0 }), shift(0)],
+            now_s: 0.0,
             busy_until: 0.0,
-            m_s: seconds(parameter::M_TIME),
-            s_s: seconds(parameter::S_TIME),
-            turret: Turret {
-                stations: setup.memory.parameters.stations(),
-                at: setup.memory.parameters.tool_in_position().max(1),
+            m_function_s: seconds(parameter::M_TIME),
+            s_function_s: seconds(parameter::S_TIME),
+            turret: TurretTimes {
+                stations: setup.memory.parameters.station_count(),
+                station: setup.memory.parameters.tool_in_position().max(1),
                 station_s: f64::from(setup.lathe.turret.station_ms) / 1000.0,
                 clamp_s: f64::from(setup.lathe.turret.clamp_ms) / 1000.0
                     + seconds(parameter::CLAMP_DELAY)
@@ -56,50 +56,51 @@ impl Clock {
 
     /// Time since the start of the program, s.
     pub(super) const fn now(&self) -> f64 {
-        self.now
+        self.now_s
     }
 
     pub(super) const fn advance(&mut self, seconds: f64) {
-        self.now += seconds;
+        self.now_s += seconds;
     }
 
     /// Starts an M function: its time 080 runs in parallel with the rest of its block.
-    pub(super) const fn output_m(&mut self) {
-        self.busy_until = self.now + self.m_s;
+    pub(super) const fn start_m_function(&mut self) {
+        self.busy_until = self.now_s + self.m_function_s;
     }
 
     /// Adds a gear change, during which motion waits.
     pub(super) fn change_gear(&mut self, gear: u8) {
-        self.now += self.gear_s[usize::from(gear > 2)];
+        self.now_s += self.gear_change_s[usize::from(gear > 2)];
     }
 
     /// The duration 080 of an M function, s.
-    pub(super) const fn m_time(&self) -> f64 {
-        self.m_s
+    pub(super) const fn m_function_s(&self) -> f64 {
+        self.m_function_s
     }
 
     /// Adds the time 081 of a stepped speed. Motion does not wait for the analog spindle.
-    pub(super) const fn output_s(&mut self, command: &SpindleCommand) {
+    pub(super) const fn add_speed_time(&mut self, command: &SpindleCommand) {
         if let SpindleCommand::Step(_) = command {
-            self.now += self.s_s;
+            self.now_s += self.s_function_s;
         }
     }
 
     /// Adds a tool change: the turret turns forward station by station, then clamps.
     pub(super) fn change_tool(&mut self, tool: u8) {
         let turret = &mut self.turret;
-        if turret.stations == 0 || tool == turret.at || tool > turret.stations {
+        if turret.stations == 0 || tool == turret.station || tool > turret.stations {
             return;
         }
-        let ahead = (i32::from(tool) - i32::from(turret.at)).rem_euclid(i32::from(turret.stations));
-        turret.at = tool;
-        self.now += f64::from(ahead) * turret.station_s + turret.clamp_s;
+        let ahead =
+            (i32::from(tool) - i32::from(turret.station)).rem_euclid(i32::from(turret.stations));
+        turret.station = tool;
+        self.now_s += f64::from(ahead) * turret.station_s + turret.clamp_s;
         // M and T are completed by the same FIN.
-        self.now = self.now.max(self.busy_until);
+        self.now_s = self.now_s.max(self.busy_until);
     }
 
     /// Ends a block: functions in parallel with the motion must be finished too.
-    pub(super) const fn block_end(&mut self) {
-        self.now = self.now.max(self.busy_until);
+    pub(super) const fn end_block(&mut self) {
+        self.now_s = self.now_s.max(self.busy_until);
     }
 }

@@ -9,7 +9,7 @@ use crate::setup::Setup;
 
 /// Direction in which the spindle turns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Turning {
+pub enum SpindleRotation {
     /// The spindle is stopped.
     #[default]
     Stopped,
@@ -20,47 +20,47 @@ pub enum Turning {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Speed {
+enum CommandedSpeed {
     Fixed(f64),
     Surface(f64),
 }
 
 /// The commanded state of the spindle.
-pub(super) struct Spindle {
-    turning: Turning,
+pub(super) struct PreviewSpindle {
+    rotation: SpindleRotation,
     /// M03 or M04 that started in parallel with the rest of its block.
     pending: Option<u8>,
     /// Direction before the last tap.
-    before_tap: Turning,
-    speed: Speed,
+    rotation_before_tap: SpindleRotation,
+    speed: CommandedSpeed,
     /// Speeds of the steps S1 to S4 of the lathe, r/min.
     steps: [f64; 4],
-    limit: Option<f64>,
-    lowest: f64,
+    limit_rpm: Option<f64>,
+    lowest_rpm: f64,
     /// Speed at 10 V in gears 1 to 4 of an analog spindle, r/min; `None`: stepped speeds.
-    top: Option<[f64; 4]>,
+    gear_top_rpm: Option<[f64; 4]>,
     gear: u8,
     /// M41–M44 engaged the gear; otherwise it is assumed.
     engaged: bool,
 }
 
-impl Spindle {
+impl PreviewSpindle {
     pub(super) fn new(setup: &Setup) -> Self {
-        let given = setup.spindle_rpm.unwrap_or(0.0);
+        let initial_rpm = setup.spindle_rpm.unwrap_or(0.0);
         Self {
-            turning: if given > 0.0 {
-                Turning::Clockwise
+            rotation: if initial_rpm > 0.0 {
+                SpindleRotation::Clockwise
             } else {
-                Turning::Stopped
+                SpindleRotation::Stopped
             },
             pending: None,
-            before_tap: Turning::Stopped,
-            speed: Speed::Fixed(given),
+            rotation_before_tap: SpindleRotation::Stopped,
+            speed: CommandedSpeed::Fixed(initial_rpm),
             steps: setup.lathe.spindle.steps,
-            limit: None,
-            lowest: setup.memory.parameters.surface_lowest(),
-            top: (setup.memory.parameters.analog_spindle())
-                .then(|| [1, 2, 3, 4].map(|gear| setup.memory.parameters.gear_maximum(gear))),
+            limit_rpm: None,
+            lowest_rpm: setup.memory.parameters.lowest_surface_speed_rpm(),
+            gear_top_rpm: (setup.memory.parameters.has_analog_spindle())
+                .then(|| [1, 2, 3, 4].map(|gear| setup.memory.parameters.gear_top_speed(gear))),
             gear: 1,
             engaged: false,
         }
@@ -74,56 +74,56 @@ impl Spindle {
         changes
     }
 
-    pub(super) const fn turning(&self) -> Turning {
-        self.turning
+    pub(super) const fn rotation(&self) -> SpindleRotation {
+        self.rotation
     }
 
-    pub(super) const fn output_m(&mut self, code: u8) {
+    pub(super) const fn execute_m(&mut self, code: u8) {
         match code {
-            3 => self.turning = Turning::Clockwise,
-            4 => self.turning = Turning::CounterClockwise,
-            5 => self.turning = Turning::Stopped,
+            3 => self.rotation = SpindleRotation::Clockwise,
+            4 => self.rotation = SpindleRotation::CounterClockwise,
+            5 => self.rotation = SpindleRotation::Stopped,
             _ => {}
         }
     }
 
     /// Executes an M code in parallel with the rest of its block.
-    pub(super) const fn output_m_beside(&mut self, code: u8) {
+    pub(super) const fn start_m_in_parallel(&mut self, code: u8) {
         match code {
             3 | 4 => self.pending = Some(code),
-            _ => self.output_m(code),
+            _ => self.execute_m(code),
         }
     }
 
     /// Starts the spindle that a block commanded in parallel with its motion.
     pub(super) fn start_pending(&mut self) {
         if let Some(code) = self.pending.take() {
-            self.output_m(code);
+            self.execute_m(code);
         }
     }
 
     /// Stops the spindle after a tap.
     pub(super) const fn stop_for_tap(&mut self) {
-        self.before_tap = self.turning;
-        self.turning = Turning::Stopped;
+        self.rotation_before_tap = self.rotation;
+        self.rotation = SpindleRotation::Stopped;
     }
 
     /// Turns the spindle as before the tap.
-    pub(super) const fn turn_again(&mut self) {
-        self.turning = self.before_tap;
+    pub(super) const fn restart_after_tap(&mut self) {
+        self.rotation = self.rotation_before_tap;
     }
 
-    pub(super) fn command(&mut self, command: SpindleCommand) {
+    pub(super) fn set_speed(&mut self, command: SpindleCommand) {
         match command {
             SpindleCommand::Step(step) => {
                 let rpm = usize::from(step)
                     .checked_sub(1)
                     .and_then(|step| self.steps.get(step));
-                self.speed = Speed::Fixed(rpm.copied().unwrap_or(0.0));
+                self.speed = CommandedSpeed::Fixed(rpm.copied().unwrap_or(0.0));
             }
-            SpindleCommand::Speed(rpm) => self.speed = Speed::Fixed(rpm),
-            SpindleCommand::Surface(speed) => self.speed = Speed::Surface(speed),
-            SpindleCommand::Limit(rpm) => self.limit = Some(rpm),
+            SpindleCommand::Speed(rpm) => self.speed = CommandedSpeed::Fixed(rpm),
+            SpindleCommand::Surface(speed) => self.speed = CommandedSpeed::Surface(speed),
+            SpindleCommand::Limit(rpm) => self.limit_rpm = Some(rpm),
         }
     }
 
@@ -131,12 +131,15 @@ impl Spindle {
     /// speed of the gear at 10 V limits it.
     pub(super) fn rpm(&self, radius: f64) -> f64 {
         let commanded = match self.speed {
-            _ if self.turning == Turning::Stopped => 0.0,
-            Speed::Fixed(rpm) => rpm,
-            Speed::Surface(speed) => surface_rpm(speed, 2.0 * radius, self.limit, self.lowest),
+            _ if self.rotation == SpindleRotation::Stopped => 0.0,
+            CommandedSpeed::Fixed(rpm) => rpm,
+            CommandedSpeed::Surface(speed) => {
+                surface_rpm(speed, 2.0 * radius, self.limit_rpm, self.lowest_rpm)
+            }
         };
         let gear = usize::from(self.gear.clamp(1, 4) - 1);
-        self.top.map_or(commanded, |top| commanded.min(top[gear]))
+        self.gear_top_rpm
+            .map_or(commanded, |top| commanded.min(top[gear]))
     }
 
     /// The speed for a feed per revolution, r/min. Under G96 it is that at the middle of the
@@ -145,7 +148,7 @@ impl Spindle {
     pub(super) fn rpm_for_feed(&self, radius: f64) -> Result<f64, Alarm> {
         let rpm = self.rpm(radius);
         if rpm < 1.0 {
-            return Err(Alarm::new(number::NO_FEED).because(say::spindle_stands_at_feed()));
+            return Err(Alarm::new(number::NO_FEED).with_detail(say::spindle_stands_at_feed()));
         }
         Ok(rpm)
     }

@@ -1,13 +1,13 @@
 //! Results of a preview besides the path: further alarms, cautions, the work zero.
 
-use super::{MOST_FURTHER, Preview, Slip, preview_beyond_alarms, preview_explained};
+use super::{CautionKind, MAX_FURTHER_ALARMS, Preview, preview_beyond_alarms, preview_explained};
 use crate::command::{ExecutedMove, ProgramId};
 use crate::interpreter::Explanation;
 use crate::program::{Program, ProgramMemory};
 use crate::setup::Setup;
 use crate::units::Point;
 
-fn look(setup: &Setup, text: &str) -> (Preview, Vec<ExecutedMove>) {
+fn run_preview(setup: &Setup, text: &str) -> (Preview, Vec<ExecutedMove>) {
     let mut programs = ProgramMemory::default();
     programs.open_external(Program::new(text));
     let mut moves = Vec::new();
@@ -22,10 +22,11 @@ fn look(setup: &Setup, text: &str) -> (Preview, Vec<ExecutedMove>) {
 
 /// Number and line of all alarms, and the line after which the search ended.
 fn alarms_with(setup: &Setup, text: &str) -> (Vec<(u16, u32)>, Option<u32>) {
-    let (preview, _) = look(setup, text);
+    let (preview, _) = run_preview(setup, text);
     let further = &preview.further;
     let all = preview.alarm.iter().chain(&further.alarms);
-    let line = |source: Option<crate::command::Source>| source.map_or(0, |source| source.line);
+    let line =
+        |source: Option<crate::command::SourcePosition>| source.map_or(0, |source| source.line);
     (
         all.map(|alarm| (alarm.number, line(alarm.source)))
             .collect(),
@@ -45,18 +46,18 @@ fn every_wrong_block_is_found() {
 }
 
 #[test]
-fn what_the_control_does_ends_at_the_first_alarm() {
+fn moves_end_at_the_first_alarm() {
     let text = "M03 S500\nG00 X50 Z2\nG54\nG01 Z-50 F100\nG00 X300 Z300\nM30\n";
-    let (preview, moves) = look(&Setup::default(), text);
+    let (preview, moves) = run_preview(&Setup::default(), text);
     assert_eq!(preview.alarm.as_ref().map(|alarm| alarm.number), Some(10));
     assert_eq!((moves.len(), preview.moves), (1, 1));
     assert_eq!(preview.absolute, Point::new(25.0, 2.0));
     assert_eq!(preview.lengths.feed, 0.0);
-    assert_eq!(preview.end, super::End::Alarm);
+    assert_eq!(preview.end, super::PreviewEnd::Alarm);
 }
 
 #[test]
-fn consequences_are_no_alarms() {
+fn consequences_are_not_listed() {
     for text in [
         // F was in the refused block.
         "M03 S500\nG00 X50 Z2\nG01 Z-5 F100 C1\nZ-10\nX60\nM30\n",
@@ -74,8 +75,8 @@ fn consequences_are_no_alarms() {
         "M03 S500 C1\nG00 X50 Z2\nG99 G01 Z-5 F0.2\nM30\n",
         "M03 S500 C1\nG00 X50 Z2\nG32 Z-5 F2\nM30\n",
     ] {
-        let (found, behind) = alarms(text);
-        assert_eq!((found.len(), behind), (1, None), "{text} {found:?}");
+        let (found, search_end) = alarms(text);
+        assert_eq!((found.len(), search_end), (1, None), "{text} {found:?}");
     }
     // Once a fact is defined again, alarms that depend on it are reported again.
     let text = "M03 S500\nG00 X50 Z2\nG01 X20 F100 C1\nG00 X20 Z0\nG02 X60 Z-3 R5\nM30\n";
@@ -85,7 +86,7 @@ fn consequences_are_no_alarms() {
 }
 
 #[test]
-fn a_missing_feed_or_spindle_is_told_once() {
+fn a_missing_feed_or_spindle_is_reported_once() {
     let text = "M03 S500\nG00 X50 Z2\nG01 Z-5\nZ-10\nX60\nG54\nM30\n";
     assert_eq!(alarms(text), (vec![(11, 3), (10, 6)], None));
     let text = "G00 X50 Z2\nG99 G01 Z-5 F0.2\nZ-10\nM03 S0\nZ-12\nM30\n";
@@ -93,7 +94,7 @@ fn a_missing_feed_or_spindle_is_told_once() {
 }
 
 #[test]
-fn nobody_follows_a_lost_flow() {
+fn the_search_ends_at_a_branch() {
     for (text, line) in [
         ("M98 P0777\nG54\nM30\n", 1),
         ("M98 P0777 C1\nG54\nM30\n", 1),
@@ -111,9 +112,9 @@ fn nobody_follows_a_lost_flow() {
             3,
         ),
     ] {
-        let (found, behind) = alarms(text);
+        let (found, search_end) = alarms(text);
         assert_eq!(found.len(), 1, "{text} {found:?}");
-        assert_eq!(behind, Some(found[0].1), "{text}");
+        assert_eq!(search_end, Some(found[0].1), "{text}");
         assert!(found[0].1 >= line, "{text} {found:?}");
     }
     // The search ends at an alarm in a profile that G70 executes.
@@ -121,16 +122,16 @@ fn nobody_follows_a_lost_flow() {
     assert_eq!(alarms(text), (vec![(11, 5)], Some(5)));
     // G74 has no profile.
     let text = "M03 S500\nG00 X50 Z2\nG74 R1\nG74 Z-20 Q0 F50\nG54\nM30\n";
-    let (found, behind) = alarms(text);
+    let (found, search_end) = alarms(text);
     assert_eq!(
-        (found[1..].to_vec(), behind),
+        (found[1..].to_vec(), search_end),
         (vec![(10, 5)], None),
         "{found:?}"
     );
 }
 
 #[test]
-fn a_called_program_is_told_once_and_a_loop_ends() {
+fn a_called_program_is_reported_once_and_a_loop_ends() {
     let mut programs = ProgramMemory::default();
     assert!(programs.store("O0002\nG54\nM99\n").is_ok());
     programs.open_external(Program::new("M98 P00030002\nM98 P00030002\nG93\nM30\n"));
@@ -144,16 +145,16 @@ fn a_called_program_is_told_once_and_a_loop_ends() {
         .collect();
     assert_eq!((lines, preview.further.ends_at), (vec![10], None));
     // Only the number of refused blocks ends this loop.
-    let (found, behind) = alarms("N1 G54\nG65 H80 P1\n");
-    assert_eq!((found, behind), (vec![(10, 1)], Some(1)));
+    let (found, search_end) = alarms("N1 G54\nG65 H80 P1\n");
+    assert_eq!((found, search_end), (vec![(10, 1)], Some(1)));
 }
 
 #[test]
 fn the_list_has_an_end() {
     let text = "G54\n".repeat(40) + "M30\n";
-    let (preview, _) = look(&Setup::default(), &text);
-    assert_eq!(preview.further.alarms.len(), MOST_FURTHER);
-    let last = MOST_FURTHER as u32 + 1;
+    let (preview, _) = run_preview(&Setup::default(), &text);
+    assert_eq!(preview.further.alarms.len(), MAX_FURTHER_ALARMS);
+    let last = MAX_FURTHER_ALARMS as u32 + 1;
     assert_eq!(
         preview.further.ends_at.map(|source| source.line),
         Some(last)
@@ -170,15 +171,15 @@ fn with_nose() -> Setup {
 }
 
 #[test]
-fn a_contour_goes_on_without_its_compensation() {
+fn a_contour_continues_without_its_compensation() {
     // An inner arc smaller than the nose, an arc that is wrong in itself, and the next
     // contour.
     let text = "T0101\nM03 S500\nG00 X50 Z2\nG42 G01 X30 Z0 F100\nZ-10\nG02 X31 Z-10.5 R0.5\n\
                 G01 X60\nG02 X62 Z-30 R1\nG40 G00 X100 Z50\nG00 X50 Z2\nG42 G03 X60 Z-3 R5\n\
                 G40 G00 X100 Z50\nG54\nM30\n";
-    let (found, behind) = alarms_with(&with_nose(), text);
+    let (found, search_end) = alarms_with(&with_nose(), text);
     assert_eq!(
-        (found, behind),
+        (found, search_end),
         (vec![(53, 6), (13, 8), (34, 11), (10, 13)], None)
     );
 }
@@ -192,38 +193,38 @@ fn a_change_of_side_is_no_start() {
 }
 
 #[test]
-fn a_profile_behind_its_wrong_block_is_not_told_again() {
+fn a_profile_after_its_wrong_block_is_not_reported_again() {
     let text = "M03 S500 F100\nG00 X50 Z2\nN10 G00 X20\nG01 Z-5 C1\nN20 X40\nG00 X50 Z2\n\
                 G70 P10 Q20\nG54\nM30\n";
     assert_eq!(alarms(text), (vec![(9, 4)], Some(7)));
 }
 
 #[test]
-fn cautions_behind_an_alarm_rest_on_what_is_known() {
-    let slips = |text: &str| -> Vec<(Slip, u32)> {
-        let (preview, _) = look(&Setup::default(), text);
+fn cautions_after_an_alarm_need_certain_facts() {
+    let slips = |text: &str| -> Vec<(CautionKind, u32)> {
+        let (preview, _) = run_preview(&Setup::default(), text);
         let cautions = preview.cautions.iter();
         cautions
-            .map(|caution| (caution.slip.clone(), caution.source.line))
+            .map(|caution| (caution.kind.clone(), caution.source.line))
             .collect()
     };
     let text = "M03 S500 C1\nG00 X50 Z2\nG98 G01 Z-5 F100\nM30\n";
     assert_eq!(slips(text), []);
     let text = "G54\nG00 X50 Z2\nG98 G01 Z-5 F100\nM30\n";
-    assert_eq!(slips(text), [(Slip::SpindleStands, 3)]);
+    assert_eq!(slips(text), [(CautionKind::SpindleStopped, 3)]);
 }
 
 /// Diameter and Z, mm.
-type Place = (f64, f64);
+type PresetPoint = (f64, f64);
 
 /// The line and position of the G50, and the end position, if they differ.
-fn elsewhere(setup: &Setup, text: &str) -> Option<(u32, Place, Place)> {
-    let (preview, _) = look(setup, text);
+fn end_elsewhere(setup: &Setup, text: &str) -> Option<(u32, PresetPoint, PresetPoint)> {
+    let (preview, _) = run_preview(setup, text);
     preview
         .cautions
         .iter()
-        .find_map(|caution| match &caution.slip {
-            Slip::EndElsewhere { set, end } => Some((caution.source.line, *set, *end)),
+        .find_map(|caution| match &caution.kind {
+            CautionKind::EndElsewhere { set, end } => Some((caution.source.line, *set, *end)),
             _ => None,
         })
 }
@@ -231,7 +232,7 @@ fn elsewhere(setup: &Setup, text: &str) -> Option<(u32, Place, Place)> {
 #[test]
 fn a_program_ends_where_its_preset_begins() {
     let setup = Setup::default();
-    let found = |text: &str| elsewhere(&setup, text);
+    let found = |text: &str| end_elsewhere(&setup, text);
     assert_eq!(
         found("O1\nG50 X100 Z50\nG00 X20 Z2\nX120 Z80\nM30\n"),
         Some((2, (100.0, 50.0), (120.0, 80.0)))
@@ -270,26 +271,26 @@ fn a_dropped_offset_shifts_the_next_run() {
         (false, Some((1, (100.0, 50.0), (104.0, 40.0)))),
     ] {
         assert!(setup.memory.parameters.set_bit(4, 3, keeps).is_ok());
-        assert_eq!(elsewhere(&setup, text), expected, "TOC = {keeps}");
+        assert_eq!(end_elsewhere(&setup, text), expected, "TOC = {keeps}");
     }
 }
 
 #[test]
-fn the_machine_zero_lies_where_the_work_zero_says() {
+fn the_work_zero_determines_the_machine_zero() {
     let text = "G00 X50 Z2\nG28 U0 W0\nG28 U0\nM30\n";
     let mut setup = Setup::default();
     let slips = |preview: &Preview| -> Vec<_> {
         let cautions = preview.cautions.iter();
         cautions
-            .map(|caution| (caution.slip.clone(), caution.source.line))
+            .map(|caution| (caution.kind.clone(), caution.source.line))
             .collect()
     };
-    let (preview, _) = look(&setup, text);
-    assert_eq!(slips(&preview), [(Slip::MachineZero, 2)]);
+    let (preview, _) = run_preview(&setup, text);
+    assert_eq!(slips(&preview), [(CautionKind::MachineZero, 2)]);
     assert_eq!(preview.absolute, Point::default());
     // The work zero is at X0 Z-150 of the machine, the tool at X100 Z50 from it.
     (setup.start, setup.absolute) = (Some(Point::new(50.0, -100.0)), Some(Point::new(50.0, 50.0)));
-    let (preview, moves) = look(&setup, text);
+    let (preview, moves) = run_preview(&setup, text);
     assert_eq!(slips(&preview), []);
     assert_eq!(preview.absolute, Point::new(0.0, 150.0));
     assert_eq!(preview.machine, Point::default());

@@ -3,14 +3,14 @@
 //! An endless loop is not an error of the text. Work is counted in moves and blocks, not in
 //! time: a busy computer stops at the same programs as an idle one.
 
-use super::Progress;
+use super::PreviewProgress;
 
 /// Limits of a preview; it stops when it reaches one of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WorkBudget {
     /// Number of moves.
     pub moves: u64,
-    /// Number of blocks read, as [`Progress::work`] counts them.
+    /// Number of blocks read, as [`PreviewProgress::work`] counts them.
     pub work: u64,
     /// Number of consecutive commands without a move: loops of calls, jumps and dwells.
     pub motionless: u64,
@@ -44,7 +44,7 @@ impl WorkBudget {
     }
 
     /// Whether a preview with this progress is within the limits.
-    pub const fn allows(&self, progress: &Progress) -> bool {
+    pub const fn allows(&self, progress: &PreviewProgress) -> bool {
         progress.moves < self.moves
             && progress.work < self.work
             && progress.motionless < self.motionless

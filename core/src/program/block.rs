@@ -5,30 +5,30 @@ use core::fmt;
 use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
-use super::macro_b::{Expression, Statement};
-use super::number::{Number, Variable, is_length};
+use super::macro_b::{FormulaCode, MacroStatement};
+use super::number::{VariableReference, WordNumber, is_length};
 use super::syntax::{BlockError, Syntax};
 use crate::alarm;
-use crate::model::Record;
+use crate::model::ModelRecord;
 
 /// Greatest number of words in a block besides N and O; more raise alarm 012.
 pub(crate) const MAX_WORDS: usize = 24;
 
 /// A word: an address letter and a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Word {
+pub struct ProgramWord {
     /// Address as an upper-case letter, e.g. `b'X'`.
     pub address: u8,
     /// The number after the address.
-    pub value: Number,
+    pub value: WordNumber,
     /// Byte range in the text of the block: start, and the byte after the end.
     pub span: (u16, u16),
 }
 
-impl Word {
+impl ProgramWord {
     pub(super) const EMPTY: Self = Self {
         address: 0,
-        value: Number::ZERO,
+        value: WordNumber::ZERO,
         span: (0, 0),
     };
 }
@@ -36,7 +36,7 @@ impl Word {
 /// The words of one block, in the order of the text.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(into = "Plain", try_from = "Plain")]
-pub struct Block {
+pub struct ProgramBlock {
     /// Sequence number (N word); `None` without one.
     pub n: Option<u32>,
     /// Program number (O word); `None` without one.
@@ -46,12 +46,12 @@ pub struct Block {
     /// Line of the file, from 1; 0 without a file.
     pub line: u32,
     /// Its macro B statement; `None` if all words have plain numbers.
-    pub(super) statement: Option<Box<Statement>>,
+    pub(super) statement: Option<Box<MacroStatement>>,
     variables: bool,
     len: u8,
     addresses: u32,
     codes: u128,
-    words: [Word; MAX_WORDS],
+    words: [ProgramWord; MAX_WORDS],
 }
 
 /// The stored form of a block.
@@ -61,10 +61,10 @@ struct Plain {
     o: Option<u16>,
     skip: bool,
     line: u32,
-    words: Vec<Word>,
+    words: Vec<ProgramWord>,
 }
 
-impl Default for Block {
+impl Default for ProgramBlock {
     fn default() -> Self {
         Self {
             n: None,
@@ -76,7 +76,7 @@ impl Default for Block {
             len: 0,
             addresses: 0,
             codes: 0,
-            words: [Word::EMPTY; MAX_WORDS],
+            words: [ProgramWord::EMPTY; MAX_WORDS],
         }
     }
 }
@@ -90,16 +90,16 @@ const fn address_bit(address: u8) -> u32 {
 }
 
 #[inline]
-const fn bits(addresses: &[u8]) -> u32 {
-    let (mut bits, mut at) = (0, 0);
-    while at < addresses.len() {
-        bits |= address_bit(addresses[at]);
-        at += 1;
+const fn address_bits(addresses: &[u8]) -> u32 {
+    let (mut bits, mut index) = (0, 0);
+    while index < addresses.len() {
+        bits |= address_bit(addresses[index]);
+        index += 1;
     }
     bits
 }
 
-impl Block {
+impl ProgramBlock {
     /// Empties the block. The remaining entries of `words` have no meaning.
     pub(super) fn clear(&mut self) {
         self.statement = None;
@@ -110,13 +110,13 @@ impl Block {
 
     /// The number of the first variable that a word has instead of a number.
     pub(crate) fn first_variable(&self) -> Option<u16> {
-        let variable = |word: &Word| word.value.variable();
+        let variable = |word: &ProgramWord| word.value.variable();
         let found = self.words().iter().find_map(variable);
         found.map(|variable| variable.number)
     }
 
     /// The words in order, without N and O.
-    pub fn words(&self) -> &[Word] {
+    pub fn words(&self) -> &[ProgramWord] {
         &self.words[..usize::from(self.len)]
     }
 
@@ -126,20 +126,20 @@ impl Block {
     }
 
     /// Whether the block consists of a program name only.
-    pub(crate) fn is_name(&self) -> bool {
+    pub(crate) fn is_name_only(&self) -> bool {
         self.is_empty() && self.o.is_some() && self.statement.is_none()
     }
 
     /// The macro B statement of the block; `None` for a block of words.
-    pub(crate) fn macro_statement(&self) -> Option<&Statement> {
+    pub(crate) fn macro_statement(&self) -> Option<&MacroStatement> {
         let statement = self.statement.as_deref();
-        statement.filter(|it| !matches!(it, Statement::Words(_)))
+        statement.filter(|it| !matches!(it, MacroStatement::Words(_)))
     }
 
     /// The formulas of its words; `None` without macro B.
-    pub(crate) fn formulas(&self) -> Option<&[Expression]> {
+    pub(crate) fn formulas(&self) -> Option<&[FormulaCode]> {
         match self.statement.as_deref() {
-            Some(Statement::Words(formulas)) => Some(formulas),
+            Some(MacroStatement::Words(formulas)) => Some(formulas),
             _ => None,
         }
     }
@@ -151,16 +151,16 @@ impl Block {
 
     /// Whether the block has a word with any of these addresses.
     pub(crate) const fn has_any(&self, addresses: &[u8]) -> bool {
-        self.addresses & bits(addresses) != 0
+        self.addresses & address_bits(addresses) != 0
     }
 
     /// Whether the block has no words with other addresses, and no macro B.
     pub const fn has_only(&self, addresses: &[u8]) -> bool {
-        self.addresses & !bits(addresses) == 0 && self.statement.is_none()
+        self.addresses & !address_bits(addresses) == 0 && self.statement.is_none()
     }
 
     /// The first word with an address; `None` without one.
-    pub fn word(&self, address: u8) -> Option<&Word> {
+    pub fn word(&self, address: u8) -> Option<&ProgramWord> {
         if !self.has(address) {
             return None;
         }
@@ -168,7 +168,7 @@ impl Block {
     }
 
     /// The number of the first word with an address; `None` without one.
-    pub fn number(&self, address: u8) -> Option<Number> {
+    pub fn number(&self, address: u8) -> Option<WordNumber> {
         self.word(address).map(|word| word.value)
     }
 
@@ -178,7 +178,7 @@ impl Block {
     }
 
     /// Whether the block has two different G codes.
-    pub(crate) const fn has_two_codes(&self) -> bool {
+    pub(crate) const fn has_two_g_codes(&self) -> bool {
         self.codes.count_ones() > 1
     }
 
@@ -206,7 +206,7 @@ impl Block {
     pub fn resolve<E: From<BlockError>>(
         mut self,
         syntax: Syntax,
-        mut lookup: impl FnMut(Variable) -> Result<i64, E>,
+        mut lookup: impl FnMut(VariableReference) -> Result<i64, E>,
     ) -> Result<Self, E> {
         if !self.has_variables() || self.has_g(65) {
             return Ok(self);
@@ -225,12 +225,12 @@ impl Block {
             word.value = if is_length(word.address) {
                 let seconds = dwell && matches!(word.address, b'X' | b'U');
                 let increment = if seconds { 1000 } else { syntax.increment() };
-                Number::from_millionths(value.saturating_mul(increment))
+                WordNumber::from_millionths(value.saturating_mul(increment))
             } else {
-                Number::from_integer(value, 0)
+                WordNumber::from_integer(value, 0)
             };
         }
-        self.index(syntax)?;
+        self.reindex(syntax)?;
         Ok(self)
     }
 
@@ -261,7 +261,7 @@ impl Block {
                 let seconds = dwell && matches!(word.address, b'X' | b'U');
                 let increment = if seconds { 1000 } else { syntax.increment() };
                 let length = syntax.is_length(word.address).then_some(increment);
-                word.value = Number::from_value(value, word.address, length);
+                word.value = WordNumber::from_value(value, word.address, length);
             }
             block.push(word);
         }
@@ -270,14 +270,14 @@ impl Block {
     }
 
     /// Changes the numbers of words without checking their ranges.
-    pub(crate) fn change(&mut self, mut change: impl FnMut(u8, Number) -> Number) {
+    pub(crate) fn map_numbers(&mut self, mut change: impl FnMut(u8, WordNumber) -> WordNumber) {
         for word in &mut self.words[..usize::from(self.len)] {
             word.value = change(word.address, word.value);
         }
     }
 
     /// Adds a word. Returns `false` if the block is full.
-    pub(super) const fn push(&mut self, word: Word) -> bool {
+    pub(super) const fn push(&mut self, word: ProgramWord) -> bool {
         let len = self.len as usize;
         if len >= MAX_WORDS {
             return false;
@@ -297,7 +297,7 @@ impl Block {
     }
 
     /// Recomputes the data derived from the words and checks their values.
-    fn index(&mut self, syntax: Syntax) -> Result<(), BlockError> {
+    fn reindex(&mut self, syntax: Syntax) -> Result<(), BlockError> {
         let words = self.words;
         let len = usize::from(self.len);
         (self.len, self.addresses, self.codes, self.variables) = (0, 0, 0, false);
@@ -308,7 +308,7 @@ impl Block {
     }
 }
 
-impl PartialEq for Block {
+impl PartialEq for ProgramBlock {
     fn eq(&self, other: &Self) -> bool {
         let head = |block: &Self| (block.n, block.o, block.skip, block.line);
         head(self) == head(other) && self.words() == other.words()
@@ -316,7 +316,7 @@ impl PartialEq for Block {
 }
 
 /// Formats a block as a line of text that parses to the same block.
-impl fmt::Display for Block {
+impl fmt::Display for ProgramBlock {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.skip {
             f.write_str("/")?;
@@ -335,8 +335,8 @@ impl fmt::Display for Block {
     }
 }
 
-impl From<Block> for Plain {
-    fn from(block: Block) -> Self {
+impl From<ProgramBlock> for Plain {
+    fn from(block: ProgramBlock) -> Self {
         Self {
             n: block.n,
             o: block.o,
@@ -347,7 +347,7 @@ impl From<Block> for Plain {
     }
 }
 
-impl TryFrom<Plain> for Block {
+impl TryFrom<Plain> for ProgramBlock {
     type Error = BlockError;
 
     fn try_from(plain: Plain) -> Result<Self, BlockError> {
@@ -374,9 +374,9 @@ impl TryFrom<Plain> for Block {
 }
 
 /// Checks all numbers of a block against table 2-1, except references to variables.
-pub(super) fn check_values(block: &Block, syntax: Syntax) -> Result<(), BlockError> {
+pub(super) fn check_values(block: &ProgramBlock, syntax: Syntax) -> Result<(), BlockError> {
     if syntax.model.is_mill() {
-        return check_mill(block);
+        return check_mill_words(block);
     }
     let all_usual = !narrows_words(syntax)
         && block.words().iter().all(|word| {
@@ -385,7 +385,7 @@ pub(super) fn check_values(block: &Block, syntax: Syntax) -> Result<(), BlockErr
         });
     match all_usual {
         true => Ok(()),
-        false => check_each(block, syntax),
+        false => check_each_word(block, syntax),
     }
 }
 
@@ -395,17 +395,17 @@ pub(super) fn narrows_words(syntax: Syntax) -> bool {
 }
 
 /// Checks all numbers of a block of a mill.
-fn check_mill(block: &Block) -> Result<(), BlockError> {
+fn check_mill_words(block: &ProgramBlock) -> Result<(), BlockError> {
     for word in block.words() {
         let (low, high) = match word.address {
-            b'D' | b'H' => (0, 400 * ONE),
-            b'G' => (0, 999 * ONE),
-            b'L' | b'M' | b'T' => (0, 9999 * ONE),
-            b'S' => (0, 99_999 * ONE),
+            b'D' | b'H' => (0, 400 * MILLIONTHS),
+            b'G' => (0, 999 * MILLIONTHS),
+            b'L' | b'M' | b'T' => (0, 9999 * MILLIONTHS),
+            b'S' => (0, 99_999 * MILLIONTHS),
             b'F' | b'P' => usual_range(word.address),
             // Scale factors of G51, in units of 0.00001.
-            b'I' | b'J' | b'K' if block.has_g(51) => (-999_999 * ONE, 999_999 * ONE),
-            _ => (-MILL_LENGTH, MILL_LENGTH),
+            b'I' | b'J' | b'K' if block.has_g(51) => (-999_999 * MILLIONTHS, 999_999 * MILLIONTHS),
+            _ => (-LARGEST_MILL_LENGTH, LARGEST_MILL_LENGTH),
         };
         if !(low..=high).contains(&word.value.millionths()) && word.value.variable().is_none() {
             return Err(out_of_range(word, low, high));
@@ -415,17 +415,17 @@ fn check_mill(block: &Block) -> Result<(), BlockError> {
 }
 
 /// Checks each word against the range that its block allows.
-fn check_each(block: &Block, syntax: Syntax) -> Result<(), BlockError> {
+fn check_each_word(block: &ProgramBlock, syntax: Syntax) -> Result<(), BlockError> {
     let g65 = block.has_g(65);
     let record = syntax.model.record();
-    let greatest = record.greatest_coordinate * (ONE / 1000);
+    let greatest = record.greatest_coordinate * (MILLIONTHS / 1000);
     for word in block.words() {
         if word.value.variable().is_some() {
             continue;
         }
-        let (mut low, mut high) = range(block, word, g65, record);
+        let (mut low, mut high) = word_range(block, word, g65, record);
         let signed_d = word.address == b'D' && low < 0;
-        if greatest > LENGTH && (signed_d || COORDINATES.contains(&word.address)) {
+        if greatest > LARGEST_LENGTH && (signed_d || COORDINATES.contains(&word.address)) {
             (low, high) = (low.min(-greatest), high.max(greatest));
         }
         let value = word.value.millionths();
@@ -437,7 +437,7 @@ fn check_each(block: &Block, syntax: Syntax) -> Result<(), BlockError> {
 }
 
 /// Whether a letter is an address of a model.
-pub(super) fn is_address_of(letter: u8, record: &Record) -> bool {
+pub(super) fn is_address_of_model(letter: u8, record: &ModelRecord) -> bool {
     is_address(letter) || record.has_address(letter)
 }
 
@@ -449,30 +449,30 @@ const fn is_address(letter: u8) -> bool {
 /// Addresses with the same range as the coordinates of the model.
 const COORDINATES: &[u8] = b"XZUWIJKR";
 
-const ONE: i64 = 1_000_000;
+const MILLIONTHS: i64 = 1_000_000;
 /// Greatest length, 9999.999 mm, in millionths.
-const LENGTH: i64 = 9_999_999_000;
+const LARGEST_LENGTH: i64 = 9_999_999_000;
 /// Greatest length on a mill, 99999.999 mm, in millionths. Its angles and scale factors are
 /// below it too.
-const MILL_LENGTH: i64 = 99_999_999_000;
+const LARGEST_MILL_LENGTH: i64 = 99_999_999_000;
 /// Greatest dwell, 99999.999 s, in millionths. A negative one raises an alarm when its block
 /// is executed.
-const DWELL: i64 = 99_999_999_000;
+const LARGEST_DWELL: i64 = 99_999_999_000;
 /// Greatest value of a macro operation, 2³², in millionths.
-const MACRO: i64 = (1 << 32) * ONE;
+const LARGEST_MACRO_VALUE: i64 = (1 << 32) * MILLIONTHS;
 
 /// Least and greatest value of the words A to Z in most blocks, in millionths.
-const USUAL: [(i64, i64); 26] = {
-    let mut usual = [(-LENGTH, LENGTH); 26];
+const USUAL_RANGES: [(i64, i64); 26] = {
+    let mut usual = [(-LARGEST_LENGTH, LARGEST_LENGTH); 26];
     let mut letter = 0;
     while letter < usual.len() {
         match b'A' + letter as u8 {
-            b'F' | b'D' => usual[letter] = (0, 9_999_999 * ONE),
-            b'G' | b'M' | b'H' => usual[letter] = (0, 99 * ONE),
-            b'L' => usual[letter] = (ONE, 99 * ONE),
-            b'N' | b'S' | b'T' => usual[letter] = (0, 9999 * ONE),
-            b'P' => usual[letter] = (-99_999_999 * ONE, 99_999_999 * ONE),
-            b'Q' => usual[letter] = (-9_999_999 * ONE, 9_999_999 * ONE),
+            b'F' | b'D' => usual[letter] = (0, 9_999_999 * MILLIONTHS),
+            b'G' | b'M' | b'H' => usual[letter] = (0, 99 * MILLIONTHS),
+            b'L' => usual[letter] = (MILLIONTHS, 99 * MILLIONTHS),
+            b'N' | b'S' | b'T' => usual[letter] = (0, 9999 * MILLIONTHS),
+            b'P' => usual[letter] = (-99_999_999 * MILLIONTHS, 99_999_999 * MILLIONTHS),
+            b'Q' => usual[letter] = (-9_999_999 * MILLIONTHS, 9_999_999 * MILLIONTHS),
             _ => {}
         }
         letter += 1;
@@ -482,50 +482,63 @@ const USUAL: [(i64, i64); 26] = {
 
 fn usual_range(address: u8) -> (i64, i64) {
     let letter = usize::from(address.wrapping_sub(b'A'));
-    USUAL.get(letter).copied().unwrap_or((-LENGTH, LENGTH))
+    USUAL_RANGES
+        .get(letter)
+        .copied()
+        .unwrap_or((-LARGEST_LENGTH, LARGEST_LENGTH))
 }
 
 /// Least and greatest number of a word in most blocks (manual table 2-1), as written in a
 /// program. Some codes accept a smaller or a greater range.
-pub fn limits(address: u8) -> (String, String) {
+pub fn word_limits(address: u8) -> (String, String) {
     let (low, high) = usual_range(address);
-    (limit(low), limit(high))
+    (format_limit(low), format_limit(high))
 }
 
 /// Formats a limit as written in a program.
-fn limit(millionths: i64) -> String {
-    let text = Number::from_millionths(millionths).to_string();
+fn format_limit(millionths: i64) -> String {
+    let text = WordNumber::from_millionths(millionths).to_string();
     text.trim_end_matches('.').to_string()
 }
 
 /// Least and greatest value of a word in its block, in millionths: the usual range or a
 /// wider one.
-fn range(block: &Block, word: &Word, g65: bool, record: &Record) -> (i64, i64) {
+fn word_range(
+    block: &ProgramBlock,
+    word: &ProgramWord,
+    g65: bool,
+    record: &ModelRecord,
+) -> (i64, i64) {
     let of_model = |address| {
         let limits = record.word_limits.get(&char::from(address));
-        limits.map_or_else(|| usual_range(address), |it| (it.0 * ONE, it.1 * ONE))
+        limits.map_or_else(
+            || usual_range(address),
+            |it| (it.0 * MILLIONTHS, it.1 * MILLIONTHS),
+        )
     };
     match word.address {
-        b'H' | b'P' | b'Q' | b'R' if g65 => (-MACRO, MACRO),
-        b'X' | b'U' if block.has_g(4) => (-DWELL, DWELL),
+        b'H' | b'P' | b'Q' | b'R' if g65 => (-LARGEST_MACRO_VALUE, LARGEST_MACRO_VALUE),
+        b'X' | b'U' if block.has_g(4) => (-LARGEST_DWELL, LARGEST_DWELL),
         // G76 R(d): an integer counts units of 0.001 mm.
-        b'R' if block.has_g(76) && !word.value.has_point() => (-9_999_999 * ONE, 9_999_999 * ONE),
+        b'R' if block.has_g(76) && !word.value.has_point() => {
+            (-9_999_999 * MILLIONTHS, 9_999_999 * MILLIONTHS)
+        }
         // Vector of an arc, or threads per inch.
-        b'I' => (-LENGTH, 25_400 * ONE),
+        b'I' => (-LARGEST_LENGTH, 25_400 * MILLIONTHS),
         // After a G code N is a block, a subprogram or a count.
-        b'N' => (0, 99_999 * ONE),
+        b'N' => (0, 99_999 * MILLIONTHS),
         // The factor of G31, and the approach of threads on Huaxing lathes.
-        b'L' if block.has_g(31) => (ONE / 1000, 99_999_000),
-        b'D' if block.has_g(33) || block.has_g(34) => (-LENGTH, LENGTH),
+        b'L' if block.has_g(31) => (MILLIONTHS / 1000, 99_999_000),
+        b'D' if block.has_g(33) || block.has_g(34) => (-LARGEST_LENGTH, LARGEST_LENGTH),
         // The input that M01 waits for on an NC-B08.
-        b'L' if block.word(b'M').is_some_and(|it| it.value.integer() == 1) => (0, 99 * ONE),
+        b'L' if block.word(b'M').is_some_and(|it| it.value.integer() == 1) => (0, 99 * MILLIONTHS),
         address => of_model(address),
     }
 }
 
 #[cold]
-fn out_of_range(word: &Word, low: i64, high: i64) -> BlockError {
+fn out_of_range(word: &ProgramWord, low: i64, high: i64) -> BlockError {
     let name = char::from(word.address);
-    let detail = say::word_out_of_range(name, word.value, limit(low), limit(high));
+    let detail = say::word_out_of_range(name, word.value, format_limit(low), format_limit(high));
     BlockError::at(alarm::number::OUT_OF_RANGE, word.span.0.into(), detail)
 }

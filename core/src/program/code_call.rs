@@ -3,14 +3,14 @@
 
 use gsk_messages::say;
 
-use super::head::Head;
+use super::block_head::BlockHead;
 use super::lexer::{Lexer, skip_blanks};
-use super::macro_b::{Expression, MacroCall, arguments};
+use super::macro_b::{FormulaCode, MacroCall, read_arguments};
 use super::syntax::BlockError;
 use crate::alarm::number;
 
 /// Greatest number of digits of a code that calls a program.
-const DIGITS: u8 = 3;
+const MAX_CODE_DIGITS: u8 = 3;
 
 /// A block whose first code calls a program.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,13 +30,13 @@ pub(crate) struct CodeCall {
 ///
 /// # Errors
 /// 114 for an invalid word, 129 for an address that cannot be an argument, such as P.
-pub(super) fn read(
+pub(super) fn read_code_call(
     text: &str,
     program_of: &dyn Fn(char, u16) -> Option<u16>,
 ) -> Result<Option<CodeCall>, BlockError> {
-    let head = Head::read(text);
+    let head = BlockHead::read(text);
     let mut lexer = Lexer::new(text);
-    if head.o.is_some() || !head.skip_in(&mut lexer) {
+    if head.o.is_some() || !head.skip_to_word(&mut lexer) {
         return Ok(None);
     }
     let letter = match lexer.peek() {
@@ -44,20 +44,20 @@ pub(super) fn read(
         (b'M' | b'm', _) => 'M',
         _ => return Ok(None),
     };
-    let at = lexer.at;
+    let start = lexer.at;
     lexer.at += 1;
-    let Some(code) = code(&mut lexer) else {
+    let Some(code) = read_code(&mut lexer) else {
         return Ok(None);
     };
     let Some(program) = program_of(letter, code) else {
         return Ok(None);
     };
-    let mut call = arguments(&mut lexer).map_err(|error| error.located(text))?;
+    let mut call = read_arguments(&mut lexer).map_err(|error| error.with_character_column(text))?;
     if call.program.is_some() {
         let rule = say::macro_argument_address('P');
-        return Err(BlockError::at(number::BAD_ARGUMENT, at, rule).located(text));
+        return Err(BlockError::at(number::BAD_ARGUMENT, start, rule).with_character_column(text));
     }
-    call.program = Some(Expression::number(program.into()));
+    call.program = Some(FormulaCode::from_number(program.into()));
     Ok(Some(CodeCall {
         code: (letter, code),
         n: head.n,
@@ -67,12 +67,12 @@ pub(super) fn read(
 }
 
 /// The number of a code; `None` with a fraction or a variable.
-fn code(lexer: &mut Lexer<'_>) -> Option<u16> {
+fn read_code(lexer: &mut Lexer<'_>) -> Option<u16> {
     skip_blanks(lexer).ok()?;
     let (mut value, mut digits) = (0_u16, 0);
-    while let Some(digit) = lexer.digit() {
+    while let Some(digit) = lexer.read_digit() {
         digits += 1;
-        if digits > DIGITS {
+        if digits > MAX_CODE_DIGITS {
             return None;
         }
         value = value * 10 + u16::from(digit);
@@ -80,9 +80,9 @@ fn code(lexer: &mut Lexer<'_>) -> Option<u16> {
     (digits > 0 && lexer.peek().0 != b'.').then_some(value)
 }
 
-impl Head {
+impl BlockHead {
     /// Moves to the first word after `/` and N. Returns whether there may be one.
-    fn skip_in(&self, lexer: &mut Lexer<'_>) -> bool {
+    fn skip_to_word(&self, lexer: &mut Lexer<'_>) -> bool {
         let next = |lexer: &mut Lexer<'_>| lexer.skip_blanks().is_ok();
         if !next(lexer) {
             return false;
@@ -98,7 +98,7 @@ impl Head {
             if !next(lexer) {
                 return false;
             }
-            while lexer.digit().is_some() {}
+            while lexer.read_digit().is_some() {}
         }
         next(lexer)
     }

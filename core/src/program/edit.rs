@@ -10,10 +10,10 @@ mod teach;
 
 use serde::{Deserialize, Serialize};
 
-use super::head::Head;
-use super::listing::{end_column, without_end};
-use super::points::with_points;
-use super::text::Program;
+use super::block_head::BlockHead;
+use super::decimal_points::append_points;
+use super::listing::{end_column, without_end_sign};
+use super::program_text::Program;
 
 /// Automatic additions to typed text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,7 +32,7 @@ const LAST_NUMBER: u32 = 9999;
 
 /// A program that is being edited, with the cursor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Editing {
+pub struct ProgramEditor {
     /// The program as stored in the program memory.
     stored: Program,
     program: Program,
@@ -45,7 +45,7 @@ pub struct Editing {
     numbered: bool,
 }
 
-impl Editing {
+impl ProgramEditor {
     /// Starts editing with the cursor at the beginning of a line.
     pub fn new(stored: Program, line: u32) -> Self {
         let (first, last) = (stored.first_listed(), stored.last_listed());
@@ -76,7 +76,7 @@ impl Editing {
     }
 
     /// Whether the edited text differs from the stored one.
-    pub const fn changed(&self) -> bool {
+    pub const fn is_changed(&self) -> bool {
         self.changed
     }
 
@@ -86,33 +86,33 @@ impl Editing {
     }
 
     /// Whether the cursor is after the program name, where text may be changed.
-    fn editable(&self) -> bool {
+    fn is_editable(&self) -> bool {
         self.line > self.program.name_line()
     }
 
-    fn on_end_mark(&self) -> bool {
+    fn is_on_end_mark(&self) -> bool {
         !self.open && self.line == self.program.last_listed()
     }
 
-    fn end_of(&self, line: u32) -> u32 {
+    fn end_column_of(&self, line: u32) -> u32 {
         end_column(self.program.line(line))
     }
 
     /// The character before the cursor; `None` at the beginning of a line.
-    pub fn before_cursor(&self) -> Option<char> {
+    pub fn char_before_cursor(&self) -> Option<char> {
         let column = self.column.checked_sub(1)?;
         self.program.line(self.line).chars().nth(column as usize)
     }
 
     /// The character at the cursor; `None` at the end of a block.
-    pub fn at_cursor(&self) -> Option<char> {
-        let inside = self.column < self.end_of(self.line);
+    pub fn char_at_cursor(&self) -> Option<char> {
+        let inside = self.column < self.end_column_of(self.line);
         let here = self.program.line(self.line).chars();
         here.skip(self.column as usize).find(|_| inside)
     }
 
     /// Whether the cursor is inside a comment.
-    pub fn in_comment(&self) -> bool {
+    pub fn is_in_comment(&self) -> bool {
         let before = self.program.line(self.line).chars();
         let before = before.take(self.column as usize);
         before.fold(false, |inside, c| c == '(' || inside && c != ')')
@@ -120,7 +120,7 @@ impl Editing {
 
     /// Whether a letter typed at the cursor continues a statement or a formula of macro B: a
     /// name, a variable or a bracket is before it in its block.
-    pub fn in_statement(&self) -> bool {
+    pub fn is_in_statement(&self) -> bool {
         let line = self.program.line(self.line);
         let before: String = line.chars().take(self.column as usize).collect();
         let letter = before.ends_with(|c: char| c.is_ascii_alphabetic());
@@ -131,11 +131,11 @@ impl Editing {
 
     /// Inserts a character before the cursor.
     pub fn insert(&mut self, character: char) -> bool {
-        if !self.editable() {
+        if !self.is_editable() {
             return false;
         }
-        if self.on_end_mark() {
-            self.put(self.line, self.line, &character.to_string());
+        if self.is_on_end_mark() {
+            self.replace_lines(self.line, self.line, &character.to_string());
             (self.column, self.open) = (1, true);
             return true;
         }
@@ -143,7 +143,7 @@ impl Editing {
             self.complete_point();
         }
         let (before, after) = self.split_line();
-        self.put(
+        self.replace_lines(
             self.line,
             self.line + 1,
             &format!("{before}{character}{after}"),
@@ -156,7 +156,7 @@ impl Editing {
     /// Inserts a character after the one at the cursor and moves the cursor to it. At the
     /// end of a block it inserts before the sign.
     pub fn insert_after_cursor(&mut self, character: char) -> bool {
-        if self.column >= self.end_of(self.line) {
+        if self.column >= self.end_column_of(self.line) {
             return self.insert(character);
         }
         self.column += 1;
@@ -169,7 +169,7 @@ impl Editing {
     /// overwritten: the character is inserted before it. With `stay` the cursor does not
     /// move.
     pub fn overwrite(&mut self, character: char, stay: bool) -> bool {
-        if self.column >= self.end_of(self.line) || !self.editable() {
+        if self.column >= self.end_column_of(self.line) || !self.is_editable() {
             let inserted = self.insert(character);
             if inserted && stay {
                 self.column -= 1;
@@ -178,7 +178,7 @@ impl Editing {
         }
         let (before, after) = self.split_line();
         let after: String = after.chars().skip(1).collect();
-        self.put(
+        self.replace_lines(
             self.line,
             self.line + 1,
             &format!("{before}{character}{after}"),
@@ -190,7 +190,7 @@ impl Editing {
 
     /// Replaces the character before the cursor.
     pub fn replace_before(&mut self, character: char) -> bool {
-        if self.column == 0 || !self.editable() {
+        if self.column == 0 || !self.is_editable() {
             return false;
         }
         self.column -= 1;
@@ -199,28 +199,28 @@ impl Editing {
 
     /// Ends the block before the cursor.
     pub fn end_block(&mut self, completion: Completion) -> bool {
-        if !self.editable() {
+        if !self.is_editable() {
             return false;
         }
-        if self.on_end_mark() {
-            self.put(self.line, self.line, ";");
+        if self.is_on_end_mark() {
+            self.replace_lines(self.line, self.line, ";");
             self.line += 1;
         } else {
             self.complete_point();
             let (before, after) = self.split_line();
             let before = if completion.points {
-                with_points(&before)
+                append_points(&before)
             } else {
                 before
             };
-            let behind = without_end(&after).to_owned();
-            if self.open && behind.is_empty() {
-                self.put(self.line, self.line + 1, &format!("{};", before.trim_end()));
+            let rest_of_line = without_end_sign(&after).to_owned();
+            if self.open && rest_of_line.is_empty() {
+                self.replace_lines(self.line, self.line + 1, &format!("{};", before.trim_end()));
                 self.open = false;
             } else {
                 let sign = if self.open { "" } else { ";" };
-                let lines = format!("{};\n{behind}{sign}", before.trim_end());
-                self.put(self.line, self.line + 1, &lines);
+                let lines = format!("{};\n{rest_of_line}{sign}", before.trim_end());
+                self.replace_lines(self.line, self.line + 1, &lines);
             }
             (self.line, self.column) = (self.line + 1, 0);
         }
@@ -230,7 +230,7 @@ impl Editing {
 
     /// Begins an empty block with the next sequence number, if these are automatic.
     pub fn number_block(&mut self, completion: Completion) {
-        let empty = self.on_end_mark() || self.end_of(self.line) == 0;
+        let empty = self.is_on_end_mark() || self.end_column_of(self.line) == 0;
         let Some(number) = completion
             .numbering
             .filter(|_| empty)
@@ -249,7 +249,7 @@ impl Editing {
         let first = self.program.first_listed();
         let above = (first..self.line)
             .rev()
-            .find_map(|line| Head::read(self.program.line(line)).n);
+            .find_map(|line| BlockHead::read(self.program.line(line)).n);
         let next = above.map_or(FIRST_NUMBER, |number| number.saturating_add(step.into()));
         (next <= LAST_NUMBER).then_some(next)
     }
@@ -257,7 +257,7 @@ impl Editing {
     /// Removes the character before the cursor. At the beginning of a line it removes the
     /// end of the block above.
     pub fn backspace(&mut self) -> bool {
-        if !self.editable() {
+        if !self.is_editable() {
             return false;
         }
         if self.column > 0 {
@@ -268,18 +268,18 @@ impl Editing {
         if above <= self.program.name_line() || above < self.program.first_listed() {
             return false;
         }
-        let end = self.end_of(above);
-        let kept = without_end(self.program.line(above)).to_owned();
-        if self.on_end_mark() {
-            self.put(above, above + 1, &kept);
+        let end = self.end_column_of(above);
+        let kept = without_end_sign(self.program.line(above)).to_owned();
+        if self.is_on_end_mark() {
+            self.replace_lines(above, above + 1, &kept);
             self.open = true;
             if kept.is_empty() {
-                self.drop_open();
+                self.remove_open_block();
                 return true;
             }
         } else {
             let joined = format!("{kept}{}", self.program.line(self.line));
-            self.put(above, self.line + 1, &joined);
+            self.replace_lines(above, self.line + 1, &joined);
         }
         (self.line, self.column) = (above, end);
         self.numbered = false;
@@ -289,31 +289,31 @@ impl Editing {
     /// Removes the character at the cursor. At the end of a block it removes the sign, which
     /// joins the block to the next one.
     pub fn delete(&mut self) -> bool {
-        if !self.editable() || self.on_end_mark() {
+        if !self.is_editable() || self.is_on_end_mark() {
             return false;
         }
-        if self.at_block_number() {
+        if self.is_at_block_number() {
             return self.delete_block();
         }
-        if self.column < self.end_of(self.line) {
+        if self.column < self.end_column_of(self.line) {
             return self.remove_here();
         }
         let below = self.line + 1;
         if self.open || below == self.program.last_listed() {
-            let empty = self.end_of(self.line) == 0 && !self.open;
+            let empty = self.end_column_of(self.line) == 0 && !self.open;
             if empty {
-                self.put(self.line, below, "");
+                self.replace_lines(self.line, below, "");
             }
             return empty;
         }
         let (before, _) = self.split_line();
         let joined = format!("{before}{}", self.program.line(below));
-        self.put(self.line, below + 1, &joined);
+        self.replace_lines(self.line, below + 1, &joined);
         true
     }
 
     /// Whether the cursor is on the N at the beginning of a line.
-    fn at_block_number(&self) -> bool {
+    fn is_at_block_number(&self) -> bool {
         let (before, after) = self.split_line();
         before.trim().is_empty() && after.starts_with(['N', 'n'])
     }
@@ -321,11 +321,11 @@ impl Editing {
     /// Removes the block at the cursor.
     fn delete_block(&mut self) -> bool {
         let line = self.program.line(self.line);
-        let rest = without_end(line)
+        let rest = without_end_sign(line)
             .find([';', '*'])
             .map(|end| &line[end + 1..]);
         let rest = rest.map(str::trim_start).unwrap_or_default().to_owned();
-        self.put(self.line, self.line + 1, &rest);
+        self.replace_lines(self.line, self.line + 1, &rest);
         self.column = 0;
         (self.open, self.numbered) = (false, false);
         true
@@ -334,7 +334,7 @@ impl Editing {
     /// Removes the text from the cursor to the end of the next block with a sequence number.
     /// Returns `false` if that block does not exist.
     pub fn delete_to(&mut self, sequence: u32) -> bool {
-        if !self.editable() {
+        if !self.is_editable() {
             return false;
         }
         let last = self.program.last_listed();
@@ -346,7 +346,7 @@ impl Editing {
             } else {
                 text
             };
-            Head::read(text).n == Some(sequence)
+            BlockHead::read(text).n == Some(sequence)
         };
         let Some(end) = (self.line..last).find(is_wanted) else {
             return false;
@@ -358,20 +358,20 @@ impl Editing {
         } else {
             format!("{kept};")
         };
-        self.put(self.line, end + 1, &kept);
+        self.replace_lines(self.line, end + 1, &kept);
         (self.open, self.numbered) = (false, false);
-        self.column = self.column.min(self.end_of(self.line));
+        self.column = self.column.min(self.end_column_of(self.line));
         true
     }
 
     /// Ends an open block and returns the text to be stored.
     pub fn finish(&mut self) -> &Program {
-        self.leave();
+        self.end_open_block();
         &self.program
     }
 
     /// Records that the text has been stored in the program memory.
-    pub fn saved(&mut self, stored: Program) {
+    pub fn mark_saved(&mut self, stored: Program) {
         self.stored = stored.clone();
         self.program = stored;
         self.changed = false;
@@ -393,7 +393,7 @@ impl Editing {
     fn complete_point(&mut self) {
         let (before, after) = self.split_line();
         if before.ends_with('.') && !after.starts_with(|c: char| c.is_ascii_digit()) {
-            self.put(self.line, self.line + 1, &format!("{before}0{after}"));
+            self.replace_lines(self.line, self.line + 1, &format!("{before}0{after}"));
             self.column += 1;
         }
     }
@@ -401,41 +401,41 @@ impl Editing {
     fn remove_here(&mut self) -> bool {
         let (before, after) = self.split_line();
         let after: String = after.chars().skip(1).collect();
-        self.put(self.line, self.line + 1, &format!("{before}{after}"));
+        self.replace_lines(self.line, self.line + 1, &format!("{before}{after}"));
         self.numbered = false;
         if self.open && before.is_empty() && after.trim().is_empty() {
-            self.drop_open();
+            self.remove_open_block();
         }
         true
     }
 
     /// Removes an open block without text.
-    fn drop_open(&mut self) {
+    fn remove_open_block(&mut self) {
         self.open = false;
         let line = self.line.min(self.program.last_listed());
         if self.program.line(line).trim().is_empty() && line < self.program.last_listed() {
-            self.put(line, line + 1, "");
+            self.replace_lines(line, line + 1, "");
         }
         (self.line, self.column) = (self.program.last_listed(), 0);
     }
 
     /// Ends an open block, because the cursor leaves it.
-    fn leave(&mut self) {
+    fn end_open_block(&mut self) {
         if !self.open {
             return;
         }
         self.open = false;
-        let text = without_end(self.program.line(self.line)).to_owned();
+        let text = without_end_sign(self.program.line(self.line)).to_owned();
         if core::mem::take(&mut self.numbered) {
-            self.put(self.line, self.line + 1, "");
+            self.replace_lines(self.line, self.line + 1, "");
             self.column = 0;
         } else {
-            self.put(self.line, self.line + 1, &format!("{text};"));
+            self.replace_lines(self.line, self.line + 1, &format!("{text};"));
         }
     }
 
     /// Replaces the lines from `first` up to, but not including, `end` by text.
-    fn put(&mut self, first: u32, end: u32, text: &str) {
+    fn replace_lines(&mut self, first: u32, end: u32, text: &str) {
         self.program = self.program.with_lines(first, end, text);
         self.changed = true;
     }

@@ -7,7 +7,7 @@ use super::syntax::BlockError;
 use crate::alarm::number;
 
 /// The result of [`Lexer::peek`] for a character that the language does not have.
-pub(super) const FOREIGN: u8 = 0xFF;
+pub(super) const INVALID_CHARACTER: u8 = 0xFF;
 
 /// A position in a text. It does not allocate and never moves past the end.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +56,7 @@ impl<'a> Lexer<'a> {
             None => (b'\n', 0),
             Some(b'\r') => self.carriage_return(),
             Some(&byte) if byte < 0x80 => (byte, 1),
-            Some(_) => ascii_of_wide(&self.bytes[self.at..]),
+            Some(_) => to_ascii(&self.bytes[self.at..]),
         }
     }
 
@@ -67,12 +67,12 @@ impl<'a> Lexer<'a> {
         let rest = self.rest();
         let mut met = 0;
         let other = rest.iter().position(|&byte| {
-            let kind = KINDS[usize::from(byte)];
+            let kind = BYTE_KINDS[usize::from(byte)];
             met |= kind;
-            kind == OTHER
+            kind == OTHER_BYTE
         });
         self.at += other.unwrap_or(rest.len());
-        met & PLAIN != 0
+        met & WORD_BYTE != 0
     }
 
     /// Skips a line feed. Returns whether there is one.
@@ -86,7 +86,7 @@ impl<'a> Lexer<'a> {
     /// Skips a digit, full-width or not, and returns its value; `None` before another
     /// character.
     #[inline]
-    pub(super) fn digit(&mut self) -> Option<u8> {
+    pub(super) fn read_digit(&mut self) -> Option<u8> {
         let (byte, len) = match self.bytes.get(self.at) {
             Some(&byte @ ..0x80) => (byte, 1),
             _ => self.peek(),
@@ -119,7 +119,7 @@ impl<'a> Lexer<'a> {
         if self
             .bytes
             .get(self.at)
-            .is_some_and(|&byte| KINDS[usize::from(byte)] == PLAIN)
+            .is_some_and(|&byte| BYTE_KINDS[usize::from(byte)] == WORD_BYTE)
         {
             return Ok(());
         }
@@ -162,7 +162,7 @@ impl<'a> Lexer<'a> {
 }
 
 /// A byte position or a count in a block, as words store it; greater values are clamped.
-pub(super) fn narrow(at: usize) -> u16 {
+pub(super) fn clamp_to_u16(at: usize) -> u16 {
     u16::try_from(at).unwrap_or(u16::MAX)
 }
 
@@ -174,38 +174,38 @@ pub(super) fn skip_blanks(lexer: &mut Lexer<'_>) -> Result<(), BlockError> {
 }
 
 /// Kind of a byte outside comments: a character that belongs to a word.
-const PLAIN: u8 = 1;
+const WORD_BYTE: u8 = 1;
 /// Kind of a byte: a blank.
-const BLANK: u8 = 2;
+const BLANK_BYTE: u8 = 2;
 /// Kind of a byte: any other character.
-const OTHER: u8 = 0;
-static KINDS: [u8; 256] = {
-    let mut kinds = [OTHER; 256];
+const OTHER_BYTE: u8 = 0;
+static BYTE_KINDS: [u8; 256] = {
+    let mut kinds = [OTHER_BYTE; 256];
     let mut byte = b'+';
     while byte <= b'~' {
         if byte != b';' {
-            kinds[byte as usize] = PLAIN;
+            kinds[byte as usize] = WORD_BYTE;
         }
         byte += 1;
     }
-    kinds[b' ' as usize] = BLANK;
-    kinds[b'\t' as usize] = BLANK;
+    kinds[b' ' as usize] = BLANK_BYTE;
+    kinds[b'\t' as usize] = BLANK_BYTE;
     kinds
 };
 
 /// The ASCII form of a full-width character (U+FF01–U+FF5E), and its length in bytes.
 /// Ideographic and no-break space and the byte order mark become a blank, others
-/// [`FOREIGN`]. `bytes` must not be empty.
+/// [`INVALID_CHARACTER`]. `bytes` must not be empty.
 #[cold]
-fn ascii_of_wide(bytes: &[u8]) -> (u8, usize) {
+fn to_ascii(bytes: &[u8]) -> (u8, usize) {
     match *bytes {
         [0xEF, 0xBC, low @ 0x81..=0xBF, ..] => (low - 0x81 + b'!', 3),
         [0xEF, 0xBD, low @ 0x80..=0x9E, ..] => (low - 0x80 + b'`', 3),
         [0xE3, 0x80, 0x80, ..] | [0xEF, 0xBB, 0xBF, ..] => (b' ', 3),
         [0xC2, 0xA0, ..] => (b' ', 2),
-        [0xC0..=0xDF, ..] => (FOREIGN, 2),
-        [0xE0..=0xEF, ..] => (FOREIGN, 3),
-        [0xF0..=0xF7, ..] => (FOREIGN, 4),
-        _ => (FOREIGN, 1),
+        [0xC0..=0xDF, ..] => (INVALID_CHARACTER, 2),
+        [0xE0..=0xEF, ..] => (INVALID_CHARACTER, 3),
+        [0xF0..=0xF7, ..] => (INVALID_CHARACTER, 4),
+        _ => (INVALID_CHARACTER, 1),
     }
 }

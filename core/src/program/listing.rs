@@ -1,9 +1,9 @@
 //! Selects the lines of a text that the operator sees, and finds the ends of blocks in them.
 
-use super::text::Program;
+use super::program_text::Program;
 
 /// Greatest number of empty lines at the end of a file that are skipped.
-const BLANK_LINES: u32 = 1000;
+const MAX_BLANK_LINES: u32 = 1000;
 
 impl Program {
     /// The first line of the listing. A program from the middle of a file keeps the line
@@ -13,7 +13,7 @@ impl Program {
             0 => 1,
             _ => self.block_line(0).max(1),
         };
-        let limit = first.saturating_sub(BLANK_LINES).max(1);
+        let limit = first.saturating_sub(MAX_BLANK_LINES).max(1);
         while first > limit && !self.line(first - 1).trim().is_empty() {
             first -= 1;
         }
@@ -23,15 +23,15 @@ impl Program {
     /// The last line of the listing, which shows the `%`. If the text has none, it is the
     /// line after the last line that is not empty.
     pub fn last_listed(&self) -> u32 {
-        let (last, closed) = self.extent();
+        let (last, closed) = self.last_line();
         last + u32::from(!closed)
     }
 
     /// The last line that is not empty, and whether it is the end mark.
-    fn extent(&self) -> (u32, bool) {
+    fn last_line(&self) -> (u32, bool) {
         let first = self.first_listed();
         let mut last = first.saturating_add(self.line_count());
-        let limit = last.saturating_sub(BLANK_LINES + first).max(first - 1);
+        let limit = last.saturating_sub(MAX_BLANK_LINES + first).max(first - 1);
         while last > limit && self.line(last).trim().is_empty() {
             last -= 1;
         }
@@ -45,7 +45,7 @@ impl Program {
 }
 
 /// A line without the sign that ends its last block.
-pub fn without_end(line: &str) -> &str {
+pub fn without_end_sign(line: &str) -> &str {
     let text = line.trim_end();
     if text == "%" {
         return "";
@@ -55,13 +55,13 @@ pub fn without_end(line: &str) -> &str {
 
 /// The column of the sign that ends a line, in characters from 0.
 pub(crate) fn end_column(line: &str) -> u32 {
-    without_end(line).chars().count() as u32
+    without_end_sign(line).chars().count() as u32
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::program::split;
+    use crate::program::split_programs;
 
     #[test]
     fn a_block_ends_at_its_sign() {
@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn a_program_from_the_middle_of_a_file_begins_at_its_own_line() {
-        let parts = split("O0001;\nM30;\n\n\nO0002;\nG0 X1;\nM30;\n");
+        let parts = split_programs("O0001;\nM30;\n\n\nO0002;\nG0 X1;\nM30;\n");
         let second = &parts[1];
         assert_eq!((second.first_listed(), second.last_listed()), (5, 8));
         assert_eq!(second.name_line(), 5);

@@ -15,8 +15,10 @@ mod expression;
 mod statement;
 mod usage;
 
-pub(super) use expression::in_word;
-pub(crate) use expression::{Expression, Function, Operator, Step};
-pub(crate) use statement::{Assignment, Condition, MacroCall, Relation, Statement, Then};
-pub(super) use statement::{arguments, begins};
+pub(super) use expression::read_word_formula;
+pub(crate) use expression::{FormulaCode, FormulaFunction, FormulaOperator, FormulaStep};
+pub(crate) use statement::{
+    IfAction, MacroAssignment, MacroCall, MacroCondition, MacroRelation, MacroStatement,
+};
+pub(super) use statement::{is_statement_start, read_arguments};
 pub(super) use usage::uses_macro_b;

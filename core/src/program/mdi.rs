@@ -2,19 +2,19 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::block::Block;
+use super::block::ProgramBlock;
+use super::decimal_points::append_points;
 use super::macro_b::uses_macro_b;
 use super::parse::parse_block;
-use super::points::with_points;
+use super::program_text::Program;
 use super::syntax::{BlockError, Syntax};
-use super::text::Program;
 use crate::alarm::Alarm;
-use crate::memory::Parameters;
+use crate::memory::ControlParameters;
 
 /// The words typed so far, in the order of their first entry.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MdiBlock {
-    words: Vec<(Slot, String)>,
+    words: Vec<(MdiSlot, String)>,
     /// The words are read as macro B.
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     macro_b: bool,
@@ -23,7 +23,7 @@ pub struct MdiBlock {
 /// What a new word replaces: the word with the same address. A G code replaces the one that
 /// it cannot share a block with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-enum Slot {
+enum MdiSlot {
     Address(u8),
     Group(u8),
     /// A statement of macro B, which must be alone in its block.
@@ -38,23 +38,23 @@ impl MdiBlock {
     pub fn enter(
         &mut self,
         text: &str,
-        parameters: &Parameters,
+        parameters: &ControlParameters,
         macro_b: bool,
     ) -> Result<(), Alarm> {
         if macro_b && is_statement(text) {
             return self.enter_statement(text, parameters);
         }
         let mut next = self.clone();
-        next.words.retain(|(slot, _)| *slot != Slot::Statement);
-        let in_macro = self.words.iter().any(|(_, word)| is_macro(word));
+        next.words.retain(|(slot, _)| *slot != MdiSlot::Statement);
+        let in_macro = self.words.iter().any(|(_, word)| is_g65(word));
         let pointed;
-        let text = if parameters.point_is_appended() && !in_macro {
-            pointed = with_points(text);
+        let text = if parameters.is_point_appended() && !in_macro {
+            pointed = append_points(text);
             &pointed
         } else {
             text
         };
-        for (slot, word) in cut(text) {
+        for (slot, word) in split_words(text) {
             match next.words.iter_mut().find(|(taken, _)| *taken == slot) {
                 Some((_, old)) => *old = word,
                 None => next.words.push((slot, word)),
@@ -75,14 +75,14 @@ impl MdiBlock {
     }
 
     /// Replaces the block by a statement of macro B.
-    fn enter_statement(&mut self, text: &str, parameters: &Parameters) -> Result<(), Alarm> {
+    fn enter_statement(&mut self, text: &str, parameters: &ControlParameters) -> Result<(), Alarm> {
         let text = text.trim().trim_end_matches(';').to_ascii_uppercase();
         let syntax = Syntax {
             macro_b: true,
             ..Syntax::from(parameters)
         };
         parse_block(&text, syntax)?;
-        self.words = vec![(Slot::Statement, text)];
+        self.words = vec![(MdiSlot::Statement, text)];
         self.macro_b = true;
         Ok(())
     }
@@ -90,7 +90,7 @@ impl MdiBlock {
     /// The typed statement of macro B; `None` for a block of words.
     pub fn statement(&self) -> Option<&str> {
         match self.words.as_slice() {
-            [(Slot::Statement, text)] => Some(text),
+            [(MdiSlot::Statement, text)] => Some(text),
             _ => None,
         }
     }
@@ -110,7 +110,7 @@ impl MdiBlock {
     /// # Errors
     /// As `parse_block`. It cannot fail after a successful [`Self::enter`] with the same
     /// parameters.
-    pub fn block(&self, parameters: &Parameters) -> Result<Block, BlockError> {
+    pub fn block(&self, parameters: &ControlParameters) -> Result<ProgramBlock, BlockError> {
         let text = self.text();
         let syntax = Syntax {
             macro_b: self.macro_b,
@@ -138,8 +138,8 @@ impl MdiBlock {
 
     /// The value of a block that only has R, mm: a nose radius, unless the code of group 01
     /// uses R (manual II-1.3).
-    pub(crate) fn lone_r(&self, parameters: &Parameters) -> Option<f64> {
-        let [(Slot::Address(b'R'), _)] = self.words.as_slice() else {
+    pub(crate) fn lone_r(&self, parameters: &ControlParameters) -> Option<f64> {
+        let [(MdiSlot::Address(b'R'), _)] = self.words.as_slice() else {
             return None;
         };
         let r = self.block(parameters).ok()?.number(b'R')?;
@@ -147,7 +147,7 @@ impl MdiBlock {
     }
 
     /// The typed number of an address, without the letter; of several G the last one.
-    pub fn entered(&self, address: u8) -> Option<&str> {
+    pub fn entered_number(&self, address: u8) -> Option<&str> {
         let word = self.words.iter().rev().map(|(_, word)| word.as_str());
         let mut word = word.filter(|word| word.bytes().next() == Some(address));
         word.next().and_then(|word| word.get(1..)).map(str::trim)
@@ -155,7 +155,7 @@ impl MdiBlock {
 }
 
 /// Whether a word is G65.
-fn is_macro(word: &str) -> bool {
+fn is_g65(word: &str) -> bool {
     let code = word.strip_prefix('G').map(str::trim);
     code.and_then(|code| code.parse::<u8>().ok()) == Some(65)
 }
@@ -176,8 +176,8 @@ fn is_statement(text: &str) -> bool {
 }
 
 /// Splits a text before each address letter. Letters in brackets do not begin a word.
-fn cut(text: &str) -> Vec<(Slot, String)> {
-    let mut words: Vec<(Slot, String)> = Vec::new();
+fn split_words(text: &str) -> Vec<(MdiSlot, String)> {
+    let mut words: Vec<(MdiSlot, String)> = Vec::new();
     let mut depth = 0_i32;
     for character in text.trim_end_matches([';', '*', ' ', '\n', '\r']).chars() {
         let character = character.to_ascii_uppercase();
@@ -191,7 +191,7 @@ fn cut(text: &str) -> Vec<(Slot, String)> {
             (false, Some((_, word))) => word.push(character),
             _ => {
                 let address = u8::try_from(character).unwrap_or(b'?');
-                words.push((Slot::Address(address), character.to_string()));
+                words.push((MdiSlot::Address(address), character.to_string()));
             }
         }
     }
@@ -201,7 +201,7 @@ fn cut(text: &str) -> Vec<(Slot, String)> {
             .strip_prefix('G')
             .and_then(|code| code.trim().parse().ok());
         if let Some(code) = code {
-            *slot = Slot::Group(group(code));
+            *slot = MdiSlot::Group(g_group(code));
         }
     }
     words
@@ -209,7 +209,7 @@ fn cut(text: &str) -> Vec<(Slot, String)> {
 
 /// The group of a G code (manual I-3, table 3-7). Groups 00 and 01 cannot share a block, so
 /// they count as one; G20 and G21 have a separate group.
-const fn group(code: u8) -> u8 {
+const fn g_group(code: u8) -> u8 {
     match code {
         96 | 97 => 2,
         98 | 99 => 3,

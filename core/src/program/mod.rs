@@ -21,44 +21,44 @@
 //! ```
 
 mod block;
+mod block_cache;
+mod block_head;
+mod block_positions;
 mod code_call;
+mod decimal_points;
+mod dnc_buffer;
 mod edit;
-mod foreign;
-mod head;
-mod index;
-mod inflow;
+mod foreign_words;
 mod lexer;
 mod listing;
 mod macro_b;
 mod mdi;
 mod number;
 mod parse;
-mod places;
 mod plain_words;
-mod points;
+mod program_text;
 mod read_number;
-mod recent;
 mod store;
 mod syntax;
 #[cfg(test)]
 mod tests;
-mod text;
+mod text_index;
 
-pub use block::{Block, Word, limits};
+pub use block::{ProgramBlock, ProgramWord, word_limits};
+pub(crate) use block_cache::BlockCache;
 pub(crate) use code_call::CodeCall;
-pub use edit::{Completion, Editing};
-pub(crate) use foreign::further_foreign_words;
-pub use inflow::{Inflow, LineTooLong};
-pub use listing::without_end;
+pub use decimal_points::append_points;
+pub use dnc_buffer::{DncBuffer, LineTooLong};
+pub use edit::{Completion, ProgramEditor};
+pub(crate) use foreign_words::further_foreign_words;
+pub use listing::without_end_sign;
 pub(crate) use macro_b::{
-    Assignment, Condition, Expression, Function, MacroCall, Operator, Relation, Statement, Step,
-    Then,
+    FormulaCode, FormulaFunction, FormulaOperator, FormulaStep, IfAction, MacroAssignment,
+    MacroCall, MacroCondition, MacroRelation, MacroStatement,
 };
 pub use mdi::MdiBlock;
-pub use number::{Number, Variable};
+pub use number::{VariableReference, WordNumber};
 pub(crate) use parse::parse_block;
-pub use points::with_points;
-pub(crate) use recent::Recent;
-pub use store::{ProgramMemory, RANGE};
+pub use program_text::{Program, split_programs};
+pub use store::{PROGRAM_NUMBERS, ProgramMemory};
 pub use syntax::{BlockError, Syntax};
-pub use text::{Program, split};

@@ -4,12 +4,12 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// 1 in the unit of [`Number`].
-const ONE: i64 = 1_000_000;
+/// 1 in the unit of [`WordNumber`].
+const MILLIONTHS: i64 = 1_000_000;
 
 /// The notation of a number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-enum Form {
+enum NumberNotation {
     #[default]
     Integer,
     Decimal,
@@ -26,15 +26,15 @@ enum Form {
 ///
 /// [`Block::resolve`]: super::Block::resolve
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Number {
+pub struct WordNumber {
     millionths: i64,
     digits: u8,
-    form: Form,
+    form: NumberNotation,
 }
 
 /// A reference `#i` or `-#i` instead of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Variable {
+pub struct VariableReference {
     /// The number after `#`; `9nnn` means the variable whose number is the value of `#nnn`
     /// (manual I-3.7.2).
     pub number: u16,
@@ -42,19 +42,19 @@ pub struct Variable {
     pub negative: bool,
 }
 
-impl Number {
+impl WordNumber {
     pub(super) const ZERO: Self = Self {
         millionths: 0,
         digits: 0,
-        form: Form::Integer,
+        form: NumberNotation::Integer,
     };
 
     /// A number written without a point, with this number of digits.
     pub(crate) const fn from_integer(value: i64, digits: u8) -> Self {
         Self {
-            millionths: value.saturating_mul(ONE),
+            millionths: value.saturating_mul(MILLIONTHS),
             digits,
-            form: Form::Integer,
+            form: NumberNotation::Integer,
         }
     }
 
@@ -63,7 +63,7 @@ impl Number {
         Self {
             millionths,
             digits: 0,
-            form: Form::Decimal,
+            form: NumberNotation::Decimal,
         }
     }
 
@@ -72,34 +72,34 @@ impl Number {
     /// integer. Halves are rounded away from zero.
     pub(super) fn from_value(value: f64, address: u8, length: Option<i64>) -> Self {
         if address == b'F' {
-            return Self::from_millionths(rounded(value, 1));
+            return Self::from_millionths(round_to_multiple(value, 1));
         }
         if let Some(increment) = length {
-            return Self::from_millionths(rounded(value, increment));
+            return Self::from_millionths(round_to_multiple(value, increment));
         }
-        Self::from_integer(rounded(value, ONE) / ONE, 0)
+        Self::from_integer(round_to_multiple(value, MILLIONTHS) / MILLIONTHS, 0)
     }
 
-    pub(super) const fn from_variable(variable: Variable) -> Self {
+    pub(super) const fn from_variable(variable: VariableReference) -> Self {
         Self {
             millionths: variable.number as i64,
             digits: 0,
             form: if variable.negative {
-                Form::NegativeVariable
+                NumberNotation::NegativeVariable
             } else {
-                Form::Variable
+                NumberNotation::Variable
             },
         }
     }
 
     /// The variable that the word refers to; `None` for a number.
-    pub const fn variable(self) -> Option<Variable> {
+    pub const fn variable(self) -> Option<VariableReference> {
         let negative = match self.form {
-            Form::Variable => false,
-            Form::NegativeVariable => true,
-            Form::Integer | Form::Decimal => return None,
+            NumberNotation::Variable => false,
+            NumberNotation::NegativeVariable => true,
+            NumberNotation::Integer | NumberNotation::Decimal => return None,
         };
-        Some(Variable {
+        Some(VariableReference {
             number: self.millionths as u16,
             negative,
         })
@@ -117,7 +117,7 @@ impl Number {
 
     /// The value in the unit of its address.
     pub fn value(self) -> f64 {
-        self.millionths as f64 / ONE as f64
+        self.millionths as f64 / MILLIONTHS as f64
     }
 
     /// The value of a length, mm; a diameter remains a diameter.
@@ -127,12 +127,12 @@ impl Number {
 
     /// The value of an integer address; a fraction is dropped.
     pub const fn integer(self) -> i64 {
-        self.millionths / ONE
+        self.millionths / MILLIONTHS
     }
 
     /// Whether it was written with a decimal point.
     pub const fn has_point(self) -> bool {
-        matches!(self.form, Form::Decimal)
+        matches!(self.form, NumberNotation::Decimal)
     }
 
     /// Number of written digits of a number without a point: `T0101` and `T1` have different
@@ -169,16 +169,16 @@ pub(super) const fn is_length(address: u8) -> bool {
 /// Rounds a value to a multiple of `unit` millionths, in millionths. Halves are rounded away
 /// from zero, including those that a binary fraction represents too small: 1.2345 yields
 /// 1.235.
-fn rounded(value: f64, unit: i64) -> i64 {
+fn round_to_multiple(value: f64, unit: i64) -> i64 {
     /// How far below a half a value may be.
-    const SHORT: f64 = 1e-7;
-    let size = value.abs() * (ONE as f64) / unit as f64;
-    let units = libm::floor(size + 0.5 + SHORT) as i64;
+    const HALF_TOLERANCE: f64 = 1e-7;
+    let size = value.abs() * (MILLIONTHS as f64) / unit as f64;
+    let units = libm::floor(size + 0.5 + HALF_TOLERANCE) as i64;
     let size = units.saturating_mul(unit);
     if value < 0.0 { -size } else { size }
 }
 
-impl fmt::Display for Number {
+impl fmt::Display for WordNumber {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(variable) = self.variable() {
             let sign = if variable.negative { "-" } else { "" };
@@ -188,7 +188,7 @@ impl fmt::Display for Number {
             f.write_str("-")?;
         }
         let size = self.millionths.unsigned_abs();
-        let one = ONE.unsigned_abs();
+        let one = MILLIONTHS.unsigned_abs();
         let (whole, fraction) = (size / one, size % one);
         if !self.has_point() {
             return write!(f, "{whole:0width$}", width = usize::from(self.digits));

@@ -2,16 +2,16 @@
 
 use gsk_messages::say;
 
-use super::block::{Block, Word, check_values, is_address_of, narrows_words};
-use super::foreign::two_block_form;
-use super::lexer::{Lexer, narrow, skip_blanks};
-use super::macro_b::{self, Statement};
-use super::number::{Number, Variable};
-use super::plain_words::plain_words;
-use super::read_number::{HUGE, read_number};
+use super::block::{ProgramBlock, ProgramWord, check_values, is_address_of_model, narrows_words};
+use super::foreign_words::two_block_form;
+use super::lexer::{Lexer, clamp_to_u16, skip_blanks};
+use super::macro_b::{self, MacroStatement};
+use super::number::{VariableReference, WordNumber};
+use super::plain_words::read_plain_words;
+use super::read_number::{CLAMPED_VALUE, read_number};
 use super::syntax::{BlockError, Syntax};
 use crate::alarm::number;
-use crate::dialect::{self, advised};
+use crate::dialect::{self, with_advice};
 use crate::model::GCode;
 
 /// Parses one block: up to the first `;`, `*`, `%` or line end outside comments. It does not
@@ -20,24 +20,28 @@ use crate::model::GCode;
 /// # Errors
 /// The alarm of the syntax: 002, 005, 006, 007, 009, 012, 018, 043, 125; of macro B 114,
 /// 118, 126, 127, 129.
-pub(crate) fn parse_block(text: &str, syntax: Syntax) -> Result<Block, BlockError> {
-    let mut block = Block::default();
+pub(crate) fn parse_block(text: &str, syntax: Syntax) -> Result<ProgramBlock, BlockError> {
+    let mut block = ProgramBlock::default();
     read_block(text, syntax, &mut block)?;
     Ok(block)
 }
 
-/// Parses a block into an empty [`Block`].
-pub(super) fn read_block(text: &str, syntax: Syntax, block: &mut Block) -> Result<(), BlockError> {
+/// Parses a block into an empty [`ProgramBlock`].
+pub(super) fn read_block(
+    text: &str,
+    syntax: Syntax,
+    block: &mut ProgramBlock,
+) -> Result<(), BlockError> {
     let mut lexer = Lexer::new(text);
     let mut seen = 0;
     // Plain words are within their ranges if the model does not narrow these.
     let narrows = narrows_words(syntax);
-    if !syntax.macro_b && !narrows && plain_words(&mut lexer, &mut seen, syntax, block) {
+    if !syntax.macro_b && !narrows && read_plain_words(&mut lexer, &mut seen, syntax, block) {
         return Ok(());
     }
     read_words(text, lexer, seen, syntax, block)
         .and_then(|()| check_values(block, syntax))
-        .map_err(|error| error.located(text))
+        .map_err(|error| error.with_character_column(text))
 }
 
 /// Reads the words of a block from the position of the lexer. `seen` has the addresses
@@ -47,7 +51,7 @@ fn read_words(
     mut lexer: Lexer<'_>,
     mut seen: u32,
     syntax: Syntax,
-    block: &mut Block,
+    block: &mut ProgramBlock,
 ) -> Result<(), BlockError> {
     let mut g65 = false;
     skip_blanks(&mut lexer)?;
@@ -61,12 +65,12 @@ fn read_words(
         skip_blanks(&mut lexer)?;
         let start = lexer.at;
         let (byte, len) = lexer.peek();
-        if syntax.macro_b && macro_b::begins(&lexer) {
+        if syntax.macro_b && macro_b::is_statement_start(&lexer) {
             if !block.is_empty() {
-                return Err(shares_block(start));
+                return Err(statement_not_alone(start));
             }
-            block.statement = Some(Box::new(Statement::read(&mut lexer)?));
-            return nothing_more(&mut lexer);
+            block.statement = Some(Box::new(MacroStatement::read(&mut lexer)?));
+            return check_block_end(&mut lexer);
         }
         let address = match byte {
             b'A'..=b'Z' => byte,
@@ -74,13 +78,13 @@ fn read_words(
             // The program name of other controls.
             b':' if block.is_empty() && block.o.is_none() && block.n.is_none() => b'O',
             // In a block with formulas it means multiplication and is no end.
-            b'*' if block.statement.is_some() => return nothing_more(&mut lexer),
+            b'*' if block.statement.is_some() => return check_block_end(&mut lexer),
             b'\n' | b';' | b'*' => return Ok(()),
             // Alone in its line it ends the text, and the block is empty.
             b'%' if seen == 0 && !block.skip && is_blank_after_mark(&lexer) => return Ok(()),
-            _ => return Err(misplaced(text, start, byte)),
+            _ => return Err(misplaced_character(text, start, byte)),
         };
-        if !is_address_of(address, syntax.model.record()) {
+        if !is_address_of_model(address, syntax.model.record()) {
             return Err(foreign_address(text, address, start, syntax));
         }
         if g65 && !matches!(address, b'H' | b'P' | b'Q' | b'R') {
@@ -88,19 +92,19 @@ fn read_words(
             return Err(BlockError::at(number::BAD_IN_MACRO, start, detail));
         }
         let bit = 1 << (address - b'A');
-        if seen & bit != 0 && address != b'G' && !is_count(address, syntax, block) {
+        if seen & bit != 0 && address != b'G' && !is_count_word(address, syntax, block) {
             let detail = say::address_twice(char::from(address));
             return Err(BlockError::at(number::ADDRESS_TWICE, start, detail));
         }
         seen |= bit;
 
         lexer.at += len;
-        if is_count(address, syntax, block) {
-            count_words(&mut lexer, block, start)?;
+        if is_count_word(address, syntax, block) {
+            read_count_words(&mut lexer, block, start)?;
             continue;
         }
         let formula = match syntax.macro_b && !g65 {
-            true => formula(&mut lexer, address, block)?,
+            true => read_formula(&mut lexer, address, block)?,
             false => None,
         };
         let value = match formula {
@@ -119,13 +123,13 @@ fn read_words(
         }
         if syntax.macro_b
             && address == b'G'
-            && let Some(statement) = call(&mut lexer, value, syntax)?
+            && let Some(statement) = read_macro_call(&mut lexer, value, syntax)?
         {
             if !block.is_empty() {
-                return Err(shares_block(start));
+                return Err(statement_not_alone(start));
             }
             block.statement = Some(Box::new(statement));
-            return nothing_more(&mut lexer);
+            return check_block_end(&mut lexer);
         }
         let code = address == b'G' && value.variable().is_none();
         if code && value.integer() == 65 && !syntax.model.is_mill() {
@@ -138,8 +142,8 @@ fn read_words(
             }
             g65 = true;
         }
-        let span = (narrow(start), narrow(lexer.at));
-        if !block.push(Word {
+        let span = (clamp_to_u16(start), clamp_to_u16(lexer.at));
+        if !block.push(ProgramWord {
             address,
             value,
             span,
@@ -152,14 +156,14 @@ fn read_words(
 
 /// Whether an N word is after a G code (Huaxing): it is not a sequence number then.
 #[inline]
-fn is_count(address: u8, syntax: Syntax, block: &Block) -> bool {
+fn is_count_word(address: u8, syntax: Syntax, block: &ProgramBlock) -> bool {
     address == b'N' && block.has(b'G') && syntax.model.record().n_after_g
 }
 
 /// Whether a G code earlier in the block makes a word a length or a factor that otherwise is
 /// an integer (Huaxing): L of G31, D of its threads, P as their lead.
 #[inline]
-fn has_point_by_code(address: u8, syntax: Syntax, block: &Block) -> bool {
+fn has_point_by_code(address: u8, syntax: Syntax, block: &ProgramBlock) -> bool {
     let record = syntax.model.record();
     let means = |codes: &[GCode]| {
         let mut written = block.g_codes();
@@ -185,14 +189,18 @@ fn has_point_by_code(address: u8, syntax: Syntax, block: &Block) -> bool {
 /// to two more numbers after points are those of P and L: `G25 N100.140.3` is `N100 P140
 /// L3`, `G20 N05.3` is `N05 L3`.
 #[cold]
-fn count_words(lexer: &mut Lexer<'_>, block: &mut Block, start: usize) -> Result<(), BlockError> {
+fn read_count_words(
+    lexer: &mut Lexer<'_>,
+    block: &mut ProgramBlock,
+    start: usize,
+) -> Result<(), BlockError> {
     let mut numbers = Vec::new();
     loop {
         skip_blanks(lexer)?;
         let begin = lexer.at;
         let mut value = 0_i64;
-        while let Some(digit) = lexer.digit() {
-            value = (value * 10 + i64::from(digit)).min(HUGE);
+        while let Some(digit) = lexer.read_digit() {
+            value = (value * 10 + i64::from(digit)).min(CLAMPED_VALUE);
         }
         if lexer.at == begin || numbers.len() == 3 {
             let rule = say::number_missing('N');
@@ -213,10 +221,10 @@ fn count_words(lexer: &mut Lexer<'_>, block: &mut Block, start: usize) -> Result
             let rule = say::address_twice(char::from(*address));
             return Err(BlockError::at(number::ADDRESS_TWICE, start, rule));
         }
-        let word = Word {
+        let word = ProgramWord {
             address: *address,
-            value: Number::from_integer(value, 0),
-            span: (narrow(start), narrow(lexer.at)),
+            value: WordNumber::from_integer(value, 0),
+            span: (clamp_to_u16(start), clamp_to_u16(lexer.at)),
         };
         if !block.push(word) {
             return Err(BlockError::too_many_words());
@@ -227,31 +235,31 @@ fn count_words(lexer: &mut Lexer<'_>, block: &mut Block, start: usize) -> Result
 
 /// The call of a G code of macro B: G66, G67, and G65 without H.
 #[cold]
-fn call(
+fn read_macro_call(
     lexer: &mut Lexer<'_>,
-    code: Number,
+    code: WordNumber,
     syntax: Syntax,
-) -> Result<Option<Statement>, BlockError> {
+) -> Result<Option<MacroStatement>, BlockError> {
     if code.variable().is_some() {
         return Ok(None);
     }
     skip_blanks(lexer)?;
     let macro_a = matches!(lexer.peek().0, b'H' | b'h') && !syntax.model.is_mill();
     Ok(match code.integer() {
-        65 if !macro_a => Some(Statement::Call(macro_b::arguments(lexer)?)),
-        66 => Some(Statement::ModalCall(macro_b::arguments(lexer)?)),
-        67 => Some(Statement::CancelModalCall),
+        65 if !macro_a => Some(MacroStatement::Call(macro_b::read_arguments(lexer)?)),
+        66 => Some(MacroStatement::ModalCall(macro_b::read_arguments(lexer)?)),
+        67 => Some(MacroStatement::CancelModalCall),
         _ => None,
     })
 }
 
 /// The variable or the formula that a word has instead of a number; `None` for a number.
 #[cold]
-fn formula(
+fn read_formula(
     lexer: &mut Lexer<'_>,
     address: u8,
-    block: &mut Block,
-) -> Result<Option<Number>, BlockError> {
+    block: &mut ProgramBlock,
+) -> Result<Option<WordNumber>, BlockError> {
     let mut ahead = *lexer;
     skip_blanks(&mut ahead)?;
     let (sign, len) = ahead.peek();
@@ -267,32 +275,35 @@ fn formula(
         let rule = say::variable_not_allowed(char::from(address));
         return Err(BlockError::at(number::BAD_OPERATION, ahead.at, rule));
     }
-    let expression = macro_b::in_word(&mut ahead)?;
+    let expression = macro_b::read_word_formula(&mut ahead)?;
     *lexer = ahead;
     let statement = block
         .statement
-        .get_or_insert_with(|| Box::new(Statement::Words(Vec::new())));
-    let Statement::Words(formulas) = &mut **statement else {
-        return Err(shares_block(lexer.at));
+        .get_or_insert_with(|| Box::new(MacroStatement::Words(Vec::new())));
+    let MacroStatement::Words(formulas) = &mut **statement else {
+        return Err(statement_not_alone(lexer.at));
     };
-    let number = narrow(formulas.len());
+    let number = clamp_to_u16(formulas.len());
     formulas.push(expression);
-    Ok(Some(Number::from_variable(Variable { number, negative })))
+    Ok(Some(WordNumber::from_variable(VariableReference {
+        number,
+        negative,
+    })))
 }
 
 /// The error of a macro statement that is not alone in its block after N.
 #[cold]
-fn shares_block(at: usize) -> BlockError {
+fn statement_not_alone(at: usize) -> BlockError {
     BlockError::at(number::MIXED_BLOCK, at, say::macro_statement_not_alone())
 }
 
 /// Checks that only comments follow a macro statement.
 #[cold]
-fn nothing_more(lexer: &mut Lexer<'_>) -> Result<(), BlockError> {
+fn check_block_end(lexer: &mut Lexer<'_>) -> Result<(), BlockError> {
     skip_blanks(lexer)?;
     match lexer.peek().0 {
         b'\n' | b';' => Ok(()),
-        byte if byte.is_ascii_alphabetic() => Err(shares_block(lexer.at)),
+        byte if byte.is_ascii_alphabetic() => Err(statement_not_alone(lexer.at)),
         _ => Err(BlockError::at(
             number::BAD_OPERATION,
             lexer.at,
@@ -309,8 +320,8 @@ fn foreign_address(text: &str, address: u8, start: usize, syntax: Syntax) -> Blo
         b'A' | b'D' => two_block_form(text, syntax),
         _ => None,
     };
-    let advice = cycle.or_else(|| dialect::instead_of_address(address));
-    BlockError::at(number::BAD_ADDRESS, start, advised(rule, advice))
+    let advice = cycle.or_else(|| dialect::advice_for_address(address));
+    BlockError::at(number::BAD_ADDRESS, start, with_advice(rule, advice))
 }
 
 /// Whether only blanks and further end marks follow the `%` at the position.
@@ -321,7 +332,7 @@ fn is_blank_after_mark(lexer: &Lexer<'_>) -> bool {
 
 /// The error of a character where a word must begin.
 #[cold]
-fn misplaced(text: &str, at: usize, byte: u8) -> BlockError {
+fn misplaced_character(text: &str, at: usize, byte: u8) -> BlockError {
     match byte {
         b'#' if text
             .get(..at)
@@ -331,7 +342,7 @@ fn misplaced(text: &str, at: usize, byte: u8) -> BlockError {
             BlockError::at(
                 number::BAD_CHARACTER,
                 at,
-                advised(rule, dialect::instead_of_character(byte)),
+                with_advice(rule, dialect::advice_for_character(byte)),
             )
         }
         b'0'..=b'9' | b'.' => {
@@ -347,14 +358,14 @@ fn misplaced(text: &str, at: usize, byte: u8) -> BlockError {
             let character = text.get(at..).and_then(|rest| rest.chars().next());
             let character = character.unwrap_or(' ');
             let rule = say::character_unknown(format_args!("{character:?}"));
-            let detail = advised(rule, dialect::instead_of_character(byte));
+            let detail = with_advice(rule, dialect::advice_for_character(byte));
             BlockError::at(number::BAD_CHARACTER, at, detail)
         }
     }
 }
 
 /// Greatest number of digits in a corrected number.
-const LONGEST_HINT: usize = 20;
+const MAX_CORRECTED_DIGITS: usize = 20;
 
 /// The word around a comma between digits, with a point instead of the comma.
 fn decimal_comma(text: &str, at: usize) -> Option<String> {
@@ -373,11 +384,11 @@ fn decimal_comma(text: &str, at: usize) -> Option<String> {
     let plain = digits > 0
         && before.ends_with(|last: char| last.is_ascii_digit())
         && word.starts_with(|first: char| first.is_ascii_alphabetic());
-    let few = whole + digits < LONGEST_HINT;
+    let few = whole + digits < MAX_CORRECTED_DIGITS;
     (plain && few).then(|| format!("{}.{}", word.to_ascii_uppercase(), &after[..digits]))
 }
 
-fn program_number(value: Number, at: usize) -> Result<u16, BlockError> {
+fn program_number(value: WordNumber, at: usize) -> Result<u16, BlockError> {
     match u16::try_from(value.integer()) {
         Ok(number @ ..=9999) => Ok(number),
         _ => Err(number_too_great(b'O', value, at, 9999)),
@@ -385,7 +396,7 @@ fn program_number(value: Number, at: usize) -> Result<u16, BlockError> {
 }
 
 /// The sequence number of a block, within the range of the model.
-fn sequence_number(value: Number, syntax: Syntax, at: usize) -> Result<u32, BlockError> {
+fn sequence_number(value: WordNumber, syntax: Syntax, at: usize) -> Result<u32, BlockError> {
     let last = syntax.model.record().last_sequence;
     match u32::try_from(value.integer()) {
         Ok(number) if number <= last => Ok(number),
@@ -394,8 +405,8 @@ fn sequence_number(value: Number, syntax: Syntax, at: usize) -> Result<u32, Bloc
 }
 
 #[cold]
-fn number_too_great(address: u8, value: Number, at: usize, most: u32) -> BlockError {
+fn number_too_great(address: u8, value: WordNumber, at: usize, most: u32) -> BlockError {
     let rule = say::number_too_great(char::from(address), value, most);
-    let detail = advised(rule, dialect::instead_of_number(address));
+    let detail = with_advice(rule, dialect::advice_for_number(address));
     BlockError::at(number::OUT_OF_RANGE, at, detail)
 }

@@ -1,20 +1,20 @@
 //! Reads words in the most common form: `N10 G01 X40.136 Z-1. F200;`, in ASCII, with so few
 //! digits that they cannot exceed the range of their address.
 
-use super::block::{Block, Word};
-use super::lexer::{Lexer, narrow};
-use super::number::Number;
-use super::read_number::{LAST_PLACE, append_digits};
+use super::block::{ProgramBlock, ProgramWord};
+use super::lexer::{Lexer, clamp_to_u16};
+use super::number::WordNumber;
+use super::read_number::{LAST_PLACE_MILLIONTHS, append_digits};
 use super::syntax::Syntax;
 
 /// Skips the words at the beginning of a block that have the common form. Returns whether
 /// they are the whole block. The caller reads the rest with
 /// [`read_block`](super::parse::read_block).
-pub(super) fn plain_words(
+pub(super) fn read_plain_words(
     lexer: &mut Lexer<'_>,
     seen: &mut u32,
     syntax: Syntax,
-    block: &mut Block,
+    block: &mut ProgramBlock,
 ) -> bool {
     let mut rest = lexer.rest();
     let all = lexer.at + rest.len();
@@ -30,11 +30,11 @@ pub(super) fn plain_words(
         };
         let letter = address - b'A';
         let bit = 1 << letter;
-        let plain = PLAIN[usize::from(letter)];
+        let plain = PLAIN_LIMITS[usize::from(letter)];
         if *seen & bit != 0 && address != b'G' {
             return false;
         }
-        let Some((value, after)) = plain_number(number, plain, syntax) else {
+        let Some((value, after)) = read_plain_number(number, plain, syntax) else {
             return false;
         };
         let (start, end) = (all - rest.len(), all - after.len());
@@ -44,10 +44,10 @@ pub(super) fn plain_words(
             b'N' if !block.is_empty() => return false,
             b'N' => block.n = Some(value.integer() as u32),
             _ => {
-                let word = Word {
+                let word = ProgramWord {
                     address,
                     value,
-                    span: (narrow(start), narrow(end)),
+                    span: (clamp_to_u16(start), clamp_to_u16(end)),
                 };
                 if !block.push(word) {
                     return false;
@@ -62,7 +62,7 @@ pub(super) fn plain_words(
 
 /// The numbers of an address that are in its range because of their number of digits.
 #[derive(Clone, Copy)]
-struct Plain {
+struct PlainLimits {
     /// Greatest number of digits before the point.
     digits: u8,
     /// Greatest number of digits after the point.
@@ -70,11 +70,11 @@ struct Plain {
     signed: bool,
 }
 
-impl Plain {
+impl PlainLimits {
     /// No number is accepted.
-    const NONE: Self = Self::of(0, 0, false);
+    const NONE: Self = Self::new(0, 0, false);
 
-    const fn of(digits: u8, places: u8, signed: bool) -> Self {
+    const fn new(digits: u8, places: u8, signed: bool) -> Self {
         Self {
             digits,
             places,
@@ -84,16 +84,16 @@ impl Plain {
 }
 
 /// The limits for the addresses A to Z.
-static PLAIN: [Plain; 26] = {
-    let mut plain = [Plain::NONE; 26];
+static PLAIN_LIMITS: [PlainLimits; 26] = {
+    let mut plain = [PlainLimits::NONE; 26];
     let mut letter = 0;
     while letter < plain.len() {
         plain[letter] = match b'A' + letter as u8 {
-            b'X' | b'Z' | b'U' | b'W' | b'R' | b'I' | b'K' => Plain::of(4, 3, true),
-            b'F' => Plain::of(4, 3, false),
-            b'N' | b'S' | b'T' => Plain::of(4, 0, false),
-            b'G' | b'M' => Plain::of(2, 0, false),
-            _ => Plain::NONE,
+            b'X' | b'Z' | b'U' | b'W' | b'R' | b'I' | b'K' => PlainLimits::new(4, 3, true),
+            b'F' => PlainLimits::new(4, 3, false),
+            b'N' | b'S' | b'T' => PlainLimits::new(4, 0, false),
+            b'G' | b'M' => PlainLimits::new(2, 0, false),
+            _ => PlainLimits::NONE,
         };
         letter += 1;
     }
@@ -103,7 +103,11 @@ static PLAIN: [Plain; 26] = {
 /// Reads an ASCII number with few enough digits. Returns it with the rest of the text, which
 /// must not be empty.
 #[inline]
-fn plain_number(text: &[u8], plain: Plain, syntax: Syntax) -> Option<(Number, &[u8])> {
+fn read_plain_number(
+    text: &[u8],
+    plain: PlainLimits,
+    syntax: Syntax,
+) -> Option<(WordNumber, &[u8])> {
     let (negative, text) = match text {
         [b'-', after @ ..] => (true, after),
         _ => (false, text),
@@ -124,11 +128,15 @@ fn plain_number(text: &[u8], plain: Plain, syntax: Syntax) -> Option<(Number, &[
             if places > usize::from(plain.places) || plain.places == 0 {
                 return None;
             }
-            let value = signed(digits) * LAST_PLACE.get(places)?;
-            (Number::from_millionths(value), places, after)
+            let value = signed(digits) * LAST_PLACE_MILLIONTHS.get(places)?;
+            (WordNumber::from_millionths(value), places, after)
         }
         _ if plain.places > 0 && syntax.point_required => return None,
-        _ => (Number::from_integer(signed(digits), whole as u8), 0, after),
+        _ => (
+            WordNumber::from_integer(signed(digits), whole as u8),
+            0,
+            after,
+        ),
     };
     match after {
         [] | [b'.' | 0x80..=0xFF, ..] => None,

@@ -2,8 +2,8 @@
 
 use gsk_messages::say;
 
-use super::lexer::{FOREIGN, Lexer, skip_blanks};
-use super::number::{Number, Variable};
+use super::lexer::{INVALID_CHARACTER, Lexer, skip_blanks};
+use super::number::{VariableReference, WordNumber};
 use super::syntax::{BlockError, Syntax};
 use crate::alarm::number;
 
@@ -14,7 +14,7 @@ pub(super) fn read_number(
     start: usize,
     (g65, point_by_code): (bool, bool),
     syntax: Syntax,
-) -> Result<Number, BlockError> {
+) -> Result<WordNumber, BlockError> {
     let name = char::from(address);
     let (mut negative, mut signed) = (false, false);
     if !matches!(lexer.rest(), [b'0'..=b'9', ..]) {
@@ -30,28 +30,33 @@ pub(super) fn read_number(
             return read_variable(lexer, address, negative);
         }
     }
-    let digits = match plain_digits(lexer) {
+    let digits = match read_plain_digits(lexer) {
         Some(digits) => digits,
-        None => any_digits(lexer)?,
+        None => read_any_digits(lexer)?,
     };
-    let Digits { point, places, .. } = digits;
+    let NumberDigits { point, places, .. } = digits;
     if digits.count == 0 && places == 0 {
-        return Err(no_digits(lexer, name, start, signed || point.is_some()));
+        return Err(missing_digits(
+            lexer,
+            name,
+            start,
+            signed || point.is_some(),
+        ));
     }
     if let Some(at) = point
-        && (g65 || !(syntax.takes_point(address) || point_by_code))
+        && (g65 || !(syntax.has_decimal_point(address) || point_by_code))
     {
         let rule = say::point_not_allowed(name);
         return Err(BlockError::at(number::BAD_POINT, at, rule));
     }
-    if point.is_none() && syntax.point_required && syntax.takes_point(address) && !g65 {
+    if point.is_none() && syntax.point_required && syntax.has_decimal_point(address) && !g65 {
         let detail = say::point_missing(name);
         return Err(BlockError::at(number::BAD_POINT, start, detail));
     }
     let written = usize::from(digits.count) + usize::from(places);
     if address == b'F'
-        && written > FEED_DIGITS
-        && significant_digits(lexer, digits.at) > FEED_DIGITS
+        && written > MAX_FEED_DIGITS
+        && significant_digits(lexer, digits.at) > MAX_FEED_DIGITS
     {
         return Err(BlockError::at(
             number::OUT_OF_RANGE,
@@ -65,12 +70,15 @@ pub(super) fn read_number(
         } else {
             digits.whole
         };
-        return Ok(Number::from_integer(whole, digits.count.min(MAX_DIGITS)));
+        return Ok(WordNumber::from_integer(
+            whole,
+            digits.count.min(MAX_DIGITS),
+        ));
     }
     let size = digits.whole * 1_000_000 + digits.fraction;
-    let number = Number::from_millionths(if negative { -size } else { size });
+    let number = WordNumber::from_millionths(if negative { -size } else { size });
     Ok(
-        match syntax.is_length(address) && places > syntax.places() {
+        match syntax.is_length(address) && places > syntax.decimal_places() {
             true => number.rounded_to_increment(syntax.increment()),
             false => number,
         },
@@ -78,7 +86,7 @@ pub(super) fn read_number(
 }
 
 /// The digits of a number as written.
-struct Digits {
+struct NumberDigits {
     /// Byte positions of the first digit and of the point.
     at: usize,
     point: Option<usize>,
@@ -90,12 +98,12 @@ struct Digits {
     places: u8,
 }
 
-/// Reads digits in the most common form: ASCII, and not too many. [`any_digits`] reads all
+/// Reads digits in the most common form: ASCII, and not too many. [`read_any_digits`] reads all
 /// others.
 #[inline]
-fn plain_digits(lexer: &mut Lexer<'_>) -> Option<Digits> {
+fn read_plain_digits(lexer: &mut Lexer<'_>) -> Option<NumberDigits> {
     /// Greatest number of digits before the point.
-    const MOST: usize = 12;
+    const MAX_PLAIN_DIGITS: usize = 12;
     let at = lexer.at;
     let (whole, mut rest) = append_digits(0, lexer.rest());
     let count = lexer.rest().len() - rest.len();
@@ -106,12 +114,12 @@ fn plain_digits(lexer: &mut Lexer<'_>) -> Option<Digits> {
         places = after.len() - rest.len();
     }
     let others = matches!(rest, [b'.' | 0x80..=0xFF, ..]);
-    if count > MOST || others {
+    if count > MAX_PLAIN_DIGITS || others {
         return None;
     }
-    let fraction = fraction * LAST_PLACE.get(places)?;
+    let fraction = fraction * LAST_PLACE_MILLIONTHS.get(places)?;
     lexer.at = lexer.end() - rest.len();
-    Some(Digits {
+    Some(NumberDigits {
         at,
         point,
         whole,
@@ -138,20 +146,20 @@ pub(super) fn append_digits(mut value: i64, mut bytes: &[u8]) -> (i64, &[u8]) {
 
 /// Reads digits in any form.
 #[cold]
-fn any_digits(lexer: &mut Lexer<'_>) -> Result<Digits, BlockError> {
+fn read_any_digits(lexer: &mut Lexer<'_>) -> Result<NumberDigits, BlockError> {
     let at = lexer.at;
     let mut count = 0_u8;
     let mut whole = 0_i64;
-    while let Some(digit) = lexer.digit() {
+    while let Some(digit) = lexer.read_digit() {
         count = count.saturating_add(1);
-        if whole < HUGE {
+        if whole < CLAMPED_VALUE {
             whole = whole * 10 + i64::from(digit);
         }
     }
-    let mut digits = Digits {
+    let mut digits = NumberDigits {
         at,
         point: None,
-        whole: whole.min(HUGE),
+        whole: whole.min(CLAMPED_VALUE),
         count,
         fraction: 0,
         places: 0,
@@ -162,13 +170,13 @@ fn any_digits(lexer: &mut Lexer<'_>) -> Result<Digits, BlockError> {
     }
     digits.point = Some(lexer.at);
     lexer.at += len;
-    while let Some(digit) = lexer.digit() {
-        if digits.places < PLACES {
+    while let Some(digit) = lexer.read_digit() {
+        if digits.places < DECIMAL_PLACES {
             digits.fraction = digits.fraction * 10 + i64::from(digit);
         }
         digits.places = digits.places.saturating_add(1);
     }
-    digits.fraction *= LAST_PLACE[usize::from(digits.places.min(PLACES))];
+    digits.fraction *= LAST_PLACE_MILLIONTHS[usize::from(digits.places.min(DECIMAL_PLACES))];
     if lexer.peek().0 == b'.' {
         let rule = say::point_twice();
         return Err(BlockError::at(number::BAD_POINT, lexer.at, rule));
@@ -177,24 +185,24 @@ fn any_digits(lexer: &mut Lexer<'_>) -> Result<Digits, BlockError> {
 }
 
 /// A number of this size is out of every range; it does not grow further.
-pub(super) const HUGE: i64 = 1_000_000_000_000;
+pub(super) const CLAMPED_VALUE: i64 = 1_000_000_000_000;
 
 /// Decimal places of a millionth; further ones are dropped.
-const PLACES: u8 = 6;
+const DECIMAL_PLACES: u8 = 6;
 
 /// Value of a 1 in the last place, in millionths, by the number of decimal places.
-pub(super) const LAST_PLACE: [i64; PLACES as usize + 1] =
+pub(super) const LAST_PLACE_MILLIONTHS: [i64; DECIMAL_PLACES as usize + 1] =
     [1_000_000, 100_000, 10_000, 1000, 100, 10, 1];
 
 /// Greatest number of significant digits of a feed.
-const FEED_DIGITS: usize = 7;
+const MAX_FEED_DIGITS: usize = 7;
 
 /// Number of digits of the last number from a byte position, without leading zeros and
 /// without zeros at the end of a fraction.
 fn significant_digits(lexer: &Lexer<'_>, at: usize) -> usize {
     let mut lexer = lexer.moved_to(at);
     let mut significant = 0_usize;
-    while let Some(digit) = lexer.digit() {
+    while let Some(digit) = lexer.read_digit() {
         significant += usize::from(significant > 0 || digit != 0);
     }
     let (mark, len) = lexer.peek();
@@ -203,7 +211,7 @@ fn significant_digits(lexer: &Lexer<'_>, at: usize) -> usize {
     }
     lexer.at += len;
     let mut zeros = 0;
-    while let Some(digit) = lexer.digit() {
+    while let Some(digit) = lexer.read_digit() {
         if digit == 0 {
             zeros += usize::from(significant > 0);
         } else {
@@ -218,12 +226,12 @@ fn significant_digits(lexer: &Lexer<'_>, at: usize) -> usize {
 const MAX_DIGITS: u8 = 20;
 
 #[cold]
-fn no_digits(lexer: &Lexer<'_>, name: char, start: usize, marks: bool) -> BlockError {
+fn missing_digits(lexer: &Lexer<'_>, name: char, start: usize, marks: bool) -> BlockError {
     if marks {
         return BlockError::at(number::BAD_VALUE, start, say::number_without_digits(name));
     }
     match lexer.peek().0 {
-        FOREIGN
+        INVALID_CHARACTER
         | b'!'..=b'$'
         | b'&'..=b'\''
         | b')'
@@ -243,7 +251,11 @@ fn no_digits(lexer: &Lexer<'_>, name: char, start: usize, marks: bool) -> BlockE
 
 /// Reads `#i` after an address; the lexer is at the `#`.
 #[cold]
-fn read_variable(lexer: &mut Lexer<'_>, address: u8, negative: bool) -> Result<Number, BlockError> {
+fn read_variable(
+    lexer: &mut Lexer<'_>,
+    address: u8,
+    negative: bool,
+) -> Result<WordNumber, BlockError> {
     let at = lexer.at;
     let name = char::from(address);
     if matches!(address, b'N' | b'O' | b'J' | b'L') {
@@ -282,5 +294,8 @@ fn read_variable(lexer: &mut Lexer<'_>, address: u8, negative: bool) -> Result<N
             say::variable_number_with_point(),
         ));
     }
-    Ok(Number::from_variable(Variable { number, negative }))
+    Ok(WordNumber::from_variable(VariableReference {
+        number,
+        negative,
+    }))
 }

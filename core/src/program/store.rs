@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
-use super::inflow::Inflow;
-use super::text::Program;
+use super::dnc_buffer::DncBuffer;
+use super::program_text::Program;
 use crate::alarm::{Alarm, number};
 use crate::command::ProgramId;
 
@@ -18,7 +18,7 @@ pub(crate) const PROGRAM_LIMIT: usize = 193;
 pub(crate) const CHARACTER_LIMIT: usize = 3_000_000;
 
 /// Valid program numbers.
-pub const RANGE: RangeInclusive<u16> = 0..=9999;
+pub const PROGRAM_NUMBERS: RangeInclusive<u16> = 0..=9999;
 
 /// Stored programs, the external program, and the selection.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -27,7 +27,7 @@ pub struct ProgramMemory {
     external: Option<Program>,
     /// The program that arrives through the serial port while it runs.
     #[serde(rename = "inflow")]
-    inflow: Option<Inflow>,
+    dnc_buffer: Option<DncBuffer>,
     current: Option<ProgramId>,
 }
 
@@ -40,9 +40,9 @@ impl ProgramMemory {
     pub fn store(&mut self, text: impl Into<String>) -> Result<u16, Alarm> {
         let program = Program::new(text);
         let number = program.number().ok_or_else(|| {
-            Alarm::new(number::PROGRAM_NUMBER).because(say::program_number_missing())
+            Alarm::new(number::PROGRAM_NUMBER).with_detail(say::program_number_missing())
         })?;
-        self.put(number, program)?;
+        self.insert_checked(number, program)?;
         Ok(number)
     }
 
@@ -54,7 +54,7 @@ impl ProgramMemory {
         let program = Program::new(text);
         match program.number() {
             Some(number) if self.stored.contains_key(&number) => {
-                Err(Alarm::new(number::PROGRAM_STORED).because(say::program_in_memory(number)))
+                Err(Alarm::new(number::PROGRAM_STORED).with_detail(say::program_in_memory(number)))
             }
             _ => self.store(program.text()),
         }
@@ -65,8 +65,8 @@ impl ProgramMemory {
     /// # Errors
     /// 110 if it exists, 074 for a number out of range, 068 and 072 if the memory is full.
     pub fn create(&mut self, number: u16) -> Result<(), Alarm> {
-        self.must_be_free(number)?;
-        self.put(number, Program::new(format!("O{number:04};\n")))
+        self.check_number_free(number)?;
+        self.insert_checked(number, Program::new(format!("O{number:04};\n")))
     }
 
     /// Stores a copy of a program under another number.
@@ -74,10 +74,13 @@ impl ProgramMemory {
     /// # Errors
     /// 071 if the original is missing, 110 if the copy exists, 074, 068, 072.
     pub fn copy(&mut self, from: u16, to: u16) -> Result<(), Alarm> {
-        let program = self.stored.get(&from).ok_or_else(|| missing(from))?;
+        let program = self
+            .stored
+            .get(&from)
+            .ok_or_else(|| missing_program_alarm(from))?;
         let program = program.renumbered(to);
-        self.must_be_free(to)?;
-        self.put(to, program)
+        self.check_number_free(to)?;
+        self.insert_checked(to, program)
     }
 
     /// Stores a copy of the selected program, which may be the external one, under another
@@ -87,11 +90,11 @@ impl ProgramMemory {
     /// As [`Self::copy`].
     pub(crate) fn save_as(&mut self, to: u16) -> Result<(), Alarm> {
         let Some(program) = self.current.and_then(|id| self.get(id)) else {
-            return Err(Alarm::new(number::NOT_FOUND).because(say::program_not_selected()));
+            return Err(Alarm::new(number::NOT_FOUND).with_detail(say::program_not_selected()));
         };
         let program = program.renumbered(to);
-        self.must_be_free(to)?;
-        self.put(to, program)
+        self.check_number_free(to)?;
+        self.insert_checked(to, program)
     }
 
     /// Replaces the text of a stored program.
@@ -100,14 +103,14 @@ impl ProgramMemory {
     /// 071 if it is missing, 068 if the memory is full.
     pub fn replace(&mut self, number: u16, program: Program) -> Result<(), Alarm> {
         if !self.stored.contains_key(&number) {
-            return Err(missing(number));
+            return Err(missing_program_alarm(number));
         }
         let program = if program.number() == Some(number) {
             program
         } else {
             program.renumbered(number)
         };
-        self.put(number, program)
+        self.insert_checked(number, program)
     }
 
     /// The content that is kept over power-off: the stored programs and their selection.
@@ -117,7 +120,7 @@ impl ProgramMemory {
         Self {
             stored: self.stored.clone(),
             external: None,
-            inflow: None,
+            dnc_buffer: None,
             current: self.current.filter(is_stored),
         }
     }
@@ -132,9 +135,12 @@ impl ProgramMemory {
     /// # Errors
     /// As [`Self::copy`].
     pub fn rename(&mut self, from: u16, to: u16) -> Result<(), Alarm> {
-        let program = self.stored.get(&from).ok_or_else(|| missing(from))?;
+        let program = self
+            .stored
+            .get(&from)
+            .ok_or_else(|| missing_program_alarm(from))?;
         let program = program.renumbered(to);
-        self.must_be_free(to)?;
+        self.check_number_free(to)?;
         self.stored.remove(&from);
         self.stored.insert(to, program);
         if self.current == Some(ProgramId::Stored(from)) {
@@ -148,7 +154,9 @@ impl ProgramMemory {
     /// # Errors
     /// 071 if it is missing.
     pub fn delete(&mut self, number: u16) -> Result<(), Alarm> {
-        self.stored.remove(&number).ok_or_else(|| missing(number))?;
+        self.stored
+            .remove(&number)
+            .ok_or_else(|| missing_program_alarm(number))?;
         self.select_existing();
         Ok(())
     }
@@ -172,27 +180,31 @@ impl ProgramMemory {
     }
 
     /// The program that arrives through the serial port; `None` outside DNC operation.
-    pub const fn inflow(&self) -> Option<&Inflow> {
-        self.inflow.as_ref()
+    pub const fn dnc_buffer(&self) -> Option<&DncBuffer> {
+        self.dnc_buffer.as_ref()
     }
 
     /// Starts the reception of a program, or ends it with `None`.
-    pub(crate) fn set_inflow(&mut self, inflow: Option<Inflow>) {
-        self.inflow = inflow;
+    pub(crate) fn set_dnc_buffer(&mut self, inflow: Option<DncBuffer>) {
+        self.dnc_buffer = inflow;
     }
 
-    pub(crate) const fn inflow_mut(&mut self) -> Option<&mut Inflow> {
-        self.inflow.as_mut()
+    pub(crate) const fn dnc_buffer_mut(&mut self) -> Option<&mut DncBuffer> {
+        self.dnc_buffer.as_mut()
     }
 
     /// Whether further text of a program may arrive.
-    pub(crate) fn goes_on(&self, id: ProgramId) -> bool {
-        id == ProgramId::Dnc && self.inflow.as_ref().is_some_and(Inflow::goes_on)
+    pub(crate) fn has_more(&self, id: ProgramId) -> bool {
+        id == ProgramId::Dnc && self.dnc_buffer.as_ref().is_some_and(DncBuffer::has_more)
     }
 
     /// Whether waiting for a block after the last one can succeed.
-    pub(crate) fn may_bring_another(&self, id: ProgramId) -> bool {
-        id == ProgramId::Dnc && self.inflow.as_ref().is_some_and(Inflow::may_bring_another)
+    pub(crate) fn can_bring_block(&self, id: ProgramId) -> bool {
+        id == ProgramId::Dnc
+            && self
+                .dnc_buffer
+                .as_ref()
+                .is_some_and(DncBuffer::can_bring_block)
     }
 
     /// The text of a program; `None` if it is missing. The MDI block is not part of the
@@ -201,14 +213,14 @@ impl ProgramMemory {
         match id {
             ProgramId::Stored(number) => self.stored.get(&number),
             ProgramId::External => self.external.as_ref(),
-            ProgramId::Dnc => self.inflow.as_ref().map(Inflow::window),
+            ProgramId::Dnc => self.dnc_buffer.as_ref().map(DncBuffer::window),
             ProgramId::Mdi => None,
         }
     }
 
     /// The program that a call names: a stored one, or the external one if it has the
     /// number.
-    pub(crate) fn find(&self, number: u16) -> Option<ProgramId> {
+    pub(crate) fn find_called(&self, number: u16) -> Option<ProgramId> {
         if self.stored.contains_key(&number) {
             return Some(ProgramId::Stored(number));
         }
@@ -222,7 +234,7 @@ impl ProgramMemory {
     }
 
     /// The selected program; `None` if none is selected.
-    pub const fn current(&self) -> Option<ProgramId> {
+    pub const fn selected(&self) -> Option<ProgramId> {
         self.current
     }
 
@@ -262,33 +274,35 @@ impl ProgramMemory {
         CHARACTER_LIMIT.saturating_sub(self.characters())
     }
 
-    fn put(&mut self, number: u16, program: Program) -> Result<(), Alarm> {
-        if !RANGE.contains(&number) {
+    fn insert_checked(&mut self, number: u16, program: Program) -> Result<(), Alarm> {
+        if !PROGRAM_NUMBERS.contains(&number) {
             return Err(Alarm::new(number::PROGRAM_NUMBER)
-                .because(say::program_number_out_of_range(number)));
+                .with_detail(say::program_number_out_of_range(number)));
         }
         let replaced = self.stored.get(&number);
         if replaced.is_none() && self.count() >= PROGRAM_LIMIT {
             return Err(Alarm::new(number::TOO_MANY_PROGRAMS)
-                .because(say::program_places_used(PROGRAM_LIMIT)));
+                .with_detail(say::program_places_used(PROGRAM_LIMIT)));
         }
         let free = self.free_characters() + replaced.map_or(0, Program::characters);
         if program.characters() > free {
             let size = program.characters();
-            return Err(Alarm::new(number::MEMORY_FULL).because(say::program_too_large(size, free)));
+            return Err(
+                Alarm::new(number::MEMORY_FULL).with_detail(say::program_too_large(size, free))
+            );
         }
         self.stored.insert(number, program);
         self.current.get_or_insert(ProgramId::Stored(number));
         Ok(())
     }
 
-    fn must_be_free(&self, number: u16) -> Result<(), Alarm> {
+    fn check_number_free(&self, number: u16) -> Result<(), Alarm> {
         if self.stored.contains_key(&number) {
-            return Err(Alarm::new(number::PROGRAM_EXISTS).because(say::program_exists(number)));
+            return Err(Alarm::new(number::PROGRAM_EXISTS).with_detail(say::program_exists(number)));
         }
-        if !RANGE.contains(&number) {
+        if !PROGRAM_NUMBERS.contains(&number) {
             return Err(Alarm::new(number::PROGRAM_NUMBER)
-                .because(say::program_number_out_of_range(number)));
+                .with_detail(say::program_number_out_of_range(number)));
         }
         Ok(())
     }
@@ -310,6 +324,6 @@ impl ProgramMemory {
     }
 }
 
-fn missing(number: u16) -> Alarm {
-    Alarm::new(number::NOT_FOUND).because(say::program_not_in_memory(number))
+fn missing_program_alarm(number: u16) -> Alarm {
+    Alarm::new(number::NOT_FOUND).with_detail(say::program_not_in_memory(number))
 }

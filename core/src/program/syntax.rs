@@ -6,7 +6,7 @@ use gsk_messages::{Message, say};
 
 use super::number::is_length;
 use crate::alarm::{Alarm, number};
-use crate::memory::Parameters;
+use crate::memory::ControlParameters;
 use crate::model::ModelId;
 
 /// The options of the syntax, from parameters and the program.
@@ -29,7 +29,7 @@ impl Syntax {
     }
 
     /// The unit that `ROUND` rounds to in a word: the least increment of its address.
-    pub(crate) const fn unit(self, address: u8) -> f64 {
+    pub(crate) const fn rounding_unit(self, address: u8) -> f64 {
         match address {
             b'F' => 0.0001,
             address if self.is_length(address) => self.increment() as f64 / 1e6,
@@ -45,20 +45,20 @@ impl Syntax {
 
     /// Whether the numbers of an address may have a decimal point. On a mill G may have one
     /// too, for G54.1.
-    pub(super) const fn takes_point(self, address: u8) -> bool {
+    pub(super) const fn has_decimal_point(self, address: u8) -> bool {
         self.is_length(address) || address == b'F' || self.model.is_mill() && address == b'G'
     }
 
     /// Decimal places of the least input increment.
-    pub(super) const fn places(self) -> u8 {
+    pub(super) const fn decimal_places(self) -> u8 {
         if self.inch { 4 } else { 3 }
     }
 }
 
-impl From<&Parameters> for Syntax {
-    fn from(parameters: &Parameters) -> Self {
+impl From<&ControlParameters> for Syntax {
+    fn from(parameters: &ControlParameters) -> Self {
         Self {
-            point_required: parameters.point_required(),
+            point_required: parameters.is_point_required(),
             inch: false,
             macro_b: false,
             model: ModelId::default(),
@@ -94,7 +94,7 @@ impl BlockError {
     }
 
     /// Converts the column from bytes to characters.
-    pub(super) fn located(mut self, text: &str) -> Self {
+    pub(super) fn with_character_column(mut self, text: &str) -> Self {
         let byte = (self.column - 1) as usize;
         let before = text.char_indices().take_while(|(at, _)| *at < byte).count();
         self.column = u32::try_from(before).unwrap_or(u32::MAX).saturating_add(1);
@@ -122,7 +122,7 @@ impl core::error::Error for BlockError {}
 
 impl From<BlockError> for Alarm {
     fn from(error: BlockError) -> Self {
-        Self::new(error.alarm).because(say::at_column(error.column, error.detail))
+        Self::new(error.alarm).with_detail(say::at_column(error.column, error.detail))
     }
 }
 

@@ -38,15 +38,15 @@ impl MachineLadder {
     /// The M codes that the ladder executes in addition to those of the control.
     pub(crate) fn m_codes(&self) -> &[MCode] {
         match self {
-            Self::Standard => &declared().m_codes,
+            Self::Standard => &standard_declarations().m_codes,
             Self::Own(ladder) => ladder.m_codes(),
         }
     }
 
     /// The initial value of a byte of K when the retained memory is empty.
-    pub(crate) fn start_value_of_k(&self, byte: u16) -> u8 {
+    pub(crate) fn initial_k(&self, byte: u16) -> u8 {
         let values = match self {
-            Self::Standard => &declared().start_values,
+            Self::Standard => &standard_declarations().start_values,
             Self::Own(ladder) => ladder.start_values(),
         };
         let of_byte = |at: ByteAddress| at.area == Area::K && at.byte == byte;
@@ -66,7 +66,7 @@ impl From<Arc<Ladder>> for MachineLadder {
 }
 
 /// The declarations of the standard ladder, read once.
-fn declared() -> &'static LadderDeclarations {
+fn standard_declarations() -> &'static LadderDeclarations {
     static DECLARED: LazyLock<LadderDeclarations> =
         LazyLock::new(|| LadderDeclarations::read(STANDARD_LADDER));
     &DECLARED
@@ -74,17 +74,17 @@ fn declared() -> &'static LadderDeclarations {
 
 /// The standard ladder, compiled once.
 pub fn standard_ladder() -> Arc<Ladder> {
-    static LADDER: LazyLock<Arc<Ladder>> = LazyLock::new(|| compiled(STANDARD_LADDER));
+    static LADDER: LazyLock<Arc<Ladder>> = LazyLock::new(|| compile_builtin(STANDARD_LADDER));
     Arc::clone(&LADDER)
 }
 
 /// The standard ladder with keys for DNC and teach-in, compiled once.
 pub fn dnc_teach_ladder() -> Arc<Ladder> {
-    static LADDER: LazyLock<Arc<Ladder>> = LazyLock::new(|| compiled(DNC_TEACH_LADDER));
+    static LADDER: LazyLock<Arc<Ladder>> = LazyLock::new(|| compile_builtin(DNC_TEACH_LADDER));
     Arc::clone(&LADDER)
 }
 
-fn compiled(source: &str) -> Arc<Ladder> {
+fn compile_builtin(source: &str) -> Arc<Ladder> {
     match Ladder::compile(source) {
         Ok(ladder) => Arc::new(ladder),
         Err(errors) => unreachable!("this ladder is part of the program: {errors}"),
@@ -98,13 +98,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_declared_is_what_is_compiled() {
+    fn declarations_match_the_compiled_ladder() {
         let own = MachineLadder::Own(standard_ladder());
         let plc = Plc::new(standard_ladder());
         for byte in 0..60 {
-            let value = MachineLadder::Standard.start_value_of_k(byte);
+            let value = MachineLadder::Standard.initial_k(byte);
             assert_eq!(value, plc.memory().k(byte), "K{byte}");
-            assert_eq!(value, own.start_value_of_k(byte), "K{byte}");
+            assert_eq!(value, own.initial_k(byte), "K{byte}");
         }
         assert_eq!(MachineLadder::Standard.m_codes(), own.m_codes());
     }

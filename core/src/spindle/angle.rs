@@ -8,7 +8,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::encoder::Encoder;
-use crate::memory::Parameters;
+use crate::memory::ControlParameters;
 
 /// Fractions of the observed error that correct angle and rate in a tick.
 const ANGLE_GAIN: f64 = 0.4;
@@ -33,7 +33,7 @@ pub struct SpindleTurn {
 pub struct SpindleAngle {
     /// Turns per count; 0 without a usable encoder (070).
     #[serde(rename = "scale")]
-    scale: f64,
+    turns_per_count: f64,
     /// Whether encoder and spindle turn at the same speed (110 = 111): each signal begins a
     /// revolution.
     direct: bool,
@@ -41,7 +41,7 @@ pub struct SpindleAngle {
     index_count: Option<i64>,
     /// Angle beyond the count, in counts, and its rate, counts per tick.
     #[serde(rename = "beyond")]
-    beyond: f64,
+    beyond_counts: f64,
     rate: f64,
     zero: Option<f64>,
     turn: SpindleTurn,
@@ -49,13 +49,14 @@ pub struct SpindleAngle {
 
 impl SpindleAngle {
     /// Starts without a measurement.
-    pub fn new(parameters: &Parameters) -> Self {
+    pub fn new(parameters: &ControlParameters) -> Self {
         Self {
-            scale: Encoder::counts_per_spindle_turn(parameters).map_or(0.0, |counts| 1.0 / counts),
-            direct: parameters.encoder_is_direct(),
+            turns_per_count: Encoder::counts_per_spindle_turn(parameters)
+                .map_or(0.0, |counts| 1.0 / counts),
+            direct: parameters.is_encoder_direct(),
             count: None,
             index_count: None,
-            beyond: 0.5,
+            beyond_counts: 0.5,
             rate: 0.0,
             zero: None,
             turn: SpindleTurn::default(),
@@ -68,12 +69,12 @@ impl SpindleAngle {
     }
 
     /// Takes the angle that a pulse board measures.
-    pub const fn tell(&mut self, turn: SpindleTurn) {
+    pub const fn set_measured_turn(&mut self, turn: SpindleTurn) {
         self.turn = turn;
         self.count = None;
         self.index_count = None;
         self.zero = None;
-        self.beyond = 0.5;
+        self.beyond_counts = 0.5;
         self.rate = 0.0;
     }
 
@@ -83,20 +84,20 @@ impl SpindleAngle {
         let step = count - self.count.unwrap_or(count);
         self.count = Some(count);
         // The middle of the count is where the angle is on average.
-        let foreseen = self.beyond + self.rate - step as f64;
-        let error = 0.5 - foreseen;
-        self.beyond = (foreseen + ANGLE_GAIN * error).clamp(0.0, 1.0);
+        let predicted = self.beyond_counts + self.rate - step as f64;
+        let error = 0.5 - predicted;
+        self.beyond_counts = (predicted + ANGLE_GAIN * error).clamp(0.0, 1.0);
         self.rate += RATE_GAIN * error;
         let before = self.turn.now;
-        self.turn.now = (count as f64 + self.beyond) * self.scale;
+        self.turn.now = (count as f64 + self.beyond_counts) * self.turns_per_count;
         self.turn.before = if step == 0 && self.index_count.is_none() {
             self.turn.now
         } else {
             before
         };
-        let known = self.index_count.replace(index);
-        if known.is_some_and(|known| known != index) {
-            self.turn.index = index as f64 * self.scale;
+        let previous = self.index_count.replace(index);
+        if previous.is_some_and(|known| known != index) {
+            self.turn.index = index as f64 * self.turns_per_count;
             if self.direct || self.zero.is_none() {
                 self.zero = Some(self.turn.index);
             }
@@ -111,7 +112,7 @@ mod tests {
 
     /// Ticks with a steady speed; the angle's greatest error after it has settled.
     fn error_at(rpm: f64) -> f64 {
-        let mut angle = SpindleAngle::new(&Parameters::default());
+        let mut angle = SpindleAngle::new(&ControlParameters::default());
         let mut worst = 0.0f64;
         for tick in 0..3000 {
             let turns = rpm / 60_000.0 * f64::from(tick) + 0.123;
@@ -125,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn a_steady_angle_is_known_to_a_part_of_a_count() {
+    fn a_steady_angle_is_exact_to_half_a_count() {
         for rpm in [37.0, 100.0, 499.3, 500.0, 1234.5, 3000.0, -700.0] {
             let error = error_at(rpm) * 4096.0;
             assert!(error < 0.5, "{error} counts at {rpm} r/min");
@@ -133,8 +134,8 @@ mod tests {
     }
 
     #[test]
-    fn a_spindle_that_brakes_and_reverses_is_known_to_a_count() {
-        let mut angle = SpindleAngle::new(&Parameters::default());
+    fn a_braking_spindle_is_exact_to_one_count() {
+        let mut angle = SpindleAngle::new(&ControlParameters::default());
         let (mut rpm, mut turns) = (1500.0, 0.2);
         for tick in 0..4000 {
             // 100 ms to a tenth: as hard as a brake.
@@ -149,8 +150,8 @@ mod tests {
     }
 
     #[test]
-    fn a_standing_spindle_stands() {
-        let mut angle = SpindleAngle::new(&Parameters::default());
+    fn a_spindle_at_standstill_has_no_motion() {
+        let mut angle = SpindleAngle::new(&ControlParameters::default());
         for _ in 0..1000 {
             angle.tick(12_345, 8192);
         }
@@ -162,7 +163,7 @@ mod tests {
     #[test]
     fn geared_encoders_keep_the_first_signal_as_their_zero() {
         // The encoder turns twice for one turn of the spindle.
-        let mut parameters = Parameters::default();
+        let mut parameters = ControlParameters::default();
         parameters.set(110, 2).unwrap();
         let mut angle = SpindleAngle::new(&parameters);
         for count in 0..30_000 {
@@ -174,7 +175,7 @@ mod tests {
 
     #[test]
     fn without_a_usable_encoder_there_is_no_angle() {
-        let mut parameters = Parameters::default();
+        let mut parameters = ControlParameters::default();
         parameters.set(70, 50).unwrap();
         let mut angle = SpindleAngle::new(&parameters);
         for count in 0..1000 {

@@ -6,12 +6,12 @@ use serde::{Deserialize, Serialize};
 
 use super::encoder::Encoder;
 use crate::command::SpindleCommand;
-use crate::memory::Parameters;
+use crate::memory::ControlParameters;
 use crate::units::percent_to_factor;
 
 /// What the S word means at present.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-enum Mode {
+enum SpeedMode {
     /// r/min (G97).
     Speed(f64),
     /// m/min (G96).
@@ -20,7 +20,7 @@ enum Mode {
 
 /// A speed that temporarily replaces the commanded one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-enum Instead {
+enum SubstituteSpeed {
     /// Gear change under way (067).
     GearChange,
     /// Spindle jog (109).
@@ -35,45 +35,45 @@ pub struct SpindleInputs {
     /// Speed measured by a pulse board, r/min, which replaces the encoder; `None`: the
     /// encoder applies.
     #[serde(rename = "measured")]
-    pub measured: Option<f64>,
+    pub measured_rpm: Option<f64>,
     /// Radius for G96, mm: the programmed X without offset, sign ignored. During a rapid it
     /// is the radius of the end point.
     #[serde(rename = "radius")]
-    pub radius: f64,
+    pub radius_mm: f64,
     /// Spindle override, %.
     pub override_percent: u8,
 }
 
 /// Parameters of the spindle, decoded once.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Settings {
+struct SpindleSettings {
     analog: bool,
     gears_usable: bool,
     #[serde(rename = "top")]
-    top: [f64; 4],
+    top_rpm: [f64; 4],
     #[serde(rename = "lowest_surface")]
-    lowest_surface: f64,
+    min_surface_rpm: f64,
     #[serde(rename = "gear_change")]
-    gear_change: f64,
+    gear_change_rpm: f64,
     #[serde(rename = "jog")]
-    jog: f64,
+    jog_rpm: f64,
     gain: f64,
     zero_volts: f64,
     encoder_scale: f64,
 }
 
-impl Settings {
-    fn new(parameters: &Parameters) -> Self {
+impl SpindleSettings {
+    fn new(parameters: &ControlParameters) -> Self {
         Self {
-            analog: parameters.analog_spindle(),
-            gears_usable: parameters.automatic_gears(),
-            top: [1, 2, 3, 4].map(|gear| parameters.gear_maximum(gear)),
-            lowest_surface: parameters.surface_lowest(),
-            gear_change: parameters.gear_change_speed(),
-            jog: parameters.spindle_jog_speed(),
+            analog: parameters.has_analog_spindle(),
+            gears_usable: parameters.has_automatic_gears(),
+            top_rpm: [1, 2, 3, 4].map(|gear| parameters.gear_top_speed(gear)),
+            min_surface_rpm: parameters.lowest_surface_speed_rpm(),
+            gear_change_rpm: parameters.gear_change_speed(),
+            jog_rpm: parameters.spindle_jog_speed(),
             gain: f64::from(parameters.analog_gain()) / 625.0,
             zero_volts: f64::from(parameters.analog_zero()) * 10.0 / 8192.0,
-            encoder_scale: Encoder::scale(parameters),
+            encoder_scale: Encoder::rpm_per_count(parameters),
         }
     }
 }
@@ -81,8 +81,8 @@ impl Settings {
 /// The control's side of the spindle: commanded speed, gear and measured speed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SpindleControl {
-    settings: Settings,
-    mode: Mode,
+    settings: SpindleSettings,
+    mode: SpeedMode,
     /// Highest speed under G96 (G50 S), r/min.
     limit: Option<f64>,
     /// Gear whose top speed determines the voltage.
@@ -93,10 +93,10 @@ pub struct SpindleControl {
     /// and after an abandoned change.
     engaged: bool,
     #[serde(rename = "instead")]
-    instead: Option<Instead>,
+    substitute: Option<SubstituteSpeed>,
     encoder: Encoder,
     #[serde(rename = "commanded")]
-    commanded: f64,
+    rpm_commanded: f64,
     volts: f64,
     radius: f64,
     /// Override, as a factor.
@@ -105,17 +105,17 @@ pub struct SpindleControl {
 
 impl SpindleControl {
     /// State at power-on: no speed, gear 1, no limit.
-    pub fn new(parameters: &Parameters) -> Self {
+    pub fn new(parameters: &ControlParameters) -> Self {
         let mut new = Self {
-            settings: Settings::new(parameters),
-            mode: Mode::Speed(0.0),
+            settings: SpindleSettings::new(parameters),
+            mode: SpeedMode::Speed(0.0),
             limit: None,
             gear: 1,
             selected: 1,
             engaged: false,
-            instead: None,
+            substitute: None,
             encoder: Encoder::default(),
-            commanded: 0.0,
+            rpm_commanded: 0.0,
             volts: 0.0,
             radius: 0.0,
             factor: 1.0,
@@ -125,8 +125,8 @@ impl SpindleControl {
     }
 
     /// Takes over changed parameters.
-    pub(crate) fn reconfigure(&mut self, parameters: &Parameters) {
-        self.settings = Settings::new(parameters);
+    pub(crate) fn reconfigure(&mut self, parameters: &ControlParameters) {
+        self.settings = SpindleSettings::new(parameters);
         self.volts = self.voltage();
     }
 
@@ -134,11 +134,11 @@ impl SpindleControl {
     pub fn command(&mut self, command: SpindleCommand) {
         match command {
             SpindleCommand::Step(_) => {}
-            SpindleCommand::Speed(speed) => self.mode = Mode::Speed(speed.max(0.0)),
-            SpindleCommand::Surface(speed) => self.mode = Mode::Surface(speed.max(0.0)),
+            SpindleCommand::Speed(speed) => self.mode = SpeedMode::Speed(speed.max(0.0)),
+            SpindleCommand::Surface(speed) => self.mode = SpeedMode::Surface(speed.max(0.0)),
             SpindleCommand::Limit(limit) => self.limit = Some(limit.max(0.0)),
         }
-        self.command_speed();
+        self.update_command();
     }
 
     /// Highest speed under G96 (G50 S), r/min, if one was set.
@@ -147,14 +147,14 @@ impl SpindleControl {
     }
 
     /// Whether G96 is in force.
-    pub const fn surface_mode(&self) -> bool {
-        matches!(self.mode, Mode::Surface(_))
+    pub const fn is_surface_mode(&self) -> bool {
+        matches!(self.mode, SpeedMode::Surface(_))
     }
 
     /// The S value in force: r/min, or m/min under G96.
-    pub const fn word(&self) -> f64 {
+    pub const fn s_word(&self) -> f64 {
         match self.mode {
-            Mode::Speed(value) | Mode::Surface(value) => value,
+            SpeedMode::Speed(value) | SpeedMode::Surface(value) => value,
         }
     }
 
@@ -180,16 +180,16 @@ impl SpindleControl {
         }
         self.selected = gear;
         self.engaged = false;
-        self.instead = Some(Instead::GearChange);
+        self.substitute = Some(SubstituteSpeed::GearChange);
         true
     }
 
     /// Ends the gear change (FIN of the ladder): the new gear applies from now on.
     pub(crate) fn end_gear_change(&mut self) {
-        if self.changing_gear() {
+        if self.is_changing_gear() {
             self.gear = self.selected;
             self.engaged = true;
-            self.instead = None;
+            self.substitute = None;
             self.volts = self.voltage();
         }
     }
@@ -197,33 +197,33 @@ impl SpindleControl {
     /// Abandons the gear change at RESET: the old gear still applies, and the next M41–M44
     /// is always executed.
     pub(crate) fn abandon_gear_change(&mut self) {
-        if self.changing_gear() {
+        if self.is_changing_gear() {
             self.selected = self.gear;
-            self.instead = None;
+            self.substitute = None;
         }
     }
 
     /// Whether a gear change is under way.
-    pub fn changing_gear(&self) -> bool {
-        self.instead == Some(Instead::GearChange)
+    pub fn is_changing_gear(&self) -> bool {
+        self.substitute == Some(SubstituteSpeed::GearChange)
     }
 
     /// Switches spindle jog: the speed of 109 replaces S.
     pub(crate) fn set_jog(&mut self, active: bool) {
-        if active && !self.changing_gear() {
-            self.instead = Some(Instead::Jog);
-        } else if self.instead == Some(Instead::Jog) {
-            self.instead = None;
+        if active && !self.is_changing_gear() {
+            self.substitute = Some(SubstituteSpeed::Jog);
+        } else if self.substitute == Some(SubstituteSpeed::Jog) {
+            self.substitute = None;
         }
     }
 
     /// Speed at 10 V in the gear in force, r/min.
     pub const fn top_speed(&self) -> f64 {
-        self.settings.top[(self.gear() - 1) as usize]
+        self.settings.top_rpm[(self.gear() - 1) as usize]
     }
 
     /// n = 1000 v / (π d), at most the top speed of the gear.
-    fn surface_speed(&self, surface: f64) -> f64 {
+    fn surface_rpm(&self, surface: f64) -> f64 {
         let circumference = 2.0 * PI * self.radius.abs();
         let top = self.top_speed();
         if surface <= 0.0 {
@@ -236,9 +236,9 @@ impl SpindleControl {
     }
 
     /// Applies the limits of G96: at least 043, at most G50 S, which takes precedence.
-    fn limited(&self, speed: f64) -> f64 {
+    fn limit_surface_rpm(&self, speed: f64) -> f64 {
         let raised = if speed > 0.0 {
-            speed.max(self.settings.lowest_surface)
+            speed.max(self.settings.min_surface_rpm)
         } else {
             0.0
         };
@@ -247,26 +247,28 @@ impl SpindleControl {
 
     /// Advances by one tick (1 ms).
     pub fn tick(&mut self, inputs: &SpindleInputs) {
-        match inputs.measured {
-            Some(rpm) => self.encoder.tell(rpm),
+        match inputs.measured_rpm {
+            Some(rpm) => self.encoder.set_measured_rpm(rpm),
             None => self
                 .encoder
                 .tick(inputs.encoder, self.settings.encoder_scale),
         }
-        self.radius = inputs.radius;
+        self.radius = inputs.radius_mm;
         self.factor = percent_to_factor(inputs.override_percent);
-        self.command_speed();
+        self.update_command();
     }
 
-    fn command_speed(&mut self) {
-        let commanded = match (self.instead, self.mode) {
-            (Some(Instead::GearChange), _) => self.settings.gear_change,
-            (Some(Instead::Jog), _) => self.settings.jog,
-            (None, Mode::Speed(speed)) => speed * self.factor,
-            (None, Mode::Surface(speed)) => self.limited(self.surface_speed(speed) * self.factor),
+    fn update_command(&mut self) {
+        let commanded = match (self.substitute, self.mode) {
+            (Some(SubstituteSpeed::GearChange), _) => self.settings.gear_change_rpm,
+            (Some(SubstituteSpeed::Jog), _) => self.settings.jog_rpm,
+            (None, SpeedMode::Speed(speed)) => speed * self.factor,
+            (None, SpeedMode::Surface(speed)) => {
+                self.limit_surface_rpm(self.surface_rpm(speed) * self.factor)
+            }
         };
-        if commanded != self.commanded {
-            self.commanded = commanded;
+        if commanded != self.rpm_commanded {
+            self.rpm_commanded = commanded;
             self.volts = self.voltage();
         }
     }
@@ -278,13 +280,13 @@ impl SpindleControl {
         if !self.settings.analog || top <= 0.0 {
             return 0.0;
         }
-        (10.0 * self.commanded / top * self.settings.gain + self.settings.zero_volts)
+        (10.0 * self.rpm_commanded / top * self.settings.gain + self.settings.zero_volts)
             .clamp(0.0, 10.0)
     }
 
     /// Commanded speed after override and limits, r/min.
     pub(crate) const fn commanded_rpm(&self) -> f64 {
-        self.commanded
+        self.rpm_commanded
     }
 
     /// Analog output SVC, V.
@@ -298,7 +300,7 @@ impl SpindleControl {
     }
 
     /// Whether the encoder has counted since power-on, which shows that one is fitted.
-    pub(crate) const fn encoder_fitted(&self) -> bool {
+    pub(crate) const fn has_encoder(&self) -> bool {
         self.encoder.has_counted()
     }
 }

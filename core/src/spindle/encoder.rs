@@ -2,36 +2,36 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::memory::Parameters;
+use crate::memory::ControlParameters;
 use crate::units::TICK_S;
 
 /// Time constant of the filter, ticks. One count more or less in a tick is ±15 r/min with
 /// 1024 lines; the filter reduces it to ±0.2.
 const FILTER_TICKS: f64 = 32.0;
 /// Ticks without a count after which the speed is zero.
-const STANDS_AFTER: u16 = 200;
+const STANDSTILL_TICKS: u16 = 200;
 
 /// Converts encoder counts to r/min.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Encoder {
     #[serde(rename = "last")]
-    last: Option<i64>,
+    last_count: Option<i64>,
     rpm: f64,
     #[serde(rename = "quiet")]
-    quiet: u16,
+    quiet_ticks: u16,
     counted: bool,
 }
 
 impl Encoder {
     /// Counts of one encoder revolution: four per line (070). `None` outside 100–5000
     /// lines, where the encoder cannot be used (alarm 092).
-    pub(crate) fn counts_per_turn(parameters: &Parameters) -> Option<i64> {
+    pub(crate) fn counts_per_turn(parameters: &ControlParameters) -> Option<i64> {
         let lines = i64::from(parameters.encoder_lines());
         (100..=5000).contains(&lines).then_some(4 * lines)
     }
 
     /// Counts of one *spindle* revolution, through the gear ratio 110 : 111.
-    pub(crate) fn counts_per_spindle_turn(parameters: &Parameters) -> Option<f64> {
+    pub(crate) fn counts_per_spindle_turn(parameters: &ControlParameters) -> Option<f64> {
         let counts = Self::counts_per_turn(parameters)? as f64;
         Some(counts / parameters.encoder_ratio())
     }
@@ -46,31 +46,31 @@ impl Encoder {
         self.counted
     }
 
-    /// Advances one tick with the absolute count; `scale` is r/min per count and tick.
-    pub fn tick(&mut self, count: i64, scale: f64) {
-        let step = count - self.last.unwrap_or(count);
-        self.last = Some(count);
+    /// Advances one tick with the absolute count; `rpm_per_count` is r/min per count and tick.
+    pub fn tick(&mut self, count: i64, rpm_per_count: f64) {
+        let step = count - self.last_count.unwrap_or(count);
+        self.last_count = Some(count);
         if step != 0 {
-            self.quiet = 0;
-            self.counted |= scale > 0.0;
-        } else if self.quiet < STANDS_AFTER {
-            self.quiet += 1;
+            self.quiet_ticks = 0;
+            self.counted |= rpm_per_count > 0.0;
+        } else if self.quiet_ticks < STANDSTILL_TICKS {
+            self.quiet_ticks += 1;
         } else {
             self.rpm = 0.0;
             return;
         }
-        self.rpm += (step as f64 * scale - self.rpm) / FILTER_TICKS;
+        self.rpm += (step as f64 * rpm_per_count - self.rpm) / FILTER_TICKS;
     }
 
     /// Takes the speed that a pulse board measures.
-    pub(super) const fn tell(&mut self, rpm: f64) {
-        self.last = None;
+    pub(super) const fn set_measured_rpm(&mut self, rpm: f64) {
+        self.last_count = None;
         self.counted |= rpm != 0.0;
         self.rpm = rpm;
     }
 
     /// Scale in r/min per count and tick.
-    pub(super) fn scale(parameters: &Parameters) -> f64 {
+    pub(super) fn rpm_per_count(parameters: &ControlParameters) -> f64 {
         Self::counts_per_spindle_turn(parameters).map_or(0.0, |counts| 60.0 / (counts * TICK_S))
     }
 }

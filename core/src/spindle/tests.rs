@@ -2,11 +2,11 @@
 
 use super::*;
 use crate::command::SpindleCommand;
-use crate::memory::Parameters;
+use crate::memory::ControlParameters;
 
 /// Analog spindle, gear 1 with 2000 r/min at 10 V; plus changes.
 fn control(changes: &[(u16, i32)]) -> SpindleControl {
-    let mut parameters = Parameters::default();
+    let mut parameters = ControlParameters::default();
     for (number, value) in [(1, 0b0001_0000), (37, 2000)].iter().chain(changes) {
         parameters.set(*number, *value).unwrap();
     }
@@ -15,9 +15,9 @@ fn control(changes: &[(u16, i32)]) -> SpindleControl {
 
 fn tick(control: &mut SpindleControl, radius: f64, override_percent: u8) -> (f64, f64) {
     control.tick(&SpindleInputs {
-        measured: None,
+        measured_rpm: None,
         encoder: 0,
-        radius,
+        radius_mm: radius,
         override_percent,
     });
     (control.commanded_rpm(), control.volts())
@@ -68,7 +68,7 @@ fn surface_speed_keeps_its_limits() {
     // G97 knows no limit; G96 finds it again.
     control.command(SpindleCommand::Speed(1500.0));
     assert_eq!(tick(&mut control, 10.0, 100).0, 1500.0);
-    assert!(!control.surface_mode());
+    assert!(!control.is_surface_mode());
 }
 
 #[test]
@@ -101,14 +101,14 @@ fn gear_change_and_jog_have_their_own_speed() {
 }
 
 #[test]
-fn measured_speed_is_smooth_and_goes_back_to_zero() {
+fn measured_speed_is_smooth_and_returns_to_zero() {
     // Spindle 2 : 1 encoder: 333.3 r/min of the spindle are 666.6 of the encoder.
     let mut control = control(&[(110, 2), (111, 1)]);
     let per_tick = 666.6 / 60_000.0 * 4096.0;
     let mut inputs = SpindleInputs {
-        measured: None,
+        measured_rpm: None,
         encoder: 0,
-        radius: 0.0,
+        radius_mm: 0.0,
         override_percent: 100,
     };
     for ticks in 0..2000 {
@@ -130,15 +130,15 @@ fn measured_speed_is_smooth_and_goes_back_to_zero() {
 
 #[test]
 fn an_encoder_outside_100_to_5000_lines_measures_nothing() {
-    let mut parameters = Parameters::default();
+    let mut parameters = ControlParameters::default();
     parameters.set(70, 50).unwrap();
     assert_eq!(Encoder::counts_per_turn(&parameters), None);
     let mut control = SpindleControl::new(&parameters);
     for encoder in 0..1000 {
         control.tick(&SpindleInputs {
-            measured: None,
+            measured_rpm: None,
             encoder,
-            radius: 0.0,
+            radius_mm: 0.0,
             override_percent: 100,
         });
     }
@@ -146,7 +146,7 @@ fn an_encoder_outside_100_to_5000_lines_measures_nothing() {
 }
 
 #[test]
-fn the_new_gear_counts_when_its_change_is_done() {
+fn the_new_gear_applies_when_its_change_is_done() {
     // 037 = 2000 and 038 = 4000 r/min at 10 V; 067 = 500 r/min meanwhile.
     let mut control = control(&[(38, 4000), (67, 500)]);
     control.command(SpindleCommand::Speed(1000.0));
@@ -160,7 +160,7 @@ fn the_new_gear_counts_when_its_change_is_done() {
 }
 
 #[test]
-fn a_gear_change_broken_off_is_made_again() {
+fn an_abandoned_gear_change_is_repeated() {
     let mut control = control(&[]);
     assert!(control.begin_gear_change(1), "no output is on at power-on");
     control.end_gear_change();

@@ -1,7 +1,7 @@
 //! Gives a serial port client access to the files in memory.
 
 use gsk_core::alarm::number;
-use gsk_core::cnc::{Received, Request};
+use gsk_core::cnc::{ControlRequest, ReceivedData};
 use gsk_core::program::Program;
 
 use super::Emulator;
@@ -20,7 +20,7 @@ impl Emulator {
     pub fn files(&self) -> Vec<SerialFile> {
         let cnc = &self.simulation.cnc;
         let numbers = cnc.programs().iter().map(|(number, _)| number);
-        let seen = numbers.filter(|number| !cnc.rights().hides(*number));
+        let seen = numbers.filter(|number| !cnc.rights().is_hidden(*number));
         seen.map(FileId::Program)
             .chain(FileId::DATA)
             .filter_map(|id| file_of(id, cnc))
@@ -36,16 +36,16 @@ impl Emulator {
         self.store_edited();
         let cnc = &mut self.simulation.cnc;
         let FileId::Program(number) = id else {
-            cnc.rights().receive_data()?;
+            cnc.rights().check_receive_data()?;
             return if overwrite {
                 Ok(())
             } else {
                 Err(FileRefusal::Exists)
             };
         };
-        if let Err(refusal) = cnc.rights().receive_program(number) {
+        if let Err(refusal) = cnc.rights().check_receive_program(number) {
             // Its alarm is shown on the alarm page.
-            let _ = cnc.request(Request::AskToReceive(number));
+            let _ = cnc.request(ControlRequest::CheckReceive(number));
             return Err(refusal.into());
         }
         match cnc.programs().stored(number) {
@@ -70,7 +70,7 @@ impl Emulator {
         let cnc = &mut self.simulation.cnc;
         let received = match id {
             FileId::Program(number) => {
-                cnc.rights().receive_program(number)?;
+                cnc.rights().check_receive_program(number)?;
                 let program = Program::new(file.text);
                 let program = match program.number() {
                     Some(own) if own == number => program,
@@ -78,12 +78,12 @@ impl Emulator {
                 };
                 let text = program.text().to_owned();
                 match overwrite {
-                    true => Received::Replacement(text),
-                    false => Received::Program(text),
+                    true => ReceivedData::Replacement(text),
+                    false => ReceivedData::Program(text),
                 }
             }
             _ => {
-                cnc.rights().receive_data()?;
+                cnc.rights().check_receive_data()?;
                 read_data(&file).map_err(FileRefusal::Unreadable)?
             }
         };
@@ -99,8 +99,8 @@ impl Emulator {
         self.store_edited();
         let cnc = &self.simulation.cnc;
         match id {
-            FileId::Program(number) => cnc.rights().fetch_program(number)?,
-            _ => cnc.rights().fetch_data()?,
+            FileId::Program(number) => cnc.rights().check_fetch_program(number)?,
+            _ => cnc.rights().check_fetch_data()?,
         }
         file_of(id, cnc).ok_or(FileRefusal::Missing)
     }
@@ -112,7 +112,7 @@ impl Emulator {
     /// Returns the reason for refusing it.
     pub fn delete_file(&mut self, id: FileId) -> Result<(), FileRefusal> {
         let number = self.changeable_program(id)?;
-        self.request_transfer(Received::Deletion(number))
+        self.request_transfer(ReceivedData::Deletion(number))
     }
 
     /// Renumbers a program for a client at the port.
@@ -126,11 +126,11 @@ impl Emulator {
             return Err(FileRefusal::OnlyPrograms);
         };
         let cnc = &self.simulation.cnc;
-        cnc.rights().receive_program(to)?;
+        cnc.rights().check_receive_program(to)?;
         if cnc.programs().stored(to).is_some() {
             return Err(FileRefusal::Exists);
         }
-        self.request_transfer(Received::Renaming { from, to })
+        self.request_transfer(ReceivedData::Renaming { from, to })
     }
 
     /// The number of a program that may be deleted or renamed.
@@ -140,15 +140,18 @@ impl Emulator {
             return Err(FileRefusal::OnlyPrograms);
         };
         let cnc = &self.simulation.cnc;
-        cnc.rights().receive_program(number)?;
+        cnc.rights().check_receive_program(number)?;
         match cnc.programs().stored(number) {
             Some(_) => Ok(number),
             None => Err(FileRefusal::Missing),
         }
     }
 
-    fn request_transfer(&mut self, received: Received) -> Result<(), FileRefusal> {
-        let done = self.simulation.cnc.request(Request::Receive(received));
+    fn request_transfer(&mut self, received: ReceivedData) -> Result<(), FileRefusal> {
+        let done = self
+            .simulation
+            .cnc
+            .request(ControlRequest::StoreReceived(received));
         done.map_err(|alarm| match alarm.number {
             number::PROGRAM_STORED => FileRefusal::Exists,
             _ => FileRefusal::Alarm(Box::new(alarm)),
@@ -159,7 +162,7 @@ impl Emulator {
 #[cfg(test)]
 #[allow(clippy::expect_used, reason = "tests fail by panicking")]
 mod tests {
-    use gsk_core::memory::Refusal;
+    use gsk_core::memory::WriteRefusal;
     use gsk_core::setup::Setup;
 
     use super::*;
@@ -211,7 +214,7 @@ mod tests {
         let one = FileId::Program(1);
         assert_eq!(emulator.check_receive(one, false), Err(FileRefusal::Exists));
         assert_eq!(emulator.check_receive(one, true), Ok(()));
-        let switch = Err(FileRefusal::Refused(Refusal::ParameterSwitch));
+        let switch = Err(FileRefusal::Refused(WriteRefusal::ParameterSwitch));
         assert_eq!(emulator.check_receive(FileId::Offsets, true), switch);
         assert!(emulator.send_file(FileId::Parameters).is_err());
         assert_eq!(
@@ -225,9 +228,9 @@ mod tests {
         let renamed = emulator.rename_file(one, FileId::Program(9500));
         assert!(renamed.is_err());
         let cnc = &mut emulator.simulation.cnc;
-        cnc.request(Request::SetProgramSwitch(false))
+        cnc.request(ControlRequest::SetProgramSwitch(false))
             .expect("the switch");
-        let switch = FileRefusal::Refused(Refusal::ProgramSwitch);
+        let switch = FileRefusal::Refused(WriteRefusal::ProgramSwitch);
         assert_eq!(emulator.check_receive(one, true), Err(switch.clone()));
         assert_eq!(emulator.send_file(one), Err(switch.clone()));
         assert_eq!(emulator.delete_file(one), Err(switch));

@@ -1,4 +1,4 @@
-use gsk_core::operation::Mode;
+use gsk_core::operation::OperatingMode;
 
 use super::*;
 
@@ -23,10 +23,10 @@ fn it_wakes_up_on_the_relative_page() {
 fn mode_keys_act_through_the_ladder() {
     let mut emulator = awake();
     for (key, mode) in [
-        (Key::Auto, Mode::Auto),
-        (Key::Edit, Mode::Edit),
-        (Key::Jog, Mode::Jog),
-        (Key::Mdi, Mode::Mdi),
+        (Key::Auto, OperatingMode::Auto),
+        (Key::Edit, OperatingMode::Edit),
+        (Key::Jog, OperatingMode::Jog),
+        (Key::Mdi, OperatingMode::Mdi),
     ] {
         emulator.press(key);
         assert_eq!(emulator.simulation.cnc.mode(), mode);
@@ -39,11 +39,11 @@ fn the_emergency_stop_latches_and_stops() {
     let mut emulator = awake();
     emulator.press(Key::EmergencyStop);
     assert!(emulator.panel.emergency_stop());
-    assert!(emulator.simulation.cnc.not_ready());
+    assert!(emulator.simulation.cnc.is_shown_not_ready());
     assert!(emulator.screen().row(0).starts_with("报警信息"));
     emulator.press(Key::EmergencyStop);
     assert!(!emulator.panel.emergency_stop());
-    assert!(!emulator.simulation.cnc.not_ready());
+    assert!(!emulator.simulation.cnc.is_shown_not_ready());
 }
 
 #[test]

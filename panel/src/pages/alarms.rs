@@ -36,7 +36,7 @@ fn line(alarm: &Alarm, language: Language) -> String {
         Language::Zh => alarm.line_text(),
     };
     match &alarm.detail {
-        Some(detail) if groups::is_of_memory(alarm.number) => {
+        Some(detail) if groups::is_memory_alarm(alarm.number) => {
             format!("{line}({})", detail.text(language))
         }
         _ => line,

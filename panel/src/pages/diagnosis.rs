@@ -230,7 +230,7 @@ pub fn draw(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
         lists::bit_names(screen, 11, |bit| signals.names[usize::from(7 - bit)]);
         screen.put_message(12, 0, &(signals.group)());
     }
-    if let Some(row) = time_of(item).and_then(|parameter| memory::row(parameter, None)) {
+    if let Some(row) = time_of(item).and_then(|parameter| memory::parameter_row(parameter, None)) {
         screen.put(10, 0, parameters::meaning(screen, row));
         screen.put_message(12, 0, &say::lcd_data_parameter(item));
     }
@@ -258,7 +258,7 @@ fn value(number: usize, cnc: &Cnc) -> u8 {
 fn sensor_bits(sensors: Sensors) -> u8 {
     u8::from(sensors.zero_signal.x)
         | u8::from(sensors.zero_signal.z) << 1
-        | u8::from(sensors.spindle_mark()) << 2
-        | u8::from(sensors.drive_well.x) << 4
-        | u8::from(sensors.drive_well.z) << 5
+        | u8::from(sensors.is_index_shown()) << 2
+        | u8::from(sensors.drive_ok.x) << 4
+        | u8::from(sensors.drive_ok.z) << 5
 }

@@ -22,8 +22,8 @@ impl CoordinateFormat {
     /// Reads the format from the parameters of a control.
     pub fn of(cnc: &Cnc) -> Self {
         Self {
-            diameter: !cnc.parameters().radius_programming(),
-            inch: cnc.parameters().inch_machine(),
+            diameter: !cnc.parameters().is_radius_programming(),
+            inch: cnc.parameters().is_inch_machine(),
         }
     }
 

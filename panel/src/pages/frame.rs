@@ -3,8 +3,8 @@
 
 use gsk_core::cnc::Cnc;
 use gsk_core::command::ProgramId;
-use gsk_core::operation::Mode;
-use gsk_core::program::{Inflow, Program};
+use gsk_core::operation::OperatingMode;
+use gsk_core::program::{DncBuffer, Program};
 use gsk_messages::{Message, say};
 
 use super::format::four_digits;
@@ -48,33 +48,33 @@ pub fn draw(screen: &mut Screen, page: PageId, view: &PageView, cnc: &Cnc) {
 /// 准备未绪 replaces both 报警 and 暂停.
 fn draw_state(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let lit = view.flash_on();
-    if cnc.not_ready() {
+    if cnc.is_shown_not_ready() {
         screen.put_flashing_message(STATUS_ROW, ALARM_COLUMN, &say::lcd_not_ready(), lit);
         return;
     }
-    if cnc.in_alarm() {
+    if cnc.is_in_alarm() {
         screen.put_flashing_message(STATUS_ROW, ALARM_COLUMN, &say::lcd_alarm(), lit);
     }
-    if cnc.in_feed_hold() {
+    if cnc.is_in_feed_hold() {
         screen.put_message(STATUS_ROW, HOLD_COLUMN, &say::lcd_hold());
     }
 }
 
 /// The text of the mode in the status row.
-fn mode_text(mode: Mode) -> Message {
+fn mode_text(mode: OperatingMode) -> Message {
     match mode {
-        Mode::Edit => say::lcd_mode_edit(),
-        Mode::Auto => say::lcd_mode_auto(),
-        Mode::Mdi => say::lcd_mode_mdi(),
-        Mode::Step => say::lcd_mode_step(),
-        Mode::Handwheel => say::lcd_mode_handwheel(),
-        Mode::Jog => say::lcd_mode_jog(),
-        Mode::MachineZero => say::lcd_mode_machine_zero(),
-        Mode::ProgramZero => say::lcd_mode_program_zero(),
-        Mode::Dnc => say::lcd_mode_dnc(),
-        Mode::TeachJog => say::lcd_mode_teach_jog(),
-        Mode::TeachStep => say::lcd_mode_teach_step(),
-        Mode::TeachHandwheel => say::lcd_mode_teach_handwheel(),
+        OperatingMode::Edit => say::lcd_mode_edit(),
+        OperatingMode::Auto => say::lcd_mode_auto(),
+        OperatingMode::Mdi => say::lcd_mode_mdi(),
+        OperatingMode::Step => say::lcd_mode_step(),
+        OperatingMode::Handwheel => say::lcd_mode_handwheel(),
+        OperatingMode::Jog => say::lcd_mode_jog(),
+        OperatingMode::MachineZero => say::lcd_mode_machine_zero(),
+        OperatingMode::ProgramZero => say::lcd_mode_program_zero(),
+        OperatingMode::Dnc => say::lcd_mode_dnc(),
+        OperatingMode::TeachJog => say::lcd_mode_teach_jog(),
+        OperatingMode::TeachStep => say::lcd_mode_teach_step(),
+        OperatingMode::TeachHandwheel => say::lcd_mode_teach_handwheel(),
     }
 }
 
@@ -125,13 +125,13 @@ pub(crate) fn current_program(cnc: &Cnc) -> Option<&Program> {
 
 /// Returns whether 012.4 PRG9 hides the selected program.
 pub(crate) fn program_is_hidden(cnc: &Cnc) -> bool {
-    matches!(selected(cnc), Some(ProgramId::Stored(number)) if cnc.rights().hides(number))
+    matches!(selected(cnc), Some(ProgramId::Stored(number)) if cnc.rights().is_hidden(number))
 }
 
 /// The selected program, also while an MDI block runs.
 fn selected(cnc: &Cnc) -> Option<ProgramId> {
     match cnc.cursor().program {
-        Some(ProgramId::Mdi) | None => cnc.programs().current(),
+        Some(ProgramId::Mdi) | None => cnc.programs().selected(),
         program => program,
     }
 }
@@ -140,8 +140,8 @@ fn program_number(cnc: &Cnc) -> u16 {
     match selected(cnc) {
         Some(ProgramId::Stored(number)) => number,
         Some(ProgramId::Dnc) => {
-            let inflow = cnc.programs().inflow();
-            inflow.and_then(Inflow::number).unwrap_or(0)
+            let inflow = cnc.programs().dnc_buffer();
+            inflow.and_then(DncBuffer::number).unwrap_or(0)
         }
         Some(program) => cnc
             .programs()
@@ -183,7 +183,7 @@ pub fn spindle_speed(cnc: &Cnc) -> f64 {
     if let Some(measured) = cnc.spindle_measured() {
         return measured;
     }
-    if cnc.parameters().analog_spindle() {
+    if cnc.parameters().has_analog_spindle() {
         cnc.spindle_commanded()
     } else {
         cnc.modal().spindle
@@ -197,7 +197,7 @@ mod tests {
 
     #[test]
     fn a_mode_is_called_as_the_control_calls_it() {
-        for mode in Mode::ALL {
+        for mode in OperatingMode::ALL {
             assert_eq!(mode_text(mode).text(Language::Zh), mode.text());
         }
     }

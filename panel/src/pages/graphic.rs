@@ -87,7 +87,7 @@ pub fn picture(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
         }
         screen.put_message(row, 30, &text);
     }
-    let plot = Plot::new(&view.graphic, display, cnc.parameters().up_is_positive());
+    let plot = Plot::new(&view.graphic, display, cnc.parameters().is_up_positive());
     let dots = screen.graphic_mut();
     plot.trace(dots, &view.trace);
     plot.marker(dots, at);

@@ -1,8 +1,8 @@
 //! Draws the MDI page: the words of a block and the modal values (manual III-2.2.2).
 
 use gsk_core::cnc::Cnc;
-use gsk_core::operation::{Mode, RunState};
-use gsk_core::program::{Block, Syntax};
+use gsk_core::operation::{OperatingMode, RunState};
+use gsk_core::program::{ProgramBlock, Syntax};
 use gsk_messages::say;
 
 use super::format::{CoordinateFormat, four_digits};
@@ -39,19 +39,19 @@ pub fn draw(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     }
     draw_modal(screen, cnc);
     if let Some(statement) = cnc.mdi_block().statement()
-        && cnc.mode() == Mode::Mdi
+        && cnc.mode() == OperatingMode::Mdi
     {
         screen.put(STATEMENT_ROW, 0, &format!("{statement:<22}"));
     }
-    if cnc.mode() == Mode::Mdi {
+    if cnc.mode() == OperatingMode::Mdi {
         frame::input_line(screen, &say::lcd_address_prompt(), view);
     }
 }
 
 /// The MDI block, or in AUTO the block in execution, with its text.
-fn shown_block(cnc: &Cnc) -> Option<(Block, String)> {
+fn shown_block(cnc: &Cnc) -> Option<(ProgramBlock, String)> {
     let syntax = Syntax::from(cnc.parameters());
-    if !matches!(cnc.mode(), Mode::Auto | Mode::Dnc) {
+    if !matches!(cnc.mode(), OperatingMode::Auto | OperatingMode::Dnc) {
         let block = cnc.mdi_block().block(cnc.parameters()).ok()?;
         return Some((block, cnc.mdi_block().text()));
     }
@@ -64,7 +64,7 @@ fn shown_block(cnc: &Cnc) -> Option<(Block, String)> {
     Some((block, program.block(index).to_owned()))
 }
 
-fn draw_words(screen: &mut Screen, block: &Block, text: &str, cnc: &Cnc) {
+fn draw_words(screen: &mut Screen, block: &ProgramBlock, text: &str, cnc: &Cnc) {
     if let Some(code) = block.g_codes().last() {
         screen.put(FIRST_ROW, 0, &format!("G{code:02}"));
     }
@@ -124,8 +124,8 @@ fn draw_modal(screen: &mut Screen, cnc: &Cnc) {
         screen.put(row, MODAL_COLUMN, address);
         screen.put_right(row, MODAL_END, &value);
     }
-    let per_surface = if spindle.surface_mode() {
-        spindle.word()
+    let per_surface = if spindle.is_surface_mode() {
+        spindle.s_word()
     } else {
         0.0
     };

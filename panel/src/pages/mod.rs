@@ -53,7 +53,7 @@ use crate::screen::Screen;
 
 /// Returns the language of the LCD (184.0 CH_EN).
 pub fn language(cnc: &Cnc) -> Language {
-    if cnc.parameters().in_english() {
+    if cnc.parameters().is_english() {
         Language::En
     } else {
         Language::Zh
@@ -106,7 +106,7 @@ mod tests {
     use super::*;
     use gsk_core::model::ModelId;
     use gsk_core::setup::Setup;
-    use gsk_messages::{Id, texts};
+    use gsk_messages::{Id, all_texts};
 
     use crate::glyphs::text_columns;
 
@@ -123,7 +123,7 @@ mod tests {
     fn english_is_no_wider_than_chinese() {
         let titles: Vec<Id> = PAGES.iter().map(|row| row.page.title().id()).collect();
         let mut count = 0;
-        for (id, [english, chinese]) in Id::all().iter().zip(texts()) {
+        for (id, [english, chinese]) in Id::all().iter().zip(all_texts()) {
             if !id.name().starts_with("lcd_") || titles.contains(id) {
                 continue;
             }

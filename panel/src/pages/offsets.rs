@@ -1,7 +1,7 @@
 //! Draws the pages of offsets and macro variables (manual III-2.3).
 
 use gsk_core::cnc::Cnc;
-use gsk_core::memory::OFFSETS;
+use gsk_core::memory::OFFSET_ROWS;
 use gsk_core::units::Axis;
 use gsk_messages::say;
 
@@ -38,7 +38,7 @@ const VARIABLE_COLUMNS: [ListColumns; 2] = [
 
 /// Draws the offsets (偏置).
 pub fn offsets(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
-    let item = view.cursors.get(PageId::Oft).item.min(OFFSETS - 1);
+    let item = view.cursors.get(PageId::Oft).item.min(OFFSET_ROWS - 1);
     let display = CoordinateFormat::of(cnc);
     screen.put_message(HEADING_ROW, 0, &say::lcd_offset_heading());
     let first = item / LIST_ROWS * LIST_ROWS;
@@ -60,7 +60,7 @@ pub fn offsets(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
 /// Draws the macro variables (宏变量).
 pub fn variables(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let numbers = cnc.variable_numbers();
-    let real = cnc.variables_are_real();
+    let real = cnc.are_variables_real();
     let item = view.cursors.get(PageId::Macro).item.min(numbers.len() - 1);
     screen.put_message(HEADING_ROW, 0, &say::lcd_variables_heading());
     let shown = numbers

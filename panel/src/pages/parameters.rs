@@ -46,7 +46,7 @@ pub(crate) fn data_numbers() -> impl Iterator<Item = u16> {
 
 fn numbers(state: bool) -> impl Iterator<Item = u16> {
     let whole = |row: &&ParameterRow| row.bit.is_none();
-    memory::rows()
+    memory::parameter_rows()
         .iter()
         .filter(whole)
         .filter(move |row| row.state == state)
@@ -69,7 +69,7 @@ pub fn states(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
         return;
     };
     let bit = cursor.bit.min(7);
-    let row = memory::row(*number, Some(bit));
+    let row = memory::parameter_row(*number, Some(bit));
     let meaning = row.map_or("", |row| meaning(screen, row));
     screen.put(10, 0, &format!("BIT{bit}:{meaning}"));
     let language = screen.language();
@@ -95,7 +95,7 @@ fn name(number: u16, bit: u8, language: Language) -> String {
             Language::En => format!("{:width$}", name.text(language)),
         };
     }
-    let symbol = memory::row(number, Some(bit)).map_or("", |row| row.symbol);
+    let symbol = memory::parameter_row(number, Some(bit)).map_or("", |row| row.symbol);
     if symbol.is_empty() { "**" } else { symbol }.to_owned()
 }
 
@@ -127,7 +127,7 @@ pub fn data(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let Some(number) = values.get(item) else {
         return;
     };
-    if let Some(row) = memory::row(*number, None) {
+    if let Some(row) = memory::parameter_row(*number, None) {
         let meaning = meaning(screen, row);
         screen.put(10, 0, meaning);
     }
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn the_chinese_names_of_bits_are_those_of_the_table() {
-        for row in memory::rows() {
+        for row in memory::parameter_rows() {
             let Some(bit) = row.bit else { continue };
             let name = chinese_name(row.number, bit).map(|name| name.text(Language::Zh));
             let symbol = Some(row.symbol).filter(|symbol| !symbol.is_ascii());

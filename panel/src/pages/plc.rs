@@ -154,7 +154,7 @@ pub fn soft_panel(screen: &mut Screen, cnc: &Cnc) {
         say::lcd_block_skip(),
     ];
     for ((row, text), switch) in (2..).zip(texts).zip(SoftSwitch::ALL) {
-        let on = cnc.soft_switch_state(switch);
+        let on = cnc.is_soft_switch_active(switch);
         screen.put_message(row, 0, &text);
         screen.put_message(row, 18, &say::lcd_off_on());
         screen.put(row, if on { 23 } else { 17 }, "*");

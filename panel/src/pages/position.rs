@@ -1,7 +1,7 @@
 //! Draws the four position pages (manual III-2.1).
 
 use gsk_core::cnc::Cnc;
-use gsk_core::operation::Mode;
+use gsk_core::operation::OperatingMode;
 use gsk_core::units::{Axis, Point};
 use gsk_messages::{Message, say};
 
@@ -88,10 +88,10 @@ fn state_rows(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
 
 /// The first of the rate rows, which depends on the mode.
 fn first_rate(cnc: &Cnc) -> (Message, String) {
-    match cnc.mode().motion() {
-        Mode::Jog => (say::lcd_jog_rate(), format::jog_rate(cnc.jog_rate())),
-        Mode::Step => (say::lcd_step_size(), increment(cnc)),
-        Mode::Handwheel => (say::lcd_handwheel_step(), increment(cnc)),
+    match cnc.mode().motion_mode() {
+        OperatingMode::Jog => (say::lcd_jog_rate(), format::jog_rate(cnc.jog_rate())),
+        OperatingMode::Step => (say::lcd_step_size(), increment(cnc)),
+        OperatingMode::Handwheel => (say::lcd_handwheel_step(), increment(cnc)),
         _ => (say::lcd_programmed_rate(), feed(cnc, 1.0)),
     }
 }
@@ -105,8 +105,10 @@ fn increment(cnc: &Cnc) -> String {
 
 /// The actual rate: F with override. In manual modes the speed of motion.
 fn actual_rate(cnc: &Cnc) -> String {
-    match cnc.mode().motion() {
-        Mode::Jog | Mode::Step | Mode::Handwheel => format!("{:.0}", cnc.feed_actual()),
+    match cnc.mode().motion_mode() {
+        OperatingMode::Jog | OperatingMode::Step | OperatingMode::Handwheel => {
+            format!("{:.0}", cnc.feed_actual())
+        }
         _ => {
             let factor = if threads(cnc) {
                 1.0
@@ -140,7 +142,7 @@ pub(crate) fn overall(screen: &mut Screen, cnc: &Cnc) {
     group(screen, 7, 2, MACHINE, cnc.position_machine(), cnc);
     if cnc.mode().runs_programs() {
         group(screen, 7, 22, REMAINING, cnc.distance_to_go(), cnc);
-        if let Some(seconds) = cnc.dwell_shown() {
+        if let Some(seconds) = cnc.displayed_dwell_s() {
             screen.put_right(8, 36, &format!("{seconds:.3}"));
         }
     }

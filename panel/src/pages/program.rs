@@ -1,7 +1,7 @@
 //! Draws the program page and the directory (manual III-2.2).
 
 use gsk_core::cnc::Cnc;
-use gsk_core::operation::Mode;
+use gsk_core::operation::OperatingMode;
 use gsk_messages::say;
 
 use super::frame;
@@ -18,7 +18,7 @@ const VERSION: &str = "Gsk-980TD V05.05.12";
 /// Draws the program page: the editor in EDIT, otherwise the block in execution.
 pub fn text(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let mode = cnc.mode();
-    if mode.edits() || mode == Mode::Auto {
+    if mode.edits() || mode == OperatingMode::Auto {
         let searching = view.editor.searching;
         let prompt = match searching {
             true => say::lcd_search_prompt(),
@@ -67,7 +67,7 @@ fn listed(cnc: &Cnc) -> impl Iterator<Item = u16> {
     cnc.programs()
         .iter()
         .map(|(number, _)| number)
-        .filter(move |number| !rights.hides(*number))
+        .filter(move |number| !rights.is_hidden(*number))
 }
 
 /// Draws the directory.

@@ -3,7 +3,7 @@
 use core::ops::Range;
 
 use gsk_core::cnc::Cnc;
-use gsk_core::program::{Program, without_end};
+use gsk_core::program::{Program, without_end_sign};
 
 use crate::glyphs;
 use crate::screen::{COLUMNS, CellStyle, Screen};
@@ -54,7 +54,7 @@ fn shown(line: &str, end_of_block: char) -> String {
     if text == "%" {
         return text.to_owned();
     }
-    let text = without_end(text);
+    let text = without_end_sign(text);
     let mut block = String::with_capacity(text.len() + 1);
     block.push_str(text);
     block.push(end_of_block);
@@ -206,7 +206,7 @@ fn draw_row(
 
 #[cfg(test)]
 mod tests {
-    use gsk_core::program::split;
+    use gsk_core::program::split_programs;
 
     use super::*;
 
@@ -242,7 +242,7 @@ mod tests {
 
     #[test]
     fn a_program_from_the_middle_of_a_file_begins_at_its_own_line() {
-        let parts = split("O0001;\nM30;\n\n\nO0002;\nG0 X1;\nM30;\n");
+        let parts = split_programs("O0001;\nM30;\n\n\nO0002;\nG0 X1;\nM30;\n");
         let second = &parts[1];
         assert_eq!(page_of(second, 6, 0).first, 5);
         assert_eq!(listed(second, 7, ';').as_deref(), Some("M30;"));

@@ -32,8 +32,8 @@ pub fn codes(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
 pub fn switches(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let cursor = view.cursors.get(PageId::SetSwitch).item.min(1);
     let rows = [
-        (3, say::lcd_parameter_switch(), cnc.parameter_switch()),
-        (6, say::lcd_program_switch(), cnc.program_switch()),
+        (3, say::lcd_parameter_switch(), cnc.is_parameter_switch_on()),
+        (6, say::lcd_program_switch(), cnc.is_program_switch_on()),
     ];
     for (index, (row, label, on)) in rows.into_iter().enumerate() {
         if index == cursor {

@@ -2,7 +2,7 @@
 //! (NC-B08, key 示教).
 
 use gsk_core::cnc::Cnc;
-use gsk_core::operation::Mode;
+use gsk_core::operation::OperatingMode;
 use gsk_core::units::Axis;
 use gsk_messages::say;
 
@@ -21,7 +21,10 @@ const NEXT_ROW: usize = 12;
 
 /// Returns whether the graphic page teaches: the model supports it and the mode is manual.
 pub fn teaches(cnc: &Cnc) -> bool {
-    let by_hand = matches!(cnc.mode(), Mode::Jog | Mode::Step | Mode::Handwheel);
+    let by_hand = matches!(
+        cnc.mode(),
+        OperatingMode::Jog | OperatingMode::Step | OperatingMode::Handwheel
+    );
     by_hand && cnc.model().record().teaches
 }
 

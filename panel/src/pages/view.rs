@@ -1,6 +1,6 @@
 //! Stores the panel's state that drawing needs beside that of the control.
 
-use gsk_core::program::Editing;
+use gsk_core::program::ProgramEditor;
 use gsk_core::units::Axis;
 use serde::{Deserialize, Serialize};
 
@@ -121,7 +121,7 @@ impl PageCursors {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EditorState {
     /// Text and cursor. `None` shows the stored program at the control's cursor.
-    pub editing: Option<Editing>,
+    pub editing: Option<ProgramEditor>,
     /// Whether alter mode (inverse cursor) is on instead of insert mode (bar).
     pub alter: bool,
     /// Whether `转换` has started a search, which changes the prompt.

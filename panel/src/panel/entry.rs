@@ -1,7 +1,7 @@
 //! Handles characters and the input line (manual III-1.2.4, III-1.3).
 
-use gsk_core::cnc::{Cnc, Request};
-use gsk_core::operation::Mode;
+use gsk_core::cnc::{Cnc, ControlRequest};
+use gsk_core::operation::OperatingMode;
 use gsk_core::units::Axis;
 
 use super::{INPUT_LENGTH, Panel};
@@ -18,8 +18,8 @@ pub(crate) fn is_typable(character: char) -> bool {
 }
 
 /// Whether a mode selects and searches programs on the program page.
-const fn lists_programs(mode: Mode) -> bool {
-    mode.edits() || matches!(mode, Mode::Auto)
+const fn lists_programs(mode: OperatingMode) -> bool {
+    mode.edits() || matches!(mode, OperatingMode::Auto)
 }
 
 impl Panel {
@@ -28,7 +28,7 @@ impl Panel {
         &mut self,
         character: char,
         cnc: &Cnc,
-        requests: &mut Vec<Request>,
+        requests: &mut Vec<ControlRequest>,
     ) {
         let character = character.to_ascii_uppercase();
         if character == ';' {
@@ -50,7 +50,7 @@ impl Panel {
         second: Option<char>,
         before: Option<Key>,
         cnc: &Cnc,
-        requests: &mut Vec<Request>,
+        requests: &mut Vec<ControlRequest>,
     ) {
         let in_text = self.edits(cnc) && !self.goes_to_input_line(first, cnc);
         if in_text && !self.is_held(Key::Cancel) {
@@ -81,7 +81,7 @@ impl Panel {
         }
     }
 
-    fn character(&mut self, character: char, cnc: &Cnc, requests: &mut Vec<Request>) {
+    fn character(&mut self, character: char, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         if self.is_held(Key::Cancel) {
             return self.cancel_chord(character, requests);
         }
@@ -107,16 +107,20 @@ impl Panel {
     }
 
     /// Handles a character while 取消 is held.
-    fn cancel_chord(&self, character: char, requests: &mut Vec<Request>) {
+    fn cancel_chord(&self, character: char, requests: &mut Vec<ControlRequest>) {
         let relative = matches!(self.page, PageId::PosRel | PageId::PosAll);
         let counters = matches!(self.page, PageId::PosRel | PageId::PosAbs);
         match character {
-            'U' if relative => requests.push(Request::ZeroRelative(Axis::X)),
-            'W' if relative => requests.push(Request::ZeroRelative(Axis::Z)),
-            'X' if self.page == PageId::PosAll => requests.push(Request::SetMachineZero(Axis::X)),
-            'Z' if self.page == PageId::PosAll => requests.push(Request::SetMachineZero(Axis::Z)),
-            'N' if counters => requests.push(Request::ClearParts),
-            'T' if counters => requests.push(Request::ClearCuttingTime),
+            'U' if relative => requests.push(ControlRequest::ZeroRelative(Axis::X)),
+            'W' if relative => requests.push(ControlRequest::ZeroRelative(Axis::Z)),
+            'X' if self.page == PageId::PosAll => {
+                requests.push(ControlRequest::SetMachineZero(Axis::X))
+            }
+            'Z' if self.page == PageId::PosAll => {
+                requests.push(ControlRequest::SetMachineZero(Axis::Z))
+            }
+            'N' if counters => requests.push(ControlRequest::ClearParts),
+            'T' if counters => requests.push(ControlRequest::ClearCuttingTime),
             _ => {}
         }
     }
@@ -139,7 +143,7 @@ impl Panel {
     pub(super) fn takes_input(&self, cnc: &Cnc) -> bool {
         match self.page {
             PageId::Prg => lists_programs(cnc.mode()),
-            PageId::Mdi | PageId::GraphPar => cnc.mode() == Mode::Mdi,
+            PageId::Mdi | PageId::GraphPar => cnc.mode() == OperatingMode::Mdi,
             PageId::Oft
             | PageId::SetCode
             | PageId::Macro
@@ -163,13 +167,13 @@ impl Panel {
     }
 
     /// 输入: reads and clears the input line.
-    pub(super) fn commit_input(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
+    pub(super) fn commit_input(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         match self.page {
             PageId::Password => return self.password_input(cnc, requests),
             // The cursor keys search on the program page.
             PageId::Prg => return,
             _ if self.view.input.is_empty() => return,
-            PageId::GraphPar if cnc.mode() == Mode::Mdi => self.set_graphic(cnc),
+            PageId::GraphPar if cnc.mode() == OperatingMode::Mdi => self.set_graphic(cnc),
             _ if self.commit_value(cnc, requests) => {}
             _ => self.search_item(cnc),
         }
@@ -177,7 +181,7 @@ impl Panel {
     }
 
     /// Handles 转换.
-    pub(super) fn change_key(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
+    pub(super) fn change_key(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         match self.page {
             PageId::Prg if self.edits(cnc) && self.view.input.starts_with('O') => {
                 self.edit_key(Key::Change, cnc, requests);
@@ -200,7 +204,7 @@ impl Panel {
     }
 
     /// Handles the cursor keys.
-    pub(super) fn cursor_key(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
+    pub(super) fn cursor_key(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         if self.page == PageId::Prg && lists_programs(cnc.mode()) {
             self.program_cursor(key, cnc, requests);
             return;

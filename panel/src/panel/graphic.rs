@@ -43,11 +43,11 @@ impl Panel {
         };
         let trace = &mut self.view.trace;
         let lag = cnc.board_lag();
-        let stops = lag.map_or(self.stops, |lag| lag.stops);
+        let stops = lag.map_or(self.stops, |lag| lag.resync_count);
         if core::mem::replace(&mut self.stops, stops) != stops {
-            let from = frame.program(framed.machine(from));
-            if !trace.end_at_stop(frame.machine(to)) && from != to {
-                trace.push(from, to, cnc.moves_at_rapid());
+            let from = frame.to_program(framed.to_machine(from));
+            if !trace.end_at_stop(frame.to_machine(to)) && from != to {
+                trace.push(from, to, cnc.is_rapid_under_way());
             }
             return;
         }
@@ -56,7 +56,7 @@ impl Panel {
         if framed != frame || from == to {
             return;
         }
-        let rapid = cnc.moves_at_rapid();
+        let rapid = cnc.is_rapid_under_way();
         let piece = PathSegment { from, to, rapid };
         if lag.is_none() {
             trace.push(from, to, rapid);
@@ -74,7 +74,7 @@ impl Panel {
         if !unset {
             return;
         }
-        let x_factor = if cnc.parameters().radius_programming() {
+        let x_factor = if cnc.parameters().is_radius_programming() {
             1.0
         } else {
             2.0
@@ -97,7 +97,7 @@ impl Panel {
         let row = self.view.cursors.get(PageId::GraphPar).item;
         match row {
             // 坐标选择 needs the parameter switch.
-            0 if cnc.rights().machine_data().is_err() => {}
+            0 if cnc.rights().check_machine_data().is_err() => {}
             0 => match input {
                 "0" => settings.zx = false,
                 "1" => settings.zx = true,

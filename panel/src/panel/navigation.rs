@@ -1,6 +1,6 @@
 //! Selects pages, and moves the cursor on list pages (manual III-1.2.5).
 
-use gsk_core::cnc::{Cnc, Request};
+use gsk_core::cnc::{Cnc, ControlRequest};
 
 use super::{Panel, page_group};
 use crate::keys::Key;
@@ -58,7 +58,12 @@ impl Panel {
     }
 
     /// The page keys step through the screens of a page, then to the next page.
-    pub(super) fn turn_page(&mut self, forward: bool, cnc: &Cnc, requests: &mut Vec<Request>) {
+    pub(super) fn turn_page(
+        &mut self,
+        forward: bool,
+        cnc: &Cnc,
+        requests: &mut Vec<ControlRequest>,
+    ) {
         if self.page == PageId::Prg && cnc.mode().edits() {
             self.turn_text_page(forward, cnc, requests);
             return;

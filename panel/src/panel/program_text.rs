@@ -1,10 +1,10 @@
 //! Handles the program page: selecting, searching and editing programs (manual III-5.1,
 //! III-8.1, III-8.2).
 
-use gsk_core::cnc::{Cnc, Request};
+use gsk_core::cnc::{Cnc, ControlRequest};
 use gsk_core::command::ProgramId;
-use gsk_core::operation::Mode;
-use gsk_core::program::{Completion, Editing, Program};
+use gsk_core::operation::OperatingMode;
+use gsk_core::program::{Completion, Program, ProgramEditor};
 
 use super::Panel;
 use crate::keys::Key;
@@ -24,9 +24,10 @@ impl Panel {
     pub(super) fn goes_to_input_line(&self, character: char, cnc: &Cnc) -> bool {
         let editor = &self.view.editor;
         let editing = editor.editing.as_ref();
-        let in_comment = editing.is_some_and(Editing::in_comment);
+        let in_comment = editing.is_some_and(ProgramEditor::is_in_comment);
         // GOTO, ROUND, OR.
-        let in_statement = cnc.variables_are_real() && editing.is_some_and(Editing::in_statement);
+        let in_statement =
+            cnc.are_variables_real() && editing.is_some_and(ProgramEditor::is_in_statement);
         let names_program = character == 'O' && !in_comment && !in_statement;
         editor.searching || !self.view.input.is_empty() || names_program
     }
@@ -38,7 +39,7 @@ impl Panel {
         character: char,
         key: Option<Key>,
         cnc: &Cnc,
-        requests: &mut Vec<Request>,
+        requests: &mut Vec<ControlRequest>,
     ) {
         let alter = self.view.editor.alter;
         let after_cursor = cnc.parameters().inserts_after_cursor();
@@ -63,19 +64,20 @@ impl Panel {
         key: Key,
         (first, second): (char, char),
         cnc: &Cnc,
-        requests: &mut Vec<Request>,
+        requests: &mut Vec<ControlRequest>,
     ) -> bool {
         let Some(editing) = &self.view.editor.editing else {
             return false;
         };
         // With insertion after the cursor, the cursor is on the typed character, except at the
         // end of a block.
-        let after_cursor = cnc.parameters().inserts_after_cursor() && editing.at_cursor().is_some();
+        let after_cursor =
+            cnc.parameters().inserts_after_cursor() && editing.char_at_cursor().is_some();
         let alter = self.view.editor.alter || after_cursor;
         let entered = if alter {
-            editing.at_cursor()
+            editing.char_at_cursor()
         } else {
-            editing.before_cursor()
+            editing.char_before_cursor()
         };
         let other = match entered {
             Some(entered) if entered == first => second,
@@ -96,7 +98,7 @@ impl Panel {
     }
 
     /// Handles EOB, DEL, INS/ALT, CHG, CAN and OUT on the program page in EDIT.
-    pub(super) fn edit_key(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
+    pub(super) fn edit_key(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         let input = self.view.input.clone();
         if let Some(number) = input.strip_prefix('O').filter(|_| key != Key::Cancel) {
             let number = number.to_owned();
@@ -109,7 +111,7 @@ impl Panel {
                 self.view.input.pop();
             }
             Key::Cancel if !self.view.editor.searching => {
-                self.edit(cnc, requests, Editing::backspace);
+                self.edit(cnc, requests, ProgramEditor::backspace);
             }
             Key::Eob if !self.view.editor.searching => {
                 self.edit(cnc, requests, |editing| editing.end_block(completion));
@@ -118,7 +120,7 @@ impl Panel {
                 self.delete_range(&input, cnc, requests);
             }
             Key::Delete => {
-                self.edit(cnc, requests, Editing::delete);
+                self.edit(cnc, requests, ProgramEditor::delete);
             }
             Key::Insert if !self.view.editor.searching => {
                 self.view.editor.alter = !self.view.editor.alter;
@@ -128,18 +130,18 @@ impl Panel {
     }
 
     /// Handles `O`, a number and a key, which create, save, rename or delete the program.
-    fn program_command(&mut self, key: Key, digits: &str, requests: &mut Vec<Request>) {
+    fn program_command(&mut self, key: Key, digits: &str, requests: &mut Vec<ControlRequest>) {
         let all = is_all_programs(digits);
         let number = number(digits);
         let request = match (key, number) {
-            (Key::Delete, _) if all => Request::DeleteAllPrograms,
-            (Key::Delete, Some(number)) => Request::DeleteProgram(number),
+            (Key::Delete, _) if all => ControlRequest::DeleteAllPrograms,
+            (Key::Delete, Some(number)) => ControlRequest::DeleteProgram(number),
             (Key::Eob, Some(number)) => {
                 self.created = Some(number);
-                Request::CreateProgram(number)
+                ControlRequest::CreateProgram(number)
             }
-            (Key::Change, Some(number)) => Request::SaveProgramAs(number),
-            (Key::Insert, Some(number)) => Request::RenameProgram(number),
+            (Key::Change, Some(number)) => ControlRequest::SaveProgramAs(number),
+            (Key::Insert, Some(number)) => ControlRequest::RenameProgram(number),
             _ => {
                 self.clear_input();
                 return;
@@ -151,7 +153,7 @@ impl Panel {
     }
 
     /// Search state, `N`, a number, 删除: deletes from the cursor to the end of that block.
-    fn delete_range(&mut self, input: &str, cnc: &Cnc, requests: &mut Vec<Request>) {
+    fn delete_range(&mut self, input: &str, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         let Some(sequence) = input.strip_prefix('N').and_then(number) else {
             return;
         };
@@ -161,13 +163,18 @@ impl Panel {
         if self.edit(cnc, requests, |editing| editing.delete_to(sequence.into())) {
             self.clear_input();
         } else {
-            requests.push(Request::NotFound { sequence: true });
+            requests.push(ControlRequest::NotFound { sequence: true });
         }
     }
 
     /// Handles a cursor key on the program page in EDIT or AUTO. With `O` typed it selects a
     /// program, in search state it searches, in EDIT it moves the cursor.
-    pub(super) fn program_cursor(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
+    pub(super) fn program_cursor(
+        &mut self,
+        key: Key,
+        cnc: &Cnc,
+        requests: &mut Vec<ControlRequest>,
+    ) {
         let input = self.view.input.clone();
         if self.view.editor.searching {
             self.search_text(&input, key, cnc, requests);
@@ -178,18 +185,18 @@ impl Panel {
                 Key::Down if rest.is_empty() => {
                     // The letter remains, so that the next press selects the next program.
                     self.store_edited(requests);
-                    requests.extend(next_program(cnc).map(Request::SelectProgram));
+                    requests.extend(next_program(cnc).map(ControlRequest::SelectProgram));
                 }
                 Key::Down => {
                     self.store_edited(requests);
-                    requests.extend(number(rest).map(Request::SelectProgram));
+                    requests.extend(number(rest).map(ControlRequest::SelectProgram));
                     self.clear_input();
                 }
                 Key::Up => {
                     if let Some(editing) = self.editing(cnc) {
-                        editing.to_head();
+                        editing.move_to_head();
                     }
-                    requests.push(Request::CursorTo(1));
+                    requests.push(ControlRequest::CursorTo(1));
                     self.clear_input();
                 }
                 _ => {}
@@ -200,38 +207,49 @@ impl Panel {
             && let Some(editing) = self.editing(cnc)
         {
             match key {
-                Key::Up => editing.up(),
-                Key::Down => editing.down(),
-                Key::Left => editing.left(),
-                _ => editing.right(),
+                Key::Up => editing.move_up(),
+                Key::Down => editing.move_down(),
+                Key::Left => editing.move_left(),
+                _ => editing.move_right(),
             }
             self.cursor_moved(requests);
         }
     }
 
     /// Handles 转换, up to five characters and a cursor key.
-    fn search_text(&mut self, wanted: &str, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
+    fn search_text(
+        &mut self,
+        wanted: &str,
+        key: Key,
+        cnc: &Cnc,
+        requests: &mut Vec<ControlRequest>,
+    ) {
         let forward = match key {
             Key::Down => true,
             Key::Up => false,
             _ => return,
         };
-        if wanted.is_empty() || cnc.mode() == Mode::Auto && is_running(cnc) {
+        if wanted.is_empty() || cnc.mode() == OperatingMode::Auto && is_running(cnc) {
             return;
         }
         let found = self
             .editing(cnc)
-            .is_some_and(|editing| editing.find(wanted, forward));
+            .is_some_and(|editing| editing.move_to_text(wanted, forward));
         if found {
             self.cursor_moved(requests);
         } else {
             let sequence = wanted.strip_prefix('N').and_then(number).is_some();
-            requests.push(Request::NotFound { sequence });
+            requests.push(ControlRequest::NotFound { sequence });
         }
     }
 
     /// Moves one screen forward or back in EDIT.
-    pub(super) fn turn_text_page(&mut self, forward: bool, cnc: &Cnc, requests: &mut Vec<Request>) {
+    pub(super) fn turn_text_page(
+        &mut self,
+        forward: bool,
+        cnc: &Cnc,
+        requests: &mut Vec<ControlRequest>,
+    ) {
         if let Some(editing) = self.editing(cnc) {
             editing.turn_page(forward, PAGE_ROWS as u32);
             self.cursor_moved(requests);
@@ -239,31 +257,31 @@ impl Panel {
     }
 
     /// The next run starts at the cursor.
-    fn cursor_moved(&mut self, requests: &mut Vec<Request>) {
+    fn cursor_moved(&mut self, requests: &mut Vec<ControlRequest>) {
         if let Some(editing) = &self.view.editor.editing {
-            requests.push(Request::CursorTo(editing.cursor().0));
+            requests.push(ControlRequest::CursorTo(editing.cursor().0));
         }
     }
 
     /// The editor of the selected program, opened at the control's cursor.
-    fn editing(&mut self, cnc: &Cnc) -> Option<&mut Editing> {
-        let hidden = stored_number(cnc).is_some_and(|number| cnc.rights().hides(number));
+    fn editing(&mut self, cnc: &Cnc) -> Option<&mut ProgramEditor> {
+        let hidden = stored_number(cnc).is_some_and(|number| cnc.rights().is_hidden(number));
         let program = current(cnc).filter(|_| !hidden)?;
         let line = cnc.cursor().line;
-        let begun = || Editing::new(program.clone(), line);
+        let begun = || ProgramEditor::new(program.clone(), line);
         Some(self.view.editor.editing.get_or_insert_with(begun))
     }
 
     /// Whether the selected program may be edited. The control reports the reason if not.
-    fn has_edit_right(&self, cnc: &Cnc, requests: &mut Vec<Request>) -> bool {
+    fn has_edit_right(&self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) -> bool {
         // A program outside the memory is read-only.
         let Some(number) = stored_number(cnc) else {
             return false;
         };
-        match cnc.rights().program(number) {
+        match cnc.rights().check_program_edit(number) {
             Ok(()) => true,
             Err(_) => {
-                requests.push(Request::AskToEdit(number));
+                requests.push(ControlRequest::CheckEdit(number));
                 false
             }
         }
@@ -274,8 +292,8 @@ impl Panel {
     pub(super) fn edit(
         &mut self,
         cnc: &Cnc,
-        requests: &mut Vec<Request>,
-        change: impl FnOnce(&mut Editing) -> bool,
+        requests: &mut Vec<ControlRequest>,
+        change: impl FnOnce(&mut ProgramEditor) -> bool,
     ) -> bool {
         if !self.has_edit_right(cnc, requests) {
             return false;
@@ -295,7 +313,7 @@ impl Panel {
         if grown > cnc.programs().free_characters() {
             // The memory refuses it with its alarm, and the text does not change.
             let program = changed.finish().clone();
-            requests.push(Request::StoreEdited { number, program });
+            requests.push(ControlRequest::StoreEdited { number, program });
             return false;
         }
         *editing = changed;
@@ -309,38 +327,38 @@ impl Panel {
         let number = self.edited?;
         let editing = self.view.editor.editing.as_ref()?;
         editing
-            .changed()
+            .is_changed()
             .then(|| (number, editing.clone().finish().clone()))
     }
 
     /// Stores the text if it has changed: before another program, page or mode.
-    pub(super) fn store_edited(&mut self, requests: &mut Vec<Request>) {
+    pub(super) fn store_edited(&mut self, requests: &mut Vec<ControlRequest>) {
         let (Some(editing), Some(number)) = (&mut self.view.editor.editing, self.edited.take())
         else {
             return;
         };
-        if !editing.changed() {
+        if !editing.is_changed() {
             return;
         }
         let program = editing.finish().clone();
-        requests.push(Request::StoreEdited {
+        requests.push(ControlRequest::StoreEdited {
             number,
             program: program.clone(),
         });
-        requests.push(Request::CursorTo(editing.cursor().0));
-        editing.saved(program);
+        requests.push(ControlRequest::CursorTo(editing.cursor().0));
+        editing.mark_saved(program);
     }
 
     /// Stores the text when its page or mode is left. Moves the editor when the control shows
     /// another program or line.
-    pub(super) fn follow_program(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
+    pub(super) fn follow_program(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         if self.view.editor.editing.is_none() && self.created.is_none() {
             return;
         }
         if !self.edits(cnc) && self.edited.is_some() {
             self.store_edited(requests);
         }
-        let cursor = (cnc.programs().current(), cnc.cursor().line);
+        let cursor = (cnc.programs().selected(), cnc.cursor().line);
         let moved = self.followed.replace(cursor) != Some(cursor);
         let same = match (&self.view.editor.editing, current(cnc)) {
             (Some(editing), Some(program)) => editing.stored() == program,
@@ -352,16 +370,16 @@ impl Panel {
             && let Some(editing) = &mut self.view.editor.editing
             && editing.cursor().0 != cursor.1
         {
-            editing.to_line(cursor.1);
+            editing.move_to_line(cursor.1);
         }
         if let Some(number) = self.created.take()
             && self.edits(cnc)
-            && cnc.programs().current() == Some(ProgramId::Stored(number))
+            && cnc.programs().selected() == Some(ProgramId::Stored(number))
             && let Some(program) = current(cnc).filter(|program| program.block_count() == 1)
         {
-            let mut editing = Editing::new(program.clone(), 2);
+            let mut editing = ProgramEditor::new(program.clone(), 2);
             editing.number_block(completion(cnc));
-            self.edited = editing.changed().then_some(number);
+            self.edited = editing.is_changed().then_some(number);
             self.view.editor.editing = Some(editing);
         }
     }
@@ -369,12 +387,12 @@ impl Panel {
 
 /// The selected program.
 fn current(cnc: &Cnc) -> Option<&Program> {
-    cnc.programs().get(cnc.programs().current()?)
+    cnc.programs().get(cnc.programs().selected()?)
 }
 
 /// The number of the selected program, if it is in the memory.
 fn stored_number(cnc: &Cnc) -> Option<u16> {
-    match cnc.programs().current()? {
+    match cnc.programs().selected()? {
         ProgramId::Stored(number) => Some(number),
         _ => None,
     }
@@ -389,7 +407,7 @@ fn completion(cnc: &Cnc) -> Completion {
     let step = cnc.parameters().block_number_step();
     Completion {
         numbering: cnc.settings().numbering.then_some(step),
-        points: cnc.parameters().point_is_appended(),
+        points: cnc.parameters().is_point_appended(),
     }
 }
 
@@ -397,7 +415,7 @@ fn completion(cnc: &Cnc) -> Completion {
 fn next_program(cnc: &Cnc) -> Option<u16> {
     let rights = cnc.rights();
     let listed = cnc.programs().iter().map(|(number, _)| number);
-    let numbers: Vec<u16> = listed.filter(|number| !rights.hides(*number)).collect();
+    let numbers: Vec<u16> = listed.filter(|number| !rights.is_hidden(*number)).collect();
     let selected = stored_number(cnc);
     let after = numbers.iter().find(|number| Some(**number) > selected);
     after.or(numbers.first()).copied()

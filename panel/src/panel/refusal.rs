@@ -2,7 +2,7 @@
 
 use gsk_core::cnc::Cnc;
 use gsk_core::command::ProgramId;
-use gsk_core::operation::Mode;
+use gsk_core::operation::OperatingMode;
 use gsk_messages::{Message, say};
 
 use super::Panel;
@@ -45,11 +45,15 @@ impl Panel {
             return None;
         }
         match self.page() {
-            PageId::Prg if cnc.mode() == Mode::Auto => None,
+            PageId::Prg if cnc.mode() == OperatingMode::Auto => None,
             PageId::Prg if self.edits(cnc) && self.goes_to_input_line(character, cnc) => None,
             PageId::Prg => self.refuses_text(false, cnc),
-            PageId::Mdi if cnc.mode() != Mode::Mdi => Some(say::key_mdi_block_in_mdi_mode()),
-            PageId::GraphPar if cnc.mode() != Mode::Mdi => Some(say::key_graphic_in_mdi_mode()),
+            PageId::Mdi if cnc.mode() != OperatingMode::Mdi => {
+                Some(say::key_mdi_block_in_mdi_mode())
+            }
+            PageId::GraphPar if cnc.mode() != OperatingMode::Mdi => {
+                Some(say::key_graphic_in_mdi_mode())
+            }
             PageId::PosRel | PageId::PosAll if matches!(character, 'U' | 'W') => None,
             PageId::Graph
             | PageId::SetSwitch
@@ -64,16 +68,16 @@ impl Panel {
     /// Reasons for keys of the program text.
     fn refuses_text(&self, input: bool, cnc: &Cnc) -> Option<Message> {
         match cnc.mode() {
-            Mode::Edit if input => None,
-            Mode::Edit => self.refuses_edit(cnc),
-            Mode::Auto if input => Some(say::key_program_is_chosen_with_o()),
-            Mode::Mdi => Some(say::key_mdi_block_on_page_mdi()),
+            OperatingMode::Edit if input => None,
+            OperatingMode::Edit => self.refuses_edit(cnc),
+            OperatingMode::Auto if input => Some(say::key_program_is_chosen_with_o()),
+            OperatingMode::Mdi => Some(say::key_mdi_block_on_page_mdi()),
             _ => Some(say::key_text_in_edit_mode()),
         }
     }
 
     fn refuses_edit(&self, cnc: &Cnc) -> Option<Message> {
-        match cnc.programs().current() {
+        match cnc.programs().selected() {
             None => Some(say::key_no_program_selected()),
             Some(ProgramId::External) if self.view().input.is_empty() => {
                 Some(say::key_program_is_outside())
@@ -93,7 +97,7 @@ impl Panel {
     fn refuses_output(&self, cnc: &Cnc) -> Option<Message> {
         let starts = cnc.parameters().output_key_starts();
         match cnc.mode() {
-            Mode::Mdi if !starts => Some(say::key_output_starts_with_parameter()),
+            OperatingMode::Mdi if !starts => Some(say::key_output_starts_with_parameter()),
             _ => None,
         }
     }

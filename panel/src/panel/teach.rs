@@ -1,8 +1,8 @@
 //! Handles teach-in: the operator moves the axes and stores their position in the program
 //! (manual PLC-II 3.6).
 
-use gsk_core::cnc::{Cnc, Request};
-use gsk_core::program::Editing;
+use gsk_core::cnc::{Cnc, ControlRequest};
+use gsk_core::program::ProgramEditor;
 use gsk_core::units::Axis;
 
 use super::Panel;
@@ -15,16 +15,16 @@ const MM_PER_INCH: f64 = 25.4;
 impl Panel {
     /// 输入 in a teach-in mode: sets the axis word at the cursor to the absolute coordinate,
     /// unless an axis moves.
-    pub(super) fn teach(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
+    pub(super) fn teach(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         if self.view.editor.searching || !self.view.input.is_empty() || cnc.is_moving() {
             return;
         }
         let axis = self.view.editor.editing.as_ref();
-        let Some(axis) = axis.and_then(Editing::axis_word) else {
+        let Some(axis) = axis.and_then(ProgramEditor::axis_word) else {
             return;
         };
         let value = programmed(cnc, axis);
-        self.edit(cnc, requests, |editing| editing.teach(&value));
+        self.edit(cnc, requests, |editing| editing.teach_axis(&value));
     }
 }
 
@@ -43,7 +43,7 @@ impl Panel {
         &mut self,
         key: Key,
         cnc: &Cnc,
-        requests: &mut Vec<Request>,
+        requests: &mut Vec<ControlRequest>,
     ) -> bool {
         match key {
             Key::Input if !self.view.input.is_empty() => self.take_teaching_word(),
@@ -66,7 +66,7 @@ impl Panel {
             }
             Key::Cancel if self.view.input.is_empty() => {
                 if !self.view.teaching.points.is_empty() {
-                    requests.push(Request::StoreProgram(self.view.teaching.text()));
+                    requests.push(ControlRequest::StoreProgram(self.view.teaching.text()));
                 }
                 self.go_to(PageId::PosRel);
             }
@@ -116,9 +116,9 @@ impl Panel {
 /// The position of an axis as programmed: diameter or radius, mm or inch.
 fn programmed(cnc: &Cnc, axis: Axis) -> String {
     let at = cnc.position_absolute().get(axis);
-    let radius = axis == Axis::Z || cnc.parameters().radius_programming();
+    let radius = axis == Axis::Z || cnc.parameters().is_radius_programming();
     let at = if radius { at } else { at * 2.0 };
-    if cnc.inch_input() {
+    if cnc.is_inch_input() {
         signed(at / MM_PER_INCH, 4)
     } else {
         signed(at, 3)

@@ -1,4 +1,4 @@
-use gsk_core::program::Editing;
+use gsk_core::program::ProgramEditor;
 use gsk_core::setup::Setup;
 use gsk_core::units::Axis;
 use gsk_core::units::Point;
@@ -312,7 +312,7 @@ fn the_edit_cursor_walks_and_pages_through_the_text() {
     let mut after = |key: Key| {
         tap(&mut emulator, key);
         let editing = emulator.panel.view().editor.editing.as_ref();
-        let cursor = editing.map(Editing::cursor).unwrap();
+        let cursor = editing.map(ProgramEditor::cursor).unwrap();
         assert_eq!(cursor.0, line(&emulator));
         cursor
     };
@@ -328,7 +328,7 @@ fn the_edit_cursor_walks_and_pages_through_the_text() {
     emulator.press(Key::Reset);
     assert_eq!(line(&emulator), 1);
     let editing = emulator.panel.view().editor.editing.as_ref();
-    assert_eq!(editing.map(Editing::cursor), Some((1, 0)));
+    assert_eq!(editing.map(ProgramEditor::cursor), Some((1, 0)));
 }
 
 #[test]
@@ -429,7 +429,7 @@ fn after_the_self_test_only_an_alarm_shows_the_alarm_page() {
     emulator.run(100);
     emulator.press(Key::EmergencyStop);
     emulator.run(200);
-    assert!(emulator.simulation.cnc.in_alarm());
+    assert!(emulator.simulation.cnc.is_in_alarm());
     let mut released = emulator.clone();
     released.press(Key::EmergencyStop);
     for (mut emulator, expected) in [(emulator, PageId::Alm), (released, PageId::PosRel)] {

@@ -4,9 +4,9 @@
 mod files;
 mod line;
 
-use gsk_core::cnc::{Cnc, Received, Request, SerialPort};
-use gsk_core::memory::Refusal;
-use gsk_core::operation::Mode;
+use gsk_core::cnc::{Cnc, ControlRequest, ReceivedData, SerialPort};
+use gsk_core::memory::WriteRefusal;
+use gsk_core::operation::OperatingMode;
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
@@ -45,7 +45,7 @@ pub enum ReceiveError {
         /// The name of the file.
         name: String,
         /// The reason.
-        why: Refusal,
+        why: WriteRefusal,
     },
 }
 
@@ -154,7 +154,7 @@ impl Panel {
     }
 
     /// 复位 aborts a transfer.
-    pub(super) fn abort_transfer(&mut self, requests: &mut Vec<Request>) {
+    pub(super) fn abort_transfer(&mut self, requests: &mut Vec<ControlRequest>) {
         self.transfer.wanted = None;
         if self.client_port_is_busy() {
             self.transfer.for_line.clear();
@@ -172,10 +172,10 @@ impl Panel {
         &mut self,
         shown: Communication,
         port: SerialPort,
-        requests: &mut Vec<Request>,
+        requests: &mut Vec<ControlRequest>,
     ) {
         self.view.communication = shown;
-        requests.push(Request::SerialPort(port));
+        requests.push(ControlRequest::SetSerialPort(port));
     }
 
     fn port_is_busy(&self) -> bool {
@@ -201,7 +201,7 @@ impl Panel {
         &mut self,
         file: SerialFile,
         cnc: &Cnc,
-        requests: &mut Vec<Request>,
+        requests: &mut Vec<ControlRequest>,
     ) -> Result<(), ReceiveError> {
         if !self.is_awake() || !cnc.parameters().has_serial_port() {
             return Err(ReceiveError::PortOff);
@@ -225,13 +225,13 @@ impl Panel {
         };
         let rights = cnc.rights();
         let allowed = match &received {
-            Received::Program(text) => rights.receive_program(files::number_of(text)),
-            _ => rights.receive_data(),
+            ReceivedData::Program(text) => rights.check_receive_program(files::number_of(text)),
+            _ => rights.check_receive_data(),
         };
         if let Err(refusal) = allowed {
-            if refusal == Refusal::Level && matches!(received, Received::Program(_)) {
+            if refusal == WriteRefusal::Level && matches!(received, ReceivedData::Program(_)) {
                 // The control raises its alarm.
-                requests.push(Request::Receive(received));
+                requests.push(ControlRequest::StoreReceived(received));
             }
             return Err(ReceiveError::Refused {
                 name: file.name,
@@ -245,9 +245,9 @@ impl Panel {
     }
 
     /// 输出 in EDIT: sends what the page shows.
-    pub(super) fn output(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
-        requests.push(Request::OutputKey(true));
-        if cnc.mode() != Mode::Edit || self.port_is_busy() {
+    pub(super) fn output(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
+        requests.push(ControlRequest::SetOutputKey(true));
+        if cnc.mode() != OperatingMode::Edit || self.port_is_busy() {
             return;
         }
         let Some(wanted) = self.wanted() else {
@@ -290,25 +290,25 @@ impl Panel {
         })
     }
 
-    fn may_send(&self, wanted: Wanted, cnc: &Cnc, requests: &mut Vec<Request>) -> bool {
+    fn may_send(&self, wanted: Wanted, cnc: &Cnc, requests: &mut Vec<ControlRequest>) -> bool {
         let rights = cnc.rights();
         let allowed = match wanted {
-            Wanted::Program(number) => rights.send_program(number),
-            Wanted::Programs => rights.send_program(0),
-            Wanted::Offsets | Wanted::Pitch | Wanted::Parameters => rights.send_data(),
+            Wanted::Program(number) => rights.check_send_program(number),
+            Wanted::Programs => rights.check_send_program(0),
+            Wanted::Offsets | Wanted::Pitch | Wanted::Parameters => rights.check_send_data(),
         };
         match (allowed, wanted) {
             (Ok(()), Wanted::Program(number)) if cnc.programs().stored(number).is_none() => {
-                requests.push(Request::NotFound { sequence: false });
+                requests.push(ControlRequest::NotFound { sequence: false });
                 false
             }
             (Ok(()), _) => true,
-            (Err(Refusal::Level), Wanted::Program(number)) => {
-                requests.push(Request::AskToSend(number));
+            (Err(WriteRefusal::Level), Wanted::Program(number)) => {
+                requests.push(ControlRequest::CheckSend(number));
                 false
             }
-            (Err(Refusal::Level), Wanted::Programs) => {
-                requests.push(Request::AskToSend(0));
+            (Err(WriteRefusal::Level), Wanted::Programs) => {
+                requests.push(ControlRequest::CheckSend(0));
                 false
             }
             (Err(_), _) => false,
@@ -316,7 +316,7 @@ impl Panel {
     }
 
     /// Starts or ends a transfer at a tick.
-    pub(super) fn follow_transfer(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
+    pub(super) fn follow_transfer(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         if let Some(wanted) = self.transfer.wanted.take() {
             let files = files::files_to_send(wanted, cnc);
             if self.transfer.partner == Partner::Line {
@@ -334,7 +334,7 @@ impl Panel {
             return;
         }
         if let Some(file) = self.transfer.incoming.take() {
-            requests.extend(files::read(&file).ok().map(Request::Receive));
+            requests.extend(files::read(&file).ok().map(ControlRequest::StoreReceived));
         } else if self.transfer.files.is_empty() {
             return;
         }
@@ -345,15 +345,15 @@ impl Panel {
 }
 
 /// The reason for a refusal, for the partner.
-fn reason(refusal: Refusal) -> Message {
+fn reason(refusal: WriteRefusal) -> Message {
     match refusal {
-        Refusal::Mode => say::refusal_mode(),
-        Refusal::Running => say::refusal_running(),
-        Refusal::Alarm => say::refusal_alarm(),
-        Refusal::ParameterSwitch => say::refusal_parameter_switch(),
-        Refusal::ProgramSwitch => say::refusal_program_switch(),
-        Refusal::Level => say::level_too_low(),
-        Refusal::Locked => say::refusal_locked(),
+        WriteRefusal::Mode => say::refusal_mode(),
+        WriteRefusal::Running => say::refusal_running(),
+        WriteRefusal::Alarm => say::refusal_alarm(),
+        WriteRefusal::ParameterSwitch => say::refusal_parameter_switch(),
+        WriteRefusal::ProgramSwitch => say::refusal_program_switch(),
+        WriteRefusal::Level => say::level_too_low(),
+        WriteRefusal::Locked => say::refusal_locked(),
     }
 }
 

@@ -1,9 +1,9 @@
 //! Handles values typed on the data pages, and pages whose keys act immediately (manual
 //! III-2.3, III-2.5, III-2.6, III-2.7).
 
-use gsk_core::cnc::{Cnc, OffsetEntry, Request};
-use gsk_core::memory::{Disk, Setting, Variables};
-use gsk_core::operation::{Mode, SoftSwitch};
+use gsk_core::cnc::{Cnc, ControlRequest, OffsetEntry};
+use gsk_core::memory::{ElectronicDisk, SettingRow, Variables};
+use gsk_core::operation::{OperatingMode, SoftSwitch};
 use gsk_core::units::{Axis, parse_finite};
 
 use super::Panel;
@@ -16,65 +16,73 @@ const PASSWORD_LENGTH: usize = 8;
 /// Diagnosis number of the current tool.
 const TOOL: usize = 75;
 /// The rows of the setting page.
-const SETTINGS: [Setting; 4] = [
-    Setting::Parity,
-    Setting::Iso,
-    Setting::Inch,
-    Setting::Numbering,
+const SETTINGS: [SettingRow; 4] = [
+    SettingRow::Parity,
+    SettingRow::Iso,
+    SettingRow::Inch,
+    SettingRow::Numbering,
 ];
-const DISKS: [Disk; 5] = [Disk::N0, Disk::N1, Disk::N2, Disk::N3, Disk::N4];
+const DISKS: [ElectronicDisk; 5] = [
+    ElectronicDisk::N0,
+    ElectronicDisk::N1,
+    ElectronicDisk::N2,
+    ElectronicDisk::N3,
+    ElectronicDisk::N4,
+];
 
 impl Panel {
     /// 输入 on a data page: requests the input line as a value of the item at the cursor. Returns
     /// `false` if the line cannot be a value there. It may then be a search.
-    pub(super) fn commit_value(&self, cnc: &Cnc, requests: &mut Vec<Request>) -> bool {
+    pub(super) fn commit_value(&self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) -> bool {
         let input = self.view.input.trim();
         let cursor = self.view.cursors.get(self.page);
         if input.starts_with('P') && self.page != PageId::Mdi {
             return false;
         }
         let request = match self.page {
-            PageId::Oft => offset_entry(input).map(|entry| Request::SetOffset {
+            PageId::Oft => offset_entry(input).map(|entry| ControlRequest::SetOffset {
                 number: cursor.item.min(usize::from(u8::MAX)) as u8,
                 entry,
             }),
-            PageId::Macro if cnc.variables_are_real() => {
+            PageId::Macro if cnc.are_variables_real() => {
                 let numbers = cnc.variable_numbers();
                 let variable = numbers.get(cursor.item).copied();
-                variable
-                    .zip(number(input))
-                    .map(|(number, value)| Request::SetMacroVariable {
+                variable.zip(number(input)).map(|(number, value)| {
+                    ControlRequest::SetMacroVariable {
                         number,
                         value: Some(value),
-                    })
+                    }
+                })
             }
             PageId::Macro => Variables::numbers()
                 .nth(cursor.item)
                 .zip(input.parse().ok())
-                .map(|(number, value)| Request::SetVariable { number, value }),
+                .map(|(number, value)| ControlRequest::SetVariable { number, value }),
             PageId::SetCode => SETTINGS
                 .get(cursor.item)
                 .zip(digit(input))
-                .map(|(setting, on)| Request::SetSetting(*setting, on)),
+                .map(|(setting, on)| ControlRequest::SetSetting(*setting, on)),
             PageId::ParBit => pages::state_numbers().nth(cursor.item).and_then(|number| {
                 if cursor.bit_entry {
                     let bit = cursor.bit;
-                    digit(input).map(|on| Request::SetParameterBit { number, bit, on })
+                    digit(input).map(|on| ControlRequest::SetParameterBit { number, bit, on })
                 } else {
-                    word(input).map(|value| Request::SetParameter { number, value })
+                    word(input).map(|value| ControlRequest::SetParameter { number, value })
                 }
             }),
             PageId::ParData => pages::data_numbers()
                 .nth(cursor.item)
                 .zip(whole(input))
-                .map(|(number, value)| Request::SetParameter { number, value }),
+                .map(|(number, value)| ControlRequest::SetParameter { number, value }),
             PageId::Pitch => pitch_entry(input, cursor.item),
-            PageId::Dgn if cursor.item == TOOL => tool(input).map(Request::SetTool),
+            PageId::Dgn if cursor.item == TOOL => tool(input).map(ControlRequest::SetTool),
             PageId::PlcValues => {
                 let address = pages::value_item(cursor.item);
-                whole(input).map(|value| Request::SetPreset(address, value))
+                whole(input).map(|value| ControlRequest::SetPreset(address, value))
             }
-            PageId::Mdi if cnc.mode() == Mode::Mdi => Some(Request::MdiWord(input.to_owned())),
+            PageId::Mdi if cnc.mode() == OperatingMode::Mdi => {
+                Some(ControlRequest::AddMdiWord(input.to_owned()))
+            }
             _ => return false,
         };
         requests.extend(request);
@@ -86,7 +94,7 @@ impl Panel {
         &mut self,
         character: char,
         cnc: &Cnc,
-        requests: &mut Vec<Request>,
+        requests: &mut Vec<ControlRequest>,
     ) -> bool {
         match self.page {
             PageId::SetSwitch => {
@@ -96,16 +104,16 @@ impl Panel {
                     _ => return true,
                 };
                 requests.push(if self.view.cursors.get(PageId::SetSwitch).item == 0 {
-                    Request::SetParameterSwitch(on)
+                    ControlRequest::SetParameterSwitch(on)
                 } else {
-                    Request::SetProgramSwitch(on)
+                    ControlRequest::SetProgramSwitch(on)
                 });
             }
             PageId::Edisk => self.disk_command(character, cnc, requests),
             PageId::Softpanel => {
                 let key = character.to_digit(10).and_then(|key| key.checked_sub(1));
                 let switch = key.and_then(|key| SoftSwitch::ALL.get(key as usize));
-                requests.extend(switch.copied().map(Request::ToggleSoftSwitch));
+                requests.extend(switch.copied().map(ControlRequest::ToggleSoftSwitch));
             }
             PageId::Password => self.password_digit(character),
             _ => return false,
@@ -114,20 +122,20 @@ impl Panel {
     }
 
     /// 0 to 4 read a disk, 5 to 8 save to one.
-    fn disk_command(&mut self, character: char, cnc: &Cnc, requests: &mut Vec<Request>) {
+    fn disk_command(&mut self, character: char, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         let Some(key) = character.to_digit(10) else {
             return;
         };
         let disk = |number: u32| DISKS.get(number as usize).copied();
         let request = if key <= 4 {
-            disk(key).map(Request::LoadDisk)
+            disk(key).map(ControlRequest::LoadDisk)
         } else {
-            disk(key - 4).map(Request::SaveDisk)
+            disk(key - 4).map(ControlRequest::SaveDisk)
         };
         let Some(request) = request else {
             return;
         };
-        let done = cnc.rights().disks().is_ok();
+        let done = cnc.rights().check_disks().is_ok();
         self.view.disk_done = Some(done);
         if done {
             requests.push(request);
@@ -164,22 +172,22 @@ impl Panel {
     }
 
     /// 输入 on the password page (manual III-2.5.1.4).
-    pub(super) fn password_input(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
-        if cnc.rights().password().is_err() {
+    pub(super) fn password_input(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
+        if cnc.rights().check_password().is_err() {
             return;
         }
         let entry = &mut self.view.password;
         if self.view.cursors.get(PageId::Password).item == 0 {
-            requests.push(Request::LeaveLevel);
+            requests.push(ControlRequest::LowerLevel);
             entry.clear();
             entry.hint = Hint::LevelLeft;
             return;
         }
         let [old, new, again] = &mut entry.rows;
-        let known = cnc.authority().level_of(old).is_some();
+        let known = cnc.authority().level_for(old).is_some();
         if new.is_empty() && again.is_empty() {
             entry.hint = if known {
-                requests.push(Request::EnterPassword(old.clone()));
+                requests.push(ControlRequest::EnterPassword(old.clone()));
                 Hint::LevelEntered
             } else {
                 Hint::Wrong
@@ -194,7 +202,7 @@ impl Panel {
             return;
         }
         let hint = if known {
-            requests.push(Request::ChangePassword {
+            requests.push(ControlRequest::ChangePassword {
                 old: core::mem::take(old),
                 new: core::mem::take(new),
             });
@@ -215,8 +223,8 @@ fn offset_entry(input: &str) -> Option<OffsetEntry> {
     Some(match letter {
         'X' => OffsetEntry::Length(Axis::X, number()?),
         'Z' => OffsetEntry::Length(Axis::Z, number()?),
-        'U' if value.is_empty() => OffsetEntry::Counter(Axis::X),
-        'W' if value.is_empty() => OffsetEntry::Counter(Axis::Z),
+        'U' if value.is_empty() => OffsetEntry::RelativeCoordinate(Axis::X),
+        'W' if value.is_empty() => OffsetEntry::RelativeCoordinate(Axis::Z),
         'U' => OffsetEntry::Change(Axis::X, number()?),
         'W' => OffsetEntry::Change(Axis::Z, number()?),
         'R' => OffsetEntry::NoseRadius(number()?),
@@ -226,14 +234,14 @@ fn offset_entry(input: &str) -> Option<OffsetEntry> {
 }
 
 /// Parses an entry of the pitch error table: X or Z with a number.
-fn pitch_entry(input: &str, point: usize) -> Option<Request> {
+fn pitch_entry(input: &str, point: usize) -> Option<ControlRequest> {
     let axis = match input.chars().next()? {
         'X' => Axis::X,
         'Z' => Axis::Z,
         _ => return None,
     };
     let value = whole(input.get(1..)?.trim())?;
-    Some(Request::SetPitch {
+    Some(ControlRequest::SetPitch {
         axis,
         point: u8::try_from(point).ok()?,
         // A value beyond i16 is as much out of range as the greatest.
@@ -302,7 +310,10 @@ mod tests {
 
     #[test]
     fn entries_of_the_offset_page() {
-        assert_eq!(offset_entry("U"), Some(OffsetEntry::Counter(Axis::X)));
+        assert_eq!(
+            offset_entry("U"),
+            Some(OffsetEntry::RelativeCoordinate(Axis::X))
+        );
         assert_eq!(
             offset_entry("X-134.2"),
             Some(OffsetEntry::Length(Axis::X, -134.2))

@@ -2,7 +2,7 @@
 
 use core::ops::RangeInclusive;
 
-use gsk_core::operation::Mode;
+use gsk_core::operation::OperatingMode;
 use gsk_core::plc::address::{BitAddress, ByteAddress};
 use gsk_messages::{Message, say};
 
@@ -33,7 +33,7 @@ impl CoordinateSystem {
             Self::Machine => cnc.position_machine(),
             Self::Relative => cnc.position_relative(),
         };
-        match cnc.parameters().radius_programming() {
+        match cnc.parameters().is_radius_programming() {
             true => (at.x, at.z),
             false => (at.x * 2.0, at.z),
         }
@@ -60,7 +60,7 @@ pub enum Expectation {
     /// No alarm and no message is active.
     NoAlarm,
     /// The operating mode.
-    Mode(Mode),
+    Mode(OperatingMode),
     /// A bit of PLC memory.
     Bit(BitAddress, bool),
     /// A byte or entry of PLC memory.
@@ -154,7 +154,7 @@ impl Expectation {
                 })
             }
             Self::Slides(x, z) => {
-                let at = emulator.simulation.lathe.slides();
+                let at = emulator.simulation.lathe.slide_position();
                 verdict(near(at.x * 2.0, *x) && near(at.z, *z), || {
                     UnmetExpectation::Slides(at.x * 2.0, at.z)
                 })

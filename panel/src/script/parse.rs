@@ -2,8 +2,8 @@
 
 use core::ops::RangeInclusive;
 
-use gsk_core::machine::Fault;
-use gsk_core::operation::Mode;
+use gsk_core::machine::LatheFault;
+use gsk_core::operation::OperatingMode;
 use gsk_core::plc::address::{Area, BitAddress, ByteAddress};
 use gsk_core::units::parse_finite;
 
@@ -264,9 +264,9 @@ fn zero_one(text: &str) -> Result<bool, ParseError> {
     }
 }
 
-fn fault(name: &str) -> Result<Fault, ParseError> {
-    Fault::from_name(name).ok_or_else(|| {
-        let names: Vec<&str> = Fault::ALL.iter().map(|(name, _)| *name).collect();
+fn fault(name: &str) -> Result<LatheFault, ParseError> {
+    LatheFault::from_name(name).ok_or_else(|| {
+        let names: Vec<&str> = LatheFault::ALL.iter().map(|(name, _)| *name).collect();
         ParseError::UnknownFault {
             name: name.to_owned(),
             all: names.join(" "),
@@ -397,9 +397,9 @@ fn expect(words: &[&str]) -> Result<Expectation, ParseError> {
                 .map_err(|_| ParseError::NoAlarm((*number).to_owned()))?,
         ),
         ["mode", text] => {
-            let mode = Mode::ALL.iter().find(|mode| mode.text() == *text);
+            let mode = OperatingMode::ALL.iter().find(|mode| mode.text() == *text);
             Expectation::Mode(*mode.ok_or_else(|| {
-                let all: Vec<&str> = Mode::ALL.iter().map(|mode| mode.text()).collect();
+                let all: Vec<&str> = OperatingMode::ALL.iter().map(|mode| mode.text()).collect();
                 ParseError::UnknownMode {
                     text: (*text).to_owned(),
                     all: all.join(" "),

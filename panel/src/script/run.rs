@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use gsk_core::cnc::Request;
+use gsk_core::cnc::ControlRequest;
 use gsk_messages::{Message, say};
 
 use super::{Script, ScriptAction, ScriptLine};
@@ -38,7 +38,7 @@ pub enum Effect {
     /// [`Cnc::dnc_calls`](gsk_core::cnc::Cnc::dnc_calls) increases. `None` disconnects the
     /// partner.
     Dnc(Option<String>),
-    /// The partner can send ([`Cnc::dnc_room`](gsk_core::cnc::Cnc::dnc_room)): send data, the
+    /// The partner can send ([`Cnc::dnc_free_characters`](gsk_core::cnc::Cnc::dnc_free_characters)): send data, the
     /// end, or abort.
     DncRoom,
 }
@@ -192,7 +192,7 @@ impl Runner {
 
     fn step(&mut self, emulator: &mut Emulator) -> Next {
         let now = emulator.ticks();
-        let can_send = self.dnc && emulator.simulation.cnc.dnc_room() > 0;
+        let can_send = self.dnc && emulator.simulation.cnc.dnc_free_characters() > 0;
         if can_send && self.last_request.replace(now) != Some(now) {
             return Next::Return(ScriptProgress::Effect(Effect::DncRoom));
         }
@@ -314,7 +314,7 @@ impl Runner {
             }
             ScriptAction::Dnc(path) => {
                 self.dnc = path.is_some();
-                emulator.simulation.cnc.connect_dnc(self.dnc);
+                emulator.simulation.cnc.set_dnc_partner(self.dnc);
                 return Next::Return(ScriptProgress::Effect(Effect::Dnc(path)));
             }
             ScriptAction::Power(true) => emulator.power_on(),
@@ -344,7 +344,7 @@ impl Runner {
             }
             ScriptAction::Free(address) => emulator.simulation.lathe.force_input(address, None),
             ScriptAction::Force(bit, value) => {
-                let request = Request::ForceBit(bit, value);
+                let request = ControlRequest::ForceBit(bit, value);
                 if let Err(alarm) = emulator.simulation.cnc.request(request) {
                     return Next::Return(ScriptProgress::Failed(self.failure(alarm.reason())));
                 }

@@ -227,7 +227,7 @@ impl ExpectedState {
                 }
             }
             Self::Selected(number) => {
-                let seen = cnc.programs().current();
+                let seen = cnc.programs().selected();
                 verdict(seen == Some(ProgramId::Stored(*number)), || {
                     say::script_selected_is(match seen {
                         Some(ProgramId::Stored(number)) => format!("O{number:04}"),
@@ -264,7 +264,7 @@ impl ExpectedState {
                     say::script_state_is(if seen { "on" } else { "off" })
                 })
             }
-            Self::Referenced(axis) => verdict(*cnc.referenced().get(*axis), || {
+            Self::Referenced(axis) => verdict(*cnc.referenced_axes().get(*axis), || {
                 say::script_no_reference(format!("{axis:?}"))
             }),
         }

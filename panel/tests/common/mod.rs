@@ -1,6 +1,6 @@
 //! Sets up a lathe with programs in its memory.
 
-use gsk_core::cnc::Request;
+use gsk_core::cnc::ControlRequest;
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
@@ -51,7 +51,10 @@ pub fn lathe_from(mut setup: Setup) -> Simulation {
     setup.memory.programs.store(PROGRAM).unwrap();
     let mut simulation = Simulation::new(setup);
     ticks(&mut simulation, 200);
-    simulation.cnc.request(Request::SelectProgram(1)).unwrap();
+    simulation
+        .cnc
+        .request(ControlRequest::SelectProgram(1))
+        .unwrap();
     simulation
 }
 

@@ -1,10 +1,10 @@
 //! Finds the differences of two models that no code shows: what X measures, increments,
 //! planes, feeds, tools, variables, ranges. Each difference is found once, at its first block.
 
-use gsk_core::model::{GCode, Increments, MacroForm, Record, ToolForm, WorkPlane, XMeasure};
+use gsk_core::model::{GCode, Increments, MacroForm, ModelRecord, ToolForm, WorkPlane, XMeasure};
 use gsk_messages::{Message, say};
 
-use super::{Block, Word};
+use super::{DialectBlock, DialectWord};
 
 /// A difference of two models that the program meets, beside its G and M codes.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,7 +38,7 @@ pub enum Difference {
 /// A difference with the line and text of its first word, and the number of blocks that have
 /// it.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Met {
+pub(super) struct MetDifference {
     pub(super) difference: Difference,
     pub(super) line: u32,
     pub(super) code: String,
@@ -46,25 +46,29 @@ pub(super) struct Met {
 }
 
 /// The differences that the blocks of a program meet.
-pub(super) fn differences(blocks: &[Block<'_>], from: &Record, to: &Record) -> Vec<Met> {
-    let mut met: Vec<Met> = Vec::new();
+pub(super) fn find_differences(
+    blocks: &[DialectBlock<'_>],
+    from: &ModelRecord,
+    to: &ModelRecord,
+) -> Vec<MetDifference> {
+    let mut met: Vec<MetDifference> = Vec::new();
     let mut has_feed = false;
     let mut cut_found = false;
     for block in blocks {
-        has_feed |= block.has(b'F');
-        let mut found = in_block(block, from, to);
+        has_feed |= block.has_word(b'F');
+        let mut found = find_block_differences(block, from, to);
         if !has_feed
             && !cut_found
-            && first_feeds_differ(from, to)
-            && let Some(word) = cutting_code(block, from)
+            && has_other_first_feed(from, to)
+            && let Some(word) = find_cutting_code(block, from)
         {
             cut_found = true;
-            found.push((Difference::FirstFeed, written(word)));
+            found.push((Difference::FirstFeed, word_text(word)));
         }
         for (difference, code) in found {
             match met.iter_mut().find(|it| it.difference == difference) {
                 Some(known) => known.blocks += usize::from(known.line != block.line),
-                None => met.push(Met {
+                None => met.push(MetDifference {
                     difference,
                     line: block.line,
                     code,
@@ -76,25 +80,32 @@ pub(super) fn differences(blocks: &[Block<'_>], from: &Record, to: &Record) -> V
     met
 }
 
-fn written(word: &Word<'_>) -> String {
+fn word_text(word: &DialectWord<'_>) -> String {
     format!("{}{}", char::from(word.letter), word.value)
 }
 
-fn first_feeds_differ(from: &Record, to: &Record) -> bool {
+fn has_other_first_feed(from: &ModelRecord, to: &ModelRecord) -> bool {
     from.conventions.first_feed != to.conventions.first_feed
 }
 
 /// The first G code of a block that cuts (G01 to G03).
-fn cutting_code<'a>(block: &'a Block<'_>, from: &Record) -> Option<&'a Word<'a>> {
-    block.codes(b'G').find(|word| {
+fn find_cutting_code<'a>(
+    block: &'a DialectBlock<'_>,
+    from: &ModelRecord,
+) -> Option<&'a DialectWord<'a>> {
+    block.words_with_letter(b'G').find(|word| {
         let code = word.value.parse::<u8>().ok();
         matches!(code, Some(1..=3)) && code.is_some_and(|it| from.g_code(it.into()).is_some())
     })
 }
 
-fn in_block(block: &Block<'_>, from: &Record, to: &Record) -> Vec<(Difference, String)> {
+fn find_block_differences(
+    block: &DialectBlock<'_>,
+    from: &ModelRecord,
+    to: &ModelRecord,
+) -> Vec<(Difference, String)> {
     let (here, there) = (&from.conventions, &to.conventions);
-    let dwells = block.means(from, GCode::is_dwell);
+    let dwells = block.has_meaning(from, GCode::is_dwell);
     let mut found = Vec::new();
     if block.has_formula && here.macros != there.macros {
         found.push((Difference::Macros, String::new()));
@@ -103,37 +114,39 @@ fn in_block(block: &Block<'_>, from: &Record, to: &Record) -> Vec<(Difference, S
         let letter = char::from(word.letter);
         let coordinate = matches!(word.letter, b'X' | b'U') && !dwells;
         if coordinate && here.x != there.x {
-            found.push((Difference::Diameter, written(word)));
+            found.push((Difference::Diameter, word_text(word)));
         }
         let by_letters = matches!(here.increments, Increments::Letters | Increments::Both);
         let is_increment = matches!(word.letter, b'U' | b'W') && by_letters;
         if is_increment && there.increments == Increments::Codes && !dwells {
-            found.push((Difference::Increments(letter), written(word)));
-        } else if from.takes_address(word.letter)
-            && !to.takes_address(word.letter)
-            && !block.has_formula
+            found.push((Difference::Increments(letter), word_text(word)));
+        } else if from.is_address(word.letter) && !to.is_address(word.letter) && !block.has_formula
         {
-            found.push((Difference::Address(letter), written(word)));
+            found.push((Difference::Address(letter), word_text(word)));
         }
         if word.letter == b'T' && here.tool != there.tool {
-            found.push((Difference::Tool, written(word)));
+            found.push((Difference::Tool, word_text(word)));
         }
-        found.extend(beyond(word, block, from, to).map(|it| (it, written(word))));
-        found.extend(modal(word, from, to).map(|it| (it, written(word))));
+        found.extend(find_range_difference(word, block, from, to).map(|it| (it, word_text(word))));
+        found.extend(find_modal_difference(word, from, to).map(|it| (it, word_text(word))));
     }
-    let turns = block.means(from, GCode::is_arc_or_compensation);
-    if turns && here.plane != there.plane {
+    let has_arc = block.has_meaning(from, GCode::is_arc_or_compensation);
+    if has_arc && here.plane != there.plane {
         found.push((Difference::Plane, String::new()));
     }
-    let calls = block.codes(b'M').any(|word| word.value == "98");
-    if calls && block.has(b'L') && here.counts_calls_by_l != there.counts_calls_by_l {
+    let has_call = block.words_with_letter(b'M').any(|word| word.value == "98");
+    if has_call && block.has_word(b'L') && here.counts_calls_by_l != there.counts_calls_by_l {
         found.push((Difference::CallCount, String::from("L")));
     }
     found
 }
 
 /// A code that has the same meaning, but is modal in only one of the two models.
-fn modal(word: &Word<'_>, from: &Record, to: &Record) -> Option<Difference> {
+fn find_modal_difference(
+    word: &DialectWord<'_>,
+    from: &ModelRecord,
+    to: &ModelRecord,
+) -> Option<Difference> {
     if word.letter != b'G' {
         return None;
     }
@@ -146,10 +159,15 @@ fn modal(word: &Word<'_>, from: &Record, to: &Record) -> Option<Difference> {
 }
 
 /// A number that the target model does not accept.
-fn beyond(word: &Word<'_>, block: &Block<'_>, from: &Record, to: &Record) -> Option<Difference> {
+fn find_range_difference(
+    word: &DialectWord<'_>,
+    block: &DialectBlock<'_>,
+    from: &ModelRecord,
+    to: &ModelRecord,
+) -> Option<Difference> {
     let letter = char::from(word.letter);
     let value: f64 = word.value.parse().ok()?;
-    let in_range = |record: &Record| {
+    let in_range = |record: &ModelRecord| {
         let limits = record.word_limits(word.letter);
         limits.is_none_or(|(low, high)| (low as f64..=high as f64).contains(&value))
     };
@@ -157,29 +175,29 @@ fn beyond(word: &Word<'_>, block: &Block<'_>, from: &Record, to: &Record) -> Opt
         let (low, high) = to.word_limits(word.letter)?;
         return Some(Difference::Range(letter, format!("{low}~{high}")));
     }
-    let per_minute = !block.means(from, |it| it == GCode::FeedPerRevolution) && value >= 1.0;
+    let per_minute = !block.has_meaning(from, |it| it == GCode::FeedPerRevolution) && value >= 1.0;
     let (here, there) = (from.conventions.greatest_feed, to.conventions.greatest_feed);
     if word.letter == b'F' && per_minute && value > there.into() && here > there {
         return Some(Difference::Feed(value));
     }
     let coordinate = matches!(word.letter, b'X' | b'Y' | b'Z' | b'U' | b'W');
     let greatest = to.greatest_coordinate_mm();
-    let too_far = coordinate && value.abs() > greatest;
-    (too_far && value.abs() <= from.greatest_coordinate_mm())
+    let is_too_far = coordinate && value.abs() > greatest;
+    (is_too_far && value.abs() <= from.greatest_coordinate_mm())
         .then(|| Difference::Range(letter, format!("-{greatest}~{greatest}")))
 }
 
-impl Met {
+impl MetDifference {
     /// The message for the user, without the line number.
-    pub(super) fn text(&self, from: &Record, to: &Record) -> Message {
+    pub(super) fn text(&self, from: &ModelRecord, to: &ModelRecord) -> Message {
         let (here, there) = (&from.conventions, &to.conventions);
         let (code, blocks) = (&self.code, self.blocks);
         match &self.difference {
             Difference::Diameter => say::dialect_x(
                 code,
-                measure(here.x),
+                x_measure_text(here.x),
                 from.name(),
-                measure(there.x),
+                x_measure_text(there.x),
                 to.name(),
                 blocks,
             ),
@@ -188,15 +206,15 @@ impl Met {
             }
             Difference::Address(letter) => say::dialect_address(letter, to.name(), blocks),
             Difference::Plane => {
-                let planes = (plane(here.plane), plane(there.plane));
+                let planes = (plane_name(here.plane), plane_name(there.plane));
                 say::dialect_plane(from.name(), planes.0, to.name(), planes.1, blocks)
             }
             Difference::FirstFeed => say::dialect_first_feed(
                 code,
                 from.name(),
-                first_feed(here.first_feed),
+                first_feed_text(here.first_feed),
                 to.name(),
-                first_feed(there.first_feed),
+                first_feed_text(there.first_feed),
             ),
             Difference::Feed(value) => {
                 say::dialect_feed(value, to.name(), there.greatest_feed, blocks)
@@ -205,11 +223,11 @@ impl Met {
                 say::dialect_range(code, letter, to.name(), range, blocks)
             }
             Difference::Tool => {
-                let forms = (tool(here.tool), tool(there.tool));
+                let forms = (tool_form_text(here.tool), tool_form_text(there.tool));
                 say::dialect_tool(code, from.name(), forms.0, to.name(), forms.1, blocks)
             }
             Difference::Macros => {
-                let forms = (macros(here.macros), macros(there.macros));
+                let forms = (macro_form_text(here.macros), macro_form_text(there.macros));
                 say::dialect_macros(from.name(), forms.0, to.name(), forms.1, blocks)
             }
             Difference::Modal(_) => say::dialect_modal(code, from.name(), to.name(), blocks),
@@ -218,32 +236,32 @@ impl Met {
     }
 }
 
-fn measure(x: XMeasure) -> Message {
+fn x_measure_text(x: XMeasure) -> Message {
     match x {
         XMeasure::Diameter => say::dialect_diameter(),
         XMeasure::Distance => say::dialect_distance(),
     }
 }
 
-const fn plane(plane: WorkPlane) -> &'static str {
+const fn plane_name(plane: WorkPlane) -> &'static str {
     plane.name()
 }
 
-fn first_feed(feed: Option<u32>) -> Message {
+fn first_feed_text(feed: Option<u32>) -> Message {
     match feed {
         Some(feed) => say::dialect_feed_at_power_on(feed),
         None => say::dialect_feed_needed(),
     }
 }
 
-fn tool(form: ToolForm) -> Message {
+fn tool_form_text(form: ToolForm) -> Message {
     match form {
         ToolForm::ToolAndOffset(digits) => say::dialect_tool_and_offset(digits / 2),
         ToolForm::Tool => say::dialect_tool_alone(),
     }
 }
 
-fn macros(form: MacroForm) -> Message {
+fn macro_form_text(form: MacroForm) -> Message {
     match form {
         MacroForm::A => say::dialect_macro_a(),
         MacroForm::B => say::dialect_macro_b(),

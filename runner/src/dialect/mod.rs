@@ -3,47 +3,47 @@
 
 mod conventions;
 
-use gsk_core::model::{GCode, MCode, Record};
+use gsk_core::model::{GCode, MCode, ModelRecord};
 use gsk_messages::{Message, say};
 
 /// A difference between the two models, with its line in the program.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Finding {
+pub struct DialectFinding {
     /// Line of the program text, from 1.
     pub line: u32,
     /// The word as written in the program.
     pub code: String,
     /// How the other model reads it.
-    pub outcome: Outcome,
+    pub difference: CodeDifference,
 }
 
 pub use conventions::Difference;
 
 /// How another model reads a code.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Outcome {
+pub enum CodeDifference {
     /// A difference that no code shows, and the number of blocks that have it.
-    Otherwise(Difference, usize),
+    Convention(Difference, usize),
     /// The model that the program was written for has no such code.
-    Foreign,
+    UnknownCode,
     /// The other model has the same function under another number.
     Renumbered {
         /// The function in the source model.
-        here: Meaning,
+        here: CodeMeaning,
         /// The number in the other model.
         number: u8,
     },
     /// The other model has no such function.
     Missing {
         /// The function in the source model.
-        here: Meaning,
+        here: CodeMeaning,
     },
     /// The other model has another function under this number.
     Differs {
         /// The function in the source model.
-        here: Meaning,
+        here: CodeMeaning,
         /// The function in the other model.
-        there: Meaning,
+        there: CodeMeaning,
         /// The number of the source function in the other model, if it has one.
         number: Option<u8>,
     },
@@ -51,23 +51,23 @@ pub enum Outcome {
 
 /// The meaning of a G or M code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Meaning {
+pub enum CodeMeaning {
     /// A G code, and whether the manual or a decision defines it.
-    G(GCode, Known),
+    G(GCode, MeaningSource),
     /// An M code, and whether the manual or a decision defines it.
-    M(MCode, Known),
+    M(MCode, MeaningSource),
 }
 
 /// The source of a code's meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Known {
+pub enum MeaningSource {
     /// The manual of the model defines it.
     FromManual,
     /// The manual is silent. `docs/decisions.md` records the choice.
     Decided,
 }
 
-impl Meaning {
+impl CodeMeaning {
     /// The message that names the function.
     pub fn text(self) -> Message {
         let (text, known) = match self {
@@ -75,37 +75,37 @@ impl Meaning {
             Self::M(code, known) => (code.text(), known),
         };
         match known {
-            Known::FromManual => text,
-            Known::Decided => say::dialect_decided(text),
+            MeaningSource::FromManual => text,
+            MeaningSource::Decided => say::dialect_decided(text),
         }
     }
 }
 
-impl Finding {
+impl DialectFinding {
     /// The message for the user, without the line number.
-    pub fn text(&self, from: &Record, to: &Record) -> Message {
+    pub fn text(&self, from: &ModelRecord, to: &ModelRecord) -> Message {
         let code = &self.code;
         let letter = code.get(..1).unwrap_or_default();
         let written = |number: u8| format!("{letter}{number:02}");
-        match &self.outcome {
-            Outcome::Otherwise(difference, blocks) => conventions::Met {
+        match &self.difference {
+            CodeDifference::Convention(difference, blocks) => conventions::MetDifference {
                 difference: difference.clone(),
                 line: self.line,
                 code: code.clone(),
                 blocks: *blocks,
             }
             .text(from, to),
-            Outcome::Foreign => say::dialect_foreign(code, from.name()),
-            Outcome::Renumbered { here, number } => {
+            CodeDifference::UnknownCode => say::dialect_foreign(code, from.name()),
+            CodeDifference::Renumbered { here, number } => {
                 say::dialect_renumbered(code, here.text(), written(*number), to.name())
             }
-            Outcome::Missing { here } => say::dialect_missing(code, here.text(), to.name()),
-            Outcome::Differs {
+            CodeDifference::Missing { here } => say::dialect_missing(code, here.text(), to.name()),
+            CodeDifference::Differs {
                 here,
                 there,
                 number: None,
             } => say::dialect_differs(code, here.text(), to.name(), there.text()),
-            Outcome::Differs {
+            CodeDifference::Differs {
                 here,
                 there,
                 number: Some(number),
@@ -119,56 +119,62 @@ impl Finding {
         }
     }
 
-    /// Whether [`rewrite`] replaces the code.
+    /// Whether [`rewrite_program`] replaces the code.
     pub const fn is_rewritten(&self) -> bool {
-        self.number().is_some()
+        self.target_number().is_some()
     }
 
     /// The number of the same function in the other model.
-    const fn number(&self) -> Option<u8> {
-        match self.outcome {
-            Outcome::Renumbered { number, .. } => Some(number),
-            Outcome::Differs { number, .. } => number,
-            Outcome::Foreign | Outcome::Missing { .. } | Outcome::Otherwise(..) => None,
+    const fn target_number(&self) -> Option<u8> {
+        match self.difference {
+            CodeDifference::Renumbered { number, .. } => Some(number),
+            CodeDifference::Differs { number, .. } => number,
+            CodeDifference::UnknownCode
+            | CodeDifference::Missing { .. }
+            | CodeDifference::Convention(..) => None,
         }
     }
 }
 
 /// Lists where the model `to` reads a program of the model `from` differently, in the order of
 /// the text.
-pub fn compare(text: &str, from: &Record, to: &Record) -> Vec<Finding> {
-    let found = |block: &Block<'_>| {
+pub fn compare_models(text: &str, from: &ModelRecord, to: &ModelRecord) -> Vec<DialectFinding> {
+    let block_findings = |block: &DialectBlock<'_>| {
         let codes = block
             .words
             .iter()
-            .filter_map(|word| look(word, block, from, to));
+            .filter_map(|word| find_code_difference(word, block, from, to));
         codes.collect::<Vec<_>>()
     };
-    let blocks = blocks(text);
-    let otherwise = conventions::differences(&blocks, from, to);
-    let otherwise = otherwise.into_iter().map(|met| Finding {
+    let blocks = parse_blocks(text);
+    let conventions = conventions::find_differences(&blocks, from, to);
+    let conventions = conventions.into_iter().map(|met| DialectFinding {
         line: met.line,
         code: met.code,
-        outcome: Outcome::Otherwise(met.difference, met.blocks),
+        difference: CodeDifference::Convention(met.difference, met.blocks),
     });
-    let mut all: Vec<Finding> = otherwise.chain(blocks.iter().flat_map(found)).collect();
+    let mut all: Vec<DialectFinding> = conventions
+        .chain(blocks.iter().flat_map(block_findings))
+        .collect();
     all.sort_by_key(|finding| finding.line);
     all
 }
 
 /// Replaces the codes of a program for `from` by the codes of `to` with the same meaning. All
 /// other text is unchanged.
-pub fn rewrite(text: &str, from: &Record, to: &Record) -> String {
+pub fn rewrite_program(text: &str, from: &ModelRecord, to: &ModelRecord) -> String {
     let mut out = String::with_capacity(text.len());
     let mut copied = 0;
-    for block in blocks(text) {
+    for block in parse_blocks(text) {
         for word in &block.words {
-            let Some(number) = look(word, &block, from, to).and_then(|it| it.number()) else {
+            let Some(number) =
+                find_code_difference(word, &block, from, to).and_then(|it| it.target_number())
+            else {
                 continue;
             };
-            out.push_str(&text[copied..word.number.0]);
+            out.push_str(&text[copied..word.number_range.0]);
             out.push_str(&format!("{number:02}"));
-            copied = word.number.1;
+            copied = word.number_range.1;
         }
     }
     out.push_str(&text[copied..]);
@@ -177,56 +183,56 @@ pub fn rewrite(text: &str, from: &Record, to: &Record) -> String {
 
 /// A word: its letter, and the byte range of its number in the text.
 #[derive(Clone, Copy, Debug)]
-struct Word<'a> {
+struct DialectWord<'a> {
     letter: u8,
-    number: (usize, usize),
+    number_range: (usize, usize),
     value: &'a str,
 }
 
 /// A block: its line and its words.
 #[derive(Debug)]
-struct Block<'a> {
+struct DialectBlock<'a> {
     line: u32,
-    words: Vec<Word<'a>>,
+    words: Vec<DialectWord<'a>>,
     /// Whether the block has a formula or a variable.
     has_formula: bool,
 }
 
-impl Block<'_> {
+impl DialectBlock<'_> {
     /// Whether the block has a word or a formula.
-    const fn says_something(&self) -> bool {
+    const fn has_content(&self) -> bool {
         !self.words.is_empty() || self.has_formula
     }
 
     /// The words with a letter.
-    fn codes(&self, letter: u8) -> impl Iterator<Item = &Word<'_>> {
+    fn words_with_letter(&self, letter: u8) -> impl Iterator<Item = &DialectWord<'_>> {
         self.words.iter().filter(move |word| word.letter == letter)
     }
 
     /// Whether a G code of the block has a meaning that `is` accepts.
-    fn means(&self, record: &Record, is: impl Fn(GCode) -> bool) -> bool {
-        self.codes(b'G').any(|word| {
+    fn has_meaning(&self, record: &ModelRecord, is: impl Fn(GCode) -> bool) -> bool {
+        self.words_with_letter(b'G').any(|word| {
             let code = word.value.parse::<u8>().ok();
             let meaning = code.and_then(|code| record.g_code(code.into()));
             meaning.is_some_and(&is)
         })
     }
 
-    fn has(&self, letter: u8) -> bool {
+    fn has_word(&self, letter: u8) -> bool {
         self.words.iter().any(|word| word.letter == letter)
     }
 
-    fn has_negative(&self, letter: u8) -> bool {
+    fn has_negative_word(&self, letter: u8) -> bool {
         let mut words = self.words.iter();
         words.any(|word| word.letter == letter && word.value.starts_with('-'))
     }
 }
 
 /// The blocks of a text that have words or formulas. Comments are skipped.
-fn blocks(text: &str) -> Vec<Block<'_>> {
+fn parse_blocks(text: &str) -> Vec<DialectBlock<'_>> {
     let bytes = text.as_bytes();
     let mut blocks = Vec::new();
-    let mut block = Block {
+    let mut block = DialectBlock {
         line: 1,
         words: Vec::new(),
         has_formula: false,
@@ -238,21 +244,21 @@ fn blocks(text: &str) -> Vec<Block<'_>> {
         if ends {
             line += u32::from(byte == b'\n');
             comment = false;
-            let next = Block {
+            let next = DialectBlock {
                 line,
                 words: Vec::new(),
                 has_formula: false,
             };
             let done = core::mem::replace(&mut block, next);
-            blocks.extend(Some(done).filter(Block::says_something));
+            blocks.extend(Some(done).filter(DialectBlock::has_content));
         }
         match byte {
             b'(' => comment = true,
             b')' => comment = false,
             b'#' | b'=' | b'[' if !comment => block.has_formula = true,
             _ if !comment && byte.is_ascii_alphabetic() => {
-                let word = word(text, at);
-                at = word.number.1.max(at + 1);
+                let word = parse_word(text, at);
+                at = word.number_range.1.max(at + 1);
                 if !word.value.is_empty() {
                     block.words.push(word);
                 }
@@ -262,13 +268,13 @@ fn blocks(text: &str) -> Vec<Block<'_>> {
         }
         at += 1;
     }
-    blocks.extend(Some(block).filter(Block::says_something));
+    blocks.extend(Some(block).filter(DialectBlock::has_content));
     blocks
 }
 
 /// The word whose letter is at a byte position. Its value is empty where no number follows, as
 /// in keywords of macros.
-fn word(text: &str, at: usize) -> Word<'_> {
+fn parse_word(text: &str, at: usize) -> DialectWord<'_> {
     let bytes = text.as_bytes();
     let is = |at: usize, what: fn(u8) -> bool| bytes.get(at).copied().is_some_and(what);
     let mut begin = at + 1;
@@ -287,45 +293,51 @@ fn word(text: &str, at: usize) -> Word<'_> {
         true => digits,
         false => "",
     };
-    Word {
+    DialectWord {
         letter: bytes[at].to_ascii_uppercase(),
-        number: (begin, begin + value.len()),
+        number_range: (begin, begin + value.len()),
         value,
     }
 }
 
 /// The difference at one word; `None` if both models agree.
-fn look(word: &Word<'_>, block: &Block<'_>, from: &Record, to: &Record) -> Option<Finding> {
+fn find_code_difference(
+    word: &DialectWord<'_>,
+    block: &DialectBlock<'_>,
+    from: &ModelRecord,
+    to: &ModelRecord,
+) -> Option<DialectFinding> {
     if !matches!(word.letter, b'G' | b'M') {
         return None;
     }
-    let found = |outcome| {
-        Some(Finding {
+    let finding = |outcome| {
+        Some(DialectFinding {
             line: block.line,
             code: format!("{}{}", char::from(word.letter), word.value),
-            outcome,
+            difference: outcome,
         })
     };
     let Ok(number) = word.value.parse::<u8>() else {
-        return found(Outcome::Foreign);
+        return finding(CodeDifference::UnknownCode);
     };
     let means = match word.letter {
-        b'G' => meaning_of_g,
-        _ => meaning_of_m,
+        b'G' => find_g_meaning,
+        _ => find_m_meaning,
     };
     let Some(here) = means(from, number) else {
-        return found(Outcome::Foreign);
+        return finding(CodeDifference::UnknownCode);
     };
     let there = means(to, number);
-    let same = |there| same(here, there, block) && words_mean_the_same(here, block, from, to);
+    let same =
+        |there| is_same_action(here, there, block) && has_same_word_meaning(here, block, from, to);
     if there.is_some_and(same) {
         return None;
     }
     let other = (0..=u8::MAX).find(|number| means(to, *number).is_some_and(same));
-    found(match (there, other) {
-        (None, None) => Outcome::Missing { here },
-        (None, Some(number)) => Outcome::Renumbered { here, number },
-        (Some(there), number) => Outcome::Differs {
+    finding(match (there, other) {
+        (None, None) => CodeDifference::Missing { here },
+        (None, Some(number)) => CodeDifference::Renumbered { here, number },
+        (Some(there), number) => CodeDifference::Differs {
             here,
             there,
             number,
@@ -335,57 +347,68 @@ fn look(word: &Word<'_>, block: &Block<'_>, from: &Record, to: &Record) -> Optio
 
 /// Whether the words next to a code mean the same in both models: S next to the code that sets
 /// coordinates, threads per inch and run-outs next to a thread.
-fn words_mean_the_same(here: Meaning, block: &Block<'_>, from: &Record, to: &Record) -> bool {
+fn has_same_word_meaning(
+    here: CodeMeaning,
+    block: &DialectBlock<'_>,
+    from: &ModelRecord,
+    to: &ModelRecord,
+) -> bool {
     let (one, other) = (&from.conventions, &to.conventions);
     match here {
-        Meaning::G(GCode::Coordinates, _) if block.has(b'S') => {
+        CodeMeaning::G(GCode::Coordinates, _) if block.has_word(b'S') => {
             one.limits_speed_by_coordinates == other.limits_speed_by_coordinates
         }
-        Meaning::G(GCode::Thread, _) if one.x != other.x => {
-            !b"IJKQ".iter().any(|letter| block.has(*letter))
+        CodeMeaning::G(GCode::Thread, _) if one.x != other.x => {
+            !b"IJKQ".iter().any(|letter| block.has_word(*letter))
         }
         _ => true,
     }
 }
 
-fn meaning_of_g(record: &Record, number: u8) -> Option<Meaning> {
+fn find_g_meaning(record: &ModelRecord, number: u8) -> Option<CodeMeaning> {
     let code = record.g_code(number.into())?;
-    Some(Meaning::G(code, known(&record.g_decided, number)))
+    Some(CodeMeaning::G(
+        code,
+        meaning_source(&record.g_decided, number),
+    ))
 }
 
-fn meaning_of_m(record: &Record, number: u8) -> Option<Meaning> {
+fn find_m_meaning(record: &ModelRecord, number: u8) -> Option<CodeMeaning> {
     let function = record.m_function(number)?;
-    Some(Meaning::M(function.does, known(&record.m_decided, number)))
+    Some(CodeMeaning::M(
+        function.meaning,
+        meaning_source(&record.m_decided, number),
+    ))
 }
 
-fn known(decided: &[u8], number: u8) -> Known {
+fn meaning_source(decided: &[u8], number: u8) -> MeaningSource {
     match decided.contains(&number) {
-        true => Known::Decided,
-        false => Known::FromManual,
+        true => MeaningSource::Decided,
+        false => MeaningSource::FromManual,
     }
 }
 
 /// Whether two codes do the same in a block with these words. The paths of the two kinds of
 /// rapid differ, but their ends are the same.
-fn same(here: Meaning, there: Meaning, block: &Block<'_>) -> bool {
+fn is_same_action(here: CodeMeaning, there: CodeMeaning, block: &DialectBlock<'_>) -> bool {
     let (here, there) = match (here, there) {
-        (Meaning::G(here, _), Meaning::G(there, _)) => (here, there),
-        (Meaning::M(here, _), Meaning::M(there, _)) => return here == there,
+        (CodeMeaning::G(here, _), CodeMeaning::G(there, _)) => (here, there),
+        (CodeMeaning::M(here, _), CodeMeaning::M(there, _)) => return here == there,
         _ => return false,
     };
     let both = |one: GCode, other: GCode| {
         (here == one || here == other) && (there == one || there == other)
     };
     let arc = |short: GCode, long: GCode, diameter: GCode| {
-        both(short, long) && !block.has_negative(b'R')
+        both(short, long) && !block.has_negative_word(b'R')
             || (both(short, diameter) || both(long, diameter))
-                && !block.has(b'I')
-                && !block.has_negative(b'R')
+                && !block.has_word(b'I')
+                && !block.has_negative_word(b'R')
     };
     here == there
         || both(GCode::Rapid, GCode::StraightRapid)
         || both(GCode::Dwell, GCode::DwellSecondsFirst)
-            && !(block.has(b'P') && (block.has(b'X') || block.has(b'U')))
+            && !(block.has_word(b'P') && (block.has_word(b'X') || block.has_word(b'U')))
         || arc(
             GCode::ArcClockwise,
             GCode::LongArcClockwise,
@@ -405,7 +428,7 @@ mod tests {
 
     fn list(text: &str, from: ModelId, to: ModelId) -> Vec<String> {
         let (from, to) = (from.record(), to.record());
-        let findings = compare(text, from, to);
+        let findings = compare_models(text, from, to);
         let lines = findings.iter().map(|it| {
             let text = it.text(from, to).text(gsk_messages::Language::En);
             format!("{}: {text}", it.line)
@@ -441,9 +464,9 @@ mod tests {
         assert_eq!(list(text, mdi, td).len(), 1);
         let kinds = |text, from, to| -> Vec<Difference> {
             let (from, to): (ModelId, ModelId) = (from, to);
-            let all = compare(text, from.record(), to.record());
-            let otherwise = all.into_iter().filter_map(|it| match it.outcome {
-                Outcome::Otherwise(difference, _) => Some(difference),
+            let all = compare_models(text, from.record(), to.record());
+            let otherwise = all.into_iter().filter_map(|it| match it.difference {
+                CodeDifference::Convention(difference, _) => Some(difference),
                 _ => None,
             });
             otherwise.collect()
@@ -488,7 +511,7 @@ mod tests {
         let (td, mdi) = (ModelId::Gsk980td.record(), ModelId::Gsk980mdi.record());
         let text = "G50 X1 Z2;\nG98G01X5F100 (G50 STAYS);\nG90 X3;\n";
         assert_eq!(
-            rewrite(text, td, mdi),
+            rewrite_program(text, td, mdi),
             "G92 X1 Z2;\nG94G01X5F100 (G50 STAYS);\nG90 X3;\n"
         );
     }
@@ -500,9 +523,13 @@ mod tests {
                 .map(|code| format!("G{code:02} M{code:02};\n"))
                 .collect();
             let record = id.record();
-            let findings = compare(&every, record, record);
-            assert!(findings.iter().all(|it| it.outcome == Outcome::Foreign));
-            assert_eq!(rewrite(&every, record, record), every);
+            let findings = compare_models(&every, record, record);
+            assert!(
+                findings
+                    .iter()
+                    .all(|it| it.difference == CodeDifference::UnknownCode)
+            );
+            assert_eq!(rewrite_program(&every, record, record), every);
         }
     }
 
@@ -530,8 +557,8 @@ mod tests {
             "#1=GT[2]",
         ] {
             let (td, hx) = (ModelId::Gsk980td.record(), ModelId::Hx31.record());
-            compare(text, td, hx);
-            rewrite(text, td, hx);
+            compare_models(text, td, hx);
+            rewrite_program(text, td, hx);
         }
     }
 }

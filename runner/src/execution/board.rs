@@ -6,8 +6,8 @@ use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
-use super::{End, Run, SETTLE_MS};
-use crate::board::{Answer, Operator, PulseBoard};
+use super::{ExecutionEnd, ProgramRun, SETTLE_MS};
+use crate::board::{OperatorAnswer, PulseBoard, TerminalOperator};
 
 const RESET_KEY: BitAddress = BitAddress::new(Area::X, 26, 0);
 const MACHINE_ZERO_KEY: BitAddress = BitAddress::new(Area::X, 20, 3);
@@ -17,126 +17,138 @@ const FEED_HOLD_KEY: BitAddress = BitAddress::new(Area::X, 24, 7);
 const PROGRAM_STOP: BitAddress = BitAddress::new(Area::F, 9, 7);
 
 /// The key that returns an axis to its machine zero.
-const fn axis_key(axis: Axis) -> BitAddress {
+const fn reference_key(axis: Axis) -> BitAddress {
     match axis {
         Axis::X => BitAddress::new(Area::X, 23, 1),
         Axis::Z => BitAddress::new(Area::X, 22, 7),
     }
 }
 /// Time limit of a return to machine zero, ticks.
-const LONGEST_RETURN: u32 = 10 * 60 * 1000;
+const MAX_RETURN_TICKS: u32 = 10 * 60 * 1000;
 /// Ticks without motion after which a key counts as without effect.
-const KEY_ACTS_WITHIN: u32 = 1000;
+const KEY_RESPONSE_TICKS: u32 = 1000;
 /// Ticks within which RESET clears the alarms that can be cleared.
-const RESET_ACTS_WITHIN: u32 = 5000;
+const RESET_RESPONSE_TICKS: u32 = 5000;
 /// Ticks at standstill after which a stop raises no late alarm any more.
-const STANDS: u32 = 300;
+const STOP_SETTLE_TICKS: u32 = 300;
 
 /// A pulse board that makes the motion of a run, with the operator who supervises it.
-pub struct Board {
+pub struct SupervisedBoard {
     /// The board.
-    pub(super) live: Box<dyn PulseBoard>,
-    home: bool,
-    person: Option<Box<dyn Operator>>,
+    pub(super) pulse_board: Box<dyn PulseBoard>,
+    needs_reference_return: bool,
+    operator: Option<Box<dyn TerminalOperator>>,
     /// Whether an alarm ends the run. Set after RESET, because alarms from before do not
     /// count.
-    minds_alarms: bool,
+    checks_alarms: bool,
 }
 
-impl Board {
+impl SupervisedBoard {
     /// Takes an opened board. With `home` both axes return to machine zero before the program
-    /// starts. `person` answers the question at a stop; with `None` a stop ends the run.
-    pub fn new(live: Box<dyn PulseBoard>, home: bool, person: Option<Box<dyn Operator>>) -> Self {
+    /// starts. `operator` answers the question at a stop; with `None` a stop ends the run.
+    pub fn new(
+        pulse_board: Box<dyn PulseBoard>,
+        needs_reference_return: bool,
+        operator: Option<Box<dyn TerminalOperator>>,
+    ) -> Self {
         Self {
-            live,
-            home,
-            person,
-            minds_alarms: false,
+            pulse_board,
+            needs_reference_return,
+            operator,
+            checks_alarms: false,
         }
     }
 }
 
 /// State of a stop that waits for the operator.
 #[derive(Debug, Default)]
-pub(super) struct Standing {
+pub(super) struct StopState {
     /// Duration of the stop, ticks.
-    ticks: u32,
+    duration_ticks: u32,
     /// Whether the question is on the terminal.
-    asked: bool,
+    is_question_shown: bool,
     /// Line of the last M00.
-    program_stop: Option<u32>,
+    program_stop_line: Option<u32>,
 }
 
-impl Run<'_> {
+impl ProgramRun<'_> {
     /// Waits until the board allows a tick. Returns false if the end was requested.
-    pub(super) fn may_tick(&mut self) -> bool {
+    pub(super) fn wait_for_tick(&mut self) -> bool {
         let Some(board) = &mut self.board else {
             return true;
         };
-        let on = board.live.wait(&mut self.simulation);
-        if !on {
-            self.ended = Some(End::Asked);
+        let can_continue = board.pulse_board.wait_for_tick(&mut self.simulation);
+        if !can_continue {
+            self.pending_end = Some(ExecutionEnd::Requested);
         }
         // An alarm that the board raises between two ticks is no event of either.
         if let Some(alarm) = self.simulation.cnc.alarms().first()
-            && board.minds_alarms
-            && self.ended.is_none()
+            && board.checks_alarms
+            && self.pending_end.is_none()
         {
-            self.ended = Some(End::Alarm(alarm.clone()));
+            self.pending_end = Some(ExecutionEnd::Alarm(alarm.clone()));
         }
-        on
+        can_continue
     }
 
-    /// RESET unlocks the board; with [`Board::home`] both axes then return to machine zero.
+    /// RESET unlocks the board; with [`SupervisedBoard::home`] both axes then return to machine zero.
     pub(super) fn prepare_board(&mut self) {
-        let Some(home) = self.board.as_ref().map(|board| board.home) else {
+        let Some(needs_reference_return) = self
+            .board
+            .as_ref()
+            .map(|board| board.needs_reference_return)
+        else {
             return;
         };
         self.press(RESET_KEY);
-        for _ in 0..RESET_ACTS_WITHIN {
+        for _ in 0..RESET_RESPONSE_TICKS {
             if self.simulation.cnc.alarms().is_empty() {
                 break;
             }
-            self.tick();
+            self.run_tick();
         }
         if let Some(board) = &mut self.board {
-            board.minds_alarms = true;
+            board.checks_alarms = true;
         }
-        if !home {
+        if !needs_reference_return {
             return;
         }
         self.press(MACHINE_ZERO_KEY);
         for axis in [Axis::X, Axis::Z] {
-            self.home(axis);
+            self.return_to_reference(axis);
         }
     }
 
     /// Holds the key of an axis until the axis is referenced. Some boards return both axes
     /// with the key of the first.
-    fn home(&mut self, axis: Axis) {
-        let key = axis_key(axis);
-        let mut still = 0;
-        for _ in 0..LONGEST_RETURN {
-            if *self.simulation.cnc.referenced().get(axis) || self.ended.is_some() {
+    fn return_to_reference(&mut self, axis: Axis) {
+        let key = reference_key(axis);
+        let mut still_ticks = 0;
+        for _ in 0..MAX_RETURN_TICKS {
+            if *self.simulation.cnc.referenced_axes().get(axis) || self.pending_end.is_some() {
                 self.simulation.cnc.set_panel_key(key, false);
-                return self.settle();
+                return self.wait_for_axes();
             }
             self.simulation.cnc.set_panel_key(key, true);
-            self.tick();
-            still = if self.stands() { still + 1 } else { 0 };
-            if still >= KEY_ACTS_WITHIN
-                && let Some(why) = self.simulation.cnc.refuses_axis(axis)
+            self.run_tick();
+            still_ticks = if self.is_at_standstill() {
+                still_ticks + 1
+            } else {
+                0
+            };
+            if still_ticks >= KEY_RESPONSE_TICKS
+                && let Some(why) = self.simulation.cnc.axis_key_refusal(axis)
             {
-                self.ended = Some(End::Refused(why));
+                self.pending_end = Some(ExecutionEnd::Refused(why));
             }
         }
         self.simulation.cnc.set_panel_key(key, false);
         let why = say::run_home_endless(format_args!("{axis:?}"));
-        self.ended = Some(End::Refused(why));
+        self.pending_end = Some(ExecutionEnd::Refused(why));
     }
 
     /// Whether control and board are at standstill.
-    fn stands(&self) -> bool {
+    fn is_at_standstill(&self) -> bool {
         let cnc = &self.simulation.cnc;
         !cnc.is_moving() && cnc.board_lag().is_none_or(|lag| lag.ticks == 0)
     }
@@ -144,63 +156,63 @@ impl Run<'_> {
     /// Supervises a program on a board, once a tick. The operator ends a stop at the terminal
     /// or with the cycle start of the machine. Without an operator at the terminal a stop ends
     /// the run.
-    pub(super) fn attend(&mut self) {
+    pub(super) fn supervise_stop(&mut self) {
         let state = self.simulation.cnc.run_state();
         if state == RunState::Run {
             let cnc = &self.simulation.cnc;
-            let program_stop = match cnc.plc().memory().bit(PROGRAM_STOP) {
+            let program_stop_line = match cnc.plc().memory().bit(PROGRAM_STOP) {
                 true => Some(cnc.cursor().line),
-                false => self.standing.program_stop,
+                false => self.stop_state.program_stop_line,
             };
-            self.standing = Standing {
-                program_stop,
-                ..Standing::default()
+            self.stop_state = StopState {
+                program_stop_line,
+                ..StopState::default()
             };
         }
-        if state == RunState::Run || self.ended.is_some() || !self.stands() {
+        if state == RunState::Run || self.pending_end.is_some() || !self.is_at_standstill() {
             return;
         }
-        self.standing.ticks += 1;
-        if self.standing.ticks < STANDS {
+        self.stop_state.duration_ticks += 1;
+        if self.stop_state.duration_ticks < STOP_SETTLE_TICKS {
             return;
         }
         if state == RunState::Reset {
-            let why = match self.begun {
-                true => End::Stop(say::run_reset_ended()),
-                false => End::Refused(say::run_nothing_begun()),
+            let why = match self.has_begun {
+                true => ExecutionEnd::Stop(say::run_reset_ended()),
+                false => ExecutionEnd::Refused(say::run_nothing_begun()),
             };
-            self.ended = Some(self.refused().unwrap_or(why));
+            self.pending_end = Some(self.start_refusal().unwrap_or(why));
             return;
         }
         let hold = state == RunState::Hold;
-        let place = self.place(hold);
-        if !self.standing.asked {
-            self.standing.asked = true;
-            match self.question(&place) {
+        let stop = self.stop_message(hold);
+        if !self.stop_state.is_question_shown {
+            self.stop_state.is_question_shown = true;
+            match self.show_question(&stop) {
                 true => {}
                 // The operator held it at the machine, and continues it there.
-                false if hold => self.watcher.tell(&say::run_goes_on_at_machine(place)),
-                false => self.ended = Some(End::Stop(say::run_start_at(place))),
+                false if hold => self.watcher.show(&say::run_goes_on_at_machine(stop)),
+                false => self.pending_end = Some(ExecutionEnd::Stop(say::run_start_at(stop))),
             }
             return;
         }
-        match self.answer(&place) {
-            Answer::Enter => {
+        match self.read_answer(&stop) {
+            OperatorAnswer::Enter => {
                 self.stops += u32::from(!hold);
-                self.press_again();
-                self.standing = Standing::default();
+                self.press_cycle_start_again();
+                self.stop_state = StopState::default();
             }
-            Answer::Gone if !hold => {
-                self.ended = Some(End::Stop(say::run_start_at(place)));
+            OperatorAnswer::EndOfInput if !hold => {
+                self.pending_end = Some(ExecutionEnd::Stop(say::run_start_at(stop)));
             }
-            Answer::None | Answer::Other | Answer::Gone => {}
+            OperatorAnswer::None | OperatorAnswer::Other | OperatorAnswer::EndOfInput => {}
         }
     }
 
     /// The message that says at which line the program stopped, and how.
-    fn place(&self, hold: bool) -> Message {
+    fn stop_message(&self, hold: bool) -> Message {
         let line = self.simulation.cnc.cursor().line;
-        match self.standing.program_stop == Some(line) {
+        match self.stop_state.program_stop_line == Some(line) {
             _ if hold => say::run_feed_hold(line),
             true => say::run_program_stop(line),
             false => say::run_stop(line),
@@ -209,49 +221,49 @@ impl Run<'_> {
 
     /// Shows the question whether to continue after a stop. Returns false if no operator is
     /// there.
-    fn question(&mut self, place: &Message) -> bool {
-        let person = self
+    fn show_question(&mut self, stop: &Message) -> bool {
+        let operator = self
             .board
             .as_ref()
-            .and_then(|board| board.person.as_deref());
-        let Some(person) = person else {
+            .and_then(|board| board.operator.as_deref());
+        let Some(operator) = operator else {
             return false;
         };
-        person.forget();
-        self.watcher.tell(&say::run_question(place.clone()));
+        operator.discard_input();
+        self.watcher.show(&say::run_question(stop.clone()));
         true
     }
 
     /// The operator's answer. An invalid answer repeats the question.
-    fn answer(&mut self, place: &Message) -> Answer {
-        let person = self
+    fn read_answer(&mut self, stop: &Message) -> OperatorAnswer {
+        let operator = self
             .board
             .as_ref()
-            .and_then(|board| board.person.as_deref());
-        let answer = person.map_or(Answer::None, Operator::answer);
-        if answer == Answer::Other {
-            self.question(place);
+            .and_then(|board| board.operator.as_deref());
+        let answer = operator.map_or(OperatorAnswer::None, TerminalOperator::read_answer);
+        if answer == OperatorAnswer::Other {
+            self.show_question(stop);
         }
         answer
     }
 
     /// Asks the operator whether to start another part, and waits for the answer.
-    pub(super) fn may_begin_another(&mut self) -> bool {
+    pub(super) fn confirm_next_part(&mut self) -> bool {
         if self.board.is_none() {
             return true;
         }
-        let place = say::run_part_made(self.parts, self.wanted_parts);
-        if !self.question(&place) {
+        let progress = say::run_part_made(self.parts, self.wanted_parts);
+        if !self.show_question(&progress) {
             return false;
         }
-        while self.ended.is_none() {
+        while self.pending_end.is_none() {
             if self.simulation.cnc.run_state() == RunState::Run {
                 return true;
             }
-            match self.answer(&place) {
-                Answer::Enter => return true,
-                Answer::Gone => return false,
-                Answer::None | Answer::Other => self.tick(),
+            match self.read_answer(&progress) {
+                OperatorAnswer::Enter => return true,
+                OperatorAnswer::EndOfInput => return false,
+                OperatorAnswer::None | OperatorAnswer::Other => self.run_tick(),
             }
         }
         false
@@ -259,19 +271,19 @@ impl Run<'_> {
 
     /// Holds a program that still runs at the end of the run, and waits until the board has
     /// made the motion sent to it.
-    pub(super) fn come_to_rest(&mut self) {
+    pub(super) fn stop_motion(&mut self) {
         if self.board.is_none() {
-            return self.settle();
+            return self.wait_for_axes();
         }
         if self.simulation.cnc.run_state() == RunState::Run {
             self.simulation.cnc.set_panel_key(FEED_HOLD_KEY, true);
         }
         for _ in 0..SETTLE_MS {
             let runs = self.simulation.cnc.run_state() == RunState::Run;
-            if self.stands() && !runs {
+            if self.is_at_standstill() && !runs {
                 break;
             }
-            self.tick();
+            self.run_tick();
         }
         self.simulation.cnc.set_panel_key(FEED_HOLD_KEY, false);
     }
@@ -279,7 +291,7 @@ impl Run<'_> {
     /// Stops the board and closes its port.
     pub(super) fn close_board(&mut self) {
         if let Some(board) = self.board.take() {
-            board.live.close(&mut self.simulation);
+            board.pulse_board.close(&mut self.simulation);
         }
     }
 }

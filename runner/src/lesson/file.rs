@@ -8,11 +8,11 @@ use gsk_workpiece::job::Job;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-use super::machine::{Begins, BeginsFile};
-use super::{Condition, Lesson, Step, Text, Wrong};
+use super::practice_machine::{LessonStart, LessonStartFile};
+use super::{Lesson, LessonCondition, LessonMistake, LessonStep, LessonText};
 
 /// Limit of the steps of a lesson; no useful lesson has more.
-const MOST_STEPS: usize = 100;
+const MAX_STEPS: usize = 100;
 
 /// Why a lesson cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -64,10 +64,10 @@ impl LessonError {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LessonFile {
-    title: Text,
-    about: Text,
+    title: LessonText,
+    about: LessonText,
     #[serde(default)]
-    begins: BeginsFile,
+    begins: LessonStartFile,
     #[serde(default)]
     job: Option<Job>,
     steps: Vec<StepFile>,
@@ -77,8 +77,8 @@ struct LessonFile {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct StepFile {
-    pub(super) text: Text,
-    pub(super) hint: Text,
+    pub(super) text: LessonText,
+    pub(super) hint: LessonText,
     #[serde(default)]
     pub(super) keys: Vec<String>,
     #[serde(default)]
@@ -94,18 +94,18 @@ pub(super) struct StepFile {
 #[serde(deny_unknown_fields)]
 pub(super) struct WrongFile {
     when: Vec<String>,
-    say: Text,
+    say: LessonText,
 }
 
 /// File, step and field that a rule applies to.
-pub(super) struct Place<'a> {
+pub(super) struct LessonLocation<'a> {
     pub(super) file: &'a str,
     pub(super) step: Option<usize>,
     pub(super) field: &'static str,
 }
 
-impl Place<'_> {
-    pub(super) fn breaks(&self, rule: Message) -> LessonError {
+impl LessonLocation<'_> {
+    pub(super) fn rule_error(&self, rule: Message) -> LessonError {
         LessonError::Rule {
             file: self.file.to_owned(),
             step: self.step,
@@ -122,25 +122,27 @@ impl Lesson {
     /// # Errors
     /// The line with a syntax error, or the step, field and rule that is broken.
     pub fn read(file: &str, text: &str) -> Result<Self, LessonError> {
-        let raw: LessonFile = read(file, text)?;
-        let at = |step, field| Place { file, step, field };
-        filled(&raw.title, &at(None, "title"))?;
-        filled(&raw.about, &at(None, "about"))?;
-        if raw.steps.is_empty() || raw.steps.len() > MOST_STEPS {
-            let rule = say::lesson_steps(raw.steps.len(), MOST_STEPS);
-            return Err(at(None, "steps").breaks(rule));
+        let raw: LessonFile = parse_ron(file, text)?;
+        let location = |step, field| LessonLocation { file, step, field };
+        check_text(&raw.title, &location(None, "title"))?;
+        check_text(&raw.about, &location(None, "about"))?;
+        if raw.steps.is_empty() || raw.steps.len() > MAX_STEPS {
+            let rule = say::lesson_steps(raw.steps.len(), MAX_STEPS);
+            return Err(location(None, "steps").rule_error(rule));
         }
         if let Some(job) = &raw.job {
-            job.check().map_err(|rule| at(None, "job").breaks(rule))?;
+            job.check()
+                .map_err(|rule| location(None, "job").rule_error(rule))?;
         }
-        let begins = Begins::read(raw.begins).map_err(|rule| at(None, "begins").breaks(rule))?;
+        let begins = LessonStart::read(raw.begins)
+            .map_err(|rule| location(None, "begins").rule_error(rule))?;
         let steps = (1..).zip(raw.steps);
-        let steps = steps.map(|(number, step)| step_of(file, number, step));
+        let steps = steps.map(|(number, step)| parse_step(file, number, step));
         Ok(Self {
-            name: name_of(file),
+            name: file_stem(file),
             title: raw.title,
             about: raw.about,
-            begins,
+            start: begins,
             job: raw.job,
             steps: steps.collect::<Result<_, _>>()?,
         })
@@ -148,7 +150,7 @@ impl Lesson {
 }
 
 /// Parses a RON text.
-pub(super) fn read<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, LessonError> {
+pub(super) fn parse_ron<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, LessonError> {
     let options =
         ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -167,80 +169,93 @@ pub(super) fn read<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, Les
 }
 
 /// The name of a file without folder and extension.
-fn name_of(file: &str) -> String {
+fn file_stem(file: &str) -> String {
     let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
     name.strip_suffix(".ron").unwrap_or(name).to_owned()
 }
 
-pub(super) fn step_of(file: &str, number: usize, raw: StepFile) -> Result<Step, LessonError> {
-    let at = |field| Place {
+pub(super) fn parse_step(
+    file: &str,
+    number: usize,
+    raw: StepFile,
+) -> Result<LessonStep, LessonError> {
+    let location = |field| LessonLocation {
         file,
         step: Some(number),
         field,
     };
-    filled(&raw.text, &at("text"))?;
-    filled(&raw.hint, &at("hint"))?;
-    let keys = raw.keys.iter().map(|name| key(name, &at("keys")));
+    check_text(&raw.text, &location("text"))?;
+    check_text(&raw.hint, &location("hint"))?;
+    let keys = raw
+        .keys
+        .iter()
+        .map(|name| parse_key(name, &location("keys")));
     let keys = keys.collect::<Result<_, _>>()?;
     if raw.until.is_empty() {
-        return Err(at("until").breaks(say::lesson_without_end()));
+        return Err(location("until").rule_error(say::lesson_without_end()));
     }
     let wrong = raw.wrong.into_iter().map(|wrong| {
-        filled(&wrong.say, &at("wrong"))?;
+        check_text(&wrong.say, &location("wrong"))?;
         if wrong.when.is_empty() {
-            return Err(at("wrong").breaks(say::lesson_without_end()));
+            return Err(location("wrong").rule_error(say::lesson_without_end()));
         }
-        Ok(Wrong {
-            when: conditions(&wrong.when, &at("wrong"))?,
-            say: wrong.say,
+        Ok(LessonMistake {
+            conditions: parse_conditions(&wrong.when, &location("wrong"))?,
+            text: wrong.say,
         })
     });
-    Ok(Step {
+    Ok(LessonStep {
         keys,
-        needs: conditions(&raw.needs, &at("needs"))?,
-        until: conditions(&raw.until, &at("until"))?,
-        wrong: wrong.collect::<Result<_, _>>()?,
-        solution: solution(&raw.solution, &at("solution"))?,
+        requirements: parse_conditions(&raw.needs, &location("needs"))?,
+        goals: parse_conditions(&raw.until, &location("until"))?,
+        mistakes: wrong.collect::<Result<_, _>>()?,
+        solution: parse_solution(&raw.solution, &location("solution"))?,
         text: raw.text,
         hint: raw.hint,
     })
 }
 
-pub(super) fn filled(text: &Text, place: &Place<'_>) -> Result<(), LessonError> {
+pub(super) fn check_text(
+    text: &LessonText,
+    location: &LessonLocation<'_>,
+) -> Result<(), LessonError> {
     match text.zh.trim().is_empty() || text.en.trim().is_empty() {
-        true => Err(place.breaks(say::lesson_text_missing())),
+        true => Err(location.rule_error(say::lesson_text_missing())),
         false => Ok(()),
     }
 }
 
-fn key(name: &str, place: &Place<'_>) -> Result<Key, LessonError> {
-    Key::from_id(name).ok_or_else(|| place.breaks(say::script_key_unknown(name)))
+fn parse_key(name: &str, location: &LessonLocation<'_>) -> Result<Key, LessonError> {
+    Key::from_id(name).ok_or_else(|| location.rule_error(say::script_key_unknown(name)))
 }
 
-fn conditions(texts: &[String], place: &Place<'_>) -> Result<Vec<Condition>, LessonError> {
-    let read = texts.iter().map(|text| {
+fn parse_conditions(
+    texts: &[String],
+    location: &LessonLocation<'_>,
+) -> Result<Vec<LessonCondition>, LessonError> {
+    let parsed = texts.iter().map(|text| {
         let expect = Expectation::parse(text)
-            .map_err(|error| place.breaks(say::subject_reason(text, error.message())))?;
-        Ok(Condition {
+            .map_err(|error| location.rule_error(say::subject_reason(text, error.message())))?;
+        Ok(LessonCondition {
             text: text.clone(),
-            expect,
+            expectation: expect,
         })
     });
-    read.collect()
+    parsed.collect()
 }
 
 /// Parses the lines of a solution. Each character of a `type` line becomes the presses of its
 /// keys.
-fn solution(lines: &[String], place: &Place<'_>) -> Result<Script, LessonError> {
+fn parse_solution(lines: &[String], location: &LessonLocation<'_>) -> Result<Script, LessonError> {
     let script = Script::parse(&lines.join("\n")).map_err(|errors| {
         let first = errors
             .first()
             .map(|error| (error.line, error.cause.message()));
         let (line, cause) = first.unwrap_or((1, say::lesson_text_missing()));
-        place.breaks(say::in_line(line, cause))
+        location.rule_error(say::in_line(line, cause))
     })?;
     if script.lines.is_empty() {
-        return Err(place.breaks(say::lesson_text_missing()));
+        return Err(location.rule_error(say::lesson_text_missing()));
     }
     let mut pressed = Vec::new();
     for line in script.lines {
@@ -257,16 +272,16 @@ fn solution(lines: &[String], place: &Place<'_>) -> Result<Script, LessonError> 
         );
         if !by_hand || line.at.is_some() {
             let rule = say::lesson_not_by_hand(&line.text);
-            return Err(place.breaks(say::in_line(line.number, rule)));
+            return Err(location.rule_error(say::in_line(line.number, rule)));
         }
         let ScriptAction::Type(text) = &line.action else {
             pressed.push(line);
             continue;
         };
         for character in text.chars() {
-            let keys = keys_of(character).ok_or_else(|| {
+            let keys = keys_for_character(character).ok_or_else(|| {
                 let rule = say::lesson_no_key(character);
-                place.breaks(say::in_line(line.number, rule))
+                location.rule_error(say::in_line(line.number, rule))
             })?;
             pressed.extend(keys.into_iter().map(|key| ScriptLine {
                 text: format!("press {}", key.id()),
@@ -280,7 +295,7 @@ fn solution(lines: &[String], place: &Place<'_>) -> Result<Script, LessonError> 
 
 /// The key presses that enter a character: two presses of a compound key for its second
 /// character. A space needs none.
-fn keys_of(character: char) -> Option<Vec<Key>> {
+fn keys_for_character(character: char) -> Option<Vec<Key>> {
     match character {
         ' ' => return Some(Vec::new()),
         ';' => return Some(vec![Key::Eob]),

@@ -23,7 +23,7 @@ pub static LESSONS: [(&str, &str); 10] = lessons![
 ];
 
 /// Parses the built-in lessons. A test checks that every one of them is valid.
-pub fn built_in() -> Vec<Lesson> {
+pub fn built_in_lessons() -> Vec<Lesson> {
     let read = LESSONS.iter().map(|(name, text)| Lesson::read(name, text));
     read.filter_map(Result::ok).collect()
 }

@@ -2,16 +2,16 @@
 //!
 //! A file defines the initial state of the machine. For each step it gives the instruction,
 //! the keys to mark, the conditions that complete it, and a solution by keys alone.
-//! [`Lesson::read`] parses a file, [`Practice`] follows a learner through it, [`play`]
+//! [`Lesson::read`] parses a file, [`Practice`] follows a learner through it, [`solution_player`]
 //! executes its solution.
 
+mod demonstration_file;
 mod file;
 mod library;
-mod machine;
-pub mod play;
 mod practice;
+mod practice_machine;
 mod progress;
-mod shown;
+pub mod solution_player;
 
 use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
@@ -20,26 +20,28 @@ use gsk_panel::script::{Expectation, Script, UnmetExpectation};
 use gsk_workpiece::job::Job;
 use serde::{Deserialize, Serialize};
 
+pub use demonstration_file::{
+    Demonstration, demonstrations, find_demonstration, read_demonstrations,
+};
 pub use file::LessonError;
-pub use library::{LESSONS, built_in};
-pub use machine::Begins;
-pub use practice::{Practice, View};
-pub use progress::{Progress, Remark};
-pub use shown::{Demonstration, demonstration_named, demonstrations, read_demonstrations};
+pub use library::{LESSONS, built_in_lessons};
+pub use practice::{Practice, PracticeView};
+pub use practice_machine::LessonStart;
+pub use progress::{LessonProgress, LessonRemark};
 
 /// A text in both languages.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Text {
+pub struct LessonText {
     /// The Chinese text.
     pub zh: String,
     /// The English text.
     pub en: String,
 }
 
-impl Text {
+impl LessonText {
     /// The text in a language.
-    pub fn of(&self, language: Language) -> &str {
+    pub fn in_language(&self, language: Language) -> &str {
         match language {
             Language::Zh => &self.zh,
             Language::En => &self.en,
@@ -53,76 +55,78 @@ pub struct Lesson {
     /// Name of its file without the extension; it identifies the lesson.
     pub name: String,
     /// Title in the list of lessons.
-    pub title: Text,
+    pub title: LessonText,
     /// What the lesson teaches, for the list of lessons.
-    pub about: Text,
+    pub about: LessonText,
     /// Initial state of the practice machine.
-    pub begins: Begins,
+    pub start: LessonStart,
     /// Stock and tools of the practice machine; `None` for a lesson without cutting.
     pub job: Option<Job>,
     /// The steps, at least one.
-    pub steps: Vec<Step>,
+    pub steps: Vec<LessonStep>,
 }
 
 /// A step of a lesson.
 #[derive(Clone, Debug)]
-pub struct Step {
+pub struct LessonStep {
     /// The instruction: what to do, and why.
-    pub text: Text,
+    pub text: LessonText,
     /// Help for a learner who does not complete the step.
-    pub hint: Text,
+    pub hint: LessonText,
     /// Keys to mark on the panel.
     pub keys: Vec<Key>,
     /// Conditions that must hold during the step. If one does not, the learner goes back to
     /// the step that establishes it.
-    pub needs: Vec<Condition>,
+    pub requirements: Vec<LessonCondition>,
     /// Conditions that together complete the step.
-    pub until: Vec<Condition>,
+    pub goals: Vec<LessonCondition>,
     /// Frequent mistakes, each with its text. The first one that applies is shown.
-    pub wrong: Vec<Wrong>,
+    pub mistakes: Vec<LessonMistake>,
     /// How to complete the step, with keys and the handwheel alone.
     pub solution: Script,
 }
 
 /// A frequent mistake and the text that is shown for it.
 #[derive(Clone, Debug)]
-pub struct Wrong {
+pub struct LessonMistake {
     /// Conditions that together detect the mistake.
-    pub when: Vec<Condition>,
+    pub conditions: Vec<LessonCondition>,
     /// The text for the learner.
-    pub say: Text,
+    pub text: LessonText,
 }
 
-/// A condition on the state of the machine, in the syntax after `expect` in an operator
+/// A condition on the state of the machine, in the syntax after `expectation` in an operator
 /// script.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Condition {
+pub struct LessonCondition {
     /// The condition as written.
     pub text: String,
-    expect: Expectation,
+    expectation: Expectation,
 }
 
-impl Condition {
+impl LessonCondition {
     /// Whether the condition holds now.
-    pub fn holds(&self, emulator: &Emulator) -> bool {
+    pub fn is_met(&self, emulator: &Emulator) -> bool {
         self.unmet(emulator).is_none()
     }
 
     /// Expected and current value, if the condition does not hold.
     pub fn unmet(&self, emulator: &Emulator) -> Option<UnmetExpectation> {
-        self.expect.check(emulator).err()
+        self.expectation.check(emulator).err()
     }
 
     /// The message for the learner, if the condition does not hold.
-    pub fn said(&self, emulator: &Emulator) -> Option<Message> {
+    pub fn unmet_message(&self, emulator: &Emulator) -> Option<Message> {
         let unmet = self.unmet(emulator)?;
         Some(say::subject_reason(&self.text, unmet.message()))
     }
 }
 
 /// Whether all conditions hold.
-fn all_hold(conditions: &[Condition], emulator: &Emulator) -> bool {
-    conditions.iter().all(|condition| condition.holds(emulator))
+fn are_all_met(conditions: &[LessonCondition], emulator: &Emulator) -> bool {
+    conditions
+        .iter()
+        .all(|condition| condition.is_met(emulator))
 }
 
 #[cfg(test)]

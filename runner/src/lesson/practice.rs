@@ -6,25 +6,25 @@ use std::sync::Arc;
 use gsk_messages::Message;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::KeyEvent;
-use gsk_panel::script::{ScriptAction, ScriptLine, ScriptProgress, Runner, Script};
+use gsk_panel::script::{Runner, Script, ScriptAction, ScriptLine, ScriptProgress};
 
-use super::play::{self, SETTLES};
-use super::progress::LOOK;
-use super::{Lesson, Progress, Remark, all_hold};
+use super::progress::CHECK_INTERVAL_TICKS;
+use super::solution_player::{self, STEP_SETTLE_MS};
+use super::{Lesson, LessonProgress, LessonRemark, are_all_met};
 
 /// Pause between two demonstrated keys, ms.
-const SHOWN_REST: u64 = 600;
+const KEY_PAUSE_MS: u64 = 600;
 /// Pause before the first key of a step that follows automatically, ms: the learner reads the
 /// text first.
-const READ_REST: u64 = 1_500;
+const READING_PAUSE_MS: u64 = 1_500;
 
 /// The state of a lesson for its display.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct View {
+pub struct PracticeView {
     /// Current step, from 0; the number of steps when all are complete.
     pub step: usize,
     /// What to show besides the step.
-    pub remark: Remark,
+    pub remark: LessonRemark,
     /// The lost requirement of a later step that sent the learner back to this one.
     pub sent_back: Option<Message>,
     /// Whether the keys are pressed for the learner.
@@ -36,27 +36,27 @@ pub struct View {
 
 /// A step that is demonstrated.
 #[derive(Clone, Debug)]
-struct Showing {
+struct StepDemonstration {
     runner: Runner,
     step: usize,
     /// Whether it is played from the state of the lesson's own solution instead of the
     /// learner's state.
-    own_state: bool,
+    uses_lesson_state: bool,
     /// Set when all keys are pressed: the tick until which the step may still complete.
-    until: Option<u64>,
+    settle_ticks: Option<u64>,
 }
 
 /// A lesson in progress.
 #[derive(Clone, Debug)]
 pub struct Practice {
     lesson: Arc<Lesson>,
-    progress: Progress,
+    progress: LessonProgress,
     /// The machine at the beginning of every step up to this one.
-    entries: Vec<Emulator>,
-    showing: Option<Showing>,
+    step_starts: Vec<Emulator>,
+    showing: Option<StepDemonstration>,
     replaced: bool,
     /// Whether the next step is demonstrated too when the demonstrated step completes.
-    goes_on: bool,
+    continues: bool,
 }
 
 impl Practice {
@@ -66,14 +66,14 @@ impl Practice {
     /// # Errors
     /// The preparation script of the lesson fails.
     pub fn begin(lesson: Arc<Lesson>) -> Result<(Self, Emulator), Message> {
-        let machine = lesson.begins.machine()?;
+        let machine = lesson.start.create_machine()?;
         let practice = Self {
-            progress: Progress::new(Arc::clone(&lesson)),
+            progress: LessonProgress::new(Arc::clone(&lesson)),
             lesson,
-            entries: vec![machine.clone()],
+            step_starts: vec![machine.clone()],
             showing: None,
             replaced: false,
-            goes_on: false,
+            continues: false,
         };
         Ok((practice, machine))
     }
@@ -84,8 +84,8 @@ impl Practice {
     /// The preparation script of the lesson fails.
     pub fn demonstrate(lesson: Arc<Lesson>) -> Result<(Self, Emulator), Message> {
         let (mut practice, machine) = Self::begin(lesson)?;
-        practice.goes_on = true;
-        practice.play(false);
+        practice.continues = true;
+        practice.start_showing(false);
         Ok((practice, machine))
     }
 
@@ -95,8 +95,8 @@ impl Practice {
     }
 
     /// The state to display.
-    pub fn view(&self) -> View {
-        View {
+    pub fn view(&self) -> PracticeView {
+        PracticeView {
             step: self.progress.step(),
             remark: self.progress.remark(),
             sent_back: self.progress.sent_back().cloned(),
@@ -109,12 +109,12 @@ impl Practice {
     /// checks the progress.
     pub fn tick(&mut self, emulator: &mut Emulator) {
         match &mut self.showing {
-            Some(showing) if showing.until.is_none() => {
+            Some(showing) if showing.settle_ticks.is_none() => {
                 let before = emulator.ticks();
                 let played = showing.runner.advance(emulator, 1);
                 // A solution has no effects. A line that fails ends it.
                 if !matches!(played, ScriptProgress::Running) {
-                    showing.until = Some(emulator.ticks() + SETTLES);
+                    showing.settle_ticks = Some(emulator.ticks() + STEP_SETTLE_MS);
                 }
                 if emulator.ticks() == before {
                     emulator.tick();
@@ -122,38 +122,38 @@ impl Practice {
             }
             _ => emulator.tick(),
         }
-        if emulator.ticks().is_multiple_of(LOOK) {
-            self.look(emulator);
+        if emulator.ticks().is_multiple_of(CHECK_INTERVAL_TICKS) {
+            self.update_progress(emulator);
         }
     }
 
-    fn look(&mut self, emulator: &mut Emulator) {
+    fn update_progress(&mut self, emulator: &mut Emulator) {
         let before = self.progress.step();
-        self.progress.look(emulator);
+        self.progress.check_machine(emulator);
         let now = self.progress.step();
         if now != before {
             // A step starts again where it first started. Steps that completed at once start
             // where this one does.
-            self.entries.truncate(now + 1);
-            self.entries.resize_with(now + 1, || emulator.clone());
+            self.step_starts.truncate(now + 1);
+            self.step_starts.resize_with(now + 1, || emulator.clone());
             self.replaced &= self.showing.is_some();
         }
         let Some(showing) = &self.showing else {
             return;
         };
-        let Some(until) = showing.until else {
+        let Some(until) = showing.settle_ticks else {
             return;
         };
         if now > showing.step {
             self.showing = None;
-            if self.goes_on {
-                self.play(false);
+            if self.continues {
+                self.start_showing(false);
             }
         } else if emulator.ticks() >= until {
-            let again = !showing.own_state;
+            let again = !showing.uses_lesson_state;
             self.showing = None;
             if again {
-                self.show_from_own_state(emulator);
+                self.show_from_lesson_state(emulator);
             }
         }
     }
@@ -165,35 +165,36 @@ impl Practice {
         let Some(step) = self.progress.current() else {
             return;
         };
-        if all_hold(&step.needs, emulator) && self.progress.remark() == Remark::None {
-            self.play(false);
+        if are_all_met(&step.requirements, emulator) && self.progress.remark() == LessonRemark::None
+        {
+            self.start_showing(false);
         } else {
-            self.show_from_own_state(emulator);
+            self.show_from_lesson_state(emulator);
         }
     }
 
     /// Puts the machine into the state in which the lesson's own solution starts this step,
     /// and demonstrates it from there.
-    fn show_from_own_state(&mut self, emulator: &mut Emulator) {
+    fn show_from_lesson_state(&mut self, emulator: &mut Emulator) {
         let step = self.progress.step();
         // A lesson whose solution does not reach the step shows what it can.
-        if let Ok(machine) = play::machine_at(&self.lesson, step) {
+        if let Ok(machine) = solution_player::machine_at_step(&self.lesson, step) {
             *emulator = machine;
-            self.progress.put(step);
+            self.progress.set_step(step);
             self.replaced = true;
         }
-        self.play(true);
+        self.start_showing(true);
     }
 
-    fn play(&mut self, own_state: bool) {
+    fn start_showing(&mut self, uses_lesson_state: bool) {
         let Some(step) = self.progress.current() else {
             return;
         };
-        self.showing = Some(Showing {
-            runner: Runner::new(slowly(&step.solution, self.goes_on)),
+        self.showing = Some(StepDemonstration {
+            runner: Runner::new(slow_down(&step.solution, self.continues)),
             step: self.progress.step(),
-            own_state,
-            until: None,
+            uses_lesson_state,
+            settle_ticks: None,
         });
     }
 
@@ -205,36 +206,36 @@ impl Practice {
     }
 
     /// Resets the machine to the beginning of the step before this one.
-    pub fn back(&mut self, emulator: &mut Emulator) {
+    pub fn go_back(&mut self, emulator: &mut Emulator) {
         self.showing = None;
         let step = self.progress.step().saturating_sub(1);
         self.rewind(step, emulator);
     }
 
     /// Resets the machine to the beginning of the lesson.
-    pub fn again(&mut self, emulator: &mut Emulator) {
+    pub fn restart(&mut self, emulator: &mut Emulator) {
         self.showing = None;
         self.rewind(0, emulator);
     }
 
     fn rewind(&mut self, step: usize, emulator: &mut Emulator) {
-        self.entries.truncate(step + 1);
-        if let Some(entry) = self.entries.get(step) {
+        self.step_starts.truncate(step + 1);
+        if let Some(entry) = self.step_starts.get(step) {
             *emulator = entry.clone();
             emulator.key(KeyEvent::ReleaseAll);
         }
-        self.progress.put(step);
+        self.progress.set_step(step);
         self.replaced = false;
     }
 }
 
-/// Slows a solution down: a pause after every key, and with `is_read` one before the first key
+/// Slows a solution down: a pause after every key, and with `has_reading_pause` one before the first key
 /// while the learner reads the step.
-fn slowly(solution: &Script, is_read: bool) -> Script {
-    let first = solution.lines.first().filter(|_| is_read);
+fn slow_down(solution: &Script, has_reading_pause: bool) -> Script {
+    let first = solution.lines.first().filter(|_| has_reading_pause);
     let mut lines: Vec<ScriptLine> = first
         .map(|line| ScriptLine {
-            action: ScriptAction::Wait(READ_REST),
+            action: ScriptAction::Wait(READING_PAUSE_MS),
             ..line.clone()
         })
         .into_iter()
@@ -243,7 +244,7 @@ fn slowly(solution: &Script, is_read: bool) -> Script {
         lines.push(line.clone());
         if matches!(line.action, ScriptAction::Press(_) | ScriptAction::Hold(..)) {
             lines.push(ScriptLine {
-                action: ScriptAction::Wait(SHOWN_REST),
+                action: ScriptAction::Wait(KEY_PAUSE_MS),
                 ..line.clone()
             });
         }

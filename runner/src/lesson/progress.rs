@@ -6,22 +6,22 @@ use gsk_messages::Message;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
 
-use super::{Lesson, Step, all_hold};
+use super::{Lesson, LessonStep, are_all_met};
 
 /// Ticks between two checks of the machine.
-pub(super) const LOOK: u64 = 20;
+pub(super) const CHECK_INTERVAL_TICKS: u64 = 20;
 /// Number of successive checks at which a requirement must be missing before the learner is
 /// sent back: 0.2 s, because a change of mode takes a moment.
-const GONE: u32 = 10;
+const LOST_CHECK_LIMIT: u32 = 10;
 
 /// What to show about the learner's state, besides the step itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Remark {
+pub enum LessonRemark {
     /// Nothing.
     #[default]
     None,
     /// A frequent mistake of the step, by its index from 0.
-    Wrong(usize),
+    Mistake(usize),
     /// The power is off.
     PowerOff,
     /// The emergency stop is latched.
@@ -34,24 +34,24 @@ pub enum Remark {
 
 /// How far a learner has come in a lesson.
 #[derive(Clone, Debug)]
-pub struct Progress {
+pub struct LessonProgress {
     lesson: Arc<Lesson>,
     step: usize,
-    remark: Remark,
+    remark: LessonRemark,
     /// Number of successive checks at which a requirement was missing.
-    gone: u32,
+    lost_checks: u32,
     /// Why the learner was sent back to this step.
     sent_back: Option<Message>,
 }
 
-impl Progress {
+impl LessonProgress {
     /// Starts before the first step.
     pub const fn new(lesson: Arc<Lesson>) -> Self {
         Self {
             lesson,
             step: 0,
-            remark: Remark::None,
-            gone: 0,
+            remark: LessonRemark::None,
+            lost_checks: 0,
             sent_back: None,
         }
     }
@@ -62,12 +62,12 @@ impl Progress {
     }
 
     /// The current step; `None` when all are complete.
-    pub fn current(&self) -> Option<&Step> {
+    pub fn current(&self) -> Option<&LessonStep> {
         self.lesson.steps.get(self.step)
     }
 
     /// What to show now.
-    pub const fn remark(&self) -> Remark {
+    pub const fn remark(&self) -> LessonRemark {
         self.remark
     }
 
@@ -77,80 +77,88 @@ impl Progress {
     }
 
     /// Puts the learner at a step.
-    pub(super) fn put(&mut self, step: usize) {
+    pub(super) fn set_step(&mut self, step: usize) {
         self.step = step.min(self.lesson.steps.len());
-        self.remark = Remark::None;
-        self.gone = 0;
+        self.remark = LessonRemark::None;
+        self.lost_checks = 0;
         self.sent_back = None;
     }
 
     /// Checks the machine. Advances where a step is complete. Goes back where a requirement of
     /// the step is lost and an earlier step restores it.
-    pub fn look(&mut self, emulator: &Emulator) {
+    pub fn check_machine(&mut self, emulator: &Emulator) {
         let lesson = Arc::clone(&self.lesson);
         while let Some(step) = lesson.steps.get(self.step) {
-            if !has_come_true(step, emulator) {
+            if !is_complete(step, emulator) {
                 break;
             }
-            self.put(self.step + 1);
+            self.set_step(self.step + 1);
         }
         let Some(step) = lesson.steps.get(self.step) else {
-            self.remark = Remark::None;
+            self.remark = LessonRemark::None;
             return;
         };
-        let ready = all_hold(&step.needs, emulator);
-        self.gone = if ready { 0 } else { self.gone + 1 };
-        if self.gone >= GONE
-            && let Some(back) = self.brings_back(emulator)
+        let ready = are_all_met(&step.requirements, emulator);
+        self.lost_checks = if ready { 0 } else { self.lost_checks + 1 };
+        if self.lost_checks >= LOST_CHECK_LIMIT
+            && let Some(back) = self.find_restoring_step(emulator)
         {
-            let mut unmet = step.needs.iter().filter_map(|need| need.unmet(emulator));
+            let mut unmet = step
+                .requirements
+                .iter()
+                .filter_map(|need| need.unmet(emulator));
             let why = unmet.next().map(|unmet| unmet.message());
-            self.put(back);
+            self.set_step(back);
             self.sent_back = why;
         }
         let Some(step) = lesson.steps.get(self.step) else {
             return;
         };
-        let stuck = match self.gone >= GONE {
-            true => Remark::Stuck,
-            false => Remark::None,
+        let stuck = match self.lost_checks >= LOST_CHECK_LIMIT {
+            true => LessonRemark::Stuck,
+            false => LessonRemark::None,
         };
-        self.remark = remark(step, emulator).unwrap_or(stuck);
+        self.remark = find_remark(step, emulator).unwrap_or(stuck);
     }
 
     /// The last step before this one whose requirements hold and whose goals do not. A
     /// completed step would advance at once, in an endless loop.
-    fn brings_back(&self, emulator: &Emulator) -> Option<usize> {
+    fn find_restoring_step(&self, emulator: &Emulator) -> Option<usize> {
         let mut before = self.lesson.steps[..self.step].iter();
-        before.rposition(|step| all_hold(&step.needs, emulator) && !all_hold(&step.until, emulator))
+        before.rposition(|step| {
+            are_all_met(&step.requirements, emulator) && !are_all_met(&step.goals, emulator)
+        })
     }
 }
 
 /// Whether a step is complete. A slide that is still moving has not reached its position.
-fn has_come_true(step: &Step, emulator: &Emulator) -> bool {
-    let passes = emulator.simulation.cnc.is_moving()
-        && step.until.iter().any(|wanted| wanted.expect.is_position());
-    !passes && all_hold(&step.until, emulator)
+fn is_complete(step: &LessonStep, emulator: &Emulator) -> bool {
+    let is_passing = emulator.simulation.cnc.is_moving()
+        && step
+            .goals
+            .iter()
+            .any(|wanted| wanted.expectation.is_position());
+    !is_passing && are_all_met(&step.goals, emulator)
 }
 
 /// The remark on the state of the machine in a step. Mistakes of the step come first.
-fn remark(step: &Step, emulator: &Emulator) -> Option<Remark> {
-    let own = step.wrong.iter();
-    let mut own = own.map(|wrong| all_hold(&wrong.when, emulator));
-    if let Some(index) = own.position(|holds| holds) {
-        return Some(Remark::Wrong(index));
+fn find_remark(step: &LessonStep, emulator: &Emulator) -> Option<LessonRemark> {
+    let mistakes = step.mistakes.iter();
+    let mut mistakes = mistakes.map(|wrong| are_all_met(&wrong.conditions, emulator));
+    if let Some(index) = mistakes.position(|holds| holds) {
+        return Some(LessonRemark::Mistake(index));
     }
     let panel = &emulator.panel;
     if !panel.powered() {
-        return Some(Remark::PowerOff);
+        return Some(LessonRemark::PowerOff);
     }
     if panel.emergency_stop() && !step.keys.contains(&Key::EmergencyStop) {
-        return Some(Remark::EmergencyStop);
+        return Some(LessonRemark::EmergencyStop);
     }
     let alarm = emulator.simulation.cnc.alarms().first()?;
     // In a step about alarms the alarm is the subject.
-    let mut conditions = step.needs.iter().chain(&step.until);
-    let about = conditions.any(|condition| condition.text.starts_with("alarm "))
+    let mut conditions = step.requirements.iter().chain(&step.goals);
+    let is_subject = conditions.any(|condition| condition.text.starts_with("alarm "))
         || step.keys.contains(&Key::Reset);
-    (!about).then_some(Remark::Alarm(alarm.number))
+    (!is_subject).then_some(LessonRemark::Alarm(alarm.number))
 }

@@ -4,10 +4,10 @@ use gsk_messages::Language;
 use gsk_panel::keys::KEYS;
 use gsk_panel::panel::KeyEvent;
 
-use super::play::Outcome;
+use super::solution_player::StepResult;
 use super::*;
 use crate::machining::Machining;
-use crate::machining::live::Live;
+use crate::machining::live_part::LivePart;
 
 fn lesson(steps: &str) -> String {
     format!(
@@ -20,26 +20,27 @@ fn step(fields: &str) -> String {
     format!("(text: (zh: \"按\", en: \"press\"), hint: (zh: \"按\", en: \"press\"), {fields}),")
 }
 
-fn read(text: &str) -> Result<Lesson, String> {
+fn parse_lesson(text: &str) -> Result<Lesson, String> {
     Lesson::read("lessons/mine.ron", text).map_err(|error| error.message().text(Language::En))
 }
 
 #[test]
 fn the_lessons_of_the_program_are_read_and_their_solutions_come_true() {
-    assert_eq!(built_in().len(), LESSONS.len());
+    assert_eq!(built_in_lessons().len(), LESSONS.len());
     let mut faults = Vec::new();
     for (name, text) in &LESSONS {
         let lesson = Lesson::read(name, text).unwrap_or_else(|error| panic!("{error}"));
         let lesson = Arc::new(lesson);
-        let outcomes = play::run(&lesson).expect(name);
+        let outcomes = solution_player::play_lesson(&lesson).expect(name);
         let wrong = (1..).zip(&outcomes);
-        let wrong = wrong.filter(|(_, outcome)| !matches!(outcome, Outcome::Done(_)));
+        let wrong = wrong.filter(|(_, outcome)| !matches!(outcome, StepResult::Done(_)));
         faults.extend(wrong.map(|(step, outcome)| match outcome {
-            Outcome::Failed(why) => format!("{name}, step {step}: {why}"),
+            StepResult::Failed(why) => format!("{name}, step {step}: {why}"),
             _ => format!("{name}, step {step}: {outcome:?}"),
         }));
         if outcomes.len() == lesson.steps.len() && faults.is_empty() {
-            let machine = play::machine_at(&lesson, lesson.steps.len()).expect(name);
+            let machine =
+                solution_player::machine_at_step(&lesson, lesson.steps.len()).expect(name);
             assert!(machine.is_stopped(), "{name}");
         }
     }
@@ -87,10 +88,10 @@ fn errors_name_file_step_field_and_rule() {
         ),
         ("untill: []", "lessons/mine.ron: line 3: "),
     ] {
-        let said = read(&lesson(&step(fields))).expect_err(fields);
-        assert!(said.contains(wanted), "{said}");
+        let message = parse_lesson(&lesson(&step(fields))).expect_err(fields);
+        assert!(message.contains(wanted), "{message}");
     }
-    let none = read(&lesson("")).expect_err("no steps");
+    let none = parse_lesson(&lesson("")).expect_err("no steps");
     assert!(none.contains("steps: 0 steps"), "{none}");
     let begins = lesson(&step("until: [\"alarm none\"], solution: [\"press CS\"]"));
     for (before, wanted) in [
@@ -108,12 +109,12 @@ fn errors_name_file_step_field_and_rule() {
         ("programs: [\"G00 X1;\"]", "begins with its number"),
         ("before: [\"load a.nc\"]", "needs a file"),
     ] {
-        let read = read(&begins.replace("before: [\"press MDI\"]", before));
+        let read = parse_lesson(&begins.replace("before: [\"press MDI\"]", before));
         match wanted {
             "" => assert!(read.is_ok()),
             wanted => {
-                let said = read.expect_err(before);
-                assert!(said.contains(wanted), "{said}");
+                let message = read.expect_err(before);
+                assert!(message.contains(wanted), "{message}");
             }
         }
     }
@@ -128,7 +129,7 @@ fn three_steps() -> Arc<Lesson> {
          wrong: [(when: [\"mode 编辑方式\"], say: (zh: \"错\", en: \"no\"))]",
     ];
     let text = lesson(&steps.map(step).concat());
-    Arc::new(read(&text).expect("a lesson"))
+    Arc::new(parse_lesson(&text).expect("a lesson"))
 }
 
 fn run(practice: &mut Practice, machine: &mut Emulator, ticks: u64) {
@@ -149,7 +150,7 @@ fn press(practice: &mut Practice, machine: &mut Emulator, key: Key) {
 fn a_coordinate_comes_true_where_the_slide_stops() {
     let away = "until: [\"not at machine Z -0.005..0.005\"], solution: [\"press JOG\"]";
     let text = lesson(&step(away)).replace("begins: (", "begins: (slides: (0, 0), ");
-    let begun = read(&text).map(|lesson| Practice::begin(Arc::new(lesson)));
+    let begun = parse_lesson(&text).map(|lesson| Practice::begin(Arc::new(lesson)));
     let (mut practice, mut machine) = begun.expect("a lesson").expect("a machine");
     press(&mut practice, &mut machine, Key::Jog);
     assert_eq!(practice.view().step, 0);
@@ -182,11 +183,11 @@ fn the_step_follows_the_machine_forth_and_back() {
     // The third step has no requirement: the mistake is shown and the learner stays.
     press(&mut practice, &mut machine, Key::Edit);
     assert_eq!(practice.view().step, 2);
-    assert_eq!(practice.view().remark, Remark::Wrong(0));
+    assert_eq!(practice.view().remark, LessonRemark::Mistake(0));
     press(&mut practice, &mut machine, Key::EmergencyStop);
     press(&mut practice, &mut machine, Key::Auto);
-    assert_eq!(practice.view().remark, Remark::EmergencyStop);
-    practice.back(&mut machine);
+    assert_eq!(practice.view().remark, LessonRemark::EmergencyStop);
+    practice.go_back(&mut machine);
     assert_eq!(practice.view().step, 1);
     run(&mut practice, &mut machine, 100);
     assert_eq!(
@@ -194,9 +195,9 @@ fn the_step_follows_the_machine_forth_and_back() {
         1,
         "back is where the step began, not where it ended"
     );
-    practice.again(&mut machine);
+    practice.restart(&mut machine);
     assert_eq!(practice.view().step, 0);
-    let begin = practice.lesson().begins.machine().expect("a machine");
+    let begin = practice.lesson().start.create_machine().expect("a machine");
     assert_eq!(machine.screen().text(), begin.screen().text());
 }
 
@@ -213,34 +214,39 @@ fn what_is_shown_stops_at_the_first_key_of_the_learner() {
 }
 
 /// A reproducible random number generator.
-struct Chance(u64);
+struct LessonRandom(u64);
 
-impl Chance {
-    fn below(&mut self, most: usize) -> usize {
+impl LessonRandom {
+    fn below(&mut self, limit: usize) -> usize {
         self.0 = self
             .0
             .wrapping_mul(6_364_136_223_846_793_005)
             .wrapping_add(1);
-        (self.0 >> 33) as usize % most
+        (self.0 >> 33) as usize % limit
     }
 }
 
 /// Presses random keys, some together, some long.
-fn play_about(practice: &mut Practice, machine: &mut Emulator, chance: &mut Chance, keys: usize) {
+fn press_random_keys(
+    practice: &mut Practice,
+    machine: &mut Emulator,
+    random: &mut LessonRandom,
+    keys: usize,
+) {
     for _ in 0..keys {
         practice.interrupt(machine);
-        match chance.below(12) {
+        match random.below(12) {
             0 => {
-                machine.turn(chance.below(41) as i32 - 20);
+                machine.turn(random.below(41) as i32 - 20);
             }
             1 => {
                 machine.key(KeyEvent::ReleaseAll);
             }
             _ => {
-                let key = KEYS[chance.below(KEYS.len())].key;
+                let key = KEYS[random.below(KEYS.len())].key;
                 machine.key_down(key);
-                run(practice, machine, 20 + chance.below(60) as u64);
-                if chance.below(8) > 0 {
+                run(practice, machine, 20 + random.below(60) as u64);
+                if random.below(8) > 0 {
                     machine.key_up(key);
                 }
             }
@@ -270,8 +276,8 @@ fn show_to_the_end(practice: &mut Practice, machine: &mut Emulator) -> Option<us
 
 /// From any state that a learner has reached at a step, *Show me* leads to the end, and *Begin
 /// again* to the beginning.
-fn is_never_stranded(lesson: &Arc<Lesson>, step: usize, keys: usize) {
-    let mut chance = Chance(step as u64 * 7919 + lesson.steps.len() as u64);
+fn check_recovery(lesson: &Arc<Lesson>, step: usize, keys: usize) {
+    let mut chance = LessonRandom(step as u64 * 7919 + lesson.steps.len() as u64);
     let (mut practice, mut machine) = Practice::begin(Arc::clone(lesson)).expect("a machine");
     for _ in 0..3 * step {
         if practice.view().step >= step {
@@ -282,7 +288,7 @@ fn is_never_stranded(lesson: &Arc<Lesson>, step: usize, keys: usize) {
             run(&mut practice, &mut machine, 100);
         }
     }
-    play_about(&mut practice, &mut machine, &mut chance, keys);
+    press_random_keys(&mut practice, &mut machine, &mut chance, keys);
     let shown = show_to_the_end(&mut practice, &mut machine);
     assert!(
         shown.is_some(),
@@ -292,40 +298,40 @@ fn is_never_stranded(lesson: &Arc<Lesson>, step: usize, keys: usize) {
         practice.view(),
         machine.screen()
     );
-    practice.again(&mut machine);
+    practice.restart(&mut machine);
     assert_eq!(practice.view().step, 0);
 }
 
 #[test]
-fn nobody_is_stranded_in_a_short_lesson() {
+fn no_learner_is_stranded_in_a_short_lesson() {
     let lesson = three_steps();
     for step in 0..lesson.steps.len() {
-        is_never_stranded(&lesson, step, 60);
+        check_recovery(&lesson, step, 60);
     }
 }
 
 /// In every step of every lesson; `LESSON_KEYS=200` presses more keys.
 #[test]
-fn nobody_is_stranded_in_our_lessons() {
+fn no_learner_is_stranded_in_the_built_in_lessons() {
     let keys = std::env::var("LESSON_KEYS")
         .ok()
         .and_then(|it| it.parse().ok());
-    for lesson in built_in() {
+    for lesson in built_in_lessons() {
         let lesson = Arc::new(lesson);
         for step in 0..lesson.steps.len() {
-            is_never_stranded(&lesson, step, keys.unwrap_or(50));
+            check_recovery(&lesson, step, keys.unwrap_or(50));
         }
     }
 }
 
 /// Demonstrations work as on a real machine: nothing is hit.
 #[test]
-fn what_is_shown_hits_nothing() {
-    let with_part = built_in()
+fn demonstrations_hit_nothing() {
+    let with_part = built_in_lessons()
         .into_iter()
         .filter_map(|lesson| Some((lesson.job.clone()?, Arc::new(lesson))));
     for (job, lesson) in with_part {
-        let mut live = Live::new(Machining::new(job));
+        let mut live = LivePart::new(Machining::new(job));
         let (mut practice, mut machine) = Practice::begin(Arc::clone(&lesson)).expect("a machine");
         let mut cut = 0;
         while practice.view().step < lesson.steps.len() {
@@ -333,7 +339,7 @@ fn what_is_shown_hits_nothing() {
             practice.show_me(&mut machine);
             while practice.view().showing {
                 practice.tick(&mut machine);
-                let found = live.ticked(&machine.simulation);
+                let found = live.follow_tick(&machine.simulation);
                 assert!(
                     found.is_empty(),
                     "{}, step {}: {found:?}",

@@ -9,15 +9,15 @@
 //!   ─ · ─ ┴ · ─ · ─ · ─ · ─ · ─ · ─ · ─ · ┴ ─> Z     goes through
 //! ```
 
-mod fit;
+mod job_fit;
+mod tool_uses;
 mod tools;
-mod uses;
 
 use std::collections::BTreeMap;
 
 use gsk_core::command::ExecutedMove;
 use gsk_core::memory::Offsets;
-use gsk_core::preview::{Progress, preview_while};
+use gsk_core::preview::{PreviewProgress, preview_with_progress};
 use gsk_core::setup::Setup;
 use gsk_core::units::Diameter;
 use gsk_workpiece::grid::{GridPoint, grid};
@@ -29,41 +29,41 @@ use gsk_workpiece::stock::{Form, Stock};
 use gsk_workpiece::tool::{Tool, ToolShape};
 
 use crate::curves::RapidRates;
-use tools::{Known, Pose};
-use uses::{Step, Use, Work, steps, uses};
+use tool_uses::{ToolStep, ToolUse, ToolWork, tool_steps, tool_uses};
+use tools::{ToolKnowledge, ToolPose};
 
 /// Number of moves, from the first, that a guess uses.
-pub const MOST_MOVES: usize = 20_000;
+pub const MAX_GUESS_MOVES: usize = 20_000;
 /// Number of motions with which tools and bars are tried.
-const TRIED: usize = 2_000;
+const MAX_TRIED_MOTIONS: usize = 2_000;
 /// Number of bars that are tried.
-const MOST_BARS: usize = 8;
+const MAX_TRIED_BARS: usize = 8;
 /// Stock between the deepest cut and the jaws, mm.
-const TO_JAWS: f64 = 10.0;
+const JAW_CLEARANCE_MM: f64 = 10.0;
 /// Least ratio of the chuck's diameter to the radius of its stock.
-const CHUCK: f64 = 5.0;
+const CHUCK_TO_STOCK_RATIO: f64 = 5.0;
 /// Greatest allowance for a facing cut, mm.
-const FACE: f64 = 0.5;
+const FACING_ALLOWANCE_MM: f64 = 0.5;
 /// Least radius of a bar, mm.
-const THINNEST: f64 = 1.0;
+const MIN_BAR_RADIUS_MM: f64 = 1.0;
 /// Allowance of the bar beyond the widest longitudinal cut, mm of radius.
-const SKIN: f64 = 1.0;
+const OUTSIDE_ALLOWANCE_MM: f64 = 1.0;
 /// Wall around the widest bore, mm.
-const WALL: f64 = 10.0;
+const BORE_WALL_MM: f64 = 10.0;
 /// Greatest distance from a zero at the face at which cuts begin, mm.
-const APPROACH: f64 = 10.0;
+const FACE_APPROACH_MM: f64 = 10.0;
 /// Number of bar faces that are tried.
-const MOST_FRONTS: usize = 4;
+const MAX_TRIED_FACES: usize = 4;
 /// Depth of a metric external thread divided by its lead, in radius.
-const THREAD_DEPTH: f64 = 0.613_4;
+const THREAD_DEPTH_PER_LEAD: f64 = 0.613_4;
 /// A tool that intrudes into less stock than this has the right pose, mm² of the half section.
-const RIGHT: f64 = 1.0;
+const ACCEPTED_INTRUSION_MM2: f64 = 1.0;
 /// Another pose must reduce the intrusion by this factor.
-const BETTER: f64 = 0.5;
+const POSE_CHANGE_FACTOR: f64 = 0.5;
 
 /// A bar and tools for practice without a program. At power-on the tip of the first tool is in
 /// front of the bar. No offset is right, so the tools must be set by trial cuts.
-pub fn practice() -> Job {
+pub fn practice_job() -> Job {
     let length = |x: f64, z: f64| DiameterPoint { x: Diameter(x), z };
     let tools = [
         (1, Tool::turning(), length(0.0, 0.0)),
@@ -79,101 +79,106 @@ pub fn practice() -> Job {
     job
 }
 
-/// Guesses a job for the selected program of a set-up. `go_on` is called with the progress; it
+/// Guesses a job for the selected program of a set-up. `can_continue` is called with the progress; it
 /// returns false to cancel. `None` if the program cuts nothing.
-pub fn of_program(setup: &Setup, go_on: &mut dyn FnMut(&Progress) -> bool) -> Option<Job> {
+pub fn guess_program_job(
+    setup: &Setup,
+    can_continue: &mut dyn FnMut(&PreviewProgress) -> bool,
+) -> Option<Job> {
     let mut moves = Vec::new();
     let take = &mut |executed: &ExecutedMove| {
-        if moves.len() < MOST_MOVES {
+        if moves.len() < MAX_GUESS_MOVES {
             moves.push(*executed);
         }
     };
-    preview_while(setup, &setup.memory.programs, take, go_on);
-    let rates = RapidRates::of(&setup.memory);
-    guess(&moves, &setup.memory.offsets, rates)
+    preview_with_progress(setup, &setup.memory.programs, take, can_continue);
+    let rates = RapidRates::from_memory(&setup.memory);
+    guess_job(&moves, &setup.memory.offsets, rates)
 }
 
 /// Guesses a job for the executed moves of a program. Rapids follow `rates`. `None` if the
 /// program cuts nothing.
-pub fn guess(moves: &[ExecutedMove], offsets: &Offsets, rates: RapidRates) -> Option<Job> {
-    let steps = steps(&moves[..moves.len().min(MOST_MOVES)], rates);
-    let cuts: Vec<&Step> = steps.iter().filter(|step| step.is_cut()).collect();
-    let deepest = |cut: &&Step| cut.motion.from.z.min(cut.motion.to.z);
+pub fn guess_job(moves: &[ExecutedMove], offsets: &Offsets, rates: RapidRates) -> Option<Job> {
+    let steps = tool_steps(&moves[..moves.len().min(MAX_GUESS_MOVES)], rates);
+    let cuts: Vec<&ToolStep> = steps.iter().filter(|step| step.is_cut()).collect();
+    let deepest = |cut: &&ToolStep| cut.motion.from.z.min(cut.motion.to.z);
     let deepest = cuts.iter().map(deepest).reduce(f64::min)?;
-    let fronts = fronts(&cuts);
+    let fronts = find_fronts(&cuts);
     let front = fronts.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let uses = uses(moves, &steps, front);
+    let uses = tool_uses(moves, &steps, front);
     if uses.is_empty() {
         return None;
     }
-    let mut guess = Guess {
-        tried: &steps[..steps.len().min(TRIED)],
+    let mut guess = JobGuess {
+        tried: &steps[..steps.len().min(MAX_TRIED_MOTIONS)],
         offsets,
         radii: Vec::new(),
         fronts,
         deepest,
         poses: BTreeMap::new(),
-        slim: BTreeMap::new(),
+        slimness: BTreeMap::new(),
         uses,
     };
     for (number, used) in &guess.uses {
-        let poses = guess.known(0.0, front).poses(used);
+        let poses = guess.tool_knowledge(0.0, front).possible_poses(used);
         if let Some(pose) = poses.first() {
             guess.poses.insert(*number, *pose);
-            guess.slim.insert(*number, pose.levels()[0]);
+            guess.slimness.insert(*number, pose.slimness_levels()[0]);
         }
     }
-    guess.radii = guess.radii(&cuts);
-    let intrusions = guess.settle_poses();
-    let (radius, front) = guess.bar(&intrusions)?;
-    Some(guess.fitted(radius, front))
+    guess.radii = guess.find_bar_radii(&cuts);
+    let intrusions = guess.choose_poses();
+    let (radius, front) = guess.choose_bar(&intrusions)?;
+    Some(guess.fit_job(radius, front))
 }
 
 /// Possible Z positions of the bar's face, the most probable first: at the facing cuts and in
 /// front of them, at the program zero, or where the cuts begin if the zero is at the chuck.
-fn fronts(cuts: &[&Step]) -> Vec<f64> {
-    let ends = |cut: &&Step| (cut.motion.from, cut.motion.to);
+fn find_fronts(cuts: &[&ToolStep]) -> Vec<f64> {
+    let ends = |cut: &&ToolStep| (cut.motion.from, cut.motion.to);
     let begins = || cuts.iter().map(ends).map(|(from, to)| from.z.max(to.z));
     let highest = begins().fold(f64::NEG_INFINITY, f64::max);
     let deepest = cuts.iter().map(ends).map(|(from, to)| from.z.min(to.z));
     let deepest = deepest.fold(f64::INFINITY, f64::min);
-    let at_the_face = highest <= APPROACH || -deepest >= highest;
+    let at_the_face = highest <= FACE_APPROACH_MM || -deepest >= highest;
     let faced = cuts
         .iter()
         .map(ends)
-        .filter(|(from, to)| from.z == to.z && from.x.abs().min(to.x.abs()) < THINNEST)
+        .filter(|(from, to)| from.z == to.z && from.x.abs().min(to.x.abs()) < MIN_BAR_RADIUS_MM)
         .map(|(_, to)| to.z)
         .reduce(f64::max);
     match faced {
         // A cut on the chuck side of the zero parts the bar off or faces deeper steps.
-        Some(faced) if !at_the_face || faced >= -FACE => return vec![faced + FACE, faced],
+        Some(faced) if !at_the_face || faced >= -FACING_ALLOWANCE_MM => {
+            return vec![faced + FACING_ALLOWANCE_MM, faced];
+        }
         _ if at_the_face => return vec![0.0],
         _ => {}
     }
     let mut begins: Vec<f64> = begins().collect();
     begins.sort_by(|a, b| b.total_cmp(a));
     begins.dedup_by(|a, b| (*a - *b).abs() < 0.01);
-    begins.truncate(MOST_FRONTS);
+    begins.truncate(MAX_TRIED_FACES);
     begins
 }
 
 /// The moves of a program, and the current assumptions about its tools.
-struct Guess<'a> {
-    tried: &'a [Step],
+struct JobGuess<'a> {
+    tried: &'a [ToolStep],
     offsets: &'a Offsets,
-    uses: BTreeMap<u8, Use>,
+    uses: BTreeMap<u8, ToolUse>,
     /// Possible radii of the bar, the largest first, mm.
     radii: Vec<f64>,
     /// Possible Z positions of its face.
     fronts: Vec<f64>,
     deepest: f64,
-    poses: BTreeMap<u8, Pose>,
+    poses: BTreeMap<u8, ToolPose>,
     /// Slimness of each tool for which its pose was judged.
-    slim: BTreeMap<u8, u8>,
+    slimness: BTreeMap<u8, u8>,
 }
 
 /// Stock that a step passes through and that therefore must not exist.
-struct Intruded {
+struct StockIntrusion {
     tool: u8,
     /// Whether it happened in a rapid; otherwise with a part of the tool that does not cut.
     rapid: bool,
@@ -181,9 +186,9 @@ struct Intruded {
     bounds: GridBounds,
 }
 
-impl Guess<'_> {
-    const fn known(&self, radius: f64, front: f64) -> Known<'_> {
-        Known {
+impl JobGuess<'_> {
+    const fn tool_knowledge(&self, radius: f64, front: f64) -> ToolKnowledge<'_> {
+        ToolKnowledge {
             uses: &self.uses,
             offsets: self.offsets,
             radius,
@@ -192,80 +197,84 @@ impl Guess<'_> {
     }
 
     fn is_internal(&self, tool: u8) -> bool {
-        let is_drill = |used: &Use| used.work == Some(Work::Drill);
+        let is_drill = |used: &ToolUse| used.work == Some(ToolWork::Drill);
         self.poses.get(&tool).is_some_and(|pose| pose.internal)
             || self.uses.get(&tool).is_some_and(is_drill)
     }
 
     /// Whether the cuts of a tool show how wide the bar is.
     fn is_outside(&self, tool: u8) -> bool {
-        let faces = |used: &Use| used.work == Some(Work::FaceGroove);
+        let faces = |used: &ToolUse| used.work == Some(ToolWork::FaceGroove);
         !self.is_internal(tool) && !self.uses.get(&tool).is_some_and(faces)
     }
 
     /// Radii where outside cuts begin and end, and the widest longitudinal cut with an
     /// allowance.
-    fn radii(&self, cuts: &[&Step]) -> Vec<f64> {
-        let outside = |cut: &&&Step| self.is_outside(cut.tool) && !cut.threads;
+    fn find_bar_radii(&self, cuts: &[&ToolStep]) -> Vec<f64> {
+        let outside = |cut: &&&ToolStep| self.is_outside(cut.tool) && !cut.threads;
         let mut radii: Vec<f64> = cuts
             .iter()
             .filter(outside)
             .flat_map(|cut| [cut.motion.from.x.abs(), cut.motion.to.x.abs()])
-            .filter(|radius| *radius > THINNEST)
+            .filter(|radius| *radius > MIN_BAR_RADIUS_MM)
             .collect();
-        let widest = self.widest();
+        let widest = self.widest_cut();
         let crests = self
             .uses
             .iter()
             .filter(|(tool, _)| !self.is_internal(**tool));
         let crests = crests.filter_map(|(_, used)| {
             let (low, high) = used.crests?;
-            Some((low + THREAD_DEPTH * used.lead).max(high))
+            Some((low + THREAD_DEPTH_PER_LEAD * used.lead_mm).max(high))
         });
-        let inside = self.uses.values().map(|used| used.farthest_cut);
+        let inside = self.uses.values().map(|used| used.farthest_cut_mm);
         radii.push(if widest > 0.0 {
-            widest + SKIN
+            widest + OUTSIDE_ALLOWANCE_MM
         } else if let Some(faced) = radii.iter().copied().reduce(f64::max) {
             // Without a longitudinal cut, facing starts outside the bar.
             faced
         } else if let Some(crest) = crests.reduce(f64::max) {
             crest
         } else {
-            inside.fold(0.0, f64::max) + WALL
+            inside.fold(0.0, f64::max) + BORE_WALL_MM
         });
         radii.sort_by(|a, b| b.total_cmp(a));
         radii.dedup_by(|a, b| (*a - *b).abs() < 0.01);
-        radii.truncate(MOST_BARS);
+        radii.truncate(MAX_TRIED_BARS);
         radii
     }
 
     /// Greatest radius of a longitudinal outside cut, mm.
-    fn widest(&self) -> f64 {
+    fn widest_cut(&self) -> f64 {
         let outside = self.uses.iter().filter(|(tool, _)| self.is_outside(**tool));
-        outside.map(|(_, used)| used.widest).fold(0.0, f64::max)
+        outside.map(|(_, used)| used.widest_mm).fold(0.0, f64::max)
     }
 
     /// Radius of the hole that boring tools enter, mm; `None` where a drill makes it.
-    fn bore(&self) -> Option<f64> {
+    fn bore_radius(&self) -> Option<f64> {
         if self
             .uses
             .values()
-            .any(|used| used.work == Some(Work::Drill))
+            .any(|used| used.work == Some(ToolWork::Drill))
         {
             return None;
         }
         self.uses
             .iter()
             .filter(|(tool, _)| self.is_internal(**tool))
-            .filter_map(|(_, used)| used.nearest)
+            .filter_map(|(_, used)| used.nearest_mm)
             .reduce(f64::min)
             .filter(|radius| *radius > 0.5)
     }
 
-    fn stock(&self, radius: f64, front: f64) -> Stock {
-        let mut stock = Stock::bar(radius * 2.0, front, front - self.deepest.min(0.0) + TO_JAWS);
-        stock.chuck.diameter.0 = stock.chuck.diameter.0.max(radius * CHUCK);
-        if let Some(bore) = self.bore().filter(|bore| *bore < radius) {
+    fn build_stock(&self, radius: f64, front: f64) -> Stock {
+        let mut stock = Stock::bar(
+            radius * 2.0,
+            front,
+            front - self.deepest.min(0.0) + JAW_CLEARANCE_MM,
+        );
+        stock.chuck.diameter.0 = stock.chuck.diameter.0.max(radius * CHUCK_TO_STOCK_RATIO);
+        if let Some(bore) = self.bore_radius().filter(|bore| *bore < radius) {
             stock.form = Form::Tube {
                 diameter: Diameter(radius * 2.0),
                 bore: Diameter(bore * 2.0),
@@ -274,26 +283,26 @@ impl Guess<'_> {
         stock
     }
 
-    fn tools(&self, radius: f64, front: f64, slim: &BTreeMap<u8, u8>) -> BTreeMap<u8, Tool> {
-        let known = self.known(radius, front);
-        let tool = |(number, used): (&u8, &Use)| {
+    fn build_tools(&self, radius: f64, front: f64, slim: &BTreeMap<u8, u8>) -> BTreeMap<u8, Tool> {
+        let known = self.tool_knowledge(radius, front);
+        let tool = |(number, used): (&u8, &ToolUse)| {
             let pose = self.poses.get(number)?;
             let slim = slim.get(number).copied().unwrap_or(0);
-            Some((*number, known.tool(used, *pose, slim)))
+            Some((*number, known.build_tool(used, *pose, slim)))
         };
         self.uses.iter().filter_map(tool).collect()
     }
 
     /// The intrusions of the program into the largest bar.
-    fn intrusions(&self) -> Vec<Intruded> {
-        let radius = self.radii.first().copied().unwrap_or(THINNEST);
+    fn find_intrusions(&self) -> Vec<StockIntrusion> {
+        let radius = self.radii.first().copied().unwrap_or(MIN_BAR_RADIUS_MM);
         let front = self.fronts.first().copied().unwrap_or(0.0);
-        let tools = self.tools(radius, front, &self.slim);
+        let tools = self.build_tools(radius, front, &self.slimness);
         let cutters: BTreeMap<u8, SceneTool> = tools
             .iter()
             .map(|(number, tool)| (*number, SceneTool::new(ToolShape::from_tool(tool))))
             .collect();
-        let mut scene = LatheScene::new(&self.stock(radius, front));
+        let mut scene = LatheScene::new(&self.build_stock(radius, front));
         let mut intrusions = Vec::new();
         for step in self.tried {
             let Some(cutter) = cutters.get(&step.tool) else {
@@ -302,7 +311,7 @@ impl Guess<'_> {
             let intrusion = scene.intrude(cutter, &step.motion);
             for (rapid, region) in [(true, intrusion.insert), (false, intrusion.body)] {
                 if let Some(bounds) = region.bounds() {
-                    intrusions.push(Intruded {
+                    intrusions.push(StockIntrusion {
                         tool: step.tool,
                         rapid: rapid || matches!(step.motion.kind, MotionKind::Rapid),
                         region,
@@ -315,20 +324,20 @@ impl Guess<'_> {
     }
 
     /// Chooses for each tool the pose with the least intrusion.
-    fn settle_poses(&mut self) -> Vec<Intruded> {
-        let of_tool = |intrusions: &[Intruded], tool: u8| -> f64 {
+    fn choose_poses(&mut self) -> Vec<StockIntrusion> {
+        let of_tool = |intrusions: &[StockIntrusion], tool: u8| -> f64 {
             let own = intrusions.iter().filter(|it| it.tool == tool);
             own.map(|it| it.region.area()).sum()
         };
-        let first = self.intrusions();
-        let mut least: BTreeMap<u8, (f64, Pose, u8)> = BTreeMap::new();
+        let first = self.find_intrusions();
+        let mut least: BTreeMap<u8, (f64, ToolPose, u8)> = BTreeMap::new();
         for (tool, pose) in &self.poses {
             let area = of_tool(&first, *tool);
-            if area > RIGHT {
-                least.insert(*tool, (area, *pose, pose.levels()[0]));
+            if area > ACCEPTED_INTRUSION_MM2 {
+                least.insert(*tool, (area, *pose, pose.slimness_levels()[0]));
             }
         }
-        let others: BTreeMap<u8, Vec<(Pose, u8)>> = least
+        let others: BTreeMap<u8, Vec<(ToolPose, u8)>> = least
             .keys()
             .filter_map(|tool| Some((*tool, self.other_poses(self.uses.get(tool)?))))
             .collect();
@@ -341,63 +350,67 @@ impl Guess<'_> {
                 let next = others.get(tool).and_then(|poses| poses.get(index));
                 let (pose, slim) = next.copied().unwrap_or((*pose, *slim));
                 self.poses.insert(*tool, pose);
-                self.slim.insert(*tool, slim);
+                self.slimness.insert(*tool, slim);
             }
-            let intrusions = self.intrusions();
+            let intrusions = self.find_intrusions();
             for (tool, (area, pose, slim)) in &mut least {
                 let other = of_tool(&intrusions, *tool);
                 let Some((tried, level)) = others.get(tool).and_then(|poses| poses.get(index))
                 else {
                     continue;
                 };
-                let factor = if tried == pose { 1.0 } else { BETTER };
-                if other < *area * factor && *area > RIGHT {
+                let factor = if tried == pose {
+                    1.0
+                } else {
+                    POSE_CHANGE_FACTOR
+                };
+                if other < *area * factor && *area > ACCEPTED_INTRUSION_MM2 {
                     (*area, *pose, *slim) = (other, *tried, *level);
                 }
             }
         }
         for (tool, (_, pose, slim)) in least {
             self.poses.insert(tool, pose);
-            self.slim.insert(tool, slim);
+            self.slimness.insert(tool, slim);
         }
-        self.intrusions()
+        self.find_intrusions()
     }
 
     /// Poses to try when a tool intrudes into stock: its pose with edges for shoulders, steps
     /// and narrow grooves, then the other poses with all of these edges.
-    fn other_poses(&self, used: &Use) -> Vec<(Pose, u8)> {
-        let all = self.known(0.0, 0.0).poses(used);
+    fn other_poses(&self, used: &ToolUse) -> Vec<(ToolPose, u8)> {
+        let all = self.tool_knowledge(0.0, 0.0).possible_poses(used);
         let mut poses = all.clone();
         // An inside that is nowhere wider than its entry is not cut.
         let bores = used
-            .nearest
-            .is_some_and(|nearest| nearest < used.farthest_cut);
+            .nearest_mm
+            .is_some_and(|nearest| nearest < used.farthest_cut_mm);
         poses.retain(|pose| bores || !pose.internal);
-        let first = all.first().map(|pose| (*pose, pose.levels()[0]));
-        let levels = |pose: Pose| pose.levels().map(|slim| (pose, slim));
+        let first = all.first().map(|pose| (*pose, pose.slimness_levels()[0]));
+        let levels = |pose: ToolPose| pose.slimness_levels().map(|slim| (pose, slim));
         let tried = poses.into_iter().flat_map(levels);
         tried.filter(|pose| Some(*pose) != first).collect()
     }
 
     /// Radius and face of the largest bar that is cut and has no intrusion. Otherwise the bar
     /// with the fewest rapids through it.
-    fn bar(&self, intrusions: &[Intruded]) -> Option<(f64, f64)> {
-        let widest = self.widest();
-        let bore = self.bore().unwrap_or(0.0);
-        let mut least: Option<(Misfit, (f64, f64))> = None;
+    fn choose_bar(&self, intrusions: &[StockIntrusion]) -> Option<(f64, f64)> {
+        let widest = self.widest_cut();
+        let bore = self.bore_radius().unwrap_or(0.0);
+        let mut least: Option<(BarMisfit, (f64, f64))> = None;
         for radius in &self.radii {
             for front in &self.fronts {
                 if !self.is_cut(*radius, *front) {
                     continue;
                 }
                 let bar = Region::rectangle(
-                    GridPoint::new(grid(front - 2.0 * FARTHEST), grid(bore)),
+                    GridPoint::new(grid(front - 2.0 * MAX_BAR_LENGTH_MM), grid(bore)),
                     GridPoint::new(grid(*front), grid(*radius)),
                 );
                 let Some(bounds) = bar.bounds() else {
                     continue;
                 };
-                let through = |it: &&Intruded| {
+                let through = |it: &&StockIntrusion| {
                     it.bounds.intersects(&bounds)
                         && is_thick(&it.region.intersection(bar.contours()))
                 };
@@ -422,23 +435,23 @@ impl Guess<'_> {
     }
 
     fn is_cut(&self, radius: f64, front: f64) -> bool {
-        let bore = self.bore().unwrap_or(0.0);
+        let bore = self.bore_radius().unwrap_or(0.0);
         self.uses.iter().any(|(tool, used)| {
             let cuts = match self.is_internal(*tool) {
-                true => used.farthest_cut > bore || used.work == Some(Work::Drill),
-                false => used.nearest_cut < radius,
+                true => used.farthest_cut_mm > bore || used.work == Some(ToolWork::Drill),
+                false => used.nearest_cut_mm < radius,
             };
-            cuts && used.deepest < front
+            cuts && used.deepest_z < front
         })
     }
 }
 
 /// The misfit of a bar, the most serious first: number of rapids through it, whether a
 /// longitudinal cut is wider, whether a tool body passes through it.
-type Misfit = (usize, bool, bool);
+type BarMisfit = (usize, bool, bool);
 
 /// Greatest length of a bar, mm.
-const FARTHEST: f64 = 2_000.0;
+const MAX_BAR_LENGTH_MM: f64 = 2_000.0;
 
 /// Whether a region is more than a rounding error: surfaces slide along each other.
 fn is_thick(region: &Region) -> bool {

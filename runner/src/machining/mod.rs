@@ -1,18 +1,18 @@
 //! Executes a program on the part: its moves cut the stock, and collisions are found with
 //! their blocks.
 //!
-//! Two sources use the same sweeps: the moves of a preview ([`Machining::moved`]), and the
-//! ticks of a running control ([`live`]).
+//! Two sources use the same sweeps: the moves of a preview ([`Machining::execute_move`]), and the
+//! ticks of a running control ([`live_part`]).
 
 pub mod guess;
-pub mod ideal;
-pub mod live;
+pub mod live_part;
+mod motion_track;
 mod mounting;
-mod track;
+pub mod part_comparison;
 
 use std::collections::BTreeMap;
 
-use gsk_core::command::{ExecutedMove, Source};
+use gsk_core::command::{ExecutedMove, SourcePosition};
 use gsk_workpiece::collision::Collision;
 use gsk_workpiece::job::Job;
 use gsk_workpiece::motion::ToolMotion;
@@ -20,21 +20,21 @@ use gsk_workpiece::region::Region;
 use gsk_workpiece::scene::{LatheScene, MotionEffect, SceneTool};
 use gsk_workpiece::tool::{Insert, ToolShape};
 
+use motion_track::MotionTrack;
 pub use mounting::Mounting;
-use track::Track;
 
 use crate::curves::RapidRates;
 
 /// Limit of the stored findings.
-const MOST_FINDINGS: usize = 100;
+const MAX_FINDINGS: usize = 100;
 /// An insert this near to the axis has parted the bar off, mm of radius.
-const PARTED: f64 = 0.05;
+const PART_OFF_RADIUS_MM: f64 = 0.05;
 
 /// A collision and the block that caused it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Finding {
+pub struct CollisionFinding {
     /// The block; `None` in manual operation.
-    pub source: Option<Source>,
+    pub source: Option<SourcePosition>,
     /// The T number of the tool.
     pub tool: u8,
     /// The parts that touch, the position and the depth.
@@ -47,10 +47,10 @@ pub struct Machining {
     job: Job,
     scene: LatheScene,
     cutters: BTreeMap<u8, SceneTool>,
-    track: Track,
+    track: MotionTrack,
     /// Volume of the parted-off pieces, mm³.
-    parted: f64,
-    findings: Vec<Finding>,
+    parted_volume_mm3: f64,
+    findings: Vec<CollisionFinding>,
 }
 
 impl Machining {
@@ -63,9 +63,9 @@ impl Machining {
             .collect();
         Self {
             scene: LatheScene::new(&job.stock),
-            track: Track::of(&job),
+            track: MotionTrack::from_job(&job),
             cutters,
-            parted: 0.0,
+            parted_volume_mm3: 0.0,
             findings: Vec::new(),
             job,
         }
@@ -83,11 +83,11 @@ impl Machining {
 
     /// Volume removed by cutting, mm³, without the parted-off pieces.
     pub fn removed_volume(&self) -> f64 {
-        self.job.stock.section().volume() - self.scene.part().volume() - self.parted
+        self.job.stock.section().volume() - self.scene.part().volume() - self.parted_volume_mm3
     }
 
     /// The collisions in the order of their detection, each kind once per block.
-    pub fn findings(&self) -> &[Finding] {
+    pub fn findings(&self) -> &[CollisionFinding] {
         &self.findings
     }
 
@@ -97,37 +97,38 @@ impl Machining {
     }
 
     /// Clamps new stock and discards the findings. The tools stay where they are.
-    pub fn fresh_stock(&mut self) {
+    pub fn clamp_new_stock(&mut self) {
         self.scene = LatheScene::new(&self.job.stock);
-        self.parted = 0.0;
+        self.parted_volume_mm3 = 0.0;
         self.findings.clear();
     }
 
     /// Cuts the part with a move of the program. Rapids follow `rates`.
-    pub fn moved(&mut self, executed: &ExecutedMove, rates: RapidRates) {
+    pub fn execute_move(&mut self, executed: &ExecutedMove, rates: RapidRates) {
         let tool = executed.conditions.tool;
-        for motion in self.track.motions(executed, rates) {
-            self.carry_out(Some(executed.source), tool, &motion);
+        for motion in self.track.tip_motions(executed, rates) {
+            self.move_tool(Some(executed.source), tool, &motion);
         }
     }
 
     /// Moves a tool relative to the part.
-    fn carry_out(&mut self, source: Option<Source>, tool: u8, motion: &ToolMotion) {
+    fn move_tool(&mut self, source: Option<SourcePosition>, tool: u8, motion: &ToolMotion) {
         let Some(cutter) = self.cutters.get(&tool) else {
             return;
         };
         let MotionEffect { removed, collision } = self.scene.move_tool(cutter, motion);
         if let Some(collision) = collision {
-            self.note(Finding {
+            self.add_finding(CollisionFinding {
                 source,
                 tool,
                 collision,
             });
         }
-        let parts = removed.area > 0.0 && motion.to.x <= PARTED && self.is_grooving(tool);
-        if parts {
+        let parts_off =
+            removed.area > 0.0 && motion.to.x <= PART_OFF_RADIUS_MM && self.is_grooving(tool);
+        if parts_off {
             let loose = self.scene.drop_loose_pieces();
-            self.parted += loose.iter().map(Region::volume).sum::<f64>();
+            self.parted_volume_mm3 += loose.iter().map(Region::volume).sum::<f64>();
         }
     }
 
@@ -136,8 +137,8 @@ impl Machining {
         tool.is_some_and(|tool| matches!(tool.insert, Insert::Grooving { .. }))
     }
 
-    fn note(&mut self, finding: Finding) {
-        let same = |known: &Finding| {
+    fn add_finding(&mut self, finding: CollisionFinding) {
+        let same = |known: &CollisionFinding| {
             known.source == finding.source
                 && known.tool == finding.tool
                 && known.collision.touching_part == finding.collision.touching_part
@@ -145,7 +146,7 @@ impl Machining {
         };
         if let Some(known) = self.findings.iter_mut().find(|known| same(known)) {
             known.collision.depth = known.collision.depth.max(finding.collision.depth);
-        } else if self.findings.len() < MOST_FINDINGS {
+        } else if self.findings.len() < MAX_FINDINGS {
             self.findings.push(finding);
         }
     }

@@ -15,11 +15,11 @@ use gsk_workpiece::job::{DiameterPoint, Job};
 pub struct Mounting {
     zero: Option<Point>,
     lengths: BTreeMap<u8, Point>,
-    settled: BTreeMap<u8, Point>,
+    fixed_zeros: BTreeMap<u8, Point>,
 }
 
 impl Mounting {
-    pub(super) fn of(job: &Job) -> Self {
+    pub(super) fn from_job(job: &Job) -> Self {
         Self {
             zero: job.zero.map(DiameterPoint::point),
             lengths: job
@@ -27,31 +27,31 @@ impl Mounting {
                 .iter()
                 .map(|(tool, length)| (*tool, length.point()))
                 .collect(),
-            settled: BTreeMap::new(),
+            fixed_zeros: BTreeMap::new(),
         }
     }
 
     /// Slide position, machine coordinates, at which the tip of a tool is at the zero of the
     /// part.
-    pub fn zero_of(&self, tool: u8, frame: &Frame) -> Point {
-        if let Some(settled) = self.settled.get(&tool) {
-            return *settled;
+    pub fn slide_at_part_zero(&self, tool: u8, frame: &Frame) -> Point {
+        if let Some(zero) = self.fixed_zeros.get(&tool) {
+            return *zero;
         }
         let length = self.lengths.get(&tool).copied();
-        let zero = frame.zero - frame.zero_offset.point();
+        let zero = frame.zero - frame.zero_offset.to_point();
         self.zero.unwrap_or(zero) + length.unwrap_or(frame.offset)
     }
 
     /// Tip of a tool in part coordinates, with the slide at machine position `machine`.
-    pub fn tip(&self, tool: u8, machine: Point, frame: &Frame) -> Point {
-        machine - self.zero_of(tool, frame)
+    pub fn tip_in_part(&self, tool: u8, machine: Point, frame: &Frame) -> Point {
+        machine - self.slide_at_part_zero(tool, frame)
     }
 
     /// Fixes the tool's position at its first cut. Later changes of offset or work zero move
     /// the cut.
-    pub(super) fn settle(&mut self, tool: u8, frame: &Frame) {
-        let zero = self.zero_of(tool, frame);
-        self.settled.entry(tool).or_insert(zero);
+    pub(super) fn fix_tool(&mut self, tool: u8, frame: &Frame) {
+        let zero = self.slide_at_part_zero(tool, frame);
+        self.fixed_zeros.entry(tool).or_insert(zero);
     }
 }
 
@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn a_zero_offset_leaves_the_part_where_it_is() {
-        let mounting = Mounting::of(&Job::new(Stock::bar(50.0, 0.0, 60.0)));
+        let mounting = Mounting::from_job(&Job::new(Stock::bar(50.0, 0.0, 60.0)));
         let slide = Point::new(-80.0, -310.0);
         let by = Point::new(1.0, -30.0);
         let moved = Frame {
@@ -79,19 +79,22 @@ mod tests {
             zero_offset: ZeroOffset::from_point(by),
             ..frame(0.0)
         };
-        let tip = mounting.tip(1, slide, &moved);
-        assert_eq!(tip, mounting.tip(1, slide, &frame(0.0)));
+        let tip = mounting.tip_in_part(1, slide, &moved);
+        assert_eq!(tip, mounting.tip_in_part(1, slide, &frame(0.0)));
     }
 
     #[test]
     fn a_tool_stands_where_the_control_has_it_until_it_cuts() {
-        let mut mounting = Mounting::of(&Job::new(Stock::bar(50.0, 0.0, 60.0)));
+        let mut mounting = Mounting::from_job(&Job::new(Stock::bar(50.0, 0.0, 60.0)));
         let slide = Point::new(-80.0, -310.0);
-        assert_eq!(mounting.tip(1, slide, &frame(0.0)), Point::new(20.0, -10.0));
-        mounting.settle(1, &frame(0.5));
+        assert_eq!(
+            mounting.tip_in_part(1, slide, &frame(0.0)),
+            Point::new(20.0, -10.0)
+        );
+        mounting.fix_tool(1, &frame(0.5));
         // Another offset moves the tip in the control, not that of the tool.
         for offset in [0.5, 0.0, 1.5] {
-            let tip = mounting.tip(1, slide, &frame(offset));
+            let tip = mounting.tip_in_part(1, slide, &frame(offset));
             assert_eq!(tip, Point::new(19.5, -10.0));
         }
     }
@@ -102,8 +105,8 @@ mod tests {
         job.zero = Some(DiameterPoint::from(Point::new(-90.0, -290.0)));
         job.lengths
             .insert(2, DiameterPoint::from(Point::new(1.0, -2.0)));
-        let mounting = Mounting::of(&job);
-        let tip = mounting.tip(2, Point::new(-90.0, -290.0), &frame(7.0));
+        let mounting = Mounting::from_job(&job);
+        let tip = mounting.tip_in_part(2, Point::new(-90.0, -290.0), &frame(7.0));
         assert_eq!(tip, Point::new(-1.0, 2.0));
     }
 }

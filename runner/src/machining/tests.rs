@@ -13,8 +13,8 @@ use gsk_workpiece::collision::{Obstacle, TouchingPart};
 use gsk_workpiece::stock::{Form, Stock};
 use gsk_workpiece::tool::{Insert, Tool};
 
-use super::guess::{self, guess};
-use super::live::Live;
+use super::guess::{self, guess_job};
+use super::live_part::LivePart;
 use super::*;
 
 const SHAFT: &str = include_str!("../../../assets/programs/01-stepped-shaft.CNC");
@@ -35,7 +35,7 @@ fn setup(texts: &[&str]) -> Setup {
     setup
 }
 
-fn moves(setup: &Setup) -> Vec<ExecutedMove> {
+fn preview_moves(setup: &Setup) -> Vec<ExecutedMove> {
     let mut moves = Vec::new();
     let result = preview(setup, &setup.memory.programs, &mut |executed| {
         moves.push(*executed);
@@ -44,29 +44,34 @@ fn moves(setup: &Setup) -> Vec<ExecutedMove> {
     moves
 }
 
-fn rates(setup: &Setup) -> RapidRates {
-    RapidRates::of(&setup.memory)
+fn rapid_rates(setup: &Setup) -> RapidRates {
+    RapidRates::from_memory(&setup.memory)
 }
 
-fn carried_out(setup: &Setup, job: Job) -> Machining {
+fn execute_program(setup: &Setup, job: Job) -> Machining {
     let mut machining = Machining::new(job);
-    for executed in moves(setup) {
-        machining.moved(&executed, rates(setup));
+    for executed in preview_moves(setup) {
+        machining.execute_move(&executed, rapid_rates(setup));
     }
     machining
 }
 
-fn guessed(setup: &Setup) -> Job {
-    guess(&moves(setup), &Offsets::default(), rates(setup)).unwrap()
+fn guess_setup_job(setup: &Setup) -> Job {
+    guess_job(
+        &preview_moves(setup),
+        &Offsets::default(),
+        rapid_rates(setup),
+    )
+    .unwrap()
 }
 
 #[test]
 fn samples_cut_their_guessed_stock_without_a_collision() {
     for texts in [&[SHAFT][..], &[BUSHING], &[PIN, GROOVE], &[MANUAL]] {
         let setup = setup(texts);
-        let job = guessed(&setup);
+        let job = guess_setup_job(&setup);
         job.check().unwrap();
-        let machining = carried_out(&setup, job.clone());
+        let machining = execute_program(&setup, job.clone());
         assert_eq!(machining.findings(), [], "{job:?}");
         assert!(machining.removed_volume() > 1000.0);
     }
@@ -74,19 +79,19 @@ fn samples_cut_their_guessed_stock_without_a_collision() {
 
 #[test]
 fn what_a_program_does_with_a_tool_shows_what_it_is() {
-    let job = guessed(&setup(&[BUSHING]));
+    let job = guess_setup_job(&setup(&[BUSHING]));
     assert!(job.tools[&3].is_internal());
     assert!(!job.tools[&1].is_internal());
     assert!(matches!(job.stock.form, Form::Tube { bore, .. } if bore.0 == 18.0));
-    let job = guessed(&setup(&[PIN, GROOVE]));
+    let job = guess_setup_job(&setup(&[PIN, GROOVE]));
     assert!(matches!(job.tools[&3].insert, Insert::Grooving { .. }));
     let thread = "G50 X60 Z20\nG97 M03 S500\nT0101\nG00 X32 Z3\nG92 X29 Z-20 F1.5\nX28.4\nM30\n";
-    let job = guessed(&setup(&[thread]));
+    let job = guess_setup_job(&setup(&[thread]));
     assert!(matches!(job.tools[&1].insert, Insert::Threading { .. }));
 }
 
 /// A turning tool with a sharp corner, which leaves the programmed contour.
-fn sharp() -> Tool {
+fn sharp_tool() -> Tool {
     Tool {
         insert: Insert::Turning {
             letter: gsk_workpiece::tool::InsertLetter::V,
@@ -99,7 +104,7 @@ fn sharp() -> Tool {
 }
 
 /// Volume of a cone's frustum, mm³.
-fn frustum(a: f64, b: f64, length: f64) -> f64 {
+fn frustum_volume(a: f64, b: f64, length: f64) -> f64 {
     PI * length * (a * a + a * b + b * b) / 3.0
 }
 
@@ -107,9 +112,9 @@ fn frustum(a: f64, b: f64, length: f64) -> f64 {
 fn the_stepped_shaft_has_its_analytic_volume() {
     let setup = setup(&[SHAFT]);
     let mut job = Job::new(Stock::bar(54.0, 2.0, 82.0));
-    job.tools.insert(1, sharp());
-    job.tools.insert(2, sharp());
-    let machining = carried_out(&setup, job);
+    job.tools.insert(1, sharp_tool());
+    job.tools.insert(2, sharp_tool());
+    let machining = execute_program(&setup, job);
     assert_eq!(machining.findings(), []);
     // The contour as programmed, from the face at Z0 back to Z-72.
     let fillet = |z: f64| {
@@ -138,16 +143,16 @@ fn the_stepped_shaft_has_its_analytic_volume() {
         };
         (0..=steps).map(value).sum::<f64>() / (3.0 * f64::from(steps))
     };
-    let programmed = frustum(8.0, 10.0, 2.0)
-        + frustum(10.0, 10.0, 18.0)
-        + frustum(10.0, 15.0, 15.0)
-        + frustum(15.0, 15.0, 15.0)
+    let programmed = frustum_volume(8.0, 10.0, 2.0)
+        + frustum_volume(10.0, 10.0, 18.0)
+        + frustum_volume(10.0, 15.0, 15.0)
+        + frustum_volume(15.0, 15.0, 15.0)
         + disc(&fillet, -55.0, -50.0)
         + disc(&corner, -59.0, -55.0)
-        + frustum(25.0, 25.0, 13.0);
-    let stock_behind = PI * 27.0 * 27.0 * (122.0 - 2.0 - 72.0);
+        + frustum_volume(25.0, 25.0, 13.0);
+    let stock_beyond_part = PI * 27.0 * 27.0 * (122.0 - 2.0 - 72.0);
     let volume = machining.scene().part().volume();
-    let wanted = programmed + stock_behind;
+    let wanted = programmed + stock_beyond_part;
     assert!(
         (volume / wanted - 1.0).abs() < 1e-6,
         "{volume} instead of {wanted}"
@@ -160,7 +165,7 @@ fn a_rapid_into_the_stock_is_found_at_its_block() {
     let setup = setup(&[text]);
     let mut job = Job::new(Stock::bar(44.0, 0.0, 60.0));
     job.tools.insert(1, Tool::turning());
-    let machining = carried_out(&setup, job);
+    let machining = execute_program(&setup, job);
     let [finding] = machining.findings() else {
         panic!("{:?}", machining.findings());
     };
@@ -180,7 +185,7 @@ fn a_wrong_offset_cuts_wrong_as_on_the_machine() {
     let mut row = setup.memory.offsets.get(1);
     row.x = 1.0;
     setup.memory.offsets.set(1, row).unwrap();
-    let machining = carried_out(&setup, job);
+    let machining = execute_program(&setup, job);
     let radius = machining.scene().part().max_radius(-15.0, -5.0);
     assert!((radius - 20.5).abs() < 1e-9, "{radius}");
 }
@@ -188,15 +193,15 @@ fn a_wrong_offset_cuts_wrong_as_on_the_machine() {
 #[test]
 fn the_running_control_leaves_the_part_of_the_preview() {
     let setup = setup(&[SHAFT]);
-    let job = guessed(&setup);
-    let looked = carried_out(&setup, job.clone());
+    let job = guess_setup_job(&setup);
+    let looked = execute_program(&setup, job.clone());
     let mut simulation = Simulation::new(setup);
-    let mut live = Live::new(Machining::new(job));
+    let mut live = LivePart::new(Machining::new(job));
     simulation.start_automatic();
     let mut found = Vec::new();
     for _ in 0..20 * 60 * 1000 {
         simulation.tick();
-        found.extend_from_slice(live.ticked(&simulation));
+        found.extend_from_slice(live.follow_tick(&simulation));
         if simulation.cnc.run_state() == gsk_core::operation::RunState::Reset {
             break;
         }
@@ -216,7 +221,7 @@ fn a_thread_of_g76_has_its_pitch_and_its_depth_in_the_part() {
     let setup = setup(&[text]);
     let mut job = Job::new(Stock::bar(30.0, 0.0, 60.0));
     job.tools.insert(1, Tool::threading(60.0));
-    let machining = carried_out(&setup, job);
+    let machining = execute_program(&setup, job);
     assert_eq!(machining.findings(), []);
     let section = machining.scene().part().section();
     let features = gsk_workpiece::measure::measure_features(
@@ -239,10 +244,10 @@ fn a_thread_of_g76_has_its_pitch_and_its_depth_in_the_part() {
 
 #[test]
 fn the_bar_to_practise_on_is_sound_and_the_first_tool_stands_before_it() {
-    let job = guess::practice();
+    let job = guess::practice_job();
     job.check().unwrap();
-    let mounting = Mounting::of(&job);
-    let tip = mounting.tip(1, Point::default(), &Default::default());
+    let mounting = Mounting::from_job(&job);
+    let tip = mounting.tip_in_part(1, Point::default(), &Default::default());
     assert!(
         tip.x > job.stock.radius() && tip.z > job.stock.front(),
         "{tip:?}"
@@ -384,9 +389,9 @@ fn parts_that_are_right_collide_with_no_guessed_tool() {
             false => HEAD.to_owned(),
         };
         let setup = setup(&[&format!("{head}{text}\nM30\n")]);
-        let job = guessed(&setup);
+        let job = guess_setup_job(&setup);
         job.check().unwrap();
-        let machining = carried_out(&setup, job.clone());
+        let machining = execute_program(&setup, job.clone());
         assert_eq!(machining.findings(), [], "{name}: {job:?}");
         let section = machining.scene().part().section();
         let has = |&(x, z): &(f64, f64)| {
@@ -412,7 +417,7 @@ fn a_machine_zero_that_is_not_known_is_not_in_the_part() {
         "G28 U0\nG28 W0\nG00 Z2\nX44\nG01 Z-10\nM30\n",
     ] {
         let setup = setup(&[&format!("{head}{text}")]);
-        let machining = carried_out(&setup, job());
+        let machining = execute_program(&setup, job());
         assert_eq!(machining.findings(), [], "{text}");
         let radius = machining.scene().part().max_radius(-5.0, -2.0);
         assert!((radius - 22.0).abs() < 1e-9, "{text}: {radius}");
@@ -420,6 +425,6 @@ fn a_machine_zero_that_is_not_known_is_not_in_the_part() {
     // With a known position the path back goes through the bar.
     let mut setup = setup(&[&format!("{head}G28 U0 W0\nM30\n")]);
     setup.absolute = Some(Point::new(0.0, -40.0));
-    let machining = carried_out(&setup, job());
+    let machining = execute_program(&setup, job());
     assert!(!machining.findings().is_empty());
 }

@@ -3,55 +3,55 @@
 use tiny_skia::{Color, ColorU8, Paint, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
 
 use super::PictureError;
-use super::extent::Size;
-use super::legend::width;
-use super::pens::Pen;
+use super::extent::PictureSize;
+use super::legend::text_width;
+use super::pens::LinePen;
 
 /// Points of a stroke at most. The time of a stroke grows faster than its number of points.
-const POINTS_A_STROKE: usize = 128;
+const MAX_STROKE_POINTS: usize = 128;
 
 /// Points nearer than this to the previous one are invisible, units.
-const NEAR: f32 = 0.5;
+const MIN_POINT_DISTANCE: f32 = 0.5;
 
 /// Position of a text relative to its point.
 #[derive(Clone, Copy)]
-pub(super) enum Align {
+pub(super) enum TextAlign {
     Left,
     Center,
     Right,
 }
 
 /// A picture with coordinates in units.
-pub(super) struct Canvas {
+pub(super) struct PictureCanvas {
     pixels: Pixmap,
     /// Pixels of a unit.
-    unit: u32,
+    unit_px: u32,
     /// Whether lines have smooth edges.
-    smooth: bool,
+    has_smooth_edges: bool,
 }
 
-impl Canvas {
+impl PictureCanvas {
     /// Creates a white picture.
     ///
     /// # Errors
     /// There is not enough memory.
-    pub fn new(size: Size) -> Result<Self, PictureError> {
+    pub fn new(size: PictureSize) -> Result<Self, PictureError> {
         let pixels = Pixmap::new(size.width(), size.height());
         let mut pixels = pixels.ok_or(PictureError::Memory)?;
         pixels.fill(Color::WHITE);
-        let unit = size.pixels_a_unit();
+        let unit = size.unit_px();
         let smooth = true;
         Ok(Self {
             pixels,
-            unit,
-            smooth,
+            unit_px: unit,
+            has_smooth_edges: smooth,
         })
     }
 
     /// Turns smooth edges on or off. Without them lines are drawn a hundred times faster, and
     /// in dense lines the edges are invisible anyway.
     pub const fn set_smooth(&mut self, smooth: bool) {
-        self.smooth = smooth;
+        self.has_smooth_edges = smooth;
     }
 
     /// The finished picture.
@@ -60,9 +60,9 @@ impl Canvas {
     }
 
     /// Draws a line through points. Its dashes continue from piece to piece.
-    pub fn polyline(&mut self, pen: Pen, points: &[(f64, f64)]) {
-        if !self.smooth {
-            return self.plain_polyline(pen, points);
+    pub fn draw_polyline(&mut self, pen: LinePen, points: &[(f64, f64)]) {
+        if !self.has_smooth_edges {
+            return self.draw_plain_polyline(pen, points);
         }
         let mut points = points
             .iter()
@@ -77,10 +77,10 @@ impl Canvas {
             builder.move_to(last.0, last.1);
             let begin = along;
             let mut count = 0;
-            while count < POINTS_A_STROKE {
+            while count < MAX_STROKE_POINTS {
                 let Some(point) = points.next() else { break };
                 let length = libm::hypotf(point.0 - last.0, point.1 - last.1);
-                if length < NEAR && points.peek().is_some() {
+                if length < MIN_POINT_DISTANCE && points.peek().is_some() {
                     continue;
                 }
                 builder.line_to(point.0, point.1);
@@ -93,13 +93,13 @@ impl Canvas {
     }
 
     /// The same without smooth edges.
-    fn plain_polyline(&mut self, pen: Pen, points: &[(f64, f64)]) {
-        let unit = f64::from(self.unit);
+    fn draw_plain_polyline(&mut self, pen: LinePen, points: &[(f64, f64)]) {
+        let unit = f64::from(self.unit_px);
         let mut along = 0.0;
         for two in points.windows(2) {
             if let [from, to] = two {
                 let [from, to] = [from, to].map(|(x, y)| (x * unit, y * unit));
-                self.plain_line(pen, from, to, along);
+                self.draw_plain_line(pen, from, to, along);
                 along += libm::hypot(to.0 - from.0, to.1 - from.1);
             }
         }
@@ -110,14 +110,14 @@ impl Canvas {
     /// ```text
     ///   a step a pixel along the longer side, as many across it as the pen is wide
     /// ```
-    fn plain_line(&mut self, pen: Pen, from: (f64, f64), to: (f64, f64), along: f64) {
+    fn draw_plain_line(&mut self, pen: LinePen, from: (f64, f64), to: (f64, f64), along: f64) {
         let (across, down) = (to.0 - from.0, to.1 - from.1);
         let steps = across.abs().max(down.abs()).ceil().max(1.0);
         let (step_x, step_y) = (across / steps, down / steps);
         let step = libm::hypot(step_x, step_y);
         let flat = across.abs() >= down.abs();
-        let width = (pen.width * self.unit as f32).round().max(1.0) as usize;
-        let unit = self.unit as f32;
+        let width = (pen.width * self.unit_px as f32).round().max(1.0) as usize;
+        let unit = self.unit_px as f32;
         let period = f64::from(pen.dash.iter().sum::<f32>() * unit);
         let drawn = f64::from(pen.dash.first().map_or(0.0, |dash| dash * unit));
         let [red, green, blue] = pen.color;
@@ -142,7 +142,7 @@ impl Canvas {
     }
 
     /// Draws a straight line.
-    pub fn line(&mut self, pen: Pen, from: (f64, f64), to: (f64, f64)) {
+    pub fn draw_line(&mut self, pen: LinePen, from: (f64, f64), to: (f64, f64)) {
         let mut builder = PathBuilder::new();
         builder.move_to(from.0 as f32, from.1 as f32);
         builder.line_to(to.0 as f32, to.1 as f32);
@@ -150,7 +150,7 @@ impl Canvas {
     }
 
     /// Fills polygons. Holes go in the opposite direction.
-    pub fn fill(&mut self, color: [u8; 3], polygons: &[Vec<(f64, f64)>]) {
+    pub fn fill_polygons(&mut self, color: [u8; 3], polygons: &[Vec<(f64, f64)>]) {
         let mut builder = PathBuilder::new();
         for polygon in polygons {
             for (index, (x, y)) in polygon.iter().enumerate() {
@@ -170,7 +170,7 @@ impl Canvas {
 
     /// Fills the picture with a gradient from one colour at the top to another one at the
     /// bottom.
-    pub fn ground(&mut self, [above, below]: [[f32; 3]; 2]) {
+    pub fn fill_gradient(&mut self, [above, below]: [[f32; 3]; 2]) {
         let (width, height) = (self.pixels.width() as usize, self.pixels.height());
         let rows = self.pixels.pixels_mut().chunks_exact_mut(width.max(1));
         for (row, pixels) in rows.enumerate() {
@@ -184,7 +184,7 @@ impl Canvas {
     }
 
     /// Blends a premultiplied picture of the same size over this one.
-    pub fn lay(&mut self, picture: &[[u8; 4]]) {
+    pub fn blend(&mut self, picture: &[[u8; 4]]) {
         let own = self.pixels.data_mut().chunks_exact_mut(4);
         for (own, pixel) in own.zip(picture) {
             let left = 255 - u32::from(pixel[3]);
@@ -196,7 +196,7 @@ impl Canvas {
     }
 
     /// Draws a dot of a radius.
-    pub fn dot(&mut self, at: (f64, f64), radius: f32) {
+    pub fn draw_dot(&mut self, at: (f64, f64), radius: f32) {
         let Some(path) = PathBuilder::from_circle(at.0 as f32, at.1 as f32, radius) else {
             return;
         };
@@ -207,23 +207,23 @@ impl Canvas {
     }
 
     /// Writes a text in Unifont dots; `y` is the upper edge.
-    pub fn text(&mut self, x: f64, y: f64, text: &str, align: Align) {
-        self.write(x, y, text, align, [0x20; 3]);
+    pub fn draw_text(&mut self, x: f64, y: f64, text: &str, align: TextAlign) {
+        self.draw_glyphs(x, y, text, align, [0x20; 3]);
     }
 
     /// The same, with a white outline that keeps it readable over lines.
-    pub fn text_over_lines(&mut self, x: f64, y: f64, text: &str) {
+    pub fn draw_outlined_text(&mut self, x: f64, y: f64, text: &str) {
         for (right, down) in [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)] {
-            self.write(x + right, y + down, text, Align::Left, [0xFF; 3]);
+            self.draw_glyphs(x + right, y + down, text, TextAlign::Left, [0xFF; 3]);
         }
-        self.text(x, y, text, Align::Left);
+        self.draw_text(x, y, text, TextAlign::Left);
     }
 
-    fn write(&mut self, x: f64, y: f64, text: &str, align: Align, color: [u8; 3]) {
+    fn draw_glyphs(&mut self, x: f64, y: f64, text: &str, align: TextAlign, color: [u8; 3]) {
         let mut left = match align {
-            Align::Left => x,
-            Align::Center => x - width(text) / 2.0,
-            Align::Right => x - width(text),
+            TextAlign::Left => x,
+            TextAlign::Center => x - text_width(text) / 2.0,
+            TextAlign::Right => x - text_width(text),
         }
         .round() as i32;
         let top = y.round() as i32;
@@ -231,7 +231,7 @@ impl Canvas {
             for down in 0..16 {
                 for right in 0..glyph.get_width() {
                     if glyph.get_pixel(right, down) {
-                        self.square(left + right as i32, top + down as i32, color);
+                        self.fill_unit(left + right as i32, top + down as i32, color);
                     }
                 }
             }
@@ -240,8 +240,8 @@ impl Canvas {
     }
 
     /// Fills a unit.
-    fn square(&mut self, x: i32, y: i32, [red, green, blue]: [u8; 3]) {
-        let unit = self.unit as i32;
+    fn fill_unit(&mut self, x: i32, y: i32, [red, green, blue]: [u8; 3]) {
+        let unit = self.unit_px as i32;
         let (width, height) = (self.pixels.width() as i32, self.pixels.height() as i32);
         let color = ColorU8::from_rgba(red, green, blue, 255).premultiply();
         for down in y * unit..(y + 1) * unit {
@@ -256,7 +256,7 @@ impl Canvas {
     }
 
     /// Strokes a path that begins `along` units after the beginning of its line.
-    fn stroke(&mut self, builder: PathBuilder, pen: Pen, along: f32) {
+    fn stroke(&mut self, builder: PathBuilder, pen: LinePen, along: f32) {
         let Some(path) = builder.finish() else { return };
         let period: f32 = pen.dash.iter().sum();
         let dash = (!pen.dash.is_empty())
@@ -273,7 +273,7 @@ impl Canvas {
     }
 
     fn transform(&self) -> Transform {
-        let unit = self.unit as f32;
+        let unit = self.unit_px as f32;
         Transform::from_scale(unit, unit)
     }
 }
@@ -286,11 +286,11 @@ fn paint([red, green, blue]: [u8; 3]) -> Paint<'static> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::pieces::Made;
+    use super::super::path_pieces::PathLine;
     use super::*;
 
     /// The columns and rows that are not white.
-    fn inked(canvas: &Canvas) -> Vec<(u32, u32)> {
+    fn drawn_pixels(canvas: &PictureCanvas) -> Vec<(u32, u32)> {
         let width = canvas.pixels.width();
         let pixels = canvas.pixels.pixels().iter().zip(0..);
         pixels
@@ -301,13 +301,13 @@ mod tests {
 
     #[test]
     fn lines_with_and_without_smooth_edges_lie_on_each_other() {
-        let pen = Pen::of(Made::Cut(0));
+        let pen = LinePen::for_line(PathLine::Cut(0));
         let points = [(100.0, 100.0), (300.0, 100.0), (350.0, 250.0), (20.0, 40.0)];
         let drawn = |smooth: bool| {
-            let mut canvas = Canvas::new("480x320".parse().expect("size")).expect("canvas");
+            let mut canvas = PictureCanvas::new("480x320".parse().expect("size")).expect("canvas");
             canvas.set_smooth(smooth);
-            canvas.polyline(pen, &points);
-            inked(&canvas)
+            canvas.draw_polyline(pen, &points);
+            drawn_pixels(&canvas)
         };
         let (smooth, plain) = (drawn(true), drawn(false));
         assert!(plain.len() > 1000, "{}", plain.len());
@@ -320,10 +320,13 @@ mod tests {
 
     #[test]
     fn dashes_leave_gaps() {
-        let mut canvas = Canvas::new("480x320".parse().expect("size")).expect("canvas");
+        let mut canvas = PictureCanvas::new("480x320".parse().expect("size")).expect("canvas");
         canvas.set_smooth(false);
-        canvas.polyline(Pen::of(Made::Rapid), &[(100.0, 100.0), (200.0, 100.0)]);
-        let inked = inked(&canvas).len();
+        canvas.draw_polyline(
+            LinePen::for_line(PathLine::Rapid),
+            &[(100.0, 100.0), (200.0, 100.0)],
+        );
+        let inked = drawn_pixels(&canvas).len();
         assert!((55..70).contains(&inked), "{inked}");
     }
 }

@@ -1,22 +1,22 @@
 //! Clips lines at a frame.
 
-use super::numbers::Area;
+use super::number_placement::PictureArea;
 
-type Pixel = (f64, f64);
+type ClipPoint = (f64, f64);
 
 /// Calls `each` with the parts of a line of points inside a frame.
-pub(super) fn clipped(
-    points: impl Iterator<Item = Pixel>,
-    frame: Area,
-    mut each: impl FnMut(&[Pixel]),
+pub(super) fn clip_to_frame(
+    points: impl Iterator<Item = ClipPoint>,
+    frame: PictureArea,
+    mut each: impl FnMut(&[ClipPoint]),
 ) {
-    let mut part: Vec<Pixel> = Vec::new();
+    let mut part: Vec<ClipPoint> = Vec::new();
     let mut points = points;
     let Some(mut last) = points.next() else {
         return;
     };
     for point in points {
-        match piece(last, point, frame) {
+        match clip_segment(last, point, frame) {
             Some((from, to)) => {
                 if part.last() != Some(&from) {
                     if part.len() > 1 {
@@ -42,7 +42,11 @@ pub(super) fn clipped(
 }
 
 /// The part of a straight line in the frame (Liang and Barsky).
-fn piece(from: Pixel, to: Pixel, frame: Area) -> Option<(Pixel, Pixel)> {
+fn clip_segment(
+    from: ClipPoint,
+    to: ClipPoint,
+    frame: PictureArea,
+) -> Option<(ClipPoint, ClipPoint)> {
     let (across, down) = (to.0 - from.0, to.1 - from.1);
     let (mut first, mut last) = (0.0_f64, 1.0_f64);
     let sides = [
@@ -75,11 +79,11 @@ fn piece(from: Pixel, to: Pixel, frame: Area) -> Option<(Pixel, Pixel)> {
 mod tests {
     use super::*;
 
-    const FRAME: Area = (0.0, 0.0, 10.0, 10.0);
+    const FRAME: PictureArea = (0.0, 0.0, 10.0, 10.0);
 
-    fn parts(points: &[Pixel]) -> Vec<Vec<Pixel>> {
+    fn parts(points: &[ClipPoint]) -> Vec<Vec<ClipPoint>> {
         let mut out = Vec::new();
-        clipped(points.iter().copied(), FRAME, |part| {
+        clip_to_frame(points.iter().copied(), FRAME, |part| {
             out.push(part.to_vec());
         });
         out

@@ -4,25 +4,27 @@
 //! A path of micrometres that repeats thousands of times becomes a few lines. A picture has no
 //! more pieces than half pixels.
 
-use super::numbers::Area;
+use super::number_placement::PictureArea;
 
-type Pixel = (f64, f64);
+type FramePoint = (f64, f64);
 
 /// Cells of a pixel, along each side.
-const CELLS: f64 = 2.0;
+const CELLS_PER_PIXEL_SIDE: f64 = 2.0;
 
 /// The cells of a frame that one pen has covered.
 pub(super) struct Coverage {
     /// Upper left corner of the frame.
-    corner: Pixel,
+    corner: FramePoint,
     columns: usize,
     covered: Vec<bool>,
 }
 
 impl Coverage {
     /// An empty frame.
-    pub(super) fn new(frame: Area) -> Self {
-        let cells = |low: f64, high: f64| ((high - low) * CELLS).ceil().max(0.0) as usize + 2;
+    pub(super) fn new(frame: PictureArea) -> Self {
+        let cells = |low: f64, high: f64| {
+            ((high - low) * CELLS_PER_PIXEL_SIDE).ceil().max(0.0) as usize + 2
+        };
         let (left, top, right, bottom) = frame;
         let columns = cells(left, right);
         let rows = cells(top, bottom);
@@ -35,10 +37,14 @@ impl Coverage {
 
     /// Calls `each` with the parts of a line of points that cover free cells. The points must
     /// be clipped to the frame.
-    pub(super) fn bare(&mut self, points: &[Pixel], mut each: impl FnMut(&[Pixel])) {
+    pub(super) fn draw_uncovered(
+        &mut self,
+        points: &[FramePoint],
+        mut each: impl FnMut(&[FramePoint]),
+    ) {
         let mut begin = 0;
         for (index, pair) in points.windows(2).enumerate() {
-            if !self.cover(pair[0], pair[1]) {
+            if !self.cover_segment(pair[0], pair[1]) {
                 if index > begin {
                     each(&points[begin..=index]);
                 }
@@ -51,24 +57,26 @@ impl Coverage {
     }
 
     /// Covers the cells of a piece. Returns whether one of them was free.
-    fn cover(&mut self, from: Pixel, to: Pixel) -> bool {
+    fn cover_segment(&mut self, from: FramePoint, to: FramePoint) -> bool {
         let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-        let steps = (dx.abs().max(dy.abs()) * CELLS).ceil().max(1.0);
-        let mut bare = false;
+        let steps = (dx.abs().max(dy.abs()) * CELLS_PER_PIXEL_SIDE)
+            .ceil()
+            .max(1.0);
+        let mut has_free_cell = false;
         for step in 0..=steps as u32 {
             let part = f64::from(step) / steps;
-            let column = (from.0 + dx * part - self.corner.0) * CELLS;
-            let row = (from.1 + dy * part - self.corner.1) * CELLS;
+            let column = (from.0 + dx * part - self.corner.0) * CELLS_PER_PIXEL_SIDE;
+            let row = (from.1 + dy * part - self.corner.1) * CELLS_PER_PIXEL_SIDE;
             // The cast saturates: points on the frame are in its outermost cells.
             let index = row as usize * self.columns + column as usize;
             if let Some(cell) = self.covered.get_mut(index)
                 && !*cell
             {
                 *cell = true;
-                bare = true;
+                has_free_cell = true;
             }
         }
-        bare
+        has_free_cell
     }
 }
 
@@ -76,13 +84,13 @@ impl Coverage {
 mod tests {
     use super::*;
 
-    fn frame() -> Area {
+    fn frame() -> PictureArea {
         (10.0, 20.0, 110.0, 70.0)
     }
 
-    fn bare(coverage: &mut Coverage, points: &[Pixel]) -> Vec<Vec<Pixel>> {
+    fn bare(coverage: &mut Coverage, points: &[FramePoint]) -> Vec<Vec<FramePoint>> {
         let mut parts = Vec::new();
-        coverage.bare(points, |part| parts.push(part.to_vec()));
+        coverage.draw_uncovered(points, |part| parts.push(part.to_vec()));
         parts
     }
 

@@ -14,54 +14,54 @@ use gsk_core::units::{Diameter, Point};
 use gsk_workpiece::measure::{Feature, MeasuredFeature, SectionSide, measure_with_outlines};
 use gsk_workpiece::region::Region;
 
-use super::legend::width;
-use super::numbers::{HEIGHT, Taken};
+use super::legend::text_width;
+use super::number_placement::{HEIGHT, OccupancyMap};
 
 /// Units between a surface or a line and its text.
-const GAP: f64 = 5.0;
+const TEXT_GAP: f64 = 5.0;
 /// Rows below the spindle axis for the figures of shoulders.
-const ROWS: u32 = 3;
+const SHOULDER_ROWS: u32 = 3;
 /// Height of these rows below the spindle axis, units.
-pub(super) const BELOW_AXIS: f64 = 2.0 * GAP + ROWS as f64 * HEIGHT;
+pub(super) const BELOW_AXIS: f64 = 2.0 * TEXT_GAP + SHOULDER_ROWS as f64 * HEIGHT;
 /// Least distance between two shoulders that both have figures, units.
-const APART: f64 = 6.0;
+const MIN_SHOULDER_DISTANCE: f64 = 6.0;
 /// A smaller corner is that of a nose and not of the drawing, units.
-const CORNER: f64 = 14.0;
+const MIN_SURFACE_LENGTH: f64 = 14.0;
 /// An angle counts as 45° within this, degrees.
-const SAME: f64 = 0.001;
+const ANGLE_TOLERANCE_DEG: f64 = 0.001;
 
 /// The dimensions of a part.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Dimensions {
-    surfaces: Vec<Surface>,
+    surfaces: Vec<DimensionedSurface>,
     /// Faces, then the ends of other surfaces.
     shoulders: Vec<Point>,
 }
 
 /// The text of a surface.
 #[derive(Clone, Debug)]
-struct Surface {
+struct DimensionedSurface {
     ends: [Point; 2],
     middle: Point,
     /// On the outside the material is towards the axis.
     side: SectionSide,
-    words: String,
+    text: String,
 }
 
 /// A dimension as drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dimension {
     /// Upper left corner of the text, units.
-    pub at: (f64, f64),
+    pub corner: (f64, f64),
     /// The text.
-    pub words: String,
+    pub text: String,
     /// The line from a shoulder to its text, units.
     pub line: Option<[(f64, f64); 2]>,
 }
 
 impl Dimensions {
     /// Measures a half section.
-    pub fn of(section: &Region) -> Self {
+    pub fn measure(section: &Region) -> Self {
         let mut found = Self::default();
         let sides = [SectionSide::Outside, SectionSide::Inside];
         let measured = sides.map(|side| (side, measure_with_outlines(section, side)));
@@ -72,25 +72,25 @@ impl Dimensions {
         // Where a nose has rounded a corner, the face is the intended shoulder.
         let is_face = |surface: &MeasuredFeature| matches!(surface.feature, Feature::Face { .. });
         for (side, surface) in all().filter(|(_, it)| is_face(it)) {
-            found.add(surface, side);
+            found.add_surface(surface, side);
         }
         for (side, surface) in all().filter(|(_, it)| !is_face(it)) {
-            found.add(surface, side);
+            found.add_surface(surface, side);
         }
         found
     }
 
-    fn add(&mut self, surface: &MeasuredFeature, side: SectionSide) {
+    fn add_surface(&mut self, surface: &MeasuredFeature, side: SectionSide) {
         let outline = &surface.outline;
         let (Some(first), Some(last)) = (outline.first(), outline.last()) else {
             return;
         };
-        if let Some(words) = words(&surface.feature) {
-            self.surfaces.push(Surface {
+        if let Some(words) = dimension_text(&surface.feature) {
+            self.surfaces.push(DimensionedSurface {
                 ends: [*first, *last],
-                middle: middle(outline),
+                middle: outline_middle(outline),
                 side,
-                words,
+                text: words,
             });
         }
         self.shoulders.extend([*first, *last]);
@@ -102,47 +102,54 @@ impl Dimensions {
     }
 
     /// Places the dimensions where there is free space. `place` converts a point to units.
-    pub fn placed(&self, place: impl Fn(Point) -> (f64, f64), taken: &mut Taken) -> Vec<Dimension> {
+    pub fn place_all(
+        &self,
+        to_units: impl Fn(Point) -> (f64, f64),
+        taken: &mut OccupancyMap,
+    ) -> Vec<Dimension> {
         let mut drawn = Vec::new();
         for surface in &self.surfaces {
-            let [from, to] = surface.ends.map(&place);
-            if libm::hypot(to.0 - from.0, to.1 - from.1) < CORNER {
+            let [from, to] = surface.ends.map(&to_units);
+            if libm::hypot(to.0 - from.0, to.1 - from.1) < MIN_SURFACE_LENGTH {
                 continue;
             }
-            let ((x, y), wide) = (place(surface.middle), width(&surface.words));
+            let ((x, y), wide) = (to_units(surface.middle), text_width(&surface.text));
             // Y grows downwards.
             let y = match surface.side {
-                SectionSide::Outside => y + GAP,
-                SectionSide::Inside => y - GAP - HEIGHT,
+                SectionSide::Outside => y + TEXT_GAP,
+                SectionSide::Inside => y - TEXT_GAP - HEIGHT,
             };
             let left = x - wide / 2.0;
-            if taken.take((left, y, left + wide, y + HEIGHT)) {
+            if taken.occupy((left, y, left + wide, y + HEIGHT)) {
                 drawn.push(Dimension {
-                    at: (left, y),
-                    words: surface.words.clone(),
+                    corner: (left, y),
+                    text: surface.text.clone(),
                     line: None,
                 });
             }
         }
-        let mut known: Vec<f64> = Vec::new();
+        let mut used_positions: Vec<f64> = Vec::new();
         for point in &self.shoulders {
-            let (x, from) = place(*point);
-            if known.iter().any(|other| (other - x).abs() < APART) {
+            let (x, from) = to_units(*point);
+            if used_positions
+                .iter()
+                .any(|other| (other - x).abs() < MIN_SHOULDER_DISTANCE)
+            {
                 continue;
             }
-            known.push(x);
-            let axis = place(Point::new(0.0, point.z)).1;
-            let words = figure(point.z);
-            let half = width(&words) / 2.0;
-            let rows = (0..ROWS).map(|row| axis + GAP + HEIGHT * f64::from(row));
+            used_positions.push(x);
+            let axis = to_units(Point::new(0.0, point.z)).1;
+            let words = format_figure(point.z);
+            let half = text_width(&words) / 2.0;
+            let rows = (0..SHOULDER_ROWS).map(|row| axis + TEXT_GAP + HEIGHT * f64::from(row));
             let row = rows.into_iter().find(|top| {
-                let around = (x - half - GAP, *top, x + half + GAP, top + HEIGHT);
-                taken.take(around)
+                let around = (x - half - TEXT_GAP, *top, x + half + TEXT_GAP, top + HEIGHT);
+                taken.occupy(around)
             });
             if let Some(top) = row {
                 drawn.push(Dimension {
-                    at: (x - half, top),
-                    words,
+                    corner: (x - half, top),
+                    text: words,
                     line: Some([(x, from), (x, top)]),
                 });
             }
@@ -152,24 +159,28 @@ impl Dimensions {
 }
 
 /// The text of a surface. A face has none: its ends give its Z.
-fn words(feature: &Feature) -> Option<String> {
-    let across = |Diameter(value): Diameter| figure(value);
+fn dimension_text(feature: &Feature) -> Option<String> {
+    let across = |Diameter(value): Diameter| format_figure(value);
     match *feature {
         Feature::Cylinder { diameter, .. } => Some(format!("⌀{}", across(diameter))),
         Feature::Face { .. } => None,
-        Feature::Cone { z, angle, .. } => Some(match (angle - 45.0).abs() < SAME {
-            true => format!("{}×45°", figure((z.0 - z.1).abs())),
-            false => format!("{}°", figure(angle)),
+        Feature::Cone { z, angle, .. } => Some(match (angle - 45.0).abs() < ANGLE_TOLERANCE_DEG {
+            true => format!("{}×45°", format_figure((z.0 - z.1).abs())),
+            false => format!("{}°", format_figure(angle)),
         }),
-        Feature::Arc { radius, .. } => Some(format!("R{}", figure(radius.abs()))),
+        Feature::Arc { radius, .. } => Some(format!("R{}", format_figure(radius.abs()))),
         Feature::Thread {
             pitch, diameters, ..
-        } => Some(format!("⌀{} P{}", across(diameters.0), figure(pitch))),
+        } => Some(format!(
+            "⌀{} P{}",
+            across(diameters.0),
+            format_figure(pitch)
+        )),
     }
 }
 
 /// A figure with as many decimals as needed, three at most.
-fn figure(value: f64) -> String {
+fn format_figure(value: f64) -> String {
     let rounded = (value * 1000.0).round() / 1000.0;
     if rounded == 0.0 {
         return "0".to_owned();
@@ -178,7 +189,7 @@ fn figure(value: f64) -> String {
 }
 
 /// The point half-way along an outline.
-fn middle(outline: &[Point]) -> Point {
+fn outline_middle(outline: &[Point]) -> Point {
     let lengths = || outline.windows(2).map(|ends| (ends[1] - ends[0]).length());
     let mut left = lengths().sum::<f64>() / 2.0;
     for (ends, length) in outline.windows(2).zip(lengths()) {
@@ -207,13 +218,13 @@ mod tests {
             (5.0, -50.0),
         ];
         let contour = outline.map(|(x, z)| to_grid(Point::new(x, z))).to_vec();
-        Dimensions::of(&Region::from_contours(&[contour]))
+        Dimensions::measure(&Region::from_contours(&[contour]))
     }
 
     #[test]
     fn a_shaft_is_dimensioned_as_on_a_drawing() {
         let shaft = shaft();
-        let words = shaft.surfaces.iter().map(|it| it.words.as_str());
+        let words = shaft.surfaces.iter().map(|it| it.text.as_str());
         let mut words: Vec<&str> = words.collect();
         words.sort_unstable();
         assert_eq!(words, ["2×45°", "⌀10", "⌀20", "⌀30"]);
@@ -221,11 +232,11 @@ mod tests {
 
     #[test]
     fn corners_of_a_nose_are_not_dimensions() {
-        let mut taken = Taken::new((0.0, 0.0, 800.0, 400.0));
+        let mut taken = OccupancyMap::new((0.0, 0.0, 800.0, 400.0));
         // The chamfer is five units wide: no space for text, and -2 is next to 0.
         let place = |at: Point| (700.0 + at.z * 2.5, 200.0 - at.x * 2.5);
-        let drawn = shaft().placed(place, &mut taken);
-        let words: Vec<&str> = drawn.iter().map(|it| it.words.as_str()).collect();
+        let drawn = shaft().place_all(place, &mut taken);
+        let words: Vec<&str> = drawn.iter().map(|it| it.text.as_str()).collect();
         assert!(
             !words.contains(&"2×45°") && !words.contains(&"-2"),
             "{words:?}"
@@ -235,18 +246,18 @@ mod tests {
 
     #[test]
     fn words_lie_on_the_material_and_figures_below_the_axis() {
-        let mut taken = Taken::new((0.0, 0.0, 800.0, 400.0));
+        let mut taken = OccupancyMap::new((0.0, 0.0, 800.0, 400.0));
         let place = |point: Point| (700.0 + point.z * 10.0, 200.0 - point.x * 10.0);
-        let drawn = shaft().placed(place, &mut taken);
-        let at = |words: &str| drawn.iter().find(|it| it.words == words).unwrap();
-        assert_eq!(at("⌀20").at.1, 100.0 + GAP);
-        assert_eq!(at("⌀10").at.1, 150.0 - GAP - HEIGHT);
+        let drawn = shaft().place_all(place, &mut taken);
+        let at = |words: &str| drawn.iter().find(|it| it.text == words).unwrap();
+        assert_eq!(at("⌀20").corner.1, 100.0 + TEXT_GAP);
+        assert_eq!(at("⌀10").corner.1, 150.0 - TEXT_GAP - HEIGHT);
         let figures = drawn.iter().filter(|it| it.line.is_some());
-        let mut figures: Vec<&str> = figures.map(|it| it.words.as_str()).collect();
+        let mut figures: Vec<&str> = figures.map(|it| it.text.as_str()).collect();
         figures.sort_unstable();
         assert_eq!(figures, ["-2", "-20", "-50", "0"]);
         let shoulder = at("-20");
-        assert!(shoulder.at.1 > 200.0);
+        assert!(shoulder.corner.1 > 200.0);
         assert_eq!(shoulder.line.unwrap()[0].0, 500.0);
     }
 }

@@ -4,25 +4,25 @@
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::units::{PerAxis, Point};
 
-use super::extent::{Extent, Size};
-use super::labels::Labels;
-use super::pieces::{Made, Pieces};
-use super::scenery::Scenery;
+use super::block_labels::BlockLabels;
+use super::extent::{PathExtent, PictureSize};
+use super::path_pieces::{PathLine, PathPieces};
+use super::scenery::PathScenery;
 use crate::curves::{RapidRates, arc_points, rapid_bend};
 use crate::machining::Machining;
-use crate::times::{Spent, Times};
+use crate::times::{ProgramTimes, TimesByUse};
 
 /// Height of a block number, pixels.
-const NUMBER: f64 = 16.0;
+const NUMBER_HEIGHT_PX: f64 = 16.0;
 
 /// Options for a drawing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Look {
+pub struct DrawingOptions {
     /// Size of the picture.
-    pub size: Size,
+    pub size: PictureSize,
     /// Whether the picture is fitted to the whole path. Otherwise it is fitted to the cuts,
     /// and rapids end at the frame.
-    pub whole: bool,
+    pub shows_whole_path: bool,
     /// Whether the ends of blocks show their numbers.
     pub labels: bool,
     /// Whether the part has its dimensions written on it.
@@ -33,55 +33,55 @@ pub struct Look {
 
 /// The drawing of a toolpath, built move by move.
 #[derive(Clone, Debug)]
-pub struct Drawing {
+pub struct PathDrawing {
     /// Text in the upper left corner.
     pub title: String,
-    look: Look,
-    pieces: Pieces,
-    labels: Labels,
+    options: DrawingOptions,
+    pieces: PathPieces,
+    labels: BlockLabels,
     /// Bounds of the cuts, and of everything.
-    cuts: Option<Extent>,
-    all: Option<Extent>,
+    cut_extent: Option<PathExtent>,
+    full_extent: Option<PathExtent>,
     /// The tools that cut, in the order of their first cuts.
     tools: Vec<u8>,
     /// The end of the last cut of each tool.
-    ends: Vec<Point>,
-    times: Times,
-    scenery: Scenery,
-    left_out: u64,
+    last_cut_ends: Vec<Point>,
+    times: ProgramTimes,
+    scenery: PathScenery,
+    omitted_moves: u64,
 }
 
-impl Drawing {
+impl PathDrawing {
     /// A drawing without a path yet.
-    pub fn new(title: impl Into<String>, look: Look) -> Self {
+    pub fn new(title: impl Into<String>, options: DrawingOptions) -> Self {
         Self {
             title: title.into(),
-            look,
-            pieces: Pieces::default(),
-            labels: Labels::default(),
-            cuts: None,
-            all: None,
+            options,
+            pieces: PathPieces::default(),
+            labels: BlockLabels::default(),
+            cut_extent: None,
+            full_extent: None,
             tools: Vec::new(),
-            ends: Vec::new(),
-            times: Times::default(),
-            scenery: Scenery::default(),
-            left_out: 0,
+            last_cut_ends: Vec::new(),
+            times: ProgramTimes::default(),
+            scenery: PathScenery::default(),
+            omitted_moves: 0,
         }
     }
 
     /// Adds a move. Rapids bend according to `rates`.
-    pub fn push(&mut self, executed: &ExecutedMove, rates: RapidRates) {
-        self.times.push(executed);
+    pub fn add_move(&mut self, executed: &ExecutedMove, rates: RapidRates) {
+        self.times.add_move(executed);
         if executed.kind == MoveKind::Dwell {
             return;
         }
-        if self.left_out > 0 {
-            self.left_out += 1;
+        if self.omitted_moves > 0 {
+            self.omitted_moves += 1;
             return;
         }
-        let made = self.made(executed);
-        if let Made::Cut(index) = made
-            && let Some(end) = self.ends.get_mut(usize::from(index))
+        let line_kind = self.line_kind(executed);
+        if let PathLine::Cut(index) = line_kind
+            && let Some(end) = self.last_cut_ends.get_mut(usize::from(index))
         {
             *end = executed.to;
         }
@@ -91,82 +91,88 @@ impl Drawing {
             // To the edge of the picture, or from there.
             let known = |end: PerAxis<bool>| !end.x && !end.z;
             if known(unplaced.from) {
-                self.reach(made, from);
-                self.line(made, from, beyond(from, unplaced.to));
+                self.widen(line_kind, from);
+                self.add_line(line_kind, from, far_point(from, unplaced.to));
             } else if known(unplaced.to) {
-                self.reach(made, to);
-                self.line(made, beyond(to, unplaced.from), to);
+                self.widen(line_kind, to);
+                self.add_line(line_kind, far_point(to, unplaced.from), to);
             }
             return;
         }
-        self.reach(made, from);
-        self.reach(made, to);
+        self.widen(line_kind, from);
+        self.widen(line_kind, to);
         match executed.kind {
             MoveKind::Dwell => {}
             MoveKind::Rapid => {
                 if let Some(bend) = rapid_bend(from, to, rates) {
-                    self.line(made, from, bend);
-                    self.line(made, bend, to);
+                    self.add_line(line_kind, from, bend);
+                    self.add_line(line_kind, bend, to);
                 } else {
-                    self.line(made, from, to);
+                    self.add_line(line_kind, from, to);
                 }
             }
-            MoveKind::Feed | MoveKind::Thread | MoveKind::RunOut => self.line(made, from, to),
+            MoveKind::Feed | MoveKind::Thread | MoveKind::RunOut => {
+                self.add_line(line_kind, from, to)
+            }
             MoveKind::Clockwise | MoveKind::CounterClockwise => {
                 let clockwise = executed.kind == MoveKind::Clockwise;
                 let center = executed.center.unwrap_or(from);
                 let mut last = from;
                 for point in arc_points(from, to, center, clockwise, self.pieces.cell_mm()) {
-                    self.reach(made, point);
-                    self.line(made, last, point);
+                    self.widen(line_kind, point);
+                    self.add_line(line_kind, last, point);
                     last = point;
                 }
             }
         }
-        if self.look.labels {
-            self.labels.push(executed.source, to);
+        if self.options.labels {
+            self.labels.add_move(executed.source, to);
         }
     }
 
     /// Ends the program at machine time `time_s`.
     pub fn end(&mut self, time_s: f64) {
-        self.times.end(time_s);
+        self.times.end_at(time_s);
         self.labels.end();
     }
 
     /// Draws part and clamping under the path, and tools and dimensions if the options include
     /// them. The legend then describes the tools.
-    pub fn stand_before(&mut self, machining: &Machining) {
-        let ends = self.tools.iter().copied().zip(self.ends.iter().copied());
-        let ends = ends.filter(|_| self.look.tools).collect();
-        self.scenery = Scenery::of(machining, ends, self.look.dimensions);
+    pub fn add_scenery(&mut self, machining: &Machining) {
+        let ends = self
+            .tools
+            .iter()
+            .copied()
+            .zip(self.last_cut_ends.iter().copied());
+        let ends = ends.filter(|_| self.options.tools).collect();
+        self.scenery = PathScenery::from_machining(machining, ends, self.options.dimensions);
     }
 
     /// The part and clamping drawn under the path.
-    pub(super) const fn scenery(&self) -> &Scenery {
+    pub(super) const fn scenery(&self) -> &PathScenery {
         &self.scenery
     }
 
     /// Number of moves that did not fit into memory.
-    pub fn left_out(&self) -> u64 {
-        self.left_out
+    pub fn omitted_moves(&self) -> u64 {
+        self.omitted_moves
     }
 
     /// The options of the drawing.
-    pub const fn look(&self) -> Look {
-        self.look
+    pub const fn options(&self) -> DrawingOptions {
+        self.options
     }
 
     /// The bounds that the picture is fitted to. A path without cuts is shown whole.
-    pub(super) fn extent(&self) -> Option<Extent> {
-        if self.look.whole {
-            return self.all;
+    pub(super) fn extent(&self) -> Option<PathExtent> {
+        if self.options.shows_whole_path {
+            return self.full_extent;
         }
-        self.cuts.or(self.all)
+        self.cut_extent.or(self.full_extent)
     }
 
     /// The path.
-    pub(super) const fn pieces(&self) -> &Pieces {
+    pub(super) const fn pieces(&self) -> &PathPieces {
         &self.pieces
     }
 
@@ -177,67 +183,75 @@ impl Drawing {
 
     /// The tools that cut, in the order of their first cuts: tool number, first offset number,
     /// times.
-    pub(super) fn tools(&self) -> impl Iterator<Item = (u8, u8, Spent)> + '_ {
+    pub(super) fn tools(&self) -> impl Iterator<Item = (u8, u8, TimesByUse)> + '_ {
         self.tools.iter().filter_map(|tool| {
             let mut times = self.times.tools().iter();
             times
                 .find(|time| time.tool == *tool)
-                .map(|time| (time.tool, time.offset, time.spent))
+                .map(|time| (time.tool, time.offset, time.times))
         })
     }
 
     /// The time of the whole program.
-    pub(super) const fn spent(&self) -> &Spent {
+    pub(super) const fn spent(&self) -> &TimesByUse {
         self.times.spent()
     }
 
     /// The kind of line for a move.
-    fn made(&mut self, executed: &ExecutedMove) -> Made {
+    fn line_kind(&mut self, executed: &ExecutedMove) -> PathLine {
         if executed.kind == MoveKind::Rapid {
-            return Made::Rapid;
+            return PathLine::Rapid;
         }
         let tool = executed.conditions.tool;
         let known = self.tools.iter().position(|known| *known == tool);
         let index = known.unwrap_or_else(|| {
             self.tools.push(tool);
-            self.ends.push(executed.to);
+            self.last_cut_ends.push(executed.to);
             self.tools.len() - 1
         });
         // A control has no more than 100 tools.
-        Made::Cut(u8::try_from(index).unwrap_or(u8::MAX))
+        PathLine::Cut(u8::try_from(index).unwrap_or(u8::MAX))
     }
 
-    fn line(&mut self, made: Made, from: Point, to: Point) {
-        self.pieces.line(made, from, to);
+    fn add_line(&mut self, made: PathLine, from: Point, to: Point) {
+        self.pieces.add_line(made, from, to);
         if self.pieces.has_room() {
             return;
         }
         let extent = self.extent();
         let size = extent.map_or(Point::default(), |extent| extent.high - extent.low);
-        self.pieces.make_room(self.look.size.pixel_mm(size));
+        self.pieces.make_room(self.options.size.pixel_mm(size));
         if !self.pieces.has_room() {
-            self.left_out = 1;
+            self.omitted_moves = 1;
         }
     }
 
     /// Widens the bounds and coarsens the grid. If only the cuts are shown, the grid stays
     /// fine until the first cut shows how large the picture will be.
-    fn reach(&mut self, made: Made, point: Point) {
-        self.all.get_or_insert(Extent::of(point)).reach(point);
-        if made != Made::Rapid {
-            self.cuts.get_or_insert(Extent::of(point)).reach(point);
+    fn widen(&mut self, made: PathLine, point: Point) {
+        self.full_extent
+            .get_or_insert(PathExtent::from_point(point))
+            .widen(point);
+        if made != PathLine::Rapid {
+            self.cut_extent
+                .get_or_insert(PathExtent::from_point(point))
+                .widen(point);
         }
-        let shown = if self.look.whole { self.all } else { self.cuts };
+        let shown = if self.options.shows_whole_path {
+            self.full_extent
+        } else {
+            self.cut_extent
+        };
         if let Some(extent) = shown {
-            let pixel = self.look.size.pixel_mm(extent.high - extent.low);
-            self.pieces.suit(pixel);
-            self.labels.suit(pixel * NUMBER);
+            let pixel = self.options.size.pixel_mm(extent.high - extent.low);
+            self.pieces.fit_grid(pixel);
+            self.labels.fit_cells(pixel * NUMBER_HEIGHT_PX);
         }
     }
 }
 
 /// A point outside every picture, in the axes whose position is unknown.
-fn beyond(point: Point, unplaced: PerAxis<bool>) -> Point {
+fn far_point(point: Point, unplaced: PerAxis<bool>) -> Point {
     /// mm.
     const FAR: f64 = 100_000.0;
     let outwards = if point.x < 0.0 { -FAR } else { FAR };
@@ -254,7 +268,7 @@ fn beyond(point: Point, unplaced: PerAxis<bool>) -> Point {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gsk_core::command::{Conditions, ProgramId, Source};
+    use gsk_core::command::{MoveConditions, ProgramId, SourcePosition};
 
     const RATES: RapidRates = RapidRates {
         x: 3800.0,
@@ -264,7 +278,7 @@ mod tests {
 
     fn executed(kind: MoveKind, from: Point, to: Point) -> ExecutedMove {
         ExecutedMove {
-            source: Source {
+            source: SourcePosition {
                 program: ProgramId::External,
                 line: 1,
                 sequence: None,
@@ -276,17 +290,17 @@ mod tests {
             feed: None,
             start_s: 0.0,
             duration_s: 0.0,
-            conditions: Conditions::default(),
+            conditions: MoveConditions::default(),
         }
     }
 
-    fn cut(drawing: &mut Drawing, from: Point, to: Point) {
-        drawing.push(&executed(MoveKind::Feed, from, to), RATES);
+    fn cut(drawing: &mut PathDrawing, from: Point, to: Point) {
+        drawing.add_move(&executed(MoveKind::Feed, from, to), RATES);
     }
 
     #[test]
     fn what_is_drawn_again_takes_no_room() {
-        let mut drawing = Drawing::new("", Look::default());
+        let mut drawing = PathDrawing::new("", DrawingOptions::default());
         let (left, right) = (Point::new(10.0, -60.0), Point::new(10.0, 0.0));
         for _ in 0..1000 {
             cut(&mut drawing, left, right);
@@ -298,8 +312,8 @@ mod tests {
 
     #[test]
     fn a_path_of_micrometres_becomes_pieces_of_a_fraction_of_a_pixel() {
-        let mut drawing = Drawing::new("", Look::default());
-        drawing.push(
+        let mut drawing = PathDrawing::new("", DrawingOptions::default());
+        drawing.add_move(
             &executed(
                 MoveKind::Rapid,
                 Point::new(50.0, 0.0),
@@ -314,28 +328,28 @@ mod tests {
             cut(&mut drawing, at(step + 1), at(step));
             cut(&mut drawing, at(step), at(step + 1));
         }
-        let pixel = Size::default().pixel_mm(Point::new(0.0, 60.0));
+        let pixel = PictureSize::default().pixel_mm(Point::new(0.0, 60.0));
         assert!(drawing.pieces.cell_mm() <= pixel / 4.0 && drawing.pieces.cell_mm() > pixel / 8.0);
         assert!(drawing.pieces.len() <= (60.0 / drawing.pieces.cell_mm()) as usize + 2);
-        assert_eq!(drawing.left_out(), 0);
+        assert_eq!(drawing.omitted_moves(), 0);
     }
 
     #[test]
     fn a_path_without_end_is_cut_off_and_counted() {
-        let mut drawing = Drawing::new("", Look::default());
-        drawing.pieces = Pieces::with_room(1000);
+        let mut drawing = PathDrawing::new("", DrawingOptions::default());
+        drawing.pieces = PathPieces::with_limit(1000);
         // Lines from one point to a thousand others, a pixel apart and more.
         for step in 0..3000 {
             let end = Point::new(f64::from(step % 50) * 10.0, f64::from(step / 50) * 10.0);
             cut(&mut drawing, Point::new(-7.0, -7.0), end);
         }
         assert!(drawing.pieces.len() <= 1000);
-        assert_eq!(drawing.left_out(), 3000 - 999);
+        assert_eq!(drawing.omitted_moves(), 3000 - 999);
     }
 
     #[test]
     fn a_coarser_grid_keeps_the_shape() {
-        let mut drawing = Drawing::new("", Look::default());
+        let mut drawing = PathDrawing::new("", DrawingOptions::default());
         cut(&mut drawing, Point::new(1.0, 0.0), Point::new(1.0, 1.0));
         cut(&mut drawing, Point::new(1.0, 1.0), Point::new(2.0, 1.0));
         cut(&mut drawing, Point::new(2.0, 1.0), Point::new(2.0, 500.0));
@@ -357,31 +371,31 @@ mod tests {
     }
 
     #[test]
-    fn it_is_fitted_to_the_cuts_unless_all_is_asked_for() {
+    fn the_picture_is_fitted_to_the_cuts_by_default() {
         let rapid = |from, to| executed(MoveKind::Rapid, from, to);
         let (far, near) = (Point::new(150.0, 300.0), Point::new(20.0, 2.0));
         let end = Point::new(20.0, -40.0);
-        let fitted = |look: Look| {
-            let mut drawing = Drawing::new("", look);
-            drawing.push(&rapid(far, near), RATES);
+        let fitted = |look: DrawingOptions| {
+            let mut drawing = PathDrawing::new("", look);
+            drawing.add_move(&rapid(far, near), RATES);
             cut(&mut drawing, near, end);
-            drawing.push(&rapid(end, far), RATES);
+            drawing.add_move(&rapid(end, far), RATES);
             drawing.extent().expect("extent").high
         };
-        assert_eq!(fitted(Look::default()), near);
-        let whole = Look {
-            whole: true,
-            ..Look::default()
+        assert_eq!(fitted(DrawingOptions::default()), near);
+        let whole = DrawingOptions {
+            shows_whole_path: true,
+            ..DrawingOptions::default()
         };
         assert_eq!(fitted(whole), far);
-        let mut drawing = Drawing::new("", Look::default());
-        drawing.push(&rapid(far, near), RATES);
+        let mut drawing = PathDrawing::new("", DrawingOptions::default());
+        drawing.add_move(&rapid(far, near), RATES);
         assert_eq!(drawing.extent().map(|extent| extent.high), Some(far));
     }
 
     #[test]
-    fn every_tool_has_a_colour_of_its_own_in_the_order_of_its_cuts() {
-        let mut drawing = Drawing::new("", Look::default());
+    fn every_tool_has_a_separate_colour_in_the_order_of_its_cuts() {
+        let mut drawing = PathDrawing::new("", DrawingOptions::default());
         for (tool, kind) in [
             (4, MoveKind::Rapid),
             (7, MoveKind::Feed),
@@ -390,12 +404,12 @@ mod tests {
         ] {
             let mut made = executed(kind, Point::new(10.0, 0.0), Point::new(10.0, -10.0));
             made.conditions.tool = tool;
-            drawing.push(&made, RATES);
+            drawing.add_move(&made, RATES);
         }
         let tools: Vec<u8> = drawing.tools().map(|(tool, ..)| tool).collect();
         assert_eq!(tools, [7, 2]);
         // The last cut is on the first one of its tool.
-        let made: Vec<Made> = drawing.pieces.strokes().map(|(made, _)| made).collect();
-        assert_eq!(made, [Made::Rapid, Made::Cut(0), Made::Cut(1)]);
+        let made: Vec<PathLine> = drawing.pieces.strokes().map(|(made, _)| made).collect();
+        assert_eq!(made, [PathLine::Rapid, PathLine::Cut(0), PathLine::Cut(1)]);
     }
 }

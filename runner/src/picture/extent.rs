@@ -6,13 +6,13 @@ use gsk_core::units::Point;
 use gsk_messages::{Message, say};
 
 /// Margin around the path, units.
-pub(super) const MARGIN: f64 = 70.0;
+pub(super) const PATH_MARGIN: f64 = 70.0;
 /// Height of the texts above the path, units.
-pub(super) const TOP: f64 = 60.0;
+pub(super) const HEAD_HEIGHT: f64 = 60.0;
 
 /// The size of a picture in pixels, within the limits of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Size {
+pub struct PictureSize {
     width: u32,
     height: u32,
 }
@@ -20,29 +20,29 @@ pub struct Size {
 /// The text of a size that is invalid or outside the limits.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
-pub struct NoSize(String);
+pub struct InvalidPictureSize(String);
 
-impl NoSize {
+impl InvalidPictureSize {
     /// The message for the user; it gives the limits.
     pub fn message(&self) -> Message {
-        let (least, most) = (Size::LEAST, Size::MOST);
+        let (least, most) = (PictureSize::MIN, PictureSize::MAX);
         say::picture_size(&self.0, least.width, least.height, most.width, most.height)
     }
 }
 
-impl Size {
+impl PictureSize {
     /// Smallest size, for the texts of a picture.
-    const LEAST: Self = Self {
+    const MIN: Self = Self {
         width: 480,
         height: 320,
     };
     /// Largest size, for the memory of a small computer.
-    const MOST: Self = Self {
+    const MAX: Self = Self {
         width: 7680,
         height: 7680,
     };
     /// The standard size. A unit is one pixel up to twice this size.
-    const COMMON: Self = Self {
+    const STANDARD: Self = Self {
         width: 1280,
         height: 800,
     };
@@ -58,57 +58,58 @@ impl Size {
     }
 
     /// Pixels of a unit. Texts and lines grow with the picture.
-    pub(super) fn pixels_a_unit(self) -> u32 {
-        let across = self.width / Self::COMMON.width;
-        across.min(self.height / Self::COMMON.height).max(1)
+    pub(super) fn unit_px(self) -> u32 {
+        let across = self.width / Self::STANDARD.width;
+        across.min(self.height / Self::STANDARD.height).max(1)
     }
 
     /// Width and height in units.
     pub(super) fn units(self) -> (f64, f64) {
-        let unit = f64::from(self.pixels_a_unit());
+        let unit = f64::from(self.unit_px());
         (f64::from(self.width) / unit, f64::from(self.height) / unit)
     }
 
     /// The size of a pixel, mm, if an object of this size, mm, fills the picture.
     pub(super) fn pixel_mm(self, size: Point) -> f64 {
         let (wide, tall) = self.units();
-        let unit_mm = (size.z / (wide - 2.0 * MARGIN)).max(size.x / (tall - TOP - MARGIN));
-        unit_mm / f64::from(self.pixels_a_unit())
+        let unit_mm =
+            (size.z / (wide - 2.0 * PATH_MARGIN)).max(size.x / (tall - HEAD_HEIGHT - PATH_MARGIN));
+        unit_mm / f64::from(self.unit_px())
     }
 }
 
-impl Default for Size {
+impl Default for PictureSize {
     fn default() -> Self {
-        Self::COMMON
+        Self::STANDARD
     }
 }
 
-impl FromStr for Size {
-    type Err = NoSize;
+impl FromStr for PictureSize {
+    type Err = InvalidPictureSize;
 
     /// Parses `1600x900`.
-    fn from_str(word: &str) -> Result<Self, NoSize> {
-        let read = |word: &str| word.trim().parse::<u32>().ok();
-        let (least, most) = (Self::LEAST, Self::MOST);
+    fn from_str(word: &str) -> Result<Self, InvalidPictureSize> {
+        let parse = |word: &str| word.trim().parse::<u32>().ok();
+        let (least, most) = (Self::MIN, Self::MAX);
         word.split_once(['x', 'X', '×', '*'])
-            .and_then(|(width, height)| Some((read(width)?, read(height)?)))
+            .and_then(|(width, height)| Some((parse(width)?, parse(height)?)))
             .filter(|(width, _)| (least.width..=most.width).contains(width))
             .filter(|(_, height)| (least.height..=most.height).contains(height))
             .map(|(width, height)| Self { width, height })
-            .ok_or_else(|| NoSize(word.to_owned()))
+            .ok_or_else(|| InvalidPictureSize(word.to_owned()))
     }
 }
 
 /// The bounds of a path: program frame, X as a radius, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Extent {
+pub(super) struct PathExtent {
     pub low: Point,
     pub high: Point,
 }
 
-impl Extent {
+impl PathExtent {
     /// The bounds of one point.
-    pub const fn of(point: Point) -> Self {
+    pub const fn from_point(point: Point) -> Self {
         Self {
             low: point,
             high: point,
@@ -116,7 +117,7 @@ impl Extent {
     }
 
     /// Widens the bounds to include a point.
-    pub fn reach(&mut self, point: Point) {
+    pub fn widen(&mut self, point: Point) {
         self.low = Point::new(self.low.x.min(point.x), self.low.z.min(point.z));
         self.high = Point::new(self.high.x.max(point.x), self.high.z.max(point.z));
     }
@@ -128,14 +129,11 @@ mod tests {
 
     #[test]
     fn sizes_have_limits_and_both_sides() {
-        let size: Size = "1600x900".parse().expect("size");
+        let size: PictureSize = "1600x900".parse().expect("size");
         assert_eq!((size.width(), size.height()), (1600, 900));
-        assert_eq!(size.pixels_a_unit(), 1);
-        let large: Size = "3840x2160".parse().expect("size");
-        assert_eq!(
-            (large.pixels_a_unit(), large.units()),
-            (2, (1920.0, 1080.0))
-        );
+        assert_eq!(size.unit_px(), 1);
+        let large: PictureSize = "3840x2160".parse().expect("size");
+        assert_eq!((large.unit_px(), large.units()), (2, (1920.0, 1080.0)));
         for wrong in [
             "",
             "1600",
@@ -146,10 +144,10 @@ mod tests {
             "9000x900",
             "1e3x900",
         ] {
-            let said = wrong.parse::<Size>().expect_err(wrong).to_string();
+            let message = wrong.parse::<PictureSize>().expect_err(wrong).to_string();
             assert!(
-                said.contains("480x320") && said.contains("7680x7680"),
-                "{said}"
+                message.contains("480x320") && message.contains("7680x7680"),
+                "{message}"
             );
         }
     }

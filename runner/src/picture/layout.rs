@@ -4,52 +4,52 @@ use gsk_core::units::Point;
 use gsk_messages::Language;
 
 use super::dimensions::{BELOW_AXIS, Dimension};
-use super::drawing::Drawing;
-use super::extent::{Extent, MARGIN};
-use super::legend::Head;
-use super::numbers::{Area, Number, Taken, placed};
+use super::drawing::PathDrawing;
+use super::extent::{PATH_MARGIN, PathExtent};
+use super::legend::PictureHead;
+use super::number_placement::{OccupancyMap, PictureArea, PlacedNumber, place_numbers};
 
 /// A grid line with its label.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tick {
+pub struct GridTick {
     /// Its horizontal or vertical position, units.
-    pub at: f64,
+    pub position: f64,
     /// The label: mm, as a diameter for X.
     pub label: String,
 }
 
 /// The mapping from mm to units, and everything placed with it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Layout {
+pub struct PathLayout {
     /// Width and height of the picture, units.
     pub size: (f64, f64),
     /// The texts above the path.
-    pub head: Head,
+    pub head: PictureHead,
     /// The frame of the path, units.
-    pub frame: Area,
+    pub frame: PictureArea,
     scale: f64,
     left_z: f64,
     bottom_x: f64,
     /// Vertical grid lines (Z).
-    pub z_ticks: Vec<Tick>,
+    pub z_ticks: Vec<GridTick>,
     /// Horizontal grid lines (X as a diameter).
-    pub x_ticks: Vec<Tick>,
+    pub x_ticks: Vec<GridTick>,
     /// Vertical position of the spindle axis, units; `None` if it is outside the frame.
     pub spindle_axis: Option<f64>,
     /// Dimensions of the part.
     pub dimensions: Vec<Dimension>,
     /// Numbers of blocks.
-    pub numbers: Vec<Number>,
+    pub numbers: Vec<PlacedNumber>,
 }
 
-impl Layout {
+impl PathLayout {
     /// Fits a drawing into its picture: Z to the right, X up, the same scale for both.
-    pub(super) fn new(drawing: &Drawing, language: Language) -> Self {
-        let size @ (width, height) = drawing.look().size.units();
-        let head = Head::new(drawing, width, language);
+    pub(super) fn new(drawing: &PathDrawing, language: Language) -> Self {
+        let size @ (width, height) = drawing.options().size.units();
+        let head = PictureHead::new(drawing, width, language);
         // A legend of a hundred tools must leave space for the picture.
         let top = head.height.min(height / 2.0);
-        let frame = (MARGIN, top, width - MARGIN, height - MARGIN);
+        let frame = (PATH_MARGIN, top, width - PATH_MARGIN, height - PATH_MARGIN);
         let dimensions = &drawing.scenery().dimensions;
         let below = if dimensions.is_empty() {
             0.0
@@ -57,7 +57,7 @@ impl Layout {
             BELOW_AXIS
         };
         let (room_z, room_x) = (frame.2 - frame.0, frame.3 - frame.1 - below);
-        let (low, high) = bounds(drawing.extent());
+        let (low, high) = shown_bounds(drawing.extent());
         let (wide, tall) = (high.z - low.z, high.x - low.x);
         let scale = (room_z / wide).min(room_x / tall);
         let mut layout = Self {
@@ -73,31 +73,31 @@ impl Layout {
             dimensions: Vec::new(),
             numbers: Vec::new(),
         };
-        layout.z_ticks = ticks(layout.left_z, room_z / scale, room_z)
-            .map(|z| Tick {
-                at: layout.place(Point::new(0.0, z)).0,
-                label: label(z),
+        layout.z_ticks = tick_values(layout.left_z, room_z / scale, room_z)
+            .map(|z| GridTick {
+                position: layout.to_units(Point::new(0.0, z)).0,
+                label: tick_label(z),
             })
             .collect();
         let room_x = room_x + below;
-        layout.x_ticks = ticks(layout.bottom_x * 2.0, room_x / scale * 2.0, room_x)
-            .map(|x| Tick {
-                at: layout.place(Point::new(x / 2.0, 0.0)).1,
-                label: label(x),
+        layout.x_ticks = tick_values(layout.bottom_x * 2.0, room_x / scale * 2.0, room_x)
+            .map(|x| GridTick {
+                position: layout.to_units(Point::new(x / 2.0, 0.0)).1,
+                label: tick_label(x),
             })
             .collect();
-        let axis = layout.place(Point::default()).1;
+        let axis = layout.to_units(Point::default()).1;
         layout.spindle_axis = (frame.1..=frame.3).contains(&axis).then_some(axis);
-        let mut taken = Taken::new(frame);
-        layout.dimensions = dimensions.placed(|point| layout.place(point), &mut taken);
+        let mut taken = OccupancyMap::new(frame);
+        layout.dimensions = dimensions.place_all(|point| layout.to_units(point), &mut taken);
         let numbers = drawing.labels().into_iter();
-        let numbers = numbers.map(|(point, words)| (layout.place(point), words));
-        layout.numbers = placed(numbers, frame, &mut taken);
+        let numbers = numbers.map(|(point, words)| (layout.to_units(point), words));
+        layout.numbers = place_numbers(numbers, frame, &mut taken);
         layout
     }
 
     /// Least and greatest point in the frame, mm.
-    pub fn window(&self) -> (Point, Point) {
+    pub fn visible_range(&self) -> (Point, Point) {
         let (left, top, right, bottom) = self.frame;
         let size = Point::new(bottom - top, right - left) * (1.0 / self.scale);
         let low = Point::new(self.bottom_x, self.left_z);
@@ -105,13 +105,13 @@ impl Layout {
     }
 
     /// Whether a point is inside the frame.
-    pub fn shows(&self, point: Point) -> bool {
-        let (low, high) = self.window();
+    pub fn contains(&self, point: Point) -> bool {
+        let (low, high) = self.visible_range();
         (low.x..=high.x).contains(&point.x) && (low.z..=high.z).contains(&point.z)
     }
 
     /// Converts a point to units.
-    pub fn place(&self, point: Point) -> (f64, f64) {
+    pub fn to_units(&self, point: Point) -> (f64, f64) {
         let x = self.frame.0 + (point.z - self.left_z) * self.scale;
         let y = self.frame.3 - (point.x - self.bottom_x) * self.scale;
         (x, y)
@@ -119,8 +119,8 @@ impl Layout {
 }
 
 /// The bounds that are shown: those of the path with a margin, never empty.
-fn bounds(extent: Option<Extent>) -> (Point, Point) {
-    let Some(Extent { mut low, high }) = extent else {
+fn shown_bounds(extent: Option<PathExtent>) -> (Point, Point) {
+    let Some(PathExtent { mut low, high }) = extent else {
         return (Point::new(0.0, -50.0), Point::new(50.0, 50.0));
     };
     // The spindle axis is part of the picture unless it is far away.
@@ -135,11 +135,11 @@ fn bounds(extent: Option<Extent>) -> (Point, Point) {
 }
 
 /// Approximate units between two grid lines.
-const BETWEEN_TICKS: f64 = 100.0;
+const TICK_DISTANCE: f64 = 100.0;
 
 /// Round values in an interval that is `units` long in the picture.
-fn ticks(start: f64, length: f64, units: f64) -> impl Iterator<Item = f64> {
-    let raw = length / (units / BETWEEN_TICKS).max(1.0);
+fn tick_values(start: f64, length: f64, units: f64) -> impl Iterator<Item = f64> {
+    let raw = length / (units / TICK_DISTANCE).max(1.0);
     let power = libm::pow(10.0, libm::log10(raw).floor());
     let step = [1.0, 2.0, 5.0, 10.0]
         .into_iter()
@@ -151,7 +151,7 @@ fn ticks(start: f64, length: f64, units: f64) -> impl Iterator<Item = f64> {
     (0..=count.clamp(0.0, 100.0) as u32).map(move |index| (first + f64::from(index)) * step)
 }
 
-fn label(value: f64) -> String {
+fn tick_label(value: f64) -> String {
     let rounded = (value * 1000.0).round() / 1000.0;
     if rounded == 0.0 {
         "0".to_owned()

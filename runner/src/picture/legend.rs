@@ -2,121 +2,122 @@
 
 use gsk_messages::{Language, say};
 
-use super::drawing::Drawing;
-use super::extent::MARGIN;
-use super::pens::Pen;
-use super::pieces::Made;
+use super::drawing::PathDrawing;
+use super::extent::PATH_MARGIN;
+use super::path_pieces::PathLine;
+use super::pens::LinePen;
 use crate::report::tool_word;
-use crate::words::{clock, in_short};
+use crate::text_format::{format_time, short_description};
 
 /// Units from the left and the right edge.
 pub(super) const EDGE: f64 = 20.0;
 /// Units from the top to the first row of the legend.
-const TITLE: f64 = 50.0;
+const LEGEND_TOP: f64 = 50.0;
 /// Height of a row of the legend, units.
-const ROW: f64 = 22.0;
+const ROW_HEIGHT: f64 = 22.0;
 /// Length of the line of an entry, and the gap to its text, units.
 pub(super) const SAMPLE: f64 = 28.0;
 pub(super) const GAP: f64 = 8.0;
 /// Units between two entries.
-const BETWEEN: f64 = 24.0;
+const ENTRY_GAP: f64 = 24.0;
 /// Units below the legend, with the name of the X axis.
-const BELOW: f64 = 32.0;
+const LEGEND_BOTTOM: f64 = 32.0;
 
 /// An entry of the legend: a line and its meaning.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Entry {
+pub struct LegendEntry {
     /// The line.
-    pub pen: Pen,
+    pub pen: LinePen,
     /// Left end of the line, and its height, units.
-    pub at: (f64, f64),
+    pub line_start: (f64, f64),
     /// Its meaning: T word and cutting time.
-    pub words: String,
+    pub text: String,
 }
 
 /// The texts above the path.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Head {
+pub struct PictureHead {
     /// The name, shortened to the available width.
     pub title: String,
     /// The times of the whole program.
     pub summary: String,
     /// The legend: tools, then rapids.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<LegendEntry>,
     /// Vertical position where the path begins, units.
     pub height: f64,
 }
 
-impl Head {
+impl PictureHead {
     /// Lays out the texts of a drawing that is `wide` units wide.
-    pub(super) fn new(drawing: &Drawing, wide: f64, language: Language) -> Self {
+    pub(super) fn new(drawing: &PathDrawing, wide: f64, language: Language) -> Self {
         let spent = drawing.spent();
-        let (time, cutting) = (clock(spent.whole()), clock(spent.cutting()));
-        let summary = match spent.whole() > 0.0 {
+        let (time, cutting) = (format_time(spent.total_s()), format_time(spent.cutting_s()));
+        let summary = match spent.total_s() > 0.0 {
             true => say::picture_time(time, cutting).text(language),
             false => String::new(),
         };
-        let room = wide - 2.0 * EDGE - BETWEEN - width(&summary);
-        let title = shortened(&drawing.title, room);
-        let mut entries: Vec<(Pen, String)> = (drawing.tools().zip(0..))
+        let room = wide - 2.0 * EDGE - ENTRY_GAP - text_width(&summary);
+        let title = shorten(&drawing.title, room);
+        let mut entries: Vec<(LinePen, String)> = (drawing.tools().zip(0..))
             .map(|((number, offset, spent), index)| {
-                let (tool, time) = (tool_word((number, offset)), clock(spent.cutting()));
+                let (tool, time) = (tool_word((number, offset)), format_time(spent.cutting_s()));
                 let shape = drawing.scenery().tools.get(&number);
-                let shape = shape.map(|it| format!("{}, ", in_short(it).text(language)));
+                let shape = shape.map(|it| format!("{}, ", short_description(it).text(language)));
                 let words = format!("T{tool} {}{time}", shape.unwrap_or_default());
-                (Pen::of(Made::Cut(index)), words)
+                (LinePen::for_line(PathLine::Cut(index)), words)
             })
             .collect();
-        let rapid = |(made, _)| made == Made::Rapid;
+        let rapid = |(made, _)| made == PathLine::Rapid;
         if drawing.pieces().strokes().any(rapid) {
             let words = say::report_kind_rapid().text(language);
-            entries.push((Pen::of(Made::Rapid), words));
+            entries.push((LinePen::for_line(PathLine::Rapid), words));
         }
-        let (entries, rows) = flowed(entries, wide);
+        let (entries, rows) = arrange_entries(entries, wide);
         Self {
             title,
             summary,
             entries,
-            height: TITLE + ROW * f64::from(rows.max(1)) - ROW / 2.0 + BELOW,
+            height: LEGEND_TOP + ROW_HEIGHT * f64::from(rows.max(1)) - ROW_HEIGHT / 2.0
+                + LEGEND_BOTTOM,
         }
     }
 }
 
 /// Arranges entries side by side, in as many rows as needed.
-fn flowed(entries: Vec<(Pen, String)>, wide: f64) -> (Vec<Entry>, u32) {
-    let (mut left, mut row) = (MARGIN, 0);
+fn arrange_entries(entries: Vec<(LinePen, String)>, wide: f64) -> (Vec<LegendEntry>, u32) {
+    let (mut left, mut row) = (PATH_MARGIN, 0);
     let mut placed = Vec::with_capacity(entries.len());
     for (pen, words) in entries {
-        let needs = SAMPLE + GAP + width(&words);
-        if left > MARGIN && left + needs > wide - EDGE {
-            left = MARGIN;
+        let needs = SAMPLE + GAP + text_width(&words);
+        if left > PATH_MARGIN && left + needs > wide - EDGE {
+            left = PATH_MARGIN;
             row += 1;
         }
-        placed.push(Entry {
+        placed.push(LegendEntry {
             pen,
-            at: (left, TITLE + ROW * f64::from(row)),
-            words,
+            line_start: (left, LEGEND_TOP + ROW_HEIGHT * f64::from(row)),
+            text: words,
         });
-        left += needs + BETWEEN;
+        left += needs + ENTRY_GAP;
     }
     (placed, row + 1)
 }
 
 /// Width of a text, units: that of its glyphs.
-pub(super) fn width(text: &str) -> f64 {
+pub(super) fn text_width(text: &str) -> f64 {
     let glyphs = text.chars().filter_map(gsk_panel::glyphs::glyph);
     glyphs.map(|glyph| glyph.get_width() as f64).sum()
 }
 
 /// A text, shortened to an available width.
-fn shortened(text: &str, room: f64) -> String {
-    if width(text) <= room {
+fn shorten(text: &str, room: f64) -> String {
+    if text_width(text) <= room {
         return text.to_owned();
     }
-    let mut left = room - width("…");
+    let mut left = room - text_width("…");
     let mut out = String::new();
     for letter in text.chars() {
-        left -= width(letter.encode_utf8(&mut [0; 4]));
+        left -= text_width(letter.encode_utf8(&mut [0; 4]));
         if left < 0.0 {
             break;
         }
@@ -132,18 +133,23 @@ mod tests {
 
     #[test]
     fn the_legend_takes_the_rows_it_needs() {
-        let entry = |index| (Pen::of(Made::Cut(index)), format!("T{index:02}01 1:23.4"));
-        let (placed, rows) = flowed((0..12).map(entry).collect(), 640.0);
+        let entry = |index| {
+            (
+                LinePen::for_line(PathLine::Cut(index)),
+                format!("T{index:02}01 1:23.4"),
+            )
+        };
+        let (placed, rows) = arrange_entries((0..12).map(entry).collect(), 640.0);
         assert!(rows > 2);
         for entry in &placed {
-            assert!(entry.at.0 + SAMPLE + GAP + width(&entry.words) <= 640.0);
+            assert!(entry.line_start.0 + SAMPLE + GAP + text_width(&entry.text) <= 640.0);
         }
     }
 
     #[test]
     fn a_long_name_is_cut_off() {
-        assert_eq!(shortened("轴.CNC", 100.0), "轴.CNC");
-        let short = shortened(&"车削".repeat(100), 100.0);
-        assert!(short.ends_with('…') && width(&short) <= 100.0);
+        assert_eq!(shorten("轴.CNC", 100.0), "轴.CNC");
+        let short = shorten(&"车削".repeat(100), 100.0);
+        assert!(short.ends_with('…') && text_width(&short) <= 100.0);
     }
 }

@@ -11,43 +11,43 @@
 //!   +--------+ +-----------+
 //! ```
 
-mod panes;
-mod parts;
+mod items;
+mod views;
 
 use gsk_messages::Language;
 use gsk_milling::{FurtherAxis, MillMove, MillMoveKind};
 
-use super::canvas::{Align, Canvas};
-use super::drawing::Look;
-use super::extent::Size;
-use super::pieces::Made;
-use super::{Format, PictureError, png_file, svg};
-use crate::mill::Times;
-use parts::{Part, Place};
+use super::canvas::{PictureCanvas, TextAlign};
+use super::drawing::DrawingOptions;
+use super::extent::PictureSize;
+use super::path_pieces::PathLine;
+use super::{PictureError, PictureFormat, png_file, svg};
+use crate::mill::MillTimes;
+use items::{PictureItem, TextAnchor};
 
 /// Limit of the points of a drawing.
-const MOST: usize = 3_000_000;
+const MAX_POINTS: usize = 3_000_000;
 /// Angle of the chords that approximate an arc, radians.
-const CHORD: f64 = 0.06;
+const CHORD_ANGLE_RAD: f64 = 0.06;
 /// Number of chords up to which a path is drawn with smooth edges.
-const MOST_SMOOTH: usize = 30_000;
+const MAX_SMOOTH_CHORDS: usize = 30_000;
 
 /// A line of one kind.
 #[derive(Clone, Debug)]
-struct Stroke {
-    made: Made,
+struct MillStroke {
+    line_kind: PathLine,
     points: Vec<[f64; 3]>,
 }
 
 /// A box around points.
 #[derive(Clone, Copy, Debug)]
-struct Cube {
+struct PathBox {
     low: [f64; 3],
     high: [f64; 3],
 }
 
-impl Cube {
-    fn reach(cube: &mut Option<Self>, point: [f64; 3]) {
+impl PathBox {
+    fn widen(cube: &mut Option<Self>, point: [f64; 3]) {
         let cube = cube.get_or_insert(Self {
             low: point,
             high: point,
@@ -72,82 +72,82 @@ impl Cube {
 #[derive(Clone, Debug)]
 pub struct MillDrawing {
     title: String,
-    look: Look,
-    strokes: Vec<Stroke>,
+    options: DrawingOptions,
+    strokes: Vec<MillStroke>,
     tools: Vec<u16>,
     zero: Option<[f64; 3]>,
-    cuts: Option<Cube>,
-    all: Option<Cube>,
-    times: Times,
+    cut_box: Option<PathBox>,
+    full_box: Option<PathBox>,
+    times: MillTimes,
     /// Range of the further axes that have moved: mm, or degrees.
     further: Vec<(FurtherAxis, f64, f64)>,
-    count: usize,
-    left_out: u64,
+    point_count: usize,
+    omitted_moves: u64,
 }
 
 impl MillDrawing {
     /// A drawing without a path yet.
-    pub fn new(title: impl Into<String>, look: Look) -> Self {
+    pub fn new(title: impl Into<String>, options: DrawingOptions) -> Self {
         Self {
             title: title.into(),
-            look,
+            options,
             strokes: Vec::new(),
             tools: Vec::new(),
             zero: None,
-            cuts: None,
-            all: None,
-            times: Times::default(),
+            cut_box: None,
+            full_box: None,
+            times: MillTimes::default(),
             further: Vec::new(),
-            count: 0,
-            left_out: 0,
+            point_count: 0,
+            omitted_moves: 0,
         }
     }
 
     /// Adds a move.
-    pub fn push(&mut self, made: &MillMove) {
-        self.times.push(made);
+    pub fn add_move(&mut self, made: &MillMove) {
+        self.times.add_move(made);
         if made.kind == MillMoveKind::Dwell {
             return;
         }
-        self.turn(made);
+        self.add_further_axes(made);
         // A move of a rotary axis alone draws nothing.
         if made.arc.is_none() && made.from.mm() == made.to.mm() {
             return;
         }
-        if self.count >= MOST {
-            self.left_out += 1;
+        if self.point_count >= MAX_POINTS {
+            self.omitted_moves += 1;
             return;
         }
         let zero = made.zero.mm();
         let first = *self.zero.get_or_insert(zero);
-        let place =
+        let from_first_zero =
             |point: [f64; 3]| core::array::from_fn(|axis| point[axis] + zero[axis] - first[axis]);
-        let way = match made.kind {
-            MillMoveKind::Rapid => Made::Rapid,
-            _ => Made::Cut(self.index_of(made.tool)),
+        let line_kind = match made.kind {
+            MillMoveKind::Rapid => PathLine::Rapid,
+            _ => PathLine::Cut(self.tool_index(made.tool)),
         };
-        let begin: [f64; 3] = place(made.from.mm());
-        let points: Vec<[f64; 3]> = corners(made).into_iter().map(place).collect();
-        self.count += points.len();
+        let begin: [f64; 3] = from_first_zero(made.from.mm());
+        let points: Vec<[f64; 3]> = move_points(made).into_iter().map(from_first_zero).collect();
+        self.point_count += points.len();
         for point in core::iter::once(&begin).chain(&points) {
-            Cube::reach(&mut self.all, *point);
-            if way != Made::Rapid {
-                Cube::reach(&mut self.cuts, *point);
+            PathBox::widen(&mut self.full_box, *point);
+            if line_kind != PathLine::Rapid {
+                PathBox::widen(&mut self.cut_box, *point);
             }
         }
         match self.strokes.last_mut() {
-            Some(last) if last.made == way && last.points.last() == Some(&begin) => {
+            Some(last) if last.line_kind == line_kind && last.points.last() == Some(&begin) => {
                 last.points.extend(points);
             }
             _ => {
                 let points = core::iter::once(begin).chain(points).collect();
-                self.strokes.push(Stroke { made: way, points });
+                self.strokes.push(MillStroke { line_kind, points });
             }
         }
     }
 
     /// Adds the motion of further axes. Axes that never move are not shown.
-    fn turn(&mut self, made: &MillMove) {
+    fn add_further_axes(&mut self, made: &MillMove) {
         for (further, from, to) in made.further() {
             let (least, greatest) = (from.min(to), from.max(to));
             let mut known = self.further.iter_mut();
@@ -163,11 +163,11 @@ impl MillDrawing {
     }
 
     /// Number of moves that did not fit into memory.
-    pub const fn left_out(&self) -> u64 {
-        self.left_out
+    pub const fn omitted_moves(&self) -> u64 {
+        self.omitted_moves
     }
 
-    fn index_of(&mut self, tool: u16) -> u8 {
+    fn tool_index(&mut self, tool: u16) -> u8 {
         let known = self.tools.iter().position(|known| *known == tool);
         let index = known.unwrap_or_else(|| {
             self.tools.push(tool);
@@ -177,20 +177,20 @@ impl MillDrawing {
     }
 
     /// The bounds of what is shown.
-    fn reach(&self) -> Cube {
-        let shown = match self.look.whole {
-            true => self.all,
-            false => self.cuts.or(self.all),
+    fn shown_box(&self) -> PathBox {
+        let shown = match self.options.shows_whole_path {
+            true => self.full_box,
+            false => self.cut_box.or(self.full_box),
         };
-        shown.unwrap_or(Cube {
+        shown.unwrap_or(PathBox {
             low: [-50.0; 3],
             high: [50.0; 3],
         })
     }
 
     /// The same with a margin.
-    fn cube(&self) -> Cube {
-        let mut cube = self.reach();
+    fn box_with_margin(&self) -> PathBox {
+        let mut cube = self.shown_box();
         for axis in 0..3 {
             let room = ((cube.high[axis] - cube.low[axis]) * 0.05).max(0.5);
             cube.low[axis] -= room;
@@ -202,7 +202,7 @@ impl MillDrawing {
 
 /// Points of a move after its start: chords of an arc, and the points where the axes of a
 /// rapid without interpolation arrive.
-fn corners(made: &MillMove) -> Vec<[f64; 3]> {
+fn move_points(made: &MillMove) -> Vec<[f64; 3]> {
     if let Some(mut parts) = made.arrivals {
         parts.sort_by(f64::total_cmp);
         let parts = parts.into_iter().filter(|part| *part > 0.0 && *part < 1.0);
@@ -210,7 +210,7 @@ fn corners(made: &MillMove) -> Vec<[f64; 3]> {
     }
     let chords = made
         .sweep()
-        .map_or(1, |sweep| (sweep / CHORD).ceil().max(1.0) as u32);
+        .map_or(1, |sweep| (sweep / CHORD_ANGLE_RAD).ceil().max(1.0) as u32);
     let at = |chord: u32| made.at(f64::from(chord) / f64::from(chords));
     (1..=chords).map(at).collect()
 }
@@ -219,27 +219,31 @@ fn corners(made: &MillMove) -> Vec<[f64; 3]> {
 ///
 /// # Errors
 /// There is not enough memory.
-pub fn encode(
-    format: Format,
+pub fn encode_mill(
+    format: PictureFormat,
     drawing: &MillDrawing,
     language: Language,
 ) -> Result<Vec<u8>, PictureError> {
-    let parts = parts::parts(drawing, language);
+    let parts = items::picture_items(drawing, language);
     match format {
-        Format::Svg => Ok(to_svg(&parts, drawing.look.size).into_bytes()),
-        Format::Png => {
-            let mut canvas = Canvas::new(drawing.look.size)?;
-            canvas.set_smooth(drawing.count <= MOST_SMOOTH);
+        PictureFormat::Svg => Ok(to_svg(&parts, drawing.options.size).into_bytes()),
+        PictureFormat::Png => {
+            let mut canvas = PictureCanvas::new(drawing.options.size)?;
+            canvas.set_smooth(drawing.point_count <= MAX_SMOOTH_CHORDS);
             for part in &parts {
                 match part {
-                    Part::Line(pen, points) => canvas.polyline(*pen, points),
-                    Part::Text { at, words, align } => {
+                    PictureItem::Line(pen, points) => canvas.draw_polyline(*pen, points),
+                    PictureItem::Text {
+                        position: at,
+                        text: words,
+                        anchor: align,
+                    } => {
                         let align = match align {
-                            Place::Left => Align::Left,
-                            Place::Center => Align::Center,
-                            Place::Right => Align::Right,
+                            TextAnchor::Left => TextAlign::Left,
+                            TextAnchor::Center => TextAlign::Center,
+                            TextAnchor::Right => TextAlign::Right,
                         };
-                        canvas.text(at.0, at.1 - 13.0, words, align);
+                        canvas.draw_text(at.0, at.1 - 13.0, words, align);
                     }
                 }
             }
@@ -248,18 +252,22 @@ pub fn encode(
     }
 }
 
-fn to_svg(parts: &[Part], size: Size) -> String {
-    let mut out = svg::open(size);
+fn to_svg(parts: &[PictureItem], size: PictureSize) -> String {
+    let mut out = svg::begin_file(size);
     for part in parts {
         match part {
-            Part::Line(pen, points) => svg::polyline(&mut out, *pen, points),
-            Part::Text { at, words, align } => {
+            PictureItem::Line(pen, points) => svg::write_polyline(&mut out, *pen, points),
+            PictureItem::Text {
+                position: at,
+                text: words,
+                anchor: align,
+            } => {
                 let anchor = match align {
-                    Place::Left => "start",
-                    Place::Center => "middle",
-                    Place::Right => "end",
+                    TextAnchor::Left => "start",
+                    TextAnchor::Center => "middle",
+                    TextAnchor::Right => "end",
                 };
-                svg::text(&mut out, *at, words, anchor);
+                svg::write_text(&mut out, *at, words, anchor);
             }
         }
     }
@@ -276,12 +284,12 @@ mod tests {
         let mut programs = ProgramMemory::default();
         programs.open_external(Program::new(text));
         programs.select(gsk_core::command::ProgramId::External);
-        let mut drawing = MillDrawing::new("O0001 <铣>", Look::default());
+        let mut drawing = MillDrawing::new("O0001 <铣>", DrawingOptions::default());
         let setup = gsk_milling::MillSetup::default();
         let end = gsk_milling::preview_while(
             &setup,
             &programs,
-            &mut |made| drawing.push(made),
+            &mut |made| drawing.add_move(made),
             &mut |_| true,
         );
         assert_eq!(end.alarm, None);
@@ -293,7 +301,7 @@ mod tests {
         let drawing =
             drawing("T1\nG00 X0 Y0 Z5\nG01 Z-2 F100\nX40\nG02 Y20 R10\nG01 X0\nT2\nX-10\nM30\n");
         for (language, name) in [(Language::En, "isometric"), (Language::Zh, "等轴测图")] {
-            let svg = encode(Format::Svg, &drawing, language).expect("picture");
+            let svg = encode_mill(PictureFormat::Svg, &drawing, language).expect("picture");
             let svg = String::from_utf8(svg).expect("text");
             for part in [
                 "<svg",
@@ -311,14 +319,14 @@ mod tests {
             // the rapids.
             assert!(svg.matches("<polyline").count() >= 4 + 4 * 2 + 2 + 4);
         }
-        let png = encode(Format::Png, &drawing, Language::En).expect("picture");
+        let png = encode_mill(PictureFormat::Png, &drawing, Language::En).expect("picture");
         assert!(png.starts_with(b"\x89PNG"));
-        let empty = MillDrawing::new("", Look::default());
-        assert!(encode(Format::Svg, &empty, Language::En).is_ok());
+        let empty = MillDrawing::new("", DrawingOptions::default());
+        assert!(encode_mill(PictureFormat::Svg, &empty, Language::En).is_ok());
     }
 
     #[test]
-    fn what_turns_is_told_and_an_axis_of_a_rapid_arrives_by_itself() {
+    fn rotary_axes_are_reported_and_rapid_axes_arrive_separately() {
         let mut programs = ProgramMemory::default();
         programs.open_external(Program::new("G00 X80 Y20 A-30\nG01 A330 F3600\nM30\n"));
         programs.select(gsk_core::command::ProgramId::External);
@@ -327,8 +335,8 @@ mod tests {
             for (number, value) in parameters {
                 assert_eq!(setup.memory.model.set_parameter(*number, *value), Ok(()));
             }
-            let mut drawing = MillDrawing::new("", Look::default());
-            let mut take = |made: &MillMove| drawing.push(made);
+            let mut drawing = MillDrawing::new("", DrawingOptions::default());
+            let mut take = |made: &MillMove| drawing.add_move(made);
             gsk_milling::preview_while(&setup, &programs, &mut take, &mut |_| true);
             drawing
         };
@@ -341,7 +349,7 @@ mod tests {
             (corner[0] - 80.0 * 0.25 / 0.7).abs() < 1e-6 && corner[1] == 20.0,
             "{corner:?}"
         );
-        let svg = encode(Format::Svg, &drawing, Language::En).expect("picture");
+        let svg = encode_mill(PictureFormat::Svg, &drawing, Language::En).expect("picture");
         assert!(String::from_utf8_lossy(&svg).contains("A -30 … 330°"));
         assert_eq!(drawn(&[(1010, 4), (12, 128)]).strokes[0].points.len(), 2);
     }
@@ -349,11 +357,14 @@ mod tests {
     #[test]
     fn views_along_an_axis_have_one_scale() {
         let drawing = drawing("G00 X0 Y0 Z0\nG01 X100 F100\nY10\nZ-5\nM30\n");
-        let panes = panes::panes(&drawing.cube(), (1280.0, 800.0), 60.0);
-        assert_eq!(panes[0].scale, panes[2].scale);
-        assert_eq!(panes[0].scale, panes[3].scale);
+        let panes = views::lay_out_panes(&drawing.box_with_margin(), (1280.0, 800.0), 60.0);
+        assert_eq!(panes[0].units_per_mm, panes[2].units_per_mm);
+        assert_eq!(panes[0].units_per_mm, panes[3].units_per_mm);
         // X to the right, Y up, in the frame.
-        let (from, to) = (panes[0].place([0.0; 3]), panes[0].place([100.0, 10.0, 0.0]));
+        let (from, to) = (
+            panes[0].to_units([0.0; 3]),
+            panes[0].to_units([100.0, 10.0, 0.0]),
+        );
         assert!(to.0 > from.0 && to.1 < from.1);
         let (left, upper, right, lower) = panes[0].frame;
         assert!((left..right).contains(&to.0) && (upper..lower).contains(&to.1));

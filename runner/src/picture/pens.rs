@@ -1,11 +1,11 @@
 //! Colours and line styles. The colours are those of Okabe and Ito, which people with any kind
 //! of colour vision can distinguish, without the yellow, which is invisible on white.
 
-use super::pieces::Made;
+use super::path_pieces::PathLine;
 
 /// The style of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pen {
+pub struct LinePen {
     /// Red, green, blue.
     pub color: [u8; 3],
     /// Width, units.
@@ -29,30 +29,30 @@ const COLORS: [[u8; 3]; 7] = [
 const DASHES: [&[f32]; 3] = [&[], &[14.0, 3.0], &[3.0, 2.0]];
 
 /// A collision: a cross with arms of this length, units.
-pub(super) const ARM: f64 = 6.0;
-pub(super) const MARK: Pen = Pen {
+pub(super) const MARK_ARM: f64 = 6.0;
+pub(super) const COLLISION_MARK: LinePen = LinePen {
     color: [0xE0, 0x00, 0x20],
     width: 2.5,
     dash: &[],
 };
 
 /// The line from a shoulder to its figure.
-pub(super) const DIMENSION: Pen = Pen {
+pub(super) const DIMENSION: LinePen = LinePen {
     color: [0x60; 3],
     width: 0.8,
     dash: &[],
 };
 
-impl Pen {
+impl LinePen {
     /// The style for rapids, or for the cuts of a tool.
-    pub const fn of(made: Made) -> Self {
+    pub const fn for_line(made: PathLine) -> Self {
         match made {
-            Made::Rapid => Self {
+            PathLine::Rapid => Self {
                 color: [0x90, 0x90, 0x90],
                 width: 1.0,
                 dash: &[6.0, 4.0],
             },
-            Made::Cut(index) => {
+            PathLine::Cut(index) => {
                 let index = index as usize;
                 Self {
                     color: COLORS[index % COLORS.len()],
@@ -69,8 +69,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn twenty_tools_are_told_apart() {
-        let pens: Vec<Pen> = (0..20).map(|index| Pen::of(Made::Cut(index))).collect();
+    fn twenty_tools_can_be_distinguished() {
+        let pens: Vec<LinePen> = (0..20)
+            .map(|index| LinePen::for_line(PathLine::Cut(index)))
+            .collect();
         for (index, pen) in pens.iter().enumerate() {
             assert!(!pens[..index].contains(pen), "{index}");
         }

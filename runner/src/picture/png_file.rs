@@ -4,53 +4,65 @@ use gsk_messages::Language;
 use tiny_skia::Pixmap;
 
 use super::PictureError;
-use super::canvas::{Align, Canvas};
-use super::clip::clipped;
-use super::drawing::Drawing;
-use super::layout::Layout;
+use super::canvas::{PictureCanvas, TextAlign};
+use super::clip::clip_to_frame;
+use super::drawing::PathDrawing;
+use super::layout::PathLayout;
 use super::legend::{EDGE, GAP, SAMPLE};
-use super::pens::{ARM, DIMENSION, MARK, Pen};
-use super::pieces::Made;
+use super::path_pieces::PathLine;
+use super::pens::{COLLISION_MARK, DIMENSION, LinePen, MARK_ARM};
 
 /// Lines of the grid, of its frame, of the spindle axis.
-const GRID: Pen = grey(0xE0, &[]);
-const FRAME: Pen = grey(0xB0, &[]);
-const SPINDLE_AXIS: Pen = grey(0x80, &[16.0, 4.0, 3.0, 4.0]);
+const GRID: LinePen = grey_pen(0xE0, &[]);
+const FRAME: LinePen = grey_pen(0xB0, &[]);
+const SPINDLE_AXIS: LinePen = grey_pen(0x80, &[16.0, 4.0, 3.0, 4.0]);
 
 /// Number of pieces up to which a path is drawn with smooth edges: a second of work.
-const MOST_SMOOTH: usize = 30_000;
+const MAX_SMOOTH_PIECES: usize = 30_000;
 
 /// Draws the whole picture.
-pub fn render(drawing: &Drawing, language: Language) -> Result<Vec<u8>, PictureError> {
-    let layout = Layout::new(drawing, language);
-    let mut canvas = Canvas::new(drawing.look().size)?;
-    grid(&mut canvas, &layout);
-    scenery(&mut canvas, drawing, &layout);
-    canvas.set_smooth(drawing.pieces().len() <= MOST_SMOOTH);
-    path(&mut canvas, drawing, &layout, |made| made == Made::Rapid);
-    path(&mut canvas, drawing, &layout, |made| made != Made::Rapid);
+pub fn render(drawing: &PathDrawing, language: Language) -> Result<Vec<u8>, PictureError> {
+    let layout = PathLayout::new(drawing, language);
+    let mut canvas = PictureCanvas::new(drawing.options().size)?;
+    draw_grid(&mut canvas, &layout);
+    draw_scenery(&mut canvas, drawing, &layout);
+    canvas.set_smooth(drawing.pieces().len() <= MAX_SMOOTH_PIECES);
+    draw_path(&mut canvas, drawing, &layout, |made| {
+        made == PathLine::Rapid
+    });
+    draw_path(&mut canvas, drawing, &layout, |made| {
+        made != PathLine::Rapid
+    });
     canvas.set_smooth(true);
     for mark in drawing
         .scenery()
         .marks
         .iter()
-        .filter(|it| layout.shows(**it))
+        .filter(|it| layout.contains(**it))
     {
-        let (x, y) = layout.place(*mark);
-        canvas.line(MARK, (x - ARM, y - ARM), (x + ARM, y + ARM));
-        canvas.line(MARK, (x - ARM, y + ARM), (x + ARM, y - ARM));
+        let (x, y) = layout.to_units(*mark);
+        canvas.draw_line(
+            COLLISION_MARK,
+            (x - MARK_ARM, y - MARK_ARM),
+            (x + MARK_ARM, y + MARK_ARM),
+        );
+        canvas.draw_line(
+            COLLISION_MARK,
+            (x - MARK_ARM, y + MARK_ARM),
+            (x + MARK_ARM, y - MARK_ARM),
+        );
     }
     for dimension in &layout.dimensions {
         if let Some([from, to]) = dimension.line {
-            canvas.line(DIMENSION, from, to);
+            canvas.draw_line(DIMENSION, from, to);
         }
-        canvas.text_over_lines(dimension.at.0, dimension.at.1, &dimension.words);
+        canvas.draw_outlined_text(dimension.corner.0, dimension.corner.1, &dimension.text);
     }
     for number in &layout.numbers {
-        canvas.dot(number.end, 2.0);
-        canvas.text_over_lines(number.at.0, number.at.1, &number.words);
+        canvas.draw_dot(number.end, 2.0);
+        canvas.draw_outlined_text(number.corner.0, number.corner.1, &number.text);
     }
-    head(&mut canvas, &layout);
+    draw_head(&mut canvas, &layout);
     encode(&canvas.into_pixels())
 }
 
@@ -67,8 +79,8 @@ pub fn encode(picture: &Pixmap) -> Result<Vec<u8>, PictureError> {
     Ok(bytes)
 }
 
-const fn grey(shade: u8, dash: &'static [f32]) -> Pen {
-    Pen {
+const fn grey_pen(shade: u8, dash: &'static [f32]) -> LinePen {
+    LinePen {
         color: [shade; 3],
         width: 1.0,
         dash,
@@ -76,64 +88,74 @@ const fn grey(shade: u8, dash: &'static [f32]) -> Pen {
 }
 
 /// Draws part and clamping.
-fn scenery(canvas: &mut Canvas, drawing: &Drawing, layout: &Layout) {
-    let (low, high) = layout.window();
-    for (look, polygons) in drawing.scenery().within(low, high) {
-        let placed = |polygon: &Vec<_>| polygon.iter().map(|it| layout.place(*it)).collect();
+fn draw_scenery(canvas: &mut PictureCanvas, drawing: &PathDrawing, layout: &PathLayout) {
+    let (low, high) = layout.visible_range();
+    for (look, polygons) in drawing.scenery().clip_to(low, high) {
+        let placed = |polygon: &Vec<_>| polygon.iter().map(|it| layout.to_units(*it)).collect();
         let polygons: Vec<Vec<(f64, f64)>> = polygons.iter().map(placed).collect();
         if let Some(color) = look.fill {
-            canvas.fill(color, &polygons);
+            canvas.fill_polygons(color, &polygons);
         }
         for mut polygon in polygons {
             polygon.extend(polygon.first().copied());
-            canvas.polyline(look.edge, &polygon);
+            canvas.draw_polyline(look.edge, &polygon);
         }
     }
 }
 
 /// Draws the lines of the wanted kinds inside the frame.
-fn path(canvas: &mut Canvas, drawing: &Drawing, layout: &Layout, wanted: impl Fn(Made) -> bool) {
+fn draw_path(
+    canvas: &mut PictureCanvas,
+    drawing: &PathDrawing,
+    layout: &PathLayout,
+    is_wanted: impl Fn(PathLine) -> bool,
+) {
     let strokes = drawing.pieces().strokes();
-    for (made, points) in strokes.filter(|(made, _)| wanted(*made)) {
-        let points = points.map(|point| layout.place(point));
-        clipped(points, layout.frame, |part| {
-            canvas.polyline(Pen::of(made), part);
+    for (made, points) in strokes.filter(|(made, _)| is_wanted(*made)) {
+        let points = points.map(|point| layout.to_units(point));
+        clip_to_frame(points, layout.frame, |part| {
+            canvas.draw_polyline(LinePen::for_line(made), part);
         });
     }
 }
 
-fn head(canvas: &mut Canvas, layout: &Layout) {
+fn draw_head(canvas: &mut PictureCanvas, layout: &PathLayout) {
     let head = &layout.head;
-    canvas.text(EDGE, 16.0, &head.title, Align::Left);
-    canvas.text(layout.size.0 - EDGE, 16.0, &head.summary, Align::Right);
+    canvas.draw_text(EDGE, 16.0, &head.title, TextAlign::Left);
+    canvas.draw_text(layout.size.0 - EDGE, 16.0, &head.summary, TextAlign::Right);
     for entry in &head.entries {
-        let (x, y) = entry.at;
-        canvas.line(entry.pen, (x, y), (x + SAMPLE, y));
-        canvas.text(x + SAMPLE + GAP, y - 8.0, &entry.words, Align::Left);
+        let (x, y) = entry.line_start;
+        canvas.draw_line(entry.pen, (x, y), (x + SAMPLE, y));
+        canvas.draw_text(x + SAMPLE + GAP, y - 8.0, &entry.text, TextAlign::Left);
     }
 }
 
-fn grid(canvas: &mut Canvas, layout: &Layout) {
+fn draw_grid(canvas: &mut PictureCanvas, layout: &PathLayout) {
     let (left, top, right, bottom) = layout.frame;
     for tick in &layout.z_ticks {
-        let at = tick.at.round() + 0.5;
-        canvas.line(GRID, (at, top), (at, bottom));
-        canvas.text(tick.at, bottom + 8.0, &tick.label, Align::Center);
+        let at = tick.position.round() + 0.5;
+        canvas.draw_line(GRID, (at, top), (at, bottom));
+        canvas.draw_text(tick.position, bottom + 8.0, &tick.label, TextAlign::Center);
     }
     for tick in &layout.x_ticks {
-        let at = tick.at.round() + 0.5;
-        canvas.line(GRID, (left, at), (right, at));
-        canvas.text(left - 8.0, tick.at - 8.0, &tick.label, Align::Right);
+        let at = tick.position.round() + 0.5;
+        canvas.draw_line(GRID, (left, at), (right, at));
+        canvas.draw_text(
+            left - 8.0,
+            tick.position - 8.0,
+            &tick.label,
+            TextAlign::Right,
+        );
     }
     let (west, north) = (left.round() + 0.5, top.round() + 0.5);
     let (east, south) = (right.round() + 0.5, bottom.round() + 0.5);
     let corners = [(west, north), (east, north), (east, south), (west, south)];
     for (index, corner) in corners.into_iter().enumerate() {
-        canvas.line(FRAME, corner, corners[(index + 1) % 4]);
+        canvas.draw_line(FRAME, corner, corners[(index + 1) % 4]);
     }
     if let Some(at) = layout.spindle_axis {
-        canvas.line(SPINDLE_AXIS, (left, at), (right, at));
+        canvas.draw_line(SPINDLE_AXIS, (left, at), (right, at));
     }
-    canvas.text(right + 8.0, bottom + 8.0, "Z mm", Align::Left);
-    canvas.text(left - 60.0, top - 26.0, "X ⌀ mm", Align::Left);
+    canvas.draw_text(right + 8.0, bottom + 8.0, "Z mm", TextAlign::Left);
+    canvas.draw_text(left - 60.0, top - 26.0, "X ⌀ mm", TextAlign::Left);
 }

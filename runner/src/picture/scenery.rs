@@ -9,42 +9,42 @@ use gsk_workpiece::region::Region;
 use gsk_workpiece::tool::{BodyPart, Tool, ToolShape};
 
 use super::dimensions::Dimensions;
-use super::pens::Pen;
+use super::pens::LinePen;
 use crate::machining::Machining;
 
 /// The style of an area.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Look {
+pub(super) struct AreaStyle {
     /// Fill colour, if it is filled.
     pub fill: Option<[u8; 3]>,
     /// Style of its edge.
-    pub edge: Pen,
+    pub edge: LinePen,
 }
 
-const CLAMPING: Look = Look {
+const CLAMPING: AreaStyle = AreaStyle {
     fill: Some([0xC8; 3]),
-    edge: edge([0x90; 3], &[]),
+    edge: edge_pen([0x90; 3], &[]),
 };
-const PART: Look = Look {
+const PART: AreaStyle = AreaStyle {
     fill: Some([0xDC, 0xE6, 0xF0]),
-    edge: edge([0x60, 0x70, 0x80], &[]),
+    edge: edge_pen([0x60, 0x70, 0x80], &[]),
 };
-const STOCK: Look = Look {
+const STOCK: AreaStyle = AreaStyle {
     fill: None,
-    edge: edge([0xA0; 3], &[6.0, 4.0]),
+    edge: edge_pen([0xA0; 3], &[6.0, 4.0]),
 };
 
-const HOLDER: Look = Look {
+const HOLDER: AreaStyle = AreaStyle {
     fill: Some([0xE4; 3]),
-    edge: edge([0xA0; 3], &[]),
+    edge: edge_pen([0xA0; 3], &[]),
 };
-const INSERT: Look = Look {
+const INSERT: AreaStyle = AreaStyle {
     fill: Some([0xF5, 0xD8, 0x60]),
-    edge: edge([0x80, 0x68, 0x10], &[]),
+    edge: edge_pen([0x80, 0x68, 0x10], &[]),
 };
 
-const fn edge(color: [u8; 3], dash: &'static [f32]) -> Pen {
-    Pen {
+const fn edge_pen(color: [u8; 3], dash: &'static [f32]) -> LinePen {
+    LinePen {
         color,
         width: 1.0,
         dash,
@@ -53,8 +53,8 @@ const fn edge(color: [u8; 3], dash: &'static [f32]) -> Pen {
 
 /// Part, clamping and tools, in the coordinates of the path.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Scenery {
-    areas: Vec<(Look, Region)>,
+pub(super) struct PathScenery {
+    areas: Vec<(AreaStyle, Region)>,
     /// The tools of the job, by their T number.
     pub tools: BTreeMap<u8, Tool>,
     pub dimensions: Dimensions,
@@ -62,9 +62,9 @@ pub(super) struct Scenery {
     pub marks: Vec<Point>,
 }
 
-impl Scenery {
+impl PathScenery {
     /// The current part, with tools at their tips.
-    pub fn of(machining: &Machining, tips: Vec<(u8, Point)>, dimensions: bool) -> Self {
+    pub fn from_machining(machining: &Machining, tips: Vec<(u8, Point)>, dimensions: bool) -> Self {
         let scene = machining.scene();
         let stock = scene.stock();
         let (chuck, jaws) = stock.chuck_section();
@@ -78,14 +78,19 @@ impl Scenery {
         ];
         let tools = &machining.job().tools;
         for (number, tip) in tips {
-            areas.extend(tools.get(&number).into_iter().flat_map(|it| drawn(it, tip)));
+            areas.extend(
+                tools
+                    .get(&number)
+                    .into_iter()
+                    .flat_map(|it| tool_areas(it, tip)),
+            );
         }
         let marks = machining.findings().iter();
         Self {
             areas,
             tools: tools.clone(),
             dimensions: match dimensions {
-                true => Dimensions::of(&section),
+                true => Dimensions::measure(&section),
                 false => Dimensions::default(),
             },
             marks: marks.map(|finding| finding.collision.contact).collect(),
@@ -94,11 +99,11 @@ impl Scenery {
 
     /// The areas clipped to a rectangle: polygons without overlap. Holes go in the opposite
     /// direction.
-    pub fn within(
+    pub fn clip_to(
         &self,
         low: Point,
         high: Point,
-    ) -> impl Iterator<Item = (Look, Vec<Vec<Point>>)> + '_ {
+    ) -> impl Iterator<Item = (AreaStyle, Vec<Vec<Point>>)> + '_ {
         let window = Region::rectangle(to_grid(low), to_grid(high));
         self.areas.iter().map(move |(look, region)| {
             let shown = region.intersection(window.contours());
@@ -109,7 +114,7 @@ impl Scenery {
 }
 
 /// Holder and insert of a tool.
-fn drawn(tool: &Tool, tip: Point) -> Vec<(Look, Region)> {
+fn tool_areas(tool: &Tool, tip: Point) -> Vec<(AreaStyle, Region)> {
     let shape = ToolShape::from_tool(tool);
     let placed = |contour: &GridContour| {
         let points = contour.iter().map(|at| to_grid(from_grid(*at) + tip));

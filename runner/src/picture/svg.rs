@@ -4,25 +4,25 @@ use std::fmt::Write;
 
 use gsk_messages::Language;
 
-use super::clip::clipped;
+use super::clip::clip_to_frame;
 use super::coverage::Coverage;
-use super::drawing::Drawing;
-use super::extent::Size;
-use super::layout::Layout;
-use super::legend::{EDGE, GAP, SAMPLE, width};
-use super::numbers::HEIGHT;
-use super::pens::{ARM, DIMENSION, MARK, Pen};
-use super::pieces::Made;
+use super::drawing::PathDrawing;
+use super::extent::PictureSize;
+use super::layout::PathLayout;
+use super::legend::{EDGE, GAP, SAMPLE, text_width};
+use super::number_placement::HEIGHT;
+use super::path_pieces::PathLine;
+use super::pens::{COLLISION_MARK, DIMENSION, LinePen, MARK_ARM};
 
 /// Draws the whole picture.
-pub fn render(drawing: &Drawing, language: Language) -> String {
-    let layout = Layout::new(drawing, language);
-    let mut out = open(drawing.look().size);
-    grid(&mut out, &layout);
-    scenery(&mut out, drawing, &layout);
-    let mut covered: Vec<(Made, Coverage)> = Vec::new();
+pub fn render(drawing: &PathDrawing, language: Language) -> String {
+    let layout = PathLayout::new(drawing, language);
+    let mut out = begin_file(drawing.options().size);
+    write_grid(&mut out, &layout);
+    write_scenery(&mut out, drawing, &layout);
+    let mut covered: Vec<(PathLine, Coverage)> = Vec::new();
     for (made, points) in drawing.pieces().strokes() {
-        let points = points.map(|point| layout.place(point));
+        let points = points.map(|point| layout.to_units(point));
         let known = covered.iter().position(|(known, _)| *known == made);
         let index = known.unwrap_or_else(|| {
             covered.push((made, Coverage::new(layout.frame)));
@@ -31,35 +31,37 @@ pub fn render(drawing: &Drawing, language: Language) -> String {
         let Some((_, coverage)) = covered.get_mut(index) else {
             continue;
         };
-        clipped(points, layout.frame, |part| {
-            coverage.bare(part, |part| polyline(&mut out, Pen::of(made), part));
+        clip_to_frame(points, layout.frame, |part| {
+            coverage.draw_uncovered(part, |part| {
+                write_polyline(&mut out, LinePen::for_line(made), part)
+            });
         });
     }
     for mark in drawing
         .scenery()
         .marks
         .iter()
-        .filter(|it| layout.shows(**it))
+        .filter(|it| layout.contains(**it))
     {
-        let (x, y) = layout.place(*mark);
+        let (x, y) = layout.to_units(*mark);
         let _ = writeln!(
             out,
             "<path d=\"M{:.2},{:.2} l{w},{w} m0,-{w} l-{w},{w}\" fill=\"none\" {}/>",
-            x - ARM,
-            y - ARM,
-            style(MARK),
-            w = 2.0 * ARM
+            x - MARK_ARM,
+            y - MARK_ARM,
+            stroke_style(COLLISION_MARK),
+            w = 2.0 * MARK_ARM
         );
     }
-    dimensions(&mut out, &layout);
-    numbers(&mut out, &layout);
-    head(&mut out, &layout);
+    write_dimensions(&mut out, &layout);
+    write_numbers(&mut out, &layout);
+    write_head(&mut out, &layout);
     out.push_str("</svg>\n");
     out
 }
 
 /// The beginning of a file, with a white background.
-pub(super) fn open(size: Size) -> String {
+pub(super) fn begin_file(size: PictureSize) -> String {
     let (wide, tall) = size.units();
     let (width, height) = (size.width(), size.height());
     format!(
@@ -70,8 +72,8 @@ pub(super) fn open(size: Size) -> String {
 }
 
 /// Writes a line through points.
-pub(super) fn polyline(out: &mut String, pen: Pen, points: &[(f64, f64)]) {
-    let style = style(pen);
+pub(super) fn write_polyline(out: &mut String, pen: LinePen, points: &[(f64, f64)]) {
+    let style = stroke_style(pen);
     let _ = write!(
         out,
         "<polyline fill=\"none\" stroke-linejoin=\"round\" {style} points=\""
@@ -84,18 +86,18 @@ pub(super) fn polyline(out: &mut String, pen: Pen, points: &[(f64, f64)]) {
 }
 
 /// Writes a text at a point; `anchor` is the SVG text-anchor.
-pub(super) fn text(out: &mut String, (x, y): (f64, f64), words: &str, anchor: &str) {
+pub(super) fn write_text(out: &mut String, (x, y): (f64, f64), words: &str, anchor: &str) {
     let _ = writeln!(
         out,
         "<text x=\"{x:.2}\" y=\"{y:.2}\" text-anchor=\"{anchor}\">{}</text>",
-        safe(words)
+        escape_xml(words)
     );
 }
 
 /// Writes part and clamping.
-fn scenery(out: &mut String, drawing: &Drawing, layout: &Layout) {
-    let (low, high) = layout.window();
-    for (look, polygons) in drawing.scenery().within(low, high) {
+fn write_scenery(out: &mut String, drawing: &PathDrawing, layout: &PathLayout) {
+    let (low, high) = layout.visible_range();
+    for (look, polygons) in drawing.scenery().clip_to(low, high) {
         if polygons.is_empty() {
             continue;
         }
@@ -103,10 +105,14 @@ fn scenery(out: &mut String, drawing: &Drawing, layout: &Layout) {
             || "none".to_owned(),
             |[red, green, blue]| format!("#{red:02x}{green:02x}{blue:02x}"),
         );
-        let _ = write!(out, "<path fill=\"{fill}\" {} d=\"", style(look.edge));
+        let _ = write!(
+            out,
+            "<path fill=\"{fill}\" {} d=\"",
+            stroke_style(look.edge)
+        );
         for polygon in polygons {
             for (index, point) in polygon.iter().enumerate() {
-                let (x, y) = layout.place(*point);
+                let (x, y) = layout.to_units(*point);
                 let _ = write!(out, "{}{x:.2},{y:.2}", if index == 0 { "M" } else { " " });
             }
             out.push('Z');
@@ -115,7 +121,7 @@ fn scenery(out: &mut String, drawing: &Drawing, layout: &Layout) {
     }
 }
 
-fn style(pen: Pen) -> String {
+fn stroke_style(pen: LinePen) -> String {
     let [red, green, blue] = pen.color;
     let mut style = format!(
         "stroke=\"#{red:02x}{green:02x}{blue:02x}\" stroke-width=\"{}\"",
@@ -128,70 +134,70 @@ fn style(pen: Pen) -> String {
     style
 }
 
-fn head(out: &mut String, layout: &Layout) {
+fn write_head(out: &mut String, layout: &PathLayout) {
     let head = &layout.head;
     let _ = writeln!(
         out,
         "<text x=\"{EDGE}\" y=\"30\" font-size=\"16\">{}</text>\
          <text x=\"{}\" y=\"30\" text-anchor=\"end\">{}</text>",
-        safe(&head.title),
+        escape_xml(&head.title),
         layout.size.0 - EDGE,
-        safe(&head.summary)
+        escape_xml(&head.summary)
     );
     for entry in &head.entries {
-        let (x, y) = entry.at;
+        let (x, y) = entry.line_start;
         let _ = writeln!(
             out,
             "<text x=\"{}\" y=\"{}\">{}</text>\
              <line x1=\"{x}\" y1=\"{y}\" x2=\"{}\" y2=\"{y}\" {}/>",
             x + SAMPLE + GAP,
             y + 5.0,
-            safe(&entry.words),
+            escape_xml(&entry.text),
             x + SAMPLE,
-            style(entry.pen)
+            stroke_style(entry.pen)
         );
     }
 }
 
-fn dimensions(out: &mut String, layout: &Layout) {
+fn write_dimensions(out: &mut String, layout: &PathLayout) {
     for dimension in &layout.dimensions {
         if let Some([(x, from), (_, to)]) = dimension.line {
             let _ = writeln!(
                 out,
                 "<line x1=\"{x:.2}\" y1=\"{from:.2}\" x2=\"{x:.2}\" y2=\"{to:.2}\" {}/>",
-                style(DIMENSION)
+                stroke_style(DIMENSION)
             );
         }
-        let (x, y) = dimension.at;
+        let (x, y) = dimension.corner;
         let _ = writeln!(
             out,
             "<text x=\"{:.2}\" y=\"{:.2}\" font-size=\"13\" text-anchor=\"middle\" \
              stroke=\"#ffffff\" stroke-width=\"3\" paint-order=\"stroke\">{}</text>",
-            x + width(&dimension.words) / 2.0,
+            x + text_width(&dimension.text) / 2.0,
             y + HEIGHT - 4.0,
-            dimension.words
+            dimension.text
         );
     }
 }
 
-fn numbers(out: &mut String, layout: &Layout) {
+fn write_numbers(out: &mut String, layout: &PathLayout) {
     for number in &layout.numbers {
-        let ((end_x, end_y), (x, y)) = (number.end, number.at);
+        let ((end_x, end_y), (x, y)) = (number.end, number.corner);
         let _ = writeln!(
             out,
             "<circle cx=\"{end_x:.2}\" cy=\"{end_y:.2}\" r=\"2\"/>\
              <text x=\"{x:.2}\" y=\"{:.2}\" font-size=\"13\" stroke=\"#ffffff\" \
              stroke-width=\"3\" paint-order=\"stroke\">{}</text>",
             y + HEIGHT - 4.0,
-            number.words
+            number.text
         );
     }
 }
 
-fn grid(out: &mut String, layout: &Layout) {
+fn write_grid(out: &mut String, layout: &PathLayout) {
     let (left, top, right, bottom) = layout.frame;
     for tick in &layout.z_ticks {
-        let (at, label) = (tick.at, &tick.label);
+        let (at, label) = (tick.position, &tick.label);
         let _ = writeln!(
             out,
             "<line x1=\"{at:.2}\" y1=\"{top}\" x2=\"{at:.2}\" y2=\"{bottom}\" stroke=\"#e0e0e0\"/>\
@@ -200,7 +206,7 @@ fn grid(out: &mut String, layout: &Layout) {
         );
     }
     for tick in &layout.x_ticks {
-        let (at, label) = (tick.at, &tick.label);
+        let (at, label) = (tick.position, &tick.label);
         let _ = writeln!(
             out,
             "<line x1=\"{left}\" y1=\"{at:.2}\" x2=\"{right}\" y2=\"{at:.2}\" stroke=\"#e0e0e0\"/>\
@@ -238,7 +244,7 @@ fn grid(out: &mut String, layout: &Layout) {
 }
 
 /// Escapes a text for XML and replaces the control characters that XML forbids.
-fn safe(text: &str) -> String {
+fn escape_xml(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for letter in text.chars() {
         match letter {

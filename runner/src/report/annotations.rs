@@ -7,22 +7,22 @@ use gsk_core::command::ProgramId;
 use gsk_messages::Language;
 use serde_json::{Value, json};
 
-use super::{AlarmReport, Report, said};
+use super::{AlarmReport, ProgramReport, message_text};
 
 /// The version of SARIF, and its schema.
-const SARIF: &str = "2.1.0";
-const SCHEMA: &str = "https://json.schemastore.org/sarif-2.1.0.json";
+const SARIF_VERSION: &str = "2.1.0";
+const SARIF_SCHEMA: &str = "https://json.schemastore.org/sarif-2.1.0.json";
 
 /// Severity of an annotation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Level {
+pub enum AnnotationLevel {
     /// The program does not run to its end: an alarm, a collision, a limit.
     Error,
     /// The program runs, but probably not as intended.
     Warning,
 }
 
-impl Level {
+impl AnnotationLevel {
     /// The name that GitHub and SARIF both use.
     const fn name(self) -> &'static str {
         match self {
@@ -38,7 +38,7 @@ pub struct Annotation {
     /// Name of the program file.
     pub file: String,
     /// Severity of the fault.
-    pub level: Level,
+    pub level: AnnotationLevel,
     /// Identifier of the rule: `PS010`, `collision`, `spindle-stands`.
     pub rule: String,
     /// Line of the file, from 1; `None` if the fault has no line there.
@@ -51,7 +51,7 @@ pub struct Annotation {
 
 /// The faults of a program in the order of its report: alarms, collisions, what prevents its
 /// end, probable mistakes.
-pub fn annotations(report: &Report, language: Option<Language>) -> Vec<Annotation> {
+pub fn collect_annotations(report: &ProgramReport, language: Option<Language>) -> Vec<Annotation> {
     let annotation = |level, rule: &str, line: Option<u32>, text| Annotation {
         file: report.file.clone(),
         level,
@@ -60,46 +60,59 @@ pub fn annotations(report: &Report, language: Option<Language>) -> Vec<Annotatio
         columns: None,
         text,
     };
-    let at = |columns: Option<(u32, Option<u32>)>, annotation: Annotation| Annotation {
+    let with_columns = |columns: Option<(u32, Option<u32>)>, annotation: Annotation| Annotation {
         columns: columns.filter(|_| annotation.line.is_some()),
         ..annotation
     };
     let more = report.path.iter().flat_map(|path| &path.more_alarms);
     let alarms = report.alarm.iter().chain(more).map(|alarm| {
         let rule = format!("{}{:03}", alarm.class, alarm.number);
-        let line = own_line(alarm.program, alarm.line);
+        let line = line_in_file(alarm.program, alarm.line);
         let column = alarm.column.map(|column| (column, None));
-        at(
+        with_columns(
             column,
-            annotation(Level::Error, &rule, line, text(alarm, language)),
+            annotation(
+                AnnotationLevel::Error,
+                &rule,
+                line,
+                alarm_text(alarm, language),
+            ),
         )
     });
     let mut all: Vec<Annotation> = alarms.collect();
     let collisions = report.part.iter().flat_map(|part| &part.collisions);
     all.extend(collisions.map(|it| {
-        let line = own_line(it.program, it.line);
-        let text = in_program(it.program, said(&it.message(), language));
-        annotation(Level::Error, "collision", line, text)
+        let line = line_in_file(it.program, it.line);
+        let text = with_program(it.program, message_text(&it.message(), language));
+        annotation(AnnotationLevel::Error, "collision", line, text)
     }));
     // The alarm explains why it ended. Without an alarm no block is the cause.
-    if report.failed() && report.alarm.is_none() {
-        let ended = said(&report.how_it_ended(), language);
-        all.push(annotation(Level::Error, report.end.name(), None, ended));
+    if report.has_failed() && report.alarm.is_none() {
+        let ending = message_text(&report.end_message(), language);
+        all.push(annotation(
+            AnnotationLevel::Error,
+            report.end.name(),
+            None,
+            ending,
+        ));
     }
     all.extend(report.warnings.iter().map(|it| {
-        let line = own_line(Some(it.program), Some(it.line));
+        let line = line_in_file(Some(it.program), Some(it.line));
         let text = match line {
             Some(_) => it.text.clone(),
-            None => in_program(Some(it.program), it.sentence.clone()),
+            None => with_program(Some(it.program), it.sentence.clone()),
         };
         let columns = it.columns.map(|(first, last)| (first, Some(last)));
-        at(columns, annotation(Level::Warning, it.rule, line, text))
+        with_columns(
+            columns,
+            annotation(AnnotationLevel::Warning, it.rule, line, text),
+        )
     }));
     all
 }
 
 /// A line in the checked file. A block of a subprogram is in another one.
-const fn own_line(program: Option<ProgramId>, line: Option<u32>) -> Option<u32> {
+const fn line_in_file(program: Option<ProgramId>, line: Option<u32>) -> Option<u32> {
     match program {
         Some(ProgramId::Stored(_)) => None,
         _ => line,
@@ -107,7 +120,7 @@ const fn own_line(program: Option<ProgramId>, line: Option<u32>) -> Option<u32> 
 }
 
 /// A sentence that names a line, with the program if it is another one.
-fn in_program(program: Option<ProgramId>, sentence: String) -> String {
+fn with_program(program: Option<ProgramId>, sentence: String) -> String {
     match program {
         Some(ProgramId::Stored(number)) => format!("O{number:04}, {sentence}"),
         _ => sentence,
@@ -116,8 +129,8 @@ fn in_program(program: Option<ProgramId>, sentence: String) -> String {
 
 /// The text of an alarm, with its position if the annotation has none, and with the remedy if
 /// the tables have one.
-fn text(alarm: &AlarmReport, language: Option<Language>) -> String {
-    let mut said = match own_line(alarm.program, alarm.line) {
+fn alarm_text(alarm: &AlarmReport, language: Option<Language>) -> String {
+    let mut text = match line_in_file(alarm.program, alarm.line) {
         None => alarm.sentence(language),
         Some(_) => {
             let detail = alarm.detail.iter().map(|detail| format!("\n{detail}"));
@@ -125,19 +138,19 @@ fn text(alarm: &AlarmReport, language: Option<Language>) -> String {
         }
     };
     if let Some(way_out) = alarm.way_out
-        && !said.contains(way_out)
+        && !text.contains(way_out)
     {
-        let _ = write!(said, "\n{way_out}");
+        let _ = write!(text, "\n{way_out}");
     }
-    said
+    text
 }
 
 /// A workflow command for each fault, which GitHub shows at its line of the change: `::error
 /// file=…,line=…,title=…::…`.
-pub fn github(annotations: &[Annotation]) -> String {
+pub fn to_github_commands(annotations: &[Annotation]) -> String {
     let mut out = String::new();
     for it in annotations {
-        let file = property(&it.file);
+        let file = escape_property(&it.file);
         let mut line = it
             .line
             .map_or(String::new(), |line| format!(",line={line}"));
@@ -147,30 +160,34 @@ pub fn github(annotations: &[Annotation]) -> String {
                 let _ = write!(line, ",endColumn={last}");
             }
         }
-        let (level, rule, said) = (it.level.name(), property(&it.rule), data(&it.text));
-        let _ = writeln!(out, "::{level} file={file}{line},title={rule}::{said}");
+        let (level, rule, text) = (
+            it.level.name(),
+            escape_property(&it.rule),
+            escape_data(&it.text),
+        );
+        let _ = writeln!(out, "::{level} file={file}{line},title={rule}::{text}");
     }
     out
 }
 
 /// The text of a workflow command: one line, with `%` and line breaks encoded.
-fn data(text: &str) -> String {
+fn escape_data(text: &str) -> String {
     text.replace('%', "%25")
         .replace('\r', "%0D")
         .replace('\n', "%0A")
 }
 
 /// A property of a workflow command, which `:` and `,` would end.
-fn property(text: &str) -> String {
-    data(text).replace(':', "%3A").replace(',', "%2C")
+fn escape_property(text: &str) -> String {
+    escape_data(text).replace(':', "%3A").replace(',', "%2C")
 }
 
 /// A SARIF log with all faults. `version` is that of the program.
-pub fn sarif(annotations: &[Annotation], version: &str) -> String {
+pub fn to_sarif_log(annotations: &[Annotation], version: &str) -> String {
     let mut rules: Vec<&str> = annotations.iter().map(|it| it.rule.as_str()).collect();
     rules.sort_unstable();
     rules.dedup();
-    let results: Vec<Value> = annotations.iter().map(result).collect();
+    let results: Vec<Value> = annotations.iter().map(sarif_result).collect();
     let rules: Vec<Value> = rules.iter().map(|id| json!({ "id": id })).collect();
     let driver = json!({ "name": "gsk980td", "version": version, "rules": rules });
     let run = json!({
@@ -178,12 +195,12 @@ pub fn sarif(annotations: &[Annotation], version: &str) -> String {
         "columnKind": "unicodeCodePoints",
         "results": results,
     });
-    let log = json!({ "$schema": SCHEMA, "version": SARIF, "runs": [run] });
+    let log = json!({ "$schema": SARIF_SCHEMA, "version": SARIF_VERSION, "runs": [run] });
     format!("{log:#}\n")
 }
 
-fn result(it: &Annotation) -> Value {
-    let mut place = json!({ "artifactLocation": { "uri": uri(&it.file) } });
+fn sarif_result(it: &Annotation) -> Value {
+    let mut location = json!({ "artifactLocation": { "uri": path_to_uri(&it.file) } });
     if let Some(line) = it.line {
         let mut region = json!({ "startLine": line });
         if let Some((first, last)) = it.columns {
@@ -192,19 +209,19 @@ fn result(it: &Annotation) -> Value {
                 region["endColumn"] = (last + 1).into();
             }
         }
-        place["region"] = region;
+        location["region"] = region;
     }
     json!({
         "ruleId": it.rule,
         "level": it.level.name(),
         "message": { "text": it.text },
-        "locations": [{ "physicalLocation": place }],
+        "locations": [{ "physicalLocation": location }],
     })
 }
 
 /// A path as a URI reference: slashes, and bytes that a URI does not allow percent-encoded
 /// (RFC 3986). An absolute path becomes a `file:` URI.
-fn uri(path: &str) -> String {
+fn path_to_uri(path: &str) -> String {
     let path = path.replace('\\', "/");
     let mut out = String::new();
     let drive = path.as_bytes().get(1) == Some(&b':');
@@ -213,9 +230,9 @@ fn uri(path: &str) -> String {
         (false, true) => out.push_str("file:///"),
         (false, false) => {}
     }
-    for (at, byte) in path.bytes().enumerate() {
+    for (index, byte) in path.bytes().enumerate() {
         let plain = byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte);
-        match plain || (drive && at == 1) {
+        match plain || (drive && index == 1) {
             true => out.push(char::from(byte)),
             false => {
                 let _ = write!(out, "%{byte:02X}");
@@ -229,10 +246,10 @@ fn uri(path: &str) -> String {
 mod tests {
     use super::*;
 
-    fn one(file: &str, line: Option<u32>, text: &str) -> Annotation {
+    fn error_annotation(file: &str, line: Option<u32>, text: &str) -> Annotation {
         Annotation {
             file: file.to_owned(),
-            level: Level::Error,
+            level: AnnotationLevel::Error,
             rule: "PS010".to_owned(),
             line,
             columns: None,
@@ -242,24 +259,27 @@ mod tests {
 
     #[test]
     fn github_reads_every_part_of_a_line() {
-        let said = github(&[one("a,b:c.nc", Some(3), "100 %\nG97")]);
+        let commands = to_github_commands(&[error_annotation("a,b:c.nc", Some(3), "100 %\nG97")]);
         let wanted = "::error file=a%2Cb%3Ac.nc,line=3,title=PS010::100 %25%0AG97\n";
-        assert_eq!(said, wanted);
-        let said = github(&[one("a.nc", None, "no end")]);
-        assert_eq!(said, "::error file=a.nc,title=PS010::no end\n");
+        assert_eq!(commands, wanted);
+        let commands = to_github_commands(&[error_annotation("a.nc", None, "no end")]);
+        assert_eq!(commands, "::error file=a.nc,title=PS010::no end\n");
     }
 
     #[test]
     fn a_path_is_a_uri() {
-        assert_eq!(uri("parts/轴 1.CNC"), "parts/%E8%BD%B4%201.CNC");
-        assert_eq!(uri("/home/a#b.nc"), "file:///home/a%23b.nc");
-        assert_eq!(uri("C:\\parts\\a.nc"), "file:///C:/parts/a.nc");
+        assert_eq!(path_to_uri("parts/轴 1.CNC"), "parts/%E8%BD%B4%201.CNC");
+        assert_eq!(path_to_uri("/home/a#b.nc"), "file:///home/a%23b.nc");
+        assert_eq!(path_to_uri("C:\\parts\\a.nc"), "file:///C:/parts/a.nc");
     }
 
     #[test]
     fn a_log_names_each_rule_once() {
-        let two = [one("a.nc", Some(1), "x"), one("b.nc", None, "y")];
-        let log: Value = serde_json::from_str(&sarif(&two, "1")).expect("JSON");
+        let two = [
+            error_annotation("a.nc", Some(1), "x"),
+            error_annotation("b.nc", None, "y"),
+        ];
+        let log: Value = serde_json::from_str(&to_sarif_log(&two, "1")).expect("JSON");
         let run = &log["runs"][0];
         assert_eq!(run["tool"]["driver"]["rules"], json!([{ "id": "PS010" }]));
         let results = run["results"].as_array().expect("results");

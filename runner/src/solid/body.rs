@@ -8,14 +8,14 @@ use gsk_workpiece::grid::GridContour;
 use gsk_workpiece::region::Region;
 use gsk_workpiece::trapezoid::{SectionFill, trapezoids};
 
-use super::finish::Finish;
-use super::profile::{self, Edge};
+use super::finish::SurfaceFinish;
+use super::profile::{self, ProfileEdge};
 use super::vertex::Vertex;
 
 /// A body, or one of its surfaces, as triangles.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Body {
-    pub(super) finish: Finish,
+pub struct SolidBody {
+    pub(super) finish: SurfaceFinish,
     pub(super) vertices: Vec<Vertex>,
     /// Vertex indexes, counter-clockwise seen from outside.
     pub(super) triangles: Vec<[u32; 3]>,
@@ -25,16 +25,16 @@ pub struct Body {
 
 /// Part of a turn, in radians from X towards Y.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Arc {
+pub(super) struct TurnArc {
     pub from: f32,
     pub to: f32,
     /// Number of flat sides.
     pub sides: u16,
 }
 
-impl Arc {
+impl TurnArc {
     /// A whole turn.
-    pub(super) const fn whole(sides: u16) -> Self {
+    pub(super) const fn full_turn(sides: u16) -> Self {
         Self {
             from: 0.0,
             to: TAU,
@@ -62,8 +62,8 @@ impl Arc {
     }
 }
 
-impl Body {
-    pub(super) const fn new(finish: Finish) -> Self {
+impl SolidBody {
+    pub(super) const fn new(finish: SurfaceFinish) -> Self {
         Self {
             finish,
             vertices: Vec::new(),
@@ -73,7 +73,11 @@ impl Body {
     }
 
     /// Turns pieces of an outline about the spindle axis.
-    pub(super) fn turn<'a>(&mut self, edges: impl IntoIterator<Item = &'a Edge>, arc: Arc) {
+    pub(super) fn add_turned<'a>(
+        &mut self,
+        edges: impl IntoIterator<Item = &'a ProfileEdge>,
+        arc: TurnArc,
+    ) {
         let directions: Vec<Vec2> = arc.directions().collect();
         for edge in edges.into_iter().filter(|edge| edge.is_off_axis()) {
             let first = self.vertices.len() as u32;
@@ -81,7 +85,7 @@ impl Body {
                 let out = |radius: f32, z: f32| vec3(z, direction.x * radius, direction.y * radius);
                 for (end, normal) in edge.ends.iter().zip(edge.normals) {
                     self.vertices.push(Vertex {
-                        at: out(end.y.max(0.0), end.x),
+                        position: out(end.y.max(0.0), end.x),
                         normal: out(normal.y, normal.x),
                         marks: vec3(0.0, -direction.y, direction.x),
                     });
@@ -89,29 +93,29 @@ impl Body {
             }
             for side in 0..directions.len().saturating_sub(1) as u32 {
                 let corner = first + 2 * side;
-                self.strip([corner, corner + 1, corner + 2, corner + 3]);
+                self.add_strip([corner, corner + 1, corner + 2, corner + 3]);
             }
         }
     }
 
     /// Adds the section of a region in the half plane of X or Y, seen from the cut-out
     /// quarter.
-    pub(super) fn section(&mut self, region: &Region, half: Half) {
+    pub(super) fn add_section(&mut self, region: &Region, half: SectionPlane) {
         let (out, normal) = match half {
-            Half::X => (Vec3::Y, Vec3::Z),
-            Half::Y => (Vec3::Z, Vec3::Y),
+            SectionPlane::X => (Vec3::Y, Vec3::Z),
+            SectionPlane::Y => (Vec3::Z, Vec3::Y),
         };
         let place = |z: f32, x: f32| vec3(z, 0.0, 0.0) + out * x;
-        self.flat(region, normal, place, half == Half::X);
-        let lines = profile::lines(region).into_iter();
-        let lines = lines.filter(|(a, b)| a.y.max(b.y) > 0.0 || half == Half::X);
+        self.add_flat(region, normal, place, half == SectionPlane::X);
+        let lines = profile::region_lines(region).into_iter();
+        let lines = lines.filter(|(a, b)| a.y.max(b.y) > 0.0 || half == SectionPlane::X);
         self.lines
             .extend(lines.map(|(a, b)| [place(a.x, a.y), place(b.x, b.y)]));
     }
 
     /// Extrudes a convex polygon of Z and X between two Y, mm, turned by `angle` about the
     /// spindle axis. It may be simplified by `tolerance`, mm.
-    pub(super) fn draw_out(
+    pub(super) fn extrude(
         &mut self,
         contour: &GridContour,
         (low, high): (f32, f32),
@@ -120,28 +124,28 @@ impl Body {
     ) {
         let (sine, cosine) = (libm::sinf(angle), libm::cosf(angle));
         let turned = |z: f32, x: f32, y: f32| vec3(z, x * cosine - y * sine, x * sine + y * cosine);
-        for edge in profile::of_contour(contour, tolerance) {
+        for edge in profile::contour_edges(contour, tolerance) {
             let first = self.vertices.len() as u32;
             for y in [low, high] {
                 for (end, normal) in edge.ends.iter().zip(edge.normals) {
                     self.vertices.push(Vertex {
-                        at: turned(end.x, end.y, y),
+                        position: turned(end.x, end.y, y),
                         normal: turned(normal.x, normal.y, 0.0),
                         marks: Vec3::ZERO,
                     });
                 }
             }
-            self.strip([first, first + 1, first + 2, first + 3]);
+            self.add_strip([first, first + 1, first + 2, first + 3]);
         }
         let region = Region::from_contours(core::slice::from_ref(contour));
         let up = turned(0.0, 0.0, 1.0);
-        self.flat(&region, up, |z, x| turned(z, x, high), true);
-        self.flat(&region, -up, |z, x| turned(z, x, low), false);
+        self.add_flat(&region, up, |z, x| turned(z, x, high), true);
+        self.add_flat(&region, -up, |z, x| turned(z, x, low), false);
     }
 
     /// Adds a filled region in a plane. `direct` means that the plane faces its viewer with Z
     /// to the right and X up.
-    fn flat(
+    fn add_flat(
         &mut self,
         region: &Region,
         normal: Vec3,
@@ -152,25 +156,25 @@ impl Body {
             let first = self.vertices.len() as u32;
             for (z, x) in trapezoid.corners() {
                 self.vertices.push(Vertex {
-                    at: place(z, x),
+                    position: place(z, x),
                     normal,
                     marks: Vec3::ZERO,
                 });
             }
             let [a, b, c, d] = [first, first + 1, first + 2, first + 3];
-            self.strip(if direct { [a, c, b, d] } else { [a, b, c, d] });
+            self.add_strip(if direct { [a, c, b, d] } else { [a, b, c, d] });
         }
     }
 
     /// Adds two triangles; `a b c` goes counter-clockwise.
-    fn strip(&mut self, [a, b, c, d]: [u32; 4]) {
+    fn add_strip(&mut self, [a, b, c, d]: [u32; 4]) {
         self.triangles.extend([[a, b, c], [c, b, d]]);
     }
 }
 
 /// One of the two faces of the cut-out quarter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Half {
+pub(super) enum SectionPlane {
     /// In the plane of the tools.
     X,
     /// At right angles to it.
@@ -183,9 +187,9 @@ mod tests {
     use gsk_workpiece::grid::{GridPoint, grid};
 
     /// The volume inside counter-clockwise triangles, mm³.
-    fn volume(bodies: &[&Body]) -> f32 {
-        let of = |body: &&Body| {
-            let corner = |index: u32| body.vertices[index as usize].at;
+    fn volume(bodies: &[&SolidBody]) -> f32 {
+        let of = |body: &&SolidBody| {
+            let corner = |index: u32| body.vertices[index as usize].position;
             let all = body.triangles.iter();
             all.map(|[a, b, c]| corner(*a).dot(corner(*b).cross(corner(*c))))
                 .sum::<f32>()
@@ -207,15 +211,15 @@ mod tests {
     #[test]
     fn a_turned_region_is_closed_and_faces_outward() {
         let region = tube();
-        let edges = profile::edges(&region, 0.001);
-        let mut whole = Body::new(Finish::CUT);
-        whole.turn(&edges, Arc::whole(360));
+        let edges = profile::region_edges(&region, 0.001);
+        let mut whole = SolidBody::new(SurfaceFinish::CUT);
+        whole.add_turned(&edges, TurnArc::full_turn(360));
         assert!((volume(&[&whole]) / region.volume() as f32 - 1.0).abs() < 1e-3);
-        let mut shell = Body::new(Finish::CUT);
-        shell.turn(&edges, Arc::three_quarters(360));
-        let mut faces = Body::new(Finish::SECTION);
-        faces.section(&region, Half::X);
-        faces.section(&region, Half::Y);
+        let mut shell = SolidBody::new(SurfaceFinish::CUT);
+        shell.add_turned(&edges, TurnArc::three_quarters(360));
+        let mut faces = SolidBody::new(SurfaceFinish::SECTION);
+        faces.add_section(&region, SectionPlane::X);
+        faces.add_section(&region, SectionPlane::Y);
         let wanted = 0.75 * region.volume() as f32;
         assert!((volume(&[&shell, &faces]) / wanted - 1.0).abs() < 1e-3);
     }
@@ -225,20 +229,23 @@ mod tests {
         let contour = tube()
             .bounds()
             .map(|box_| Region::rectangle(box_.low, box_.high).contours()[0].clone());
-        let mut body = Body::new(Finish::CUT);
-        body.draw_out(&contour.unwrap(), (-4.0, 3.0), 1.0, 0.001);
+        let mut body = SolidBody::new(SurfaceFinish::CUT);
+        body.extrude(&contour.unwrap(), (-4.0, 3.0), 1.0, 0.001);
         assert!((volume(&[&body]) / (60.0 * 25.0 * 7.0) - 1.0).abs() < 1e-4);
     }
 
     #[test]
     fn normals_are_those_of_the_triangles() {
-        let mut body = Body::new(Finish::CUT);
-        body.turn(&profile::edges(&tube(), 0.001), Arc::whole(64));
-        body.section(&tube(), Half::X);
-        body.section(&tube(), Half::Y);
+        let mut body = SolidBody::new(SurfaceFinish::CUT);
+        body.add_turned(
+            &profile::region_edges(&tube(), 0.001),
+            TurnArc::full_turn(64),
+        );
+        body.add_section(&tube(), SectionPlane::X);
+        body.add_section(&tube(), SectionPlane::Y);
         for corners in &body.triangles {
             let [a, b, c] = corners.map(|corner| body.vertices[corner as usize]);
-            let across = (b.at - a.at).cross(c.at - a.at);
+            let across = (b.position - a.position).cross(c.position - a.position);
             assert!(across.length() < 1e-6 || across.normalize().dot(a.normal) > 0.9);
         }
     }

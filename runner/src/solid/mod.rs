@@ -15,70 +15,70 @@
 
 mod body;
 mod finish;
+mod lathe_bodies;
 mod profile;
 mod raster;
-mod stage;
 mod vertex;
 mod view;
 
 use glam::{Mat3, Vec3};
 
-pub use body::Body;
-pub use raster::Pixel;
-pub use stage::{Fineness, clamping, part, tool};
-pub use view::{Turn, View};
+pub use body::SolidBody;
+pub use lathe_bodies::{BodyResolution, clamping_bodies, part_bodies, tool_bodies};
+pub use raster::SolidPixel;
+pub use view::{SolidView, ViewDirection};
 
-use finish::Hatch;
+use finish::SectionHatch;
 use gsk_workpiece::grid::from_grid;
 use gsk_workpiece::region::Region;
-use raster::{Corner, Raster};
+use raster::{Raster, TriangleCorner};
 use vertex::Vertex;
 use view::Projection;
 
 /// Largest side of a picture, pixels. A larger picture is empty beyond it.
-const LARGEST: usize = 16_384;
+const MAX_SIDE_PX: usize = 16_384;
 /// Colour of the lines at the edges of a section.
-const EDGE: Pixel = [60, 40, 24, 255];
+const EDGE_COLOR: SolidPixel = [60, 40, 24, 255];
 /// Width of a line, pixels of the picture.
-const LINE: f32 = 1.0;
+const LINE_WIDTH_PX: f32 = 1.0;
 /// Depth offset of lines in front of the surfaces they bound, pixels.
-const OVER: f32 = 0.75;
+const LINE_DEPTH_OFFSET_PX: f32 = 0.75;
 
 /// A canvas for solids. It reuses its memory for the next picture.
 #[derive(Clone, Debug, Default)]
-pub struct Canvas {
+pub struct SolidCanvas {
     raster: Raster,
     /// Projected corners of the current body: right, down, near.
-    places: Vec<Vec3>,
+    corners: Vec<Vec3>,
     lights: Vec<[f32; 3]>,
 }
 
 /// A body, and its displacement in the plane of the tools: Z and X, mm.
-pub type Placed<'a> = (&'a Body, (f32, f32));
+pub type PlacedBody<'a> = (&'a SolidBody, (f32, f32));
 
-impl Canvas {
+impl SolidCanvas {
     /// Draws bodies on a picture of a size, with a transparent background. Returns the pixels
     /// row by row from the top. Each pixel is the mean of `samples` by `samples`; 2 gives
     /// smooth edges.
     pub fn draw<'a>(
         &mut self,
-        bodies: impl IntoIterator<Item = Placed<'a>>,
-        view: &View,
+        bodies: impl IntoIterator<Item = PlacedBody<'a>>,
+        view: &SolidView,
         (width, height): (usize, usize),
         samples: usize,
-    ) -> Vec<Pixel> {
+    ) -> Vec<SolidPixel> {
         let samples = samples.clamp(1, 4);
-        let sides = [width, height].map(|side| side.min(LARGEST) * samples);
+        let sides = [width, height].map(|side| side.min(MAX_SIDE_PX) * samples);
         self.raster.clear(sides[0], sides[1]);
         let projection = Projection::new(view, (sides[0], sides[1]), samples);
-        let hatch = Hatch::new(view.scale);
+        let hatch = SectionHatch::new(view.pixels_per_mm);
         for (body, (z, x)) in bodies {
-            let by = Vec3::new(z, x, 0.0);
-            self.places.clear();
-            let place = |vertex: &Vertex| projection.place(vertex.at + by);
-            self.places.extend(body.vertices.iter().map(place));
+            let displacement = Vec3::new(z, x, 0.0);
+            self.corners.clear();
+            let project = |vertex: &Vertex| projection.project(vertex.position + displacement);
+            self.corners.extend(body.vertices.iter().map(project));
             if body.finish.hatched {
-                self.hatched(
+                self.draw_hatched(
                     body,
                     &projection.matrix,
                     projection.mirrored,
@@ -86,45 +86,55 @@ impl Canvas {
                     samples,
                 );
             } else {
-                self.smooth(body, &projection.matrix, projection.mirrored);
+                self.draw_smooth(body, &projection.matrix, projection.mirrored);
             }
             for line in &body.lines {
-                let [from, to] =
-                    line.map(|end| projection.place(end + by) + Vec3::Z * (OVER * samples as f32));
-                self.raster.line(from, to, LINE * samples as f32, EDGE);
+                let [from, to] = line.map(|end| {
+                    projection.project(end + displacement)
+                        + Vec3::Z * (LINE_DEPTH_OFFSET_PX * samples as f32)
+                });
+                self.raster
+                    .draw_line(from, to, LINE_WIDTH_PX * samples as f32, EDGE_COLOR);
             }
         }
-        self.raster.picture(samples)
+        self.raster.downsample(samples)
     }
 
     /// Draws surfaces whose light changes evenly between their corners.
-    fn smooth(&mut self, body: &Body, seen: &Mat3, mirrored: bool) {
+    fn draw_smooth(&mut self, body: &SolidBody, seen: &Mat3, mirrored: bool) {
         self.lights.clear();
-        let light = |vertex: &Vertex| body.finish.lit(vertex, seen).to_array();
+        let light = |vertex: &Vertex| body.finish.lit_color(vertex, seen).to_array();
         self.lights.extend(body.vertices.iter().map(light));
         for corners in &body.triangles {
-            let Some(places) = facing(&self.places, *corners, mirrored) else {
+            let Some(places) = facing_corners(&self.corners, *corners, mirrored) else {
                 continue;
             };
             let mut index = corners.iter();
             let corners = places.map(|at| {
                 let light = index.next().and_then(|it| self.lights.get(*it as usize));
-                Corner {
-                    at,
+                TriangleCorner {
+                    position: at,
                     values: light.copied().unwrap_or_default(),
                 }
             });
-            self.raster.triangle(corners, |_| {
+            self.raster.draw_triangle(corners, |_| {
                 |[red, green, blue]: [f32; 3]| [red as u8, green as u8, blue as u8, 255]
             });
         }
     }
 
     /// Draws the faces of a section.
-    fn hatched(&mut self, body: &Body, seen: &Mat3, mirrored: bool, hatch: Hatch, samples: usize) {
+    fn draw_hatched(
+        &mut self,
+        body: &SolidBody,
+        seen: &Mat3,
+        mirrored: bool,
+        hatch: SectionHatch,
+        samples: usize,
+    ) {
         let width = 1.2 * samples as f32;
         for corners in &body.triangles {
-            let Some(places) = facing(&self.places, *corners, mirrored) else {
+            let Some(places) = facing_corners(&self.corners, *corners, mirrored) else {
                 continue;
             };
             let vertices = corners.map(|corner| body.vertices.get(corner as usize));
@@ -132,16 +142,16 @@ impl Canvas {
                 continue;
             };
             let [pa, pb, pc] = places;
-            let corner = |at, vertex: &Vertex| Corner {
-                at,
-                values: [hatch.line(vertex.at)],
+            let corner = |at, vertex: &Vertex| TriangleCorner {
+                position: at,
+                values: [hatch.line_coordinate(vertex.position)],
             };
-            let color = body.finish.lit(a, seen);
+            let color = body.finish.lit_color(a, seen);
             let corners = [corner(pa, a), corner(pb, b), corner(pc, c)];
-            self.raster.triangle(corners, |[slope]| {
+            self.raster.draw_triangle(corners, |[slope]| {
                 let step = slope.length();
                 move |[line]: [f32; 1]| {
-                    let lit = color * Hatch::share(line, step, width);
+                    let lit = color * SectionHatch::light_share(line, step, width);
                     [lit.x as u8, lit.y as u8, lit.z as u8, 255]
                 }
             });
@@ -150,7 +160,7 @@ impl Canvas {
 }
 
 /// The projected corners of a triangle that faces the viewer.
-fn facing(places: &[Vec3], corners: [u32; 3], mirrored: bool) -> Option<[Vec3; 3]> {
+fn facing_corners(places: &[Vec3], corners: [u32; 3], mirrored: bool) -> Option<[Vec3; 3]> {
     let [a, b, c] = corners.map(|corner| places.get(corner as usize).copied());
     let (a, b, c) = (a?, b?, c?);
     let turns = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
@@ -158,23 +168,23 @@ fn facing(places: &[Vec3], corners: [u32; 3], mirrored: bool) -> Option<[Vec3; 3
     ((turns < 0.0) != mirrored).then_some([a, b, c])
 }
 
-impl View {
+impl SolidView {
     /// Projects a Z and X, mm, of the plane of the tools to a picture of a size: right and
     /// down, pixels.
-    pub fn place(&self, (z, x): (f32, f32), size: (usize, usize)) -> (f32, f32) {
-        let place = Projection::new(self, size, 1).place(Vec3::new(z, x, 0.0));
+    pub fn project(&self, (z, x): (f32, f32), size: (usize, usize)) -> (f32, f32) {
+        let place = Projection::new(self, size, 1).project(Vec3::new(z, x, 0.0));
         (place.x, place.y)
     }
 
     /// A view in a direction that shows half sections, turned about the axis, completely on a
     /// picture of a size. `margin` is the free border in pixels.
     pub fn fit<'a>(
-        turn: Turn,
+        direction: ViewDirection,
         regions: impl IntoIterator<Item = &'a Region>,
         (width, height): (usize, usize),
         margin: f32,
     ) -> Self {
-        let matrix = turn.matrix();
+        let matrix = direction.matrix();
         let mut low = Vec3::INFINITY;
         let mut high = Vec3::NEG_INFINITY;
         for bounds in regions.into_iter().filter_map(Region::bounds) {
@@ -198,10 +208,10 @@ impl View {
         }
         let size = (high - low).max(Vec3::splat(1e-3));
         let free = |side: usize| (side as f32 - 2.0 * margin).max(1.0);
-        let scale = (free(width) / size.x).min(free(height) / size.y);
+        let pixels_per_mm = (free(width) / size.x).min(free(height) / size.y);
         let middle = (low + high) / 2.0;
         // The Z and X that are there in the plane of the tools.
-        let [(zx, zy), (xx, xy)] = turn.axes();
+        let [(zx, zy), (xx, xy)] = direction.axes();
         let (right, down) = (middle.x, -middle.y);
         let all = zx * xy - zy * xx;
         let centre = (
@@ -209,9 +219,9 @@ impl View {
             (down * zx - right * zy) / all,
         );
         Self {
-            turn,
+            direction,
             centre,
-            scale,
+            pixels_per_mm,
         }
     }
 }

@@ -6,33 +6,33 @@ use gsk_workpiece::grid::{GridContour, GridPoint, from_grid};
 use gsk_workpiece::region::Region;
 
 /// Edges that bend less are one smooth surface: the cosine of 15°.
-const SMOOTH: f32 = 0.966;
+const SMOOTH_COSINE: f32 = 0.966;
 /// Edges this near to the stock's outline are uncut, mm.
-const ON_STOCK: f32 = 0.001;
+const STOCK_TOLERANCE_MM: f32 = 0.001;
 /// Points this near to the axis are on it, mm.
-const ON_AXIS: f32 = 0.000_5;
+const AXIS_TOLERANCE_MM: f32 = 0.000_5;
 
 /// A piece of the outline; Z and X, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Edge {
+pub(super) struct ProfileEdge {
     /// Start and end.
     pub ends: [Vec2; 2],
     /// Outward directions at the ends, length 1. On arcs they differ.
     pub normals: [Vec2; 2],
 }
 
-impl Edge {
+impl ProfileEdge {
     /// Whether turning it gives a surface.
     pub(super) fn is_off_axis(&self) -> bool {
-        self.ends.iter().any(|end| end.y > ON_AXIS)
+        self.ends.iter().any(|end| end.y > AXIS_TOLERANCE_MM)
     }
 
     /// Whether it is on one of the lines of another outline.
-    pub(super) fn lies_on(&self, outline: &[(Vec2, Vec2)]) -> bool {
+    pub(super) fn is_on(&self, outline: &[(Vec2, Vec2)]) -> bool {
         let on = |line: &(Vec2, Vec2)| {
             self.ends
                 .iter()
-                .all(|end| distance(*end, line.0, line.1) <= ON_STOCK)
+                .all(|end| segment_distance(*end, line.0, line.1) <= STOCK_TOLERANCE_MM)
         };
         outline.iter().any(on)
     }
@@ -40,22 +40,25 @@ impl Edge {
 
 /// The pieces of a region's outlines, without corners that move it by less than `tolerance`,
 /// mm.
-pub(super) fn edges(region: &Region, tolerance: f32) -> Vec<Edge> {
+pub(super) fn region_edges(region: &Region, tolerance: f32) -> Vec<ProfileEdge> {
     region
         .contours()
         .iter()
-        .flat_map(|contour| of_contour(contour, tolerance))
+        .flat_map(|contour| contour_edges(contour, tolerance))
         .collect()
 }
 
 /// The unchanged lines of a region's outlines.
-pub(super) fn lines(region: &Region) -> Vec<(Vec2, Vec2)> {
-    region.edges().map(|(a, b)| (point(a), point(b))).collect()
+pub(super) fn region_lines(region: &Region) -> Vec<(Vec2, Vec2)> {
+    region
+        .edges()
+        .map(|(a, b)| (to_vec2(a), to_vec2(b)))
+        .collect()
 }
 
 /// The pieces of one closed polygon; its inside is on the left.
-pub(super) fn of_contour(contour: &GridContour, tolerance: f32) -> Vec<Edge> {
-    let corners = simplified(contour, tolerance);
+pub(super) fn contour_edges(contour: &GridContour, tolerance: f32) -> Vec<ProfileEdge> {
+    let corners = simplify(contour, tolerance);
     let count = corners.len();
     if count < 3 {
         return Vec::new();
@@ -70,14 +73,14 @@ pub(super) fn of_contour(contour: &GridContour, tolerance: f32) -> Vec<Edge> {
     // The longer side of a corner has more weight: a cylinder that runs into a fillet stays a
     // cylinder.
     let joint = |before: usize, after: usize, own: usize| {
-        let smooth = flat(before).dot(flat(after)) > SMOOTH;
+        let smooth = flat(before).dot(flat(after)) > SMOOTH_COSINE;
         match smooth {
             true => (outward(before) + outward(after)).normalize_or(flat(own)),
             false => flat(own),
         }
     };
     (0..count)
-        .map(|index| Edge {
+        .map(|index| ProfileEdge {
             ends: [at(index), at(index + 1)],
             normals: [
                 joint(index + count - 1, index, index),
@@ -87,15 +90,15 @@ pub(super) fn of_contour(contour: &GridContour, tolerance: f32) -> Vec<Edge> {
         .collect()
 }
 
-fn point(point: GridPoint) -> Vec2 {
+fn to_vec2(point: GridPoint) -> Vec2 {
     let point = from_grid(point);
     vec2(point.z as f32, point.x as f32)
 }
 
 /// A closed polygon with fewer corners. No removed corner is farther than `tolerance` from it
 /// (Douglas and Peucker, from its first corner to the farthest one and back).
-fn simplified(contour: &GridContour, tolerance: f32) -> Vec<Vec2> {
-    let points: Vec<Vec2> = contour.iter().map(|it| point(*it)).collect();
+fn simplify(contour: &GridContour, tolerance: f32) -> Vec<Vec2> {
+    let points: Vec<Vec2> = contour.iter().map(|it| to_vec2(*it)).collect();
     let Some(first) = points.first().copied() else {
         return points;
     };
@@ -109,7 +112,7 @@ fn simplified(contour: &GridContour, tolerance: f32) -> Vec<Vec2> {
         kept[from] = true;
         let (mut most, mut corner) = (tolerance, None);
         for (index, point) in points.iter().enumerate().take(to).skip(from + 1) {
-            let off = distance(*point, at(from), at(to));
+            let off = segment_distance(*point, at(from), at(to));
             if off > most {
                 (most, corner) = (off, Some(index));
             }
@@ -123,7 +126,7 @@ fn simplified(contour: &GridContour, tolerance: f32) -> Vec<Vec2> {
 }
 
 /// Distance of a point from a line segment.
-fn distance(point: Vec2, from: Vec2, to: Vec2) -> f32 {
+fn segment_distance(point: Vec2, from: Vec2, to: Vec2) -> f32 {
     let (along, beside) = (to - from, point - from);
     let length = along.length_squared();
     let part = if length > 0.0 {
@@ -155,7 +158,7 @@ mod tests {
 
     #[test]
     fn arcs_are_smooth_and_corners_sharp() {
-        let edges = of_contour(&arc(400), 0.01);
+        let edges = contour_edges(&arc(400), 0.01);
         assert!((6..60).contains(&edges.len()), "{}", edges.len());
         let center = vec2(0.0, 20.0);
         for edge in &edges {
@@ -180,18 +183,18 @@ mod tests {
         let stock = Region::rectangle(corner(-60.0, 0.0), corner(0.0, 25.0));
         let turned = Region::rectangle(corner(-30.0, 20.0), corner(1.0, 30.0));
         let part = stock.difference(turned.contours());
-        let outline = lines(&stock);
-        let skin = edges(&part, 0.01).into_iter();
-        let skin: Vec<Edge> = skin.filter(|edge| edge.lies_on(&outline)).collect();
+        let outline = region_lines(&stock);
+        let skin = region_edges(&part, 0.01).into_iter();
+        let skin: Vec<ProfileEdge> = skin.filter(|edge| edge.is_on(&outline)).collect();
         // The axis, the bar on the far side of the cut, its back, and the remaining face.
         assert_eq!(skin.len(), 4, "{skin:?}");
     }
 
     #[test]
     fn no_contour_is_too_small() {
-        assert!(of_contour(&Vec::new(), 0.1).is_empty());
-        assert!(of_contour(&vec![GridPoint::new(3, 4)], 0.1).is_empty());
+        assert!(contour_edges(&Vec::new(), 0.1).is_empty());
+        assert!(contour_edges(&vec![GridPoint::new(3, 4)], 0.1).is_empty());
         let speck = [(0, 0), (1, 0), (0, 1)].map(|(z, x)| GridPoint::new(z, x));
-        assert!(of_contour(&speck.to_vec(), 1.0).is_empty());
+        assert!(contour_edges(&speck.to_vec(), 1.0).is_empty());
     }
 }

@@ -3,26 +3,26 @@
 use glam::{Vec2, Vec3};
 
 /// Red, green, blue and opacity, premultiplied.
-pub type Pixel = [u8; 4];
+pub type SolidPixel = [u8; 4];
 
 /// Thinner triangles cover no pixel, square pixels.
-const THINNEST: f32 = 1e-5;
+const MIN_TRIANGLE_AREA: f32 = 1e-5;
 
 /// A picture with a depth buffer.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Raster {
     width: usize,
     height: usize,
-    pixels: Vec<Pixel>,
+    pixels: Vec<SolidPixel>,
     /// Greater is nearer.
     depths: Vec<f32>,
 }
 
 /// A corner of a triangle, with values that are interpolated between the corners.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Corner<const N: usize> {
+pub(super) struct TriangleCorner<const N: usize> {
     /// Right, down, near; pixels.
-    pub at: Vec3,
+    pub position: Vec3,
     pub values: [f32; N],
 }
 
@@ -38,15 +38,15 @@ impl Raster {
 
     /// Draws a triangle. `paint` receives the change of each value per pixel to the right and
     /// down, and returns the function that makes the colours.
-    pub(super) fn triangle<const N: usize, P: Fn([f32; N]) -> Pixel>(
+    pub(super) fn draw_triangle<const N: usize, P: Fn([f32; N]) -> SolidPixel>(
         &mut self,
-        corners: [Corner<N>; 3],
+        corners: [TriangleCorner<N>; 3],
         paint: impl FnOnce([Vec2; N]) -> P,
     ) {
         let [a, b, c] = corners;
-        let (ab, ac) = (b.at - a.at, c.at - a.at);
+        let (ab, ac) = (b.position - a.position, c.position - a.position);
         let area = ab.x * ac.y - ab.y * ac.x;
-        if area.abs().partial_cmp(&THINNEST) != Some(core::cmp::Ordering::Greater) {
+        if area.abs().partial_cmp(&MIN_TRIANGLE_AREA) != Some(core::cmp::Ordering::Greater) {
             return;
         }
         // For a value that is greater by p at b and by q at c.
@@ -58,20 +58,21 @@ impl Raster {
             gradient(p - base, q - base)
         });
         let paint = paint(slopes);
-        let mut by_row = [a.at, b.at, c.at];
+        let mut by_row = [a.position, b.position, c.position];
         by_row.sort_unstable_by(|one, other| one.y.total_cmp(&other.y));
         let [top, middle, bottom] = by_row;
-        let long = Side::new(top, bottom);
+        let long = TriangleSide::new(top, bottom);
         for (short, from, to) in [
-            (Side::new(top, middle), top.y, middle.y),
-            (Side::new(middle, bottom), middle.y, bottom.y),
+            (TriangleSide::new(top, middle), top.y, middle.y),
+            (TriangleSide::new(middle, bottom), middle.y, bottom.y),
         ] {
-            for row in covered(from, to, self.height) {
+            for row in covered_pixels(from, to, self.height) {
                 let y = row as f32 + 0.5;
                 let (one, other) = (long.at(y), short.at(y));
-                let columns = covered(one.min(other), one.max(other), self.width);
-                let begin = Vec2::new(columns.start as f32 + 0.5, y) - Vec2::new(a.at.x, a.at.y);
-                let mut depth = a.at.z + nearer.dot(begin);
+                let columns = covered_pixels(one.min(other), one.max(other), self.width);
+                let begin = Vec2::new(columns.start as f32 + 0.5, y)
+                    - Vec2::new(a.position.x, a.position.y);
+                let mut depth = a.position.z + nearer.dot(begin);
                 let mut values: [f32; N] =
                     core::array::from_fn(|index| a.values[index] + slopes[index].dot(begin));
                 let start = row * self.width;
@@ -97,12 +98,15 @@ impl Raster {
     }
 
     /// Draws a line of a width in pixels.
-    pub(super) fn line(&mut self, from: Vec3, to: Vec3, width: f32, color: Pixel) {
+    pub(super) fn draw_line(&mut self, from: Vec3, to: Vec3, width: f32, color: SolidPixel) {
         let along = Vec2::new(to.x - from.x, to.y - from.y).normalize_or(Vec2::X);
         // Square ends: no gaps where lines meet.
         let half = along * (width / 2.0);
         let (ahead, beside) = (half.extend(0.0), half.perp().extend(0.0));
-        let corner = |at: Vec3| Corner { at, values: [] };
+        let corner = |at: Vec3| TriangleCorner {
+            position: at,
+            values: [],
+        };
         let corners = [
             from - ahead - beside,
             from - ahead + beside,
@@ -112,12 +116,12 @@ impl Raster {
         .map(corner);
         let [a, b, c, d] = corners;
         for triangle in [[a, b, c], [b, c, d]] {
-            self.triangle(triangle, |_| move |_| color);
+            self.draw_triangle(triangle, |_| move |_| color);
         }
     }
 
     /// The picture; each of its pixels is the mean of `samples` by `samples` pixels.
-    pub(super) fn picture(&self, samples: usize) -> Vec<Pixel> {
+    pub(super) fn downsample(&self, samples: usize) -> Vec<SolidPixel> {
         if samples <= 1 || self.width == 0 {
             return self.pixels.clone();
         }
@@ -145,12 +149,12 @@ impl Raster {
 
 /// The side of a triangle from its upper to its lower end. Two triangles that share it compute
 /// the same values.
-struct Side {
+struct TriangleSide {
     from: Vec3,
     slope: f32,
 }
 
-impl Side {
+impl TriangleSide {
     fn new(from: Vec3, to: Vec3) -> Self {
         let high = to.y - from.y;
         let slope = if high > 0.0 {
@@ -167,7 +171,7 @@ impl Side {
 }
 
 /// The pixels whose middle is between two positions.
-fn covered(from: f32, to: f32, count: usize) -> core::ops::Range<usize> {
+fn covered_pixels(from: f32, to: f32, count: usize) -> core::ops::Range<usize> {
     // NaN and negative numbers become 0, as in every cast.
     let first = ((from - 0.5).ceil() as usize).min(count);
     let end = ((to - 0.5).ceil() as usize).min(count);
@@ -185,11 +189,11 @@ mod tests {
     }
 
     fn filled(raster: &mut Raster, corners: [(f32, f32, f32); 3], shade: u8) {
-        let corners = corners.map(|(x, y, z)| Corner {
-            at: Vec3::new(x, y, z),
+        let corners = corners.map(|(x, y, z)| TriangleCorner {
+            position: Vec3::new(x, y, z),
             values: [],
         });
-        raster.triangle(corners, |_| move |_| [shade, 0, 0, 255]);
+        raster.draw_triangle(corners, |_| move |_| [shade, 0, 0, 255]);
     }
 
     #[test]
@@ -247,7 +251,7 @@ mod tests {
         ] {
             filled(&mut raster, corners, 9);
         }
-        raster.line(Vec3::ZERO, Vec3::ZERO, 1.0, [1, 2, 3, 255]);
+        raster.draw_line(Vec3::ZERO, Vec3::ZERO, 1.0, [1, 2, 3, 255]);
     }
 
     #[test]
@@ -258,7 +262,7 @@ mod tests {
             [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 9.0, 0.0)],
             200,
         );
-        let picture = raster.picture(2);
+        let picture = raster.downsample(2);
         assert_eq!(picture.len(), 2);
         assert_eq!(picture[1], [0; 4]);
         assert_eq!(picture[0], [100, 0, 0, 128]);

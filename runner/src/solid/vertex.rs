@@ -6,7 +6,7 @@ use glam::Vec3;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Vertex {
     /// Position, mm.
-    pub at: Vec3,
+    pub position: Vec3,
     /// Direction of the surface, length 1.
     pub normal: Vec3,
     /// Direction of the turning marks, length 1; 0 without marks.

@@ -17,29 +17,29 @@ use glam::{Mat3, Vec2, Vec3};
 
 /// A direction of view.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn {
+pub struct ViewDirection {
     /// Whether the lathe has a rear tool post: X then points up, otherwise to the viewer.
     pub rear: bool,
     /// Angle about the vertical, degrees; negative angles bring the end of +Z nearer.
-    pub yaw: f32,
+    pub yaw_deg: f32,
     /// Angle about the horizontal of the picture, degrees; positive angles look down.
-    pub pitch: f32,
+    pub pitch_deg: f32,
 }
 
-impl Turn {
+impl ViewDirection {
     /// Greatest yaw to either side, degrees: the plane of the tools is never seen edge-on.
-    const SIDE: f32 = 70.0;
+    const MAX_YAW_DEG: f32 = 70.0;
     /// Least and greatest pitch with a rear tool post, degrees.
-    const REAR: (f32, f32) = (-35.0, 70.0);
+    const REAR_PITCH_DEG: (f32, f32) = (-35.0, 70.0);
     /// Least and greatest pitch with a front tool post, degrees.
-    const FRONT: (f32, f32) = (15.0, 90.0);
+    const FRONT_PITCH_DEG: (f32, f32) = (15.0, 90.0);
 
     /// Straight onto the plane of the tools: the half section as drawn.
     pub const fn flat(rear: bool) -> Self {
         Self {
             rear,
-            yaw: 0.0,
-            pitch: if rear { 0.0 } else { 90.0 },
+            yaw_deg: 0.0,
+            pitch_deg: if rear { 0.0 } else { 90.0 },
         }
     }
 
@@ -48,25 +48,29 @@ impl Turn {
     pub const fn oblique(rear: bool) -> Self {
         Self {
             rear,
-            yaw: -30.0,
-            pitch: if rear { 24.0 } else { 42.0 },
+            yaw_deg: -30.0,
+            pitch_deg: if rear { 24.0 } else { 42.0 },
         }
     }
 
     /// Turned by these angles, degrees, within the limits.
     #[must_use]
-    pub const fn turned(self, yaw: f32, pitch: f32) -> Self {
-        let (low, high) = if self.rear { Self::REAR } else { Self::FRONT };
+    pub const fn turn_by(self, yaw: f32, pitch: f32) -> Self {
+        let (low, high) = if self.rear {
+            Self::REAR_PITCH_DEG
+        } else {
+            Self::FRONT_PITCH_DEG
+        };
         Self {
-            yaw: (self.yaw + yaw).clamp(-Self::SIDE, Self::SIDE),
-            pitch: (self.pitch + pitch).clamp(low, high),
+            yaw_deg: (self.yaw_deg + yaw).clamp(-Self::MAX_YAW_DEG, Self::MAX_YAW_DEG),
+            pitch_deg: (self.pitch_deg + pitch).clamp(low, high),
             ..self
         }
     }
 
     /// Maps Z, X, Y to right, up, towards the viewer.
     pub(super) fn matrix(self) -> Mat3 {
-        let (yaw, pitch) = (self.yaw.to_radians(), self.pitch.to_radians());
+        let (yaw, pitch) = (self.yaw_deg.to_radians(), self.pitch_deg.to_radians());
         let (side, along) = (libm::sinf(yaw), libm::cosf(yaw));
         let (rise, level) = (libm::sinf(pitch), libm::cosf(pitch));
         let right = Vec3::new(along, side * rise, -side * level);
@@ -85,13 +89,13 @@ impl Turn {
 
 /// A view of the solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
+pub struct SolidView {
     /// The direction of view.
-    pub turn: Turn,
+    pub direction: ViewDirection,
     /// Z and X in the middle of the picture, mm.
     pub centre: (f32, f32),
     /// Pixels per millimetre.
-    pub scale: f32,
+    pub pixels_per_mm: f32,
 }
 
 /// The projection of a view on a picture of a size.
@@ -107,19 +111,19 @@ pub(super) struct Projection {
 }
 
 impl Projection {
-    pub(super) fn new(view: &View, (width, height): (usize, usize), samples: usize) -> Self {
-        let matrix = view.turn.matrix();
+    pub(super) fn new(view: &SolidView, (width, height): (usize, usize), samples: usize) -> Self {
+        let matrix = view.direction.matrix();
         Self {
             matrix,
-            scale: view.scale * samples as f32,
-            mirrored: !view.turn.rear,
+            scale: view.pixels_per_mm * samples as f32,
+            mirrored: !view.direction.rear,
             centre: Vec3::new(view.centre.0, view.centre.1, 0.0),
             middle: Vec2::new(width as f32, height as f32) / 2.0,
         }
     }
 
     /// Projects a position: right and down in pixels, and nearness.
-    pub(super) fn place(&self, at: Vec3) -> Vec3 {
+    pub(super) fn project(&self, at: Vec3) -> Vec3 {
         let seen = self.matrix * (at - self.centre) * self.scale;
         Vec3::new(self.middle.x + seen.x, self.middle.y - seen.y, seen.z)
     }
@@ -132,9 +136,9 @@ mod tests {
     #[test]
     fn straight_on_it_is_the_half_section() {
         let near = |(a, b): (f32, f32), c: f32, d: f32| (a - c).abs() + (b - d).abs() < 1e-6;
-        let [z, x] = Turn::flat(true).axes();
+        let [z, x] = ViewDirection::flat(true).axes();
         assert!(near(z, 1.0, 0.0) && near(x, 0.0, -1.0), "{z:?} {x:?}");
-        let [z, x] = Turn::flat(false).axes();
+        let [z, x] = ViewDirection::flat(false).axes();
         assert!(near(z, 1.0, 0.0) && near(x, 0.0, 1.0), "{z:?} {x:?}");
     }
 
@@ -143,7 +147,7 @@ mod tests {
         for rear in [true, false] {
             for yaw in [-500.0, 0.0, 500.0] {
                 for pitch in [-500.0, 0.0, 500.0] {
-                    let [z, x] = Turn::oblique(rear).turned(yaw, pitch).axes();
+                    let [z, x] = ViewDirection::oblique(rear).turn_by(yaw, pitch).axes();
                     assert!((z.0 * x.1 - z.1 * x.0).abs() > 0.08);
                 }
             }

@@ -20,15 +20,15 @@ use std::sync::Mutex;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use gsk_tests::fuzz::mutate::{Mutator, Random};
-use gsk_tests::fuzz::{TARGETS, Target, minimize, target, watch};
+use gsk_tests::fuzz::mutate::{Mutator, SplitMix};
+use gsk_tests::fuzz::{FuzzTarget, TARGETS, find_target, minimize, watch};
 
 /// An input that runs longer than this hangs.
-const HANG: Duration = Duration::from_secs(60);
+const HANG_TIME: Duration = Duration::from_secs(60);
 /// Number of retries of a slow input.
 const RETRIES: u32 = 10;
 /// Limit of the pool of mutated inputs.
-const POOL: usize = 5000;
+const MAX_POOL: usize = 5000;
 
 /// Position and message of the last panic.
 static LAST_PANIC: Mutex<String> = Mutex::new(String::new());
@@ -36,7 +36,7 @@ static LAST_PANIC: Mutex<String> = Mutex::new(String::new());
 static CURRENT: Mutex<Option<(Instant, Vec<u8>)>> = Mutex::new(None);
 
 struct Options {
-    target: &'static Target,
+    target: &'static FuzzTarget,
     seconds: u64,
     runs: u64,
     seed: u64,
@@ -48,14 +48,14 @@ struct Options {
 }
 
 /// A fault that an input shows.
-struct Finding {
+struct FuzzFinding {
     /// The fault in one line, with its position in the source: it identifies the finding.
-    what: String,
-    slow: bool,
+    description: String,
+    is_slow: bool,
 }
 
 fn main() -> ExitCode {
-    let options = match options() {
+    let options = match parse_options() {
         Ok(options) => options,
         Err(message) => {
             eprintln!("{message}");
@@ -83,13 +83,13 @@ fn main() -> ExitCode {
     }
 }
 
-fn options() -> Result<Options, String> {
+fn parse_options() -> Result<Options, String> {
     let names = TARGETS.map(|target| target.name).join(" ");
     let mut words = std::env::args().skip(1);
     let name = words
         .next()
         .ok_or(format!("a target is missing: {names}"))?;
-    let target = target(&name).ok_or(format!("{name} is none of the targets {names}"))?;
+    let target = find_target(&name).ok_or(format!("{name} is none of the targets {names}"))?;
     let mut options = Options {
         target,
         seconds: 10,
@@ -127,8 +127,8 @@ fn replay(options: &Options) -> Result<bool, String> {
     for file in &options.files {
         let input = fs::read(file).map_err(|error| format!("{}: {error}", file.display()))?;
         let start = Instant::now();
-        let (_, found) = run(options, &input);
-        let what = found.map_or("fine".to_owned(), |finding| finding.what);
+        let (_, found) = run_input(options, &input);
+        let what = found.map_or("fine".to_owned(), |finding| finding.description);
         clean &= what == "fine";
         println!("{}: {:.1?}: {what}", file.display(), start.elapsed());
     }
@@ -141,23 +141,23 @@ fn fuzz(options: &Options) -> Result<bool, String> {
     let mut seen = BTreeSet::new();
     let mut longest = Duration::ZERO;
     for input in corpus {
-        let (mut report, found) = run(options, &input);
+        let (mut report, found) = run_input(options, &input);
         if let Some(finding) = found {
             return write_finding(options, &input, &finding).map(|()| false);
         }
-        seen.append(&mut report.seen);
+        seen.append(&mut report.events);
         pool.push(input);
     }
     let kept = pool.len();
     let mutator = Mutator::new(options.target.words);
-    let mut random = Random::new(options.seed);
+    let mut random = SplitMix::new(options.seed);
     let start = Instant::now();
     let mut runs = 0_u64;
     while runs < options.runs && start.elapsed().as_secs() < options.seconds {
         let input = mutator.next(&pool, &mut random);
         runs += 1;
-        let (mut report, found) = run(options, &input);
-        longest = longest.max(report.longest);
+        let (mut report, found) = run_input(options, &input);
+        longest = longest.max(report.longest_unit);
         if let Some(finding) = found {
             println!(
                 "{}: run {runs} of seed {}",
@@ -165,15 +165,15 @@ fn fuzz(options: &Options) -> Result<bool, String> {
             );
             return write_finding(options, &input, &finding).map(|()| false);
         }
-        if report.seen.is_subset(&seen) {
+        if report.events.is_subset(&seen) {
             continue;
         }
-        seen.append(&mut report.seen);
+        seen.append(&mut report.events);
         if options.keep {
-            let path = options.corpus.join(format!("{:016x}", hash(&input)));
+            let path = options.corpus.join(format!("{:016x}", input_hash(&input)));
             fs::write(&path, &input).map_err(|error| format!("{}: {error}", path.display()))?;
         }
-        if pool.len() < POOL {
+        if pool.len() < MAX_POOL {
             pool.push(input);
         }
     }
@@ -188,47 +188,47 @@ fn fuzz(options: &Options) -> Result<bool, String> {
 }
 
 /// Runs one input through the target.
-fn run(options: &Options, input: &[u8]) -> (watch::Report, Option<Finding>) {
+fn run_input(options: &Options, input: &[u8]) -> (watch::UnitRecord, Option<FuzzFinding>) {
     if options.trace {
         // Without the file the trace is incomplete, but the run is not.
         let _ = fs::create_dir_all(&options.crashes);
         let _ = fs::write(options.crashes.join("current"), input);
     }
-    let (report, panicked) = attempt(options.target, input);
-    if panicked.is_some() || report.longest <= watch::LIMIT {
+    let (report, panicked) = run_once(options.target, input);
+    if panicked.is_some() || report.longest_unit <= watch::UNIT_TIME_LIMIT {
         return (report, panicked);
     }
     // Another process may have used the processor: the shortest time counts.
-    let mut shortest = report.longest;
+    let mut shortest = report.longest_unit;
     for _ in 0..RETRIES {
-        if shortest <= watch::LIMIT {
+        if shortest <= watch::UNIT_TIME_LIMIT {
             break;
         }
-        shortest = shortest.min(attempt(options.target, input).0.longest);
+        shortest = shortest.min(run_once(options.target, input).0.longest_unit);
     }
-    let slow = (shortest > watch::LIMIT).then(|| Finding {
-        what: format!("a block takes {shortest:.0?}"),
-        slow: true,
+    let slow = (shortest > watch::UNIT_TIME_LIMIT).then(|| FuzzFinding {
+        description: format!("a block takes {shortest:.0?}"),
+        is_slow: true,
     });
-    let report = watch::Report {
-        longest: shortest,
+    let report = watch::UnitRecord {
+        longest_unit: shortest,
         ..report
     };
     (report, slow)
 }
 
-fn attempt(target: &Target, input: &[u8]) -> (watch::Report, Option<Finding>) {
+fn run_once(target: &FuzzTarget, input: &[u8]) -> (watch::UnitRecord, Option<FuzzFinding>) {
     set_current(Some((Instant::now(), input.to_vec())));
     let result = panic::catch_unwind(AssertUnwindSafe(|| (target.run)(input)));
     set_current(None);
-    let finding = result.is_err().then(|| Finding {
-        what: LAST_PANIC
+    let finding = result.is_err().then(|| FuzzFinding {
+        description: LAST_PANIC
             .lock()
             .map(|last| last.clone())
             .unwrap_or_default(),
-        slow: false,
+        is_slow: false,
     });
-    (watch::take(), finding)
+    (watch::take_record(), finding)
 }
 
 fn set_current(input: Option<(Instant, Vec<u8>)>) {
@@ -238,23 +238,24 @@ fn set_current(input: Option<(Instant, Vec<u8>)>) {
 }
 
 /// Minimizes the input and writes it to a file.
-fn write_finding(options: &Options, input: &[u8], finding: &Finding) -> Result<(), String> {
+fn write_finding(options: &Options, input: &[u8], finding: &FuzzFinding) -> Result<(), String> {
     let place = |what: &str| {
         what.split(" at ")
             .nth(1)
             .map(|at| at.split(' ').next().unwrap_or("").to_owned())
     };
     let small = minimize(input, &mut |shorter| {
-        let found = run(options, shorter).1;
+        let found = run_input(options, shorter).1;
         found.is_some_and(|found| {
-            found.slow == finding.slow && (found.slow || place(&found.what) == place(&finding.what))
+            found.is_slow == finding.is_slow
+                && (found.is_slow || place(&found.description) == place(&finding.description))
         })
     });
     let path = write_input(&options.crashes, options.target.name, &small)?;
     println!(
         "{}: {}\n{}: {} bytes, {} before it was made small",
         options.target.name,
-        finding.what,
+        finding.description,
         path.display(),
         small.len(),
         input.len()
@@ -263,7 +264,7 @@ fn write_finding(options: &Options, input: &[u8], finding: &Finding) -> Result<(
 }
 
 fn write_input(folder: &Path, target: &str, input: &[u8]) -> Result<PathBuf, String> {
-    let path = folder.join(format!("{target}-{:016x}", hash(input)));
+    let path = folder.join(format!("{target}-{:016x}", input_hash(input)));
     fs::create_dir_all(folder)
         .and_then(|()| fs::write(&path, input))
         .map_err(|error| format!("{}: {error}", path.display()))?;
@@ -276,7 +277,7 @@ fn watch_for_hangs(crashes: PathBuf, target: &'static str) {
             thread::sleep(Duration::from_secs(1));
             let hanging = CURRENT.lock().ok().and_then(|current| {
                 let (since, input) = current.as_ref()?;
-                (since.elapsed() > HANG).then(|| input.clone())
+                (since.elapsed() > HANG_TIME).then(|| input.clone())
             });
             let Some(input) = hanging else {
                 continue;
@@ -305,7 +306,7 @@ fn read_corpus(folder: &Path) -> Result<Vec<Vec<u8>>, String> {
 }
 
 /// A name for an input (FNV-1a).
-fn hash(input: &[u8]) -> u64 {
+fn input_hash(input: &[u8]) -> u64 {
     input.iter().fold(0xCBF2_9CE4_8422_2325, |hash, &byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3)
     })

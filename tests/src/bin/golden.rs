@@ -2,15 +2,15 @@
 //! become the text of its element `golden`.
 
 fn main() {
-    let text = match gsk_tests::determinism::trace(&[]) {
+    let text = match gsk_tests::determinism::trace_session(&[]) {
         Ok(trace) => format!("{trace:?}"),
         Err(error) => error,
     };
-    tell(&text);
+    print_text(&text);
 }
 
 #[cfg(not(target_arch = "wasm32"))]
-fn tell(text: &str) {
+fn print_text(text: &str) {
     println!("{text}");
 }
 

@@ -4,10 +4,10 @@ use core::cell::LazyCell;
 use core::mem::discriminant;
 
 use gsk_core::alarm::Alarm;
-use gsk_core::command::{Action, Command, ExecutedMove};
-use gsk_core::interpreter::{Immediate, Interpreter, Step};
+use gsk_core::command::{Action, ControlCommand, ExecutedMove};
+use gsk_core::interpreter::{ImmediateHost, Interpreter, InterpreterStep};
 use gsk_core::memory::Registers;
-use gsk_core::preview::{End, preview_beyond_alarms};
+use gsk_core::preview::{PreviewEnd, preview_beyond_alarms};
 use gsk_core::setup::Setup;
 use gsk_core::units::{PerAxis, Point};
 
@@ -16,10 +16,10 @@ use super::watch;
 /// Interprets the selected program for at most `limit` steps. Returns whether it ended within
 /// them.
 pub(super) fn step_through(setup: &Setup, limit: u32) -> bool {
-    let Some(program) = setup.memory.programs.current() else {
+    let Some(program) = setup.memory.programs.selected() else {
         return true;
     };
-    let mut host = Immediate {
+    let mut host = ImmediateHost {
         parameters: setup.memory.parameters.clone(),
         offsets: setup.memory.offsets.clone(),
         registers: Registers::new(setup.day_time),
@@ -30,7 +30,7 @@ pub(super) fn step_through(setup: &Setup, limit: u32) -> bool {
         inputs: LazyCell::new(Box::new(|| 0b1010)),
         outputs: 0,
         programs: &setup.memory.programs,
-        position: setup.start.unwrap_or_default(),
+        machine_position: setup.start.unwrap_or_default(),
         referenced: PerAxis::new(true, true),
         block_skip: true,
     };
@@ -39,30 +39,30 @@ pub(super) fn step_through(setup: &Setup, limit: u32) -> bool {
     interpreter.set_model(&setup.memory.model);
     interpreter.start(program, 1, &host);
     for taken in 0..limit {
-        match watch::unit(|| interpreter.next(&mut host)) {
-            Ok(Step::Command(command)) => {
-                look_at(&command);
+        match watch::run_unit(|| interpreter.next(&mut host)) {
+            Ok(InterpreterStep::Command(command)) => {
+                check_command(&command);
                 if matches!(command.action, Action::End { .. } | Action::Repeat) {
-                    watch::seen("steps", watch::roughly(taken.into()));
+                    watch::record_event("steps", watch::order_of_magnitude(taken.into()));
                     return true;
                 }
             }
-            Ok(Step::Wait) => assert!(taken > 0, "it waits for a machine that stands"),
-            Ok(Step::Ended) => return true,
+            Ok(InterpreterStep::Wait) => assert!(taken > 0, "it waits for a machine that stands"),
+            Ok(InterpreterStep::Ended) => return true,
             Err(alarm) => {
-                look_at_alarm(&alarm);
+                check_alarm(&alarm);
                 interpreter.reset(&host);
                 return true;
             }
         }
         if taken % 64 == 0 {
-            watch::seen("explained", interpreter.explanation().is_some());
+            watch::record_event("explained", interpreter.explain().is_some());
         }
     }
     false
 }
 
-fn look_at(command: &Command) {
+fn check_command(command: &ControlCommand) {
     let end = match &command.action {
         Action::Rapid { to } | Action::Line { to, .. } | Action::Thread { to, .. } => Some(*to),
         Action::Arc { to, center, .. } => {
@@ -75,7 +75,7 @@ fn look_at(command: &Command) {
         assert_finite(to);
     }
     let modal = &command.modal;
-    watch::seen(
+    watch::record_event(
         "action",
         (
             discriminant(&command.action),
@@ -87,9 +87,9 @@ fn look_at(command: &Command) {
     );
 }
 
-fn look_at_alarm(alarm: &Alarm) {
-    let rule = watch::rule(&alarm.detail_en());
-    watch::seen("alarm", (alarm.number, rule));
+fn check_alarm(alarm: &Alarm) {
+    let rule = watch::message_rule(&alarm.detail_en());
+    watch::record_event("alarm", (alarm.number, rule));
 }
 
 fn assert_finite(point: Point) {
@@ -125,10 +125,10 @@ pub(super) fn preview_all(setup: &Setup) {
         &mut |progress| progress.motionless < MOTIONLESS_BLOCKS,
     );
     assert_eq!(seen.moves, moves, "moves are counted as they are reported");
-    assert_eq!(seen.end == End::Alarm, seen.alarm.is_some());
+    assert_eq!(seen.end == PreviewEnd::Alarm, seen.alarm.is_some());
     assert!(seen.time_s.is_finite() && seen.time_s >= seen.cutting_s);
     for alarm in seen.alarm.iter().chain(&seen.further.alarms) {
-        look_at_alarm(alarm);
+        check_alarm(alarm);
     }
-    watch::seen("moves", watch::roughly(moves));
+    watch::record_event("moves", watch::order_of_magnitude(moves));
 }

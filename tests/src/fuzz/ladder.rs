@@ -8,25 +8,25 @@ use gsk_core::plc::{Ladder, Plc};
 use super::watch;
 
 /// Number of slots that a ladder runs.
-const SLOTS: u32 = 64;
+const RUN_SLOTS: u32 = 64;
 
-pub(super) fn run(input: &[u8]) {
+pub(super) fn fuzz_ladder(input: &[u8]) {
     let text = String::from_utf8_lossy(input);
-    let ladder = match watch::unit(|| Ladder::compile(&text)) {
+    let ladder = match watch::run_unit(|| Ladder::compile(&text)) {
         Ok(ladder) => ladder,
         Err(errors) => {
             assert!(!errors.errors.is_empty(), "a refusal says why");
             for error in errors.errors.iter().chain(&errors.warnings) {
-                watch::seen(
+                watch::record_event(
                     "error",
-                    (error.code, watch::rule(&error.message.to_string())),
+                    (error.code, watch::message_rule(&error.message.to_string())),
                 );
             }
             return;
         }
     };
     for statement in ladder.statements() {
-        watch::seen("statement", statement.mnemonic);
+        watch::record_event("statement", statement.mnemonic);
     }
     let listed = ladder.to_source();
     match Ladder::compile(&listed) {
@@ -55,17 +55,17 @@ pub(super) fn run(input: &[u8]) {
         let used = ladder.references(subject);
         assert!(!used.is_empty(), "{subject:?} is named and used nowhere");
     }
-    watch::seen("steps", watch::roughly(ladder.steps().into()));
+    watch::record_event("steps", watch::order_of_magnitude(ladder.steps().into()));
     let mut plc = Plc::new(Arc::new(ladder));
     let mut stepped = plc.clone();
     let mut together = true;
-    for slot in 0..SLOTS {
+    for slot in 0..RUN_SLOTS {
         // Inputs that change at different rates.
         for byte in 0..4 {
             plc.memory_mut().set_x(byte, (slot >> byte) as u8);
             stepped.memory_mut().set_x(byte, (slot >> byte) as u8);
         }
-        watch::unit(|| plc.run_slot());
+        watch::run_unit(|| plc.run_slot());
         together = together && step_through(&mut stepped) && plc.fault().is_none();
         if together {
             assert_eq!(
@@ -78,7 +78,7 @@ pub(super) fn run(input: &[u8]) {
     for network in plc.ladder().networks() {
         assert_eq!(plc.power_flow(&network).len(), network.statements().len());
     }
-    watch::seen("fault", plc.fault().is_some());
+    watch::record_event("fault", plc.fault().is_some());
     let retained = plc.memory().retained();
     plc.memory_mut().restore_retained(&retained);
     plc.power_on();
@@ -89,7 +89,7 @@ pub(super) fn run(input: &[u8]) {
 fn step_through(plc: &mut Plc) -> bool {
     const STEPS: u32 = 2000;
     for _ in 0..STEPS {
-        watch::unit(|| plc.step_rung());
+        watch::run_unit(|| plc.step_rung());
         if !plc.is_within_slot() {
             return true;
         }

@@ -8,8 +8,8 @@ use core::mem::discriminant;
 use core::time::Duration;
 use std::cell::OnceCell;
 
-use gsk_core::linked::drives;
-use gsk_core::memory::Parameters;
+use gsk_core::linked::drives_from_parameters;
+use gsk_core::memory::ControlParameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::line::LineLink;
 use gsk_link::{Backend, LinkConfig, LinkState, RunTime, Sample, Stop};
@@ -18,19 +18,19 @@ use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 use super::watch;
 
 /// The longest line that a board reads, bytes.
-const LINE: usize = 70;
+const MAX_LINE_BYTES: usize = 70;
 
 #[derive(Clone)]
-struct Desk {
+struct LineLinkFixture {
     link: LineLink,
     now: Duration,
     run: RunTime,
     z: i64,
 }
 
-pub(super) fn run(input: &[u8]) {
+pub(super) fn fuzz_line_link(input: &[u8]) {
     thread_local! {
-        static READY: [OnceCell<Desk>; 2] = const { [OnceCell::new(), OnceCell::new()] };
+        static READY: [OnceCell<LineLinkFixture>; 2] = const { [OnceCell::new(), OnceCell::new()] };
     }
     // The first byte selects the board.
     let (input, which) = match input {
@@ -38,14 +38,18 @@ pub(super) fn run(input: &[u8]) {
         whole => (whole, 0),
     };
     let variant = [Variant::Grbl, Variant::FluidNc][which];
-    let mut desk = READY.with(|ready| ready[which].get_or_init(|| ready_desk(variant)).clone());
+    let mut desk = READY.with(|ready| ready[which].get_or_init(|| ready_fixture(variant)).clone());
     for &byte in input {
         let before = desk.link.state();
-        watch::unit(|| act(&mut desk, byte));
-        watch::seen("state", discriminant(&desk.link.state()));
+        watch::run_unit(|| execute_action(&mut desk, byte));
+        watch::record_event("state", discriminant(&desk.link.state()));
         let lines = String::from_utf8_lossy(desk.link.tx()).into_owned();
         for line in lines.lines() {
-            assert!(line.len() <= LINE, "a line of {} bytes", line.len());
+            assert!(
+                line.len() <= MAX_LINE_BYTES,
+                "a line of {} bytes",
+                line.len()
+            );
             let moves = line.contains(['X', 'Z']) && !line.starts_with('$');
             assert!(
                 !moves || before.takes_motion(),
@@ -60,48 +64,48 @@ pub(super) fn run(input: &[u8]) {
     }
 }
 
-fn act(desk: &mut Desk, byte: u8) {
+fn execute_action(fixture: &mut LineLinkFixture, byte: u8) {
     match byte {
         0xF0 => {
-            desk.run += Duration::from_millis(1);
-            desk.z -= 2;
-            let pulses = PerAxis::new(Pulses(0), Pulses(desk.z));
-            if desk.link.free_lookahead() > Duration::ZERO {
-                let _ = desk.link.push(Sample::new(desk.run, pulses));
+            fixture.run += Duration::from_millis(1);
+            fixture.z -= 2;
+            let pulses = PerAxis::new(Pulses(0), Pulses(fixture.z));
+            if fixture.link.free_lookahead() > Duration::ZERO {
+                let _ = fixture.link.push(Sample::new(fixture.run, pulses));
             }
         }
-        0xF1 => desk.now += Duration::from_millis(5),
-        0xF2 => desk.now += Duration::from_millis(300),
-        0xF3 => desk.link.stop(Stop::Flush),
-        0xF4 => desk.link.stop(Stop::Kill),
-        0xF5 => desk.link.reset(),
+        0xF1 => fixture.now += Duration::from_millis(5),
+        0xF2 => fixture.now += Duration::from_millis(300),
+        0xF3 => fixture.link.stop(Stop::Flush),
+        0xF4 => fixture.link.stop(Stop::Kill),
+        0xF5 => fixture.link.reset(),
         0xF6 => {
-            let at = PerAxis::new(Pulses(0), Pulses(desk.z));
-            let _ = desk.link.set_position(at, desk.run);
+            let at = PerAxis::new(Pulses(0), Pulses(fixture.z));
+            let _ = fixture.link.set_position(at, fixture.run);
         }
         0xF7 => {
-            let _ = desk.link.finish();
+            let _ = fixture.link.finish();
         }
-        0xF8 => desk.link.write_settings(),
+        0xF8 => fixture.link.write_settings(),
         0xF9 => {
-            desk.link = LineLink::open(
+            fixture.link = LineLink::open(
                 LinkConfig::default(),
-                &drives(&Parameters::default()),
-                desk.now,
+                &drives_from_parameters(&ControlParameters::default()),
+                fixture.now,
             );
         }
         0xFA.. => {}
-        _ => desk.link.rx(&[byte], desk.now),
+        _ => fixture.link.rx(&[byte], fixture.now),
     }
-    desk.link.tick(desk.now);
+    fixture.link.tick(fixture.now);
 }
 
 /// A link that has identified its board and may move it.
-fn ready_desk(variant: Variant) -> Desk {
+fn ready_fixture(variant: Variant) -> LineLinkFixture {
     let mut settings = GrblSettings::default();
     let mut link = LineLink::open(
         LinkConfig::default(),
-        &drives(&Parameters::default()),
+        &drives_from_parameters(&ControlParameters::default()),
         Duration::ZERO,
     );
     for setting in &link.required().settings {
@@ -132,7 +136,7 @@ fn ready_desk(variant: Variant) -> Desk {
         LinkState::Ready,
         "the twin agrees with the link"
     );
-    Desk {
+    LineLinkFixture {
         link,
         now: Duration::from_secs(9),
         run: RunTime::ZERO,

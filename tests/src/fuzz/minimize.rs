@@ -1,30 +1,30 @@
 //! Minimizes an input that shows a fault.
 
 /// Limit of the attempts of a minimization.
-const ATTEMPTS: u32 = 3000;
+const MAX_ATTEMPTS: u32 = 3000;
 
 /// Removes lines, then parts of lines, as long as `shows` returns true.
 pub fn minimize(input: &[u8], shows: &mut dyn FnMut(&[u8]) -> bool) -> Vec<u8> {
-    let mut left = ATTEMPTS;
-    let by_lines = without(input, b'\n', &mut left, shows);
-    without(&by_lines, b' ', &mut left, shows)
+    let mut left = MAX_ATTEMPTS;
+    let by_lines = remove_pieces(input, b'\n', &mut left, shows);
+    remove_pieces(&by_lines, b' ', &mut left, shows)
 }
 
 /// Removes as many pieces between separators as possible.
-fn without(
+fn remove_pieces(
     input: &[u8],
     separator: u8,
-    left: &mut u32,
+    remaining_attempts: &mut u32,
     shows: &mut dyn FnMut(&[u8]) -> bool,
 ) -> Vec<u8> {
     let mut pieces: Vec<&[u8]> = input.split_inclusive(|&byte| byte == separator).collect();
     let mut chunk = pieces.len().div_ceil(2);
-    while chunk > 0 && *left > 0 {
+    while chunk > 0 && *remaining_attempts > 0 {
         let mut at = 0;
-        while at < pieces.len() && *left > 0 {
+        while at < pieces.len() && *remaining_attempts > 0 {
             let end = (at + chunk).min(pieces.len());
             let shorter: Vec<&[u8]> = [&pieces[..at], &pieces[end..]].concat();
-            *left -= 1;
+            *remaining_attempts -= 1;
             if shows(&shorter.concat()) {
                 pieces = shorter;
             } else {

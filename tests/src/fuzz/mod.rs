@@ -27,7 +27,7 @@ pub mod watch;
 pub use minimize::minimize;
 
 /// A function that takes any bytes.
-pub struct Target {
+pub struct FuzzTarget {
     /// Its name, also that of its corpus folder.
     pub name: &'static str,
     /// Runs one input.
@@ -40,60 +40,60 @@ pub struct Target {
 const PROGRAM_WORDS: &str = include_str!("words-program.txt");
 
 /// All targets.
-pub const TARGETS: [Target; 10] = [
-    Target {
+pub const TARGETS: [FuzzTarget; 10] = [
+    FuzzTarget {
         name: "program",
-        run: program::run,
+        run: program::fuzz_program,
         words: PROGRAM_WORDS,
     },
-    Target {
+    FuzzTarget {
         name: "interpreter",
-        run: interpreter::run,
+        run: interpreter::fuzz_interpreter,
         words: PROGRAM_WORDS,
     },
-    Target {
+    FuzzTarget {
         name: "macros",
-        run: interpreter::run_macro_b,
+        run: interpreter::fuzz_macro_b,
         words: include_str!("words-macros.txt"),
     },
-    Target {
+    FuzzTarget {
         name: "mill",
-        run: mill::run,
+        run: mill::fuzz_mill,
         words: include_str!("words-mill.txt"),
     },
-    Target {
+    FuzzTarget {
         name: "cycles",
-        run: cycles::run,
+        run: cycles::fuzz_cycles,
         words: include_str!("words-cycles.txt"),
     },
-    Target {
+    FuzzTarget {
         name: "simulation",
-        run: simulation::run,
+        run: simulation::fuzz_simulation,
         words: PROGRAM_WORDS,
     },
-    Target {
+    FuzzTarget {
         name: "script",
-        run: script::run,
+        run: script::fuzz_script,
         words: include_str!("words-script.txt"),
     },
-    Target {
+    FuzzTarget {
         name: "ladder",
-        run: ladder::run,
+        run: ladder::fuzz_ladder,
         words: include_str!("words-ladder.txt"),
     },
-    Target {
+    FuzzTarget {
         name: "link",
-        run: link::run,
+        run: link::fuzz_line_link,
         words: include_str!("words-link.txt"),
     },
-    Target {
+    FuzzTarget {
         name: "step_link",
-        run: step_link::run,
+        run: step_link::fuzz_step_link,
         words: "",
     },
 ];
 
 /// The target with a name.
-pub fn target(name: &str) -> Option<&'static Target> {
+pub fn find_target(name: &str) -> Option<&'static FuzzTarget> {
     TARGETS.iter().find(|target| target.name == name)
 }

@@ -2,9 +2,9 @@
 
 /// A reproducible random number generator (splitmix64).
 #[derive(Clone, Debug)]
-pub struct Random(u64);
+pub struct SplitMix(u64);
 
-impl Random {
+impl SplitMix {
     /// The generator for a seed.
     pub const fn new(seed: u64) -> Self {
         Self(seed)
@@ -28,17 +28,17 @@ impl Random {
     }
 
     /// A random element.
-    pub fn pick<'a, T>(&mut self, of: &'a [T]) -> Option<&'a T> {
-        let index = self.below(of.len());
-        of.get(index)
+    pub fn pick<'a, T>(&mut self, elements: &'a [T]) -> Option<&'a T> {
+        let index = self.below(elements.len());
+        elements.get(index)
     }
 }
 
 /// Longer inputs are cut to this length, bytes.
-const LONGEST: usize = 4096;
+const MAX_LENGTH: usize = 4096;
 
 /// Numbers at the limits of the control's ranges.
-const NUMBERS: [&str; 30] = [
+const EDGE_NUMBERS: [&str; 30] = [
     "0",
     "1",
     "-1",
@@ -85,7 +85,7 @@ impl Mutator {
     }
 
     /// A new input, made from one of the pool.
-    pub fn next(&self, pool: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
+    pub fn next(&self, pool: &[Vec<u8>], random: &mut SplitMix) -> Vec<u8> {
         let mut input = random.pick(pool).cloned().unwrap_or_default();
         let changes = 1 + random.below(4) * random.below(3);
         for _ in 0..changes {
@@ -95,11 +95,11 @@ impl Mutator {
                 _ => self.change_words(&input, random),
             };
         }
-        input.truncate(LONGEST);
+        input.truncate(MAX_LENGTH);
         input
     }
 
-    fn change_words(&self, input: &[u8], random: &mut Random) -> Vec<u8> {
+    fn change_words(&self, input: &[u8], random: &mut SplitMix) -> Vec<u8> {
         let mut words = split_words(input);
         let at = random.below(words.len());
         match random.below(8) {
@@ -134,12 +134,12 @@ fn split_words(input: &[u8]) -> Vec<Vec<u8>> {
     for &byte in input {
         let number = byte.is_ascii_digit() || matches!(byte, b'.' | b'-' | b'#');
         let letter = byte.is_ascii_alphabetic() || byte >= 0x80;
-        let goes_on = (number || (letter && !in_number)) && {
+        let continues = (number || (letter && !in_number)) && {
             let last = words.last().and_then(|word| word.last());
             last.is_some_and(|&last| !last.is_ascii_whitespace())
         };
         match words.last_mut() {
-            Some(word) if goes_on => word.push(byte),
+            Some(word) if continues => word.push(byte),
             _ => words.push(vec![byte]),
         }
         in_number = number;
@@ -147,7 +147,7 @@ fn split_words(input: &[u8]) -> Vec<Vec<u8>> {
     words
 }
 
-fn change_number(word: &mut Vec<u8>, random: &mut Random) {
+fn change_number(word: &mut Vec<u8>, random: &mut SplitMix) {
     let digits = word
         .iter()
         .position(|byte| byte.is_ascii_digit() || matches!(byte, b'.' | b'-'));
@@ -163,13 +163,13 @@ fn change_number(word: &mut Vec<u8>, random: &mut Random) {
         (2, Some(value)) => format!("{}", -value),
         (3, Some(value)) => format!("{:.3}", value / 10.0),
         (4, _) => random.below(100).to_string(),
-        _ => (*random.pick(&NUMBERS).unwrap_or(&"0")).to_owned(),
+        _ => (*random.pick(&EDGE_NUMBERS).unwrap_or(&"0")).to_owned(),
     };
     word.truncate(digits);
     word.extend_from_slice(number.as_bytes());
 }
 
-fn change_lines(input: &[u8], pool: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
+fn change_lines(input: &[u8], pool: &[Vec<u8>], random: &mut SplitMix) -> Vec<u8> {
     let mut lines: Vec<&[u8]> = input.split(|&byte| byte == b'\n').collect();
     let at = random.below(lines.len());
     match random.below(5) {
@@ -196,7 +196,7 @@ fn change_lines(input: &[u8], pool: &[Vec<u8>], random: &mut Random) -> Vec<u8> 
     lines.join(&b'\n')
 }
 
-fn change_byte(mut input: Vec<u8>, random: &mut Random) -> Vec<u8> {
+fn change_byte(mut input: Vec<u8>, random: &mut SplitMix) -> Vec<u8> {
     let at = random.below(input.len() + 1);
     let byte = (random.next() >> 32) as u8;
     match (random.below(3), input.get_mut(at)) {

@@ -1,13 +1,13 @@
 //! Fuzzes the program parser with any text: index, words, search.
 
 use gsk_core::model::ModelId;
-use gsk_core::program::{Program, Syntax, split, with_points};
+use gsk_core::program::{Program, Syntax, append_points, split_programs};
 
 use super::watch;
 
-pub(super) fn run(input: &[u8]) {
+pub(super) fn fuzz_program(input: &[u8]) {
     let text = String::from_utf8_lossy(input);
-    let program = watch::unit(|| Program::new(text.as_ref()));
+    let program = watch::run_unit(|| Program::new(text.as_ref()));
     assert_eq!(program.text(), text);
     assert_eq!(program.characters(), text.chars().count());
     let mut line_before = 0;
@@ -18,7 +18,7 @@ pub(super) fn run(input: &[u8]) {
         line_before = line;
         assert!(program.block_from_line(line) <= index);
         for syntax in syntaxes() {
-            watch::unit(|| parse(&program, index, syntax));
+            watch::run_unit(|| parse(&program, index, syntax));
         }
         if let Some(number) = program.sequence(index) {
             assert!(program.find_sequence(number, 1).is_some());
@@ -28,14 +28,14 @@ pub(super) fn run(input: &[u8]) {
     for line in 0..=program.line_count() + 1 {
         let _ = program.line(line);
     }
-    let renumbered = watch::unit(|| program.renumbered(1234));
+    let renumbered = watch::run_unit(|| program.renumbered(1234));
     if program.number().is_some() {
         assert_eq!(renumbered.number(), Some(1234));
     }
-    let pointed = watch::unit(|| with_points(&text));
+    let pointed = watch::run_unit(|| append_points(&text));
     assert_eq!(pointed.lines().count(), text.lines().count());
-    let parts = watch::unit(|| split(&*text));
-    watch::seen("parts", parts.len());
+    let parts = watch::run_unit(|| split_programs(&*text));
+    watch::record_event("parts", parts.len());
 }
 
 fn syntaxes() -> impl Iterator<Item = Syntax> {
@@ -54,20 +54,20 @@ fn parse(program: &Program, index: u32, syntax: Syntax) {
     match program.parse(index, syntax) {
         Ok(block) => {
             let addresses: Vec<u8> = block.words().iter().map(|word| word.address).collect();
-            watch::seen("block", addresses.len());
+            watch::record_event("block", addresses.len());
             for code in block.g_codes() {
-                watch::seen("code", code);
+                watch::record_event("code", code);
             }
             for address in addresses {
-                watch::seen("address", address);
+                watch::record_event("address", address);
                 let finite = block.number(address).is_none_or(|n| n.value().is_finite());
                 assert!(finite, "a value of {}", char::from(address));
             }
         }
         Err(error) => {
-            watch::seen(
+            watch::record_event(
                 "error",
-                (error.alarm, watch::rule(&error.detail.to_string())),
+                (error.alarm, watch::message_rule(&error.detail.to_string())),
             );
             // Columns count from the beginning of the line, which may hold several blocks.
             let length = program.line(program.block_line(index)).chars().count();

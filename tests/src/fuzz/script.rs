@@ -10,16 +10,16 @@ use gsk_panel::script::{Effect, Runner, Script, ScriptError, ScriptProgress};
 use super::watch;
 
 /// Limit of the machine time of a script, ticks.
-const TICKS: u32 = 4000;
+const MAX_TICKS: u32 = 4000;
 /// The file that `load` finds under any name.
-const FILE: &str = "O0077\nG00 X50 Z20\nG01 X40 Z-5 F300\nM30\n";
+const PROGRAM_FILE: &str = "O0077\nG00 X50 Z20\nG01 X40 Z-5 F300\nM30\n";
 
-pub(super) fn run(input: &[u8]) {
+pub(super) fn fuzz_script(input: &[u8]) {
     thread_local! {
         static READY: OnceCell<Emulator> = const { OnceCell::new() };
     }
     let text = String::from_utf8_lossy(input);
-    let script = match watch::unit(|| Script::parse(&text)) {
+    let script = match watch::run_unit(|| Script::parse(&text)) {
         Ok(script) => script,
         Err(errors) => match Script::parse(&without_errors(&text, &errors)) {
             Ok(script) => script,
@@ -27,24 +27,24 @@ pub(super) fn run(input: &[u8]) {
         },
     };
     for line in &script.lines {
-        watch::seen("line", discriminant(&line.action));
+        watch::record_event("line", discriminant(&line.action));
     }
     let mut emulator = READY.with(|ready| ready.get_or_init(ready_emulator).clone());
     let mut runner = Runner::new(script);
-    for _ in 0..TICKS {
-        match watch::unit(|| runner.advance(&mut emulator, 1)) {
+    for _ in 0..MAX_TICKS {
+        match watch::run_unit(|| runner.advance(&mut emulator, 1)) {
             ScriptProgress::Effect(Effect::Load(name)) => {
-                let _ = emulator.load_program(&name, FILE);
+                let _ = emulator.load_program(&name, PROGRAM_FILE);
             }
             ScriptProgress::Running | ScriptProgress::Effect(_) => {}
             ScriptProgress::Failed(_) | ScriptProgress::Finished => break,
         }
     }
-    let screen = watch::unit(|| emulator.screen().text());
+    let screen = watch::run_unit(|| emulator.screen().text());
     assert_eq!(screen.lines().count(), 15, "the LCD has 15 rows");
-    watch::seen("mode", format!("{:?}", emulator.simulation.cnc.mode()));
+    watch::record_event("mode", format!("{:?}", emulator.simulation.cnc.mode()));
     for alarm in emulator.simulation.cnc.alarms() {
-        watch::seen("alarm", alarm.number);
+        watch::record_event("alarm", alarm.number);
     }
 }
 
@@ -52,7 +52,7 @@ pub(super) fn run(input: &[u8]) {
 fn without_errors(text: &str, errors: &[ScriptError]) -> String {
     let mut lines: Vec<&str> = text.lines().collect();
     for error in errors {
-        watch::seen("error", watch::rule(&error.cause.to_string()));
+        watch::record_event("error", watch::message_rule(&error.cause.to_string()));
         let line = (error.line as usize).checked_sub(1);
         match line.and_then(|line| lines.get_mut(line)) {
             Some(line) => *line = "",

@@ -3,21 +3,21 @@
 use gsk_core::command::ProgramId;
 use gsk_core::memory::ToolOffset;
 use gsk_core::model::{ControlModel, ModelId};
-use gsk_core::program::split;
+use gsk_core::program::split_programs;
 use gsk_core::setup::Setup;
 
 /// A set-up with these settings, in which the program of an input is selected. Its further O
 /// numbers are stored as subprograms.
-pub(super) fn setup(text: &str) -> Setup {
+pub(super) fn setup_from_input(text: &str) -> Setup {
     let mut setup = Setup {
         spindle_rpm: Some(500.0),
         ..Setup::default()
     };
-    for setting in settings(text) {
+    for setting in setting_words(text) {
         // A refused setting is not made.
-        let _ = apply(&mut setup, setting);
+        let _ = apply_setting(&mut setup, setting);
     }
-    let mut programs = split(text).into_iter();
+    let mut programs = split_programs(text).into_iter();
     let Some(first) = programs.next() else {
         return setup;
     };
@@ -29,7 +29,7 @@ pub(super) fn setup(text: &str) -> Setup {
     setup
 }
 
-fn settings(text: &str) -> impl Iterator<Item = &str> {
+fn setting_words(text: &str) -> impl Iterator<Item = &str> {
     text.lines()
         .next()
         .and_then(|line| line.strip_prefix("(SET "))
@@ -39,14 +39,14 @@ fn settings(text: &str) -> impl Iterator<Item = &str> {
 }
 
 /// Settings that are numbers alone.
-pub(super) fn numbers(text: &str) -> impl Iterator<Item = (u16, i32)> {
-    settings(text).filter_map(|setting| {
+pub(super) fn numeric_settings(text: &str) -> impl Iterator<Item = (u16, i32)> {
+    setting_words(text).filter_map(|setting| {
         let (number, value) = setting.split_once('=')?;
         Some((number.parse().ok()?, value.parse().ok()?))
     })
 }
 
-fn apply(setup: &mut Setup, setting: &str) -> Option<()> {
+fn apply_setting(setup: &mut Setup, setting: &str) -> Option<()> {
     let (what, value) = setting.split_once('=')?;
     if let Some(offset) = what.strip_prefix('T') {
         let number: u8 = offset.parse().ok()?;
@@ -68,7 +68,7 @@ fn apply(setup: &mut Setup, setting: &str) -> Option<()> {
                 .ok()
         }
         None if what == "M" => {
-            let id = ModelId::from_word(value).filter(|id| !id.is_mill())?;
+            let id = ModelId::from_command_word(value).filter(|id| !id.is_mill())?;
             setup.memory.model = ControlModel::new(id);
             Some(())
         }

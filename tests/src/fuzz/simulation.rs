@@ -10,27 +10,27 @@ use gsk_core::simulation::Simulation;
 use super::{settings, watch};
 
 /// Machine time, ticks.
-const TICKS: u32 = 4000;
+const RUN_TICKS: u32 = 4000;
 
-pub(super) fn run(input: &[u8]) {
+pub(super) fn fuzz_simulation(input: &[u8]) {
     thread_local! {
         static WARM: OnceCell<()> = const { OnceCell::new() };
     }
     let text = String::from_utf8_lossy(input);
-    let setup = settings::setup(&text);
+    let setup = settings::setup_from_input(&text);
     // The first control of a process compiles the ladder.
     WARM.with(|warm| {
         warm.get_or_init(|| drop(Simulation::new(setup.clone())));
     });
     let mut simulation = Simulation::new(setup);
     simulation.start_automatic();
-    for _ in 0..TICKS {
-        watch::unit(|| simulation.tick());
+    for _ in 0..RUN_TICKS {
+        watch::run_unit(|| simulation.tick());
         let cnc = &simulation.cnc;
         for event in cnc.events() {
-            watch::seen("event", (discriminant(event), cnc.modal().motion));
+            watch::record_event("event", (discriminant(event), cnc.modal().motion));
             if let Event::AlarmRaised(alarm) = event {
-                watch::seen("alarm", alarm.number);
+                watch::record_event("alarm", alarm.number);
             }
         }
         let position = cnc.position_machine();
@@ -43,5 +43,5 @@ pub(super) fn run(input: &[u8]) {
             break;
         }
     }
-    watch::seen("state", format!("{:?}", simulation.cnc.run_state()));
+    watch::record_event("state", format!("{:?}", simulation.cnc.run_state()));
 }

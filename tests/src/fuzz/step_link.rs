@@ -9,8 +9,8 @@ use core::mem::discriminant;
 use core::time::Duration;
 use std::cell::OnceCell;
 
-use gsk_core::linked::drives;
-use gsk_core::memory::Parameters;
+use gsk_core::linked::drives_from_parameters;
+use gsk_core::memory::ControlParameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::step_queue::StepLink;
 use gsk_link::{AwaitedInput, Backend, Input, InputCondition, LinkConfig, RunTime, Sample, Stop};
@@ -22,10 +22,10 @@ const WIRED: &str = r#"(protocol: StepQueue,
     x: (step: "PA0", dir: "PA1", limit: "^PC0"), z: (step: "PA2", dir: "PA3", limit: "PC1", dec: "PC6"),
     io: (enable: "PL0", estop: "PC2", coolant: "PB7", index: "PC3"))"#;
 /// Time within which the board may still execute accepted motion.
-const LATER: Duration = Duration::from_millis(1500);
+const EXECUTION_DELAY: Duration = Duration::from_millis(1500);
 
 #[derive(Clone)]
-struct Desk {
+struct StepLinkFixture {
     link: StepLink,
     twin: KlipperTwin,
     run: RunTime,
@@ -34,24 +34,24 @@ struct Desk {
     /// Sequence number of the last block sent.
     sequence: u8,
     /// When motion was last accepted.
-    took: Duration,
+    last_accepted: Duration,
 }
 
-pub(super) fn run(input: &[u8]) {
+pub(super) fn fuzz_step_link(input: &[u8]) {
     thread_local! {
-        static READY: OnceCell<Desk> = const { OnceCell::new() };
+        static READY: OnceCell<StepLinkFixture> = const { OnceCell::new() };
     }
-    let mut desk = READY.with(|ready| ready.get_or_init(ready_desk).clone());
+    let mut desk = READY.with(|ready| ready.get_or_init(ready_fixture).clone());
     for &byte in input {
         let before = desk.twin.pulses();
-        watch::unit(|| act(&mut desk, byte));
-        watch::seen("state", discriminant(&desk.link.state()));
+        watch::run_unit(|| execute_action(&mut desk, byte));
+        watch::record_event("state", discriminant(&desk.link.state()));
         let now = desk.now();
         if desk.link.takes_motion() {
-            desk.took = now;
+            desk.last_accepted = now;
         }
         assert!(
-            desk.twin.pulses() == before || now - desk.took < LATER,
+            desk.twin.pulses() == before || now - desk.last_accepted < EXECUTION_DELAY,
             "motion in {:?}",
             desk.link.state()
         );
@@ -62,12 +62,12 @@ pub(super) fn run(input: &[u8]) {
         );
         desk.send();
         for event in desk.link.events() {
-            watch::seen("event", discriminant(&event));
+            watch::record_event("event", discriminant(&event));
         }
     }
 }
 
-impl Desk {
+impl StepLinkFixture {
     fn now(&self) -> Duration {
         Duration::from_nanos(self.twin.now())
     }
@@ -81,85 +81,91 @@ impl Desk {
         self.link.consumed(bytes.len());
     }
 
-    fn pass(&mut self, ms: u64, hears: bool) {
+    fn pass(&mut self, ms: u64, can_receive: bool) {
         self.twin.advance(ms * 1_000_000);
-        let said = self.twin.read();
-        if hears {
-            self.link.rx(&said, self.now());
+        let bytes = self.twin.read();
+        if can_receive {
+            self.link.rx(&bytes, self.now());
         }
     }
 }
 
-fn act(desk: &mut Desk, byte: u8) {
-    let at = PerAxis::new(Pulses(0), Pulses(desk.z));
+fn execute_action(fixture: &mut StepLinkFixture, byte: u8) {
+    let at = PerAxis::new(Pulses(0), Pulses(fixture.z));
     match byte {
         0xF0 => {
-            desk.run += Duration::from_millis(1);
-            desk.z -= 2;
-            let pulses = PerAxis::new(Pulses(0), Pulses(desk.z));
-            if desk.link.free_lookahead() > Duration::ZERO {
-                let _ = desk.link.push(Sample::new(desk.run, pulses));
+            fixture.run += Duration::from_millis(1);
+            fixture.z -= 2;
+            let pulses = PerAxis::new(Pulses(0), Pulses(fixture.z));
+            if fixture.link.free_lookahead() > Duration::ZERO {
+                let _ = fixture.link.push(Sample::new(fixture.run, pulses));
             }
         }
-        0xF1 => desk.pass(1, true),
-        0xF2 => desk.pass(20, true),
-        0xF3 => desk.pass(20, false),
-        0xF4 => desk.pass(300, true),
-        0xF5 => desk.link.stop(if desk.z % 4 == 0 {
+        0xF1 => fixture.pass(1, true),
+        0xF2 => fixture.pass(20, true),
+        0xF3 => fixture.pass(20, false),
+        0xF4 => fixture.pass(300, true),
+        0xF5 => fixture.link.stop(if fixture.z % 4 == 0 {
             Stop::Flush
         } else {
             Stop::Kill
         }),
-        0xF6 => desk.link.reset(),
+        0xF6 => fixture.link.reset(),
         0xF7 => {
-            let _ = desk.link.set_position(at, desk.run);
+            let _ = fixture.link.set_position(at, fixture.run);
         }
         0xF8 => {
-            let _ = desk.link.release(at, desk.run);
+            let _ = fixture.link.release(at, fixture.run);
         }
         0xF9 => {
-            let _ = desk.link.finish();
+            let _ = fixture.link.finish();
         }
         0xFA => {
-            let until = match desk.z.rem_euclid(3) {
+            let until = match fixture.z.rem_euclid(3) {
                 0 => InputCondition::Operated,
                 1 => InputCondition::Free,
                 _ => InputCondition::Changed,
             };
-            let _ = desk.link.arm(AwaitedInput {
+            let _ = fixture.link.arm(AwaitedInput {
                 input: Input::DecelerationZ,
                 until,
                 rate: 1000.0,
             });
         }
-        0xFB => desk.twin.set_pin("PC1", desk.z % 4 == 0),
+        0xFB => fixture.twin.set_pin("PC1", fixture.z % 4 == 0),
         0xFC => {
-            let said = core::mem::take(&mut desk.collected);
-            desk.link.rx(&said, desk.now());
+            let collected = core::mem::take(&mut fixture.collected);
+            fixture.link.rx(&collected, fixture.now());
         }
         0xFD | 0xFE => {
-            let mut said = core::mem::take(&mut desk.collected);
-            said.truncate(59);
-            let sequence = desk.sequence.wrapping_add(byte & 1);
-            desk.link.rx(&encode_block(sequence, &said), desk.now());
+            let mut collected = core::mem::take(&mut fixture.collected);
+            collected.truncate(59);
+            let sequence = fixture.sequence.wrapping_add(byte & 1);
+            fixture
+                .link
+                .rx(&encode_block(sequence, &collected), fixture.now());
         }
-        0xFF => desk.twin.press_reset(),
-        _ => desk.collected.push(byte),
+        0xFF => fixture.twin.press_reset(),
+        _ => fixture.collected.push(byte),
     }
-    desk.link.tick(desk.now());
+    fixture.link.tick(fixture.now());
 }
 
 /// A link that has identified its board and may move it.
-fn ready_desk() -> Desk {
+fn ready_fixture() -> StepLinkFixture {
     let config: LinkConfig = ron::from_str(WIRED).unwrap_or_default();
-    let mut desk = Desk {
-        link: StepLink::open(config, &drives(&Parameters::default()), Duration::ZERO),
+    let mut desk = StepLinkFixture {
+        link: StepLink::open(
+            config,
+            &drives_from_parameters(&ControlParameters::default()),
+            Duration::ZERO,
+        ),
         twin: KlipperTwin::new(KlipperHardware::default()),
         run: RunTime::ZERO,
         z: 0,
         collected: Vec::new(),
         sequence: 0,
-        took: Duration::ZERO,
+        last_accepted: Duration::ZERO,
     };
     for _ in 0..2000 {
         desk.pass(1, true);

@@ -6,7 +6,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::time::{Duration, Instant};
 
 /// Time limit of a block, a tick or a slot.
-pub const LIMIT: Duration = Duration::from_millis(50);
+pub const UNIT_TIME_LIMIT: Duration = Duration::from_millis(50);
 
 thread_local! {
     static LONGEST: Cell<Duration> = const { Cell::new(Duration::ZERO) };
@@ -15,35 +15,35 @@ thread_local! {
 
 /// The record of one run.
 #[derive(Debug, Default)]
-pub struct Report {
+pub struct UnitRecord {
     /// The longest unit of work.
-    pub longest: Duration,
+    pub longest_unit: Duration,
     /// Hashes of everything that happened.
-    pub seen: BTreeSet<u64>,
+    pub events: BTreeSet<u64>,
 }
 
 /// Runs one unit of work and records its duration.
-pub fn unit<T>(work: impl FnOnce() -> T) -> T {
+pub fn run_unit<T>(work: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     let result = work();
-    took(start.elapsed());
+    record_duration(start.elapsed());
     result
 }
 
 /// Records the duration of a unit of work.
-pub fn took(time: Duration) {
+pub fn record_duration(time: Duration) {
     LONGEST.with(|longest| longest.set(longest.get().max(time)));
 }
 
 /// Records an event by its kind and identity.
-pub fn seen(kind: &str, which: impl Hash) {
+pub fn record_event(kind: &str, which: impl Hash) {
     let mut hasher = DefaultHasher::new();
     (kind, which).hash(&mut hasher);
     SEEN.with(|seen| seen.borrow_mut().insert(hasher.finish()));
 }
 
 /// A message without quoted text and numbers, which identifies its rule.
-pub fn rule(message: &str) -> String {
+pub fn message_rule(message: &str) -> String {
     let before = message.split('"').next().unwrap_or("");
     let after = message.rsplit('"').next().unwrap_or("");
     let quotes = before.len() < message.len();
@@ -56,14 +56,14 @@ pub fn rule(message: &str) -> String {
 }
 
 /// The order of magnitude of a count, as its power of two.
-pub const fn roughly(count: u64) -> u32 {
+pub const fn order_of_magnitude(count: u64) -> u32 {
     u64::BITS - count.leading_zeros()
 }
 
 /// Returns the record since the last call, and starts a new one.
-pub fn take() -> Report {
-    Report {
-        longest: LONGEST.with(|longest| longest.replace(Duration::ZERO)),
-        seen: SEEN.with(RefCell::take),
+pub fn take_record() -> UnitRecord {
+    UnitRecord {
+        longest_unit: LONGEST.with(|longest| longest.replace(Duration::ZERO)),
+        events: SEEN.with(RefCell::take),
     }
 }

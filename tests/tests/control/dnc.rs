@@ -2,7 +2,7 @@
 
 use gsk_core::cnc::Event;
 use gsk_core::command::ExecutedMove;
-use gsk_core::operation::{Mode, RunState};
+use gsk_core::operation::{OperatingMode, RunState};
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::setup::{Setup, dnc_teach_ladder};
 use gsk_core::simulation::Simulation;
@@ -12,7 +12,7 @@ const START: BitAddress = BitAddress::new(Area::X, 25, 0);
 const RESET: BitAddress = BitAddress::new(Area::X, 26, 0);
 
 /// A control on one end of the line, a text on the other.
-struct Line {
+struct DncBench {
     simulation: Simulation,
     partner: Box<dyn Iterator<Item = u8>>,
     /// Pause after each character, ticks.
@@ -21,14 +21,14 @@ struct Line {
     ended: bool,
 }
 
-impl Line {
+impl DncBench {
     fn new(setup: Setup, partner: Box<dyn Iterator<Item = u8>>) -> Self {
         let setup = Setup {
             ladder: dnc_teach_ladder().into(),
             ..setup
         };
         let mut simulation = Simulation::new(setup);
-        simulation.cnc.connect_dnc(true);
+        simulation.cnc.set_dnc_partner(true);
         Self {
             simulation,
             partner,
@@ -41,12 +41,12 @@ impl Line {
     fn tick(&mut self) {
         let now = self.simulation.cnc.ticks();
         let due = self.pause == 0 || now.is_multiple_of(self.pause);
-        while due && self.simulation.cnc.dnc_room() > 0 {
+        while due && self.simulation.cnc.dnc_free_characters() > 0 {
             let Some(byte) = self.partner.next() else {
-                self.simulation.cnc.dnc_end();
+                self.simulation.cnc.end_dnc();
                 break;
             };
-            assert_eq!(self.simulation.cnc.dnc_send(&[byte]), 1);
+            assert_eq!(self.simulation.cnc.receive_dnc(&[byte]), 1);
             if self.pause > 0 {
                 break;
             }
@@ -54,7 +54,7 @@ impl Line {
         self.simulation.tick();
         for event in self.simulation.cnc.events() {
             match event {
-                Event::Moved(executed) => self.moves.push(*executed),
+                Event::MoveEnded(executed) => self.moves.push(*executed),
                 Event::ProgramEnded { .. } => self.ended = true,
                 _ => {}
             }
@@ -76,7 +76,7 @@ impl Line {
         }
         self.press(AUTO);
         self.press(AUTO);
-        assert_eq!(self.simulation.cnc.mode(), Mode::Dnc);
+        assert_eq!(self.simulation.cnc.mode(), OperatingMode::Dnc);
         self.press(START);
     }
 
@@ -93,7 +93,7 @@ impl Line {
 }
 
 /// The moves of the blocks, without their times, which depend on the line.
-fn path(moves: &[ExecutedMove]) -> Vec<String> {
+fn move_texts(moves: &[ExecutedMove]) -> Vec<String> {
     let path = moves.iter().map(|m| {
         let (line, kind) = (m.source.line, m.kind.name());
         format!(
@@ -104,7 +104,7 @@ fn path(moves: &[ExecutedMove]) -> Vec<String> {
     path.collect()
 }
 
-fn with_nose() -> Setup {
+fn setup_with_nose() -> Setup {
     let mut setup = Setup::default();
     setup.memory.parameters.set_bit(2, 1, true).unwrap();
     setup
@@ -169,16 +169,16 @@ N30 M99;
 ";
 
 fn setup_of(part: &str) -> Setup {
-    let mut setup = with_nose();
+    let mut setup = setup_with_nose();
     setup.memory.programs.store(CALLED).unwrap();
     setup.memory.programs.store(part).unwrap();
     setup
 }
 
 #[test]
-fn what_comes_in_is_carried_out_as_what_is_stored() {
-    let mut stored = Line::new(setup_of(PART), Box::new(core::iter::empty()));
-    let stored_program = gsk_core::cnc::Request::SelectProgram(7);
+fn a_received_program_runs_like_a_stored_one() {
+    let mut stored = DncBench::new(setup_of(PART), Box::new(core::iter::empty()));
+    let stored_program = gsk_core::cnc::ControlRequest::SelectProgram(7);
     stored.simulation.cnc.request(stored_program).unwrap();
     stored.press(AUTO);
     stored.press(START);
@@ -187,18 +187,22 @@ fn what_comes_in_is_carried_out_as_what_is_stored() {
     for (baud, pause) in [(115_200, 0), (4800, 0), (115_200, 7)] {
         let mut setup = setup_of("O0001;\nM30;\n");
         setup.memory.parameters.set(44, baud).unwrap();
-        let mut coming = Line::new(setup, Box::new(PART.bytes()));
+        let mut coming = DncBench::new(setup, Box::new(PART.bytes()));
         coming.pause = pause;
         coming.start_dnc();
         coming.run_to_end(600_000);
-        assert_eq!(path(&coming.moves), path(&stored.moves), "{baud} {pause}");
+        assert_eq!(
+            move_texts(&coming.moves),
+            move_texts(&stored.moves),
+            "{baud} {pause}"
+        );
         assert_eq!(coming.simulation.cnc.counters().parts, 1);
         assert_eq!(coming.simulation.cnc.run_state(), RunState::Reset);
     }
 }
 
 /// Endless blocks, each with a different position.
-fn endless() -> Box<dyn Iterator<Item = u8>> {
+fn endless_blocks() -> Box<dyn Iterator<Item = u8>> {
     let lines = (1_u64..).flat_map(|count| {
         let z = (count % 50) as f64 / 10.0;
         let line = format!(
@@ -213,7 +217,7 @@ fn endless() -> Box<dyn Iterator<Item = u8>> {
 
 #[test]
 fn an_endless_program_runs_in_bounded_memory() {
-    let mut line = Line::new(Setup::default(), endless());
+    let mut line = DncBench::new(Setup::default(), endless_blocks());
     line.start_dnc();
     let mut sizes = Vec::new();
     while line.moves.len() < 1500 {
@@ -232,8 +236,8 @@ fn an_endless_program_runs_in_bounded_memory() {
 }
 
 #[test]
-fn the_partner_waits_while_the_program_does() {
-    let mut line = Line::new(Setup::default(), endless());
+fn the_partner_waits_while_the_program_waits() {
+    let mut line = DncBench::new(Setup::default(), endless_blocks());
     line.start_dnc();
     for _ in 0..5000 {
         line.tick();
@@ -245,7 +249,7 @@ fn the_partner_waits_while_the_program_does() {
     }
     assert_eq!(line.simulation.cnc.run_state(), RunState::Hold);
     // The buffer is full, and the control requests no more.
-    assert_eq!(line.simulation.cnc.dnc_room(), 0);
+    assert_eq!(line.simulation.cnc.dnc_free_characters(), 0);
     let stood = line.moves.len();
     line.press(START);
     for _ in 0..2000 {
@@ -256,21 +260,21 @@ fn the_partner_waits_while_the_program_does() {
 }
 
 #[test]
-fn reset_closes_the_line_and_the_next_start_calls_anew() {
-    let mut line = Line::new(Setup::default(), endless());
+fn reset_closes_the_line_and_the_next_start_reopens_it() {
+    let mut line = DncBench::new(Setup::default(), endless_blocks());
     line.start_dnc();
-    assert_eq!(line.simulation.cnc.dnc_calls(), 1);
+    assert_eq!(line.simulation.cnc.dnc_request_count(), 1);
     for _ in 0..3000 {
         line.tick();
     }
     line.press(RESET);
-    assert!(line.simulation.cnc.programs().inflow().is_none());
-    assert_eq!(line.simulation.cnc.dnc_room(), 0);
+    assert!(line.simulation.cnc.programs().dnc_buffer().is_none());
+    assert_eq!(line.simulation.cnc.dnc_free_characters(), 0);
     let stood = line.moves.len();
     // The partner sends from the beginning again.
-    line.partner = endless();
+    line.partner = endless_blocks();
     line.press(START);
-    assert_eq!(line.simulation.cnc.dnc_calls(), 2);
+    assert_eq!(line.simulation.cnc.dnc_request_count(), 2);
     for _ in 0..1000 {
         line.tick();
     }
@@ -279,13 +283,13 @@ fn reset_closes_the_line_and_the_next_start_calls_anew() {
 
 #[test]
 fn a_line_that_breaks_stops_the_axes_with_alarm_086() {
-    let mut line = Line::new(Setup::default(), endless());
+    let mut line = DncBench::new(Setup::default(), endless_blocks());
     line.start_dnc();
     for _ in 0..1000 {
         line.tick();
     }
     assert_eq!(line.simulation.cnc.run_state(), RunState::Run);
-    line.simulation.cnc.connect_dnc(false);
+    line.simulation.cnc.set_dnc_partner(false);
     let numbers: Vec<u16> = line
         .simulation
         .cnc
@@ -298,5 +302,5 @@ fn a_line_that_breaks_stops_the_axes_with_alarm_086() {
         line.tick();
     }
     assert!(!line.simulation.cnc.is_moving());
-    assert!(line.simulation.cnc.programs().inflow().is_none());
+    assert!(line.simulation.cnc.programs().dnc_buffer().is_none());
 }

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use gsk_core::cnc::{LadderStep, Request};
+use gsk_core::cnc::{ControlRequest, LadderStep};
 use gsk_core::operation::{RunState, SoftSwitch};
 use gsk_core::plc::Ladder;
 use gsk_core::plc::address::BitAddress;
@@ -15,21 +15,21 @@ use gsk_core::units::Point;
 const PROGRAM: &str =
     "G98\nG00 X40 Z2\nG01 X40 Z-30 F3000\nG02 X60 Z-40 R10 F2000\nG00 X100 Z50\nM30\n";
 
-fn compiled(source: &str) -> Arc<Ladder> {
+fn compile_ladder(source: &str) -> Arc<Ladder> {
     Arc::new(Ladder::compile(source).unwrap())
 }
 
-fn bit(text: &str) -> BitAddress {
+fn parse_bit(text: &str) -> BitAddress {
     text.parse().unwrap()
 }
 
 /// The path of the program, tick by tick from the start signal on.
-fn path(ladder: Arc<Ladder>) -> Vec<Point> {
+fn run_path(ladder: Arc<Ladder>) -> Vec<Point> {
     let mut simulation = Simulation::new(Setup {
         ladder: ladder.into(),
         ..Setup::default()
     });
-    let open = Request::OpenExternal(Program::new(PROGRAM));
+    let open = ControlRequest::OpenExternal(Program::new(PROGRAM));
     simulation.cnc.request(open).unwrap();
     simulation.start_automatic();
     let mut path = Vec::new();
@@ -46,11 +46,14 @@ fn path(ladder: Arc<Ladder>) -> Vec<Point> {
 
 #[test]
 fn the_division_of_level_2_never_shifts_the_path() {
-    let divided = path(compiled(STANDARD_LADDER));
-    let undivided = path(compiled(&format!(".OPT n1\n{STANDARD_LADDER}")));
+    let divided = run_path(compile_ladder(STANDARD_LADDER));
+    let undivided = run_path(compile_ladder(&format!(".OPT n1\n{STANDARD_LADDER}")));
     // The start may differ by some slots. From then on every tick is the same.
-    let began = |path: &[Point]| path.iter().position(|at| *at != path[0]).unwrap();
-    let (a, b) = (&divided[began(&divided)..], &undivided[began(&undivided)..]);
+    let start_index = |path: &[Point]| path.iter().position(|at| *at != path[0]).unwrap();
+    let (a, b) = (
+        &divided[start_index(&divided)..],
+        &undivided[start_index(&undivided)..],
+    );
     let same = a.len().min(b.len()).min(1000);
     assert!(same > 500, "{same}");
     assert_eq!(a[..same], b[..same]);
@@ -66,18 +69,18 @@ fn m01_and_m02_of_the_ladder_have_their_decode_signals() {
     let text = "G98\nG01 W-1 F600 M01\nG04 X0.2\nG01 W-20 F600 M02\nM30\n";
     for lock in [false, true] {
         let mut simulation = Simulation::new(Setup {
-            ladder: compiled(&named).into(),
+            ladder: compile_ladder(&named).into(),
             ..Setup::default()
         });
         simulation
             .cnc
-            .request(Request::OpenExternal(Program::new(text)))
+            .request(ControlRequest::OpenExternal(Program::new(text)))
             .unwrap();
         for _ in 0..100 {
             simulation.tick();
         }
         if lock {
-            let force = Request::ForceBit(bit("G5.6"), Some(true));
+            let force = ControlRequest::ForceBit(parse_bit("G5.6"), Some(true));
             simulation.cnc.request(force).unwrap();
         }
         simulation.start_automatic();
@@ -86,14 +89,14 @@ fn m01_and_m02_of_the_ladder_have_their_decode_signals() {
             simulation.tick();
             let memory = simulation.cnc.plc().memory();
             for (seen, address) in decoded.iter_mut().zip(["F9.6", "F9.5"]) {
-                if memory.bit(bit(address)) {
+                if memory.bit(parse_bit(address)) {
                     *seen = true;
-                    assert!(!memory.bit(bit("F102.1")), "{address} in motion");
-                    assert!(memory.bit(bit("F1.3")), "{address} without F1.3");
+                    assert!(!memory.bit(parse_bit("F102.1")), "{address} in motion");
+                    assert!(memory.bit(parse_bit("F1.3")), "{address} without F1.3");
                 }
             }
             let code = memory.f(10);
-            if memory.bit(bit("F7.0")) && codes.last() != Some(&code) {
+            if memory.bit(parse_bit("F7.0")) && codes.last() != Some(&code) {
                 codes.push(code);
             }
             begun |= simulation.cnc.run_state() == RunState::Run;
@@ -107,49 +110,55 @@ fn m01_and_m02_of_the_ladder_have_their_decode_signals() {
 #[test]
 fn a_loaded_ladder_runs_from_the_next_power_on() {
     let mut simulation = Simulation::new(Setup::default());
-    let other = compiled("END1\nLDI R0.0\nOUT Y2.5\nEND2");
-    let load = Request::LoadLadder(Arc::clone(&other));
+    let other = compile_ladder("END1\nLDI R0.0\nOUT Y2.5\nEND2");
+    let load = ControlRequest::LoadLadder(Arc::clone(&other));
     simulation.cnc.request(load.clone()).unwrap();
     assert_eq!(simulation.cnc.next_ladder(), None, "not in MDI mode");
-    let edit_key = bit("X20.0");
+    let edit_key = parse_bit("X20.0");
     for down in [true, false] {
         simulation.cnc.set_panel_key(edit_key, down);
-        run(&mut simulation, 100);
+        run_ticks(&mut simulation, 100);
     }
     simulation.cnc.request(load.clone()).unwrap();
     assert_eq!(simulation.cnc.next_ladder(), None, "the switch is off");
-    let switch = Request::SetParameterSwitch(true);
+    let switch = ControlRequest::SetParameterSwitch(true);
     simulation.cnc.request(switch).unwrap();
     simulation.cnc.request(load).unwrap();
     for _ in 0..100 {
         simulation.tick();
     }
-    assert!(!simulation.cnc.plc().memory().bit(bit("Y2.5")));
+    assert!(!simulation.cnc.plc().memory().bit(parse_bit("Y2.5")));
     assert_eq!(simulation.cnc.next_ladder(), Some(&other));
     simulation.power_cycle();
     assert_eq!(simulation.cnc.next_ladder(), None);
     for _ in 0..100 {
         simulation.tick();
     }
-    assert!(simulation.cnc.plc().memory().bit(bit("Y2.5")));
+    assert!(simulation.cnc.plc().memory().bit(parse_bit("Y2.5")));
 }
 
 #[test]
-fn a_halted_ladder_goes_on_by_steps() {
+fn a_halted_ladder_continues_in_steps() {
     let mut simulation = Simulation::new(Setup::default());
     for _ in 0..100 {
         simulation.tick();
     }
-    simulation.cnc.request(Request::HaltLadder(true)).unwrap();
-    simulation.cnc.set_panel_key(bit("X24.7"), true);
+    simulation
+        .cnc
+        .request(ControlRequest::HaltLadder(true))
+        .unwrap();
+    simulation.cnc.set_panel_key(parse_bit("X24.7"), true);
     for _ in 0..100 {
         simulation.tick();
     }
-    let hold = |simulation: &Simulation| !simulation.cnc.plc().memory().bit(bit("G8.5"));
+    let hold = |simulation: &Simulation| !simulation.cnc.plc().memory().bit(parse_bit("G8.5"));
     assert!(!hold(&simulation), "the ladder stands");
-    assert!(simulation.cnc.ladder_halted());
+    assert!(simulation.cnc.is_ladder_halted());
     let step = |simulation: &mut Simulation, step| {
-        simulation.cnc.request(Request::StepLadder(step)).unwrap();
+        simulation
+            .cnc
+            .request(ControlRequest::StepLadder(step))
+            .unwrap();
     };
     assert_eq!(simulation.cnc.plc().next_rung(), Some(1));
     step(&mut simulation, LadderStep::Rung);
@@ -157,11 +166,14 @@ fn a_halted_ladder_goes_on_by_steps() {
     assert!(!hold(&simulation));
     step(&mut simulation, LadderStep::Rung);
     assert!(hold(&simulation), "F02 is the second rung");
-    assert!(simulation.cnc.in_feed_hold());
+    assert!(simulation.cnc.is_in_feed_hold());
     step(&mut simulation, LadderStep::Slot);
     assert_eq!(simulation.cnc.plc().next_rung(), Some(1));
-    simulation.cnc.request(Request::HaltLadder(false)).unwrap();
-    simulation.cnc.set_panel_key(bit("X24.7"), false);
+    simulation
+        .cnc
+        .request(ControlRequest::HaltLadder(false))
+        .unwrap();
+    simulation.cnc.set_panel_key(parse_bit("X24.7"), false);
     for _ in 0..100 {
         simulation.tick();
     }
@@ -176,29 +188,32 @@ fn a_forced_bit_and_a_soft_switch_reach_the_control() {
             simulation.tick();
         }
     };
-    let force = Request::ForceBit(bit("G46.7"), Some(true));
+    let force = ControlRequest::ForceBit(parse_bit("G46.7"), Some(true));
     simulation.cnc.request(force).unwrap();
     ticks(&mut simulation);
-    assert!(simulation.cnc.plc().memory().bit(bit("F2.7")), "dry run");
-    let free = Request::ForceBit(bit("G46.7"), None);
+    assert!(
+        simulation.cnc.plc().memory().bit(parse_bit("F2.7")),
+        "dry run"
+    );
+    let free = ControlRequest::ForceBit(parse_bit("G46.7"), None);
     simulation.cnc.request(free).unwrap();
     ticks(&mut simulation);
-    assert!(!simulation.cnc.plc().memory().bit(bit("F2.7")));
+    assert!(!simulation.cnc.plc().memory().bit(parse_bit("F2.7")));
     for switch in SoftSwitch::ALL {
-        let on = Request::SoftSwitch(switch, true);
+        let on = ControlRequest::SetSoftSwitch(switch, true);
         simulation.cnc.request(on).unwrap();
-        assert!(simulation.cnc.soft_switch(switch));
+        assert!(simulation.cnc.is_soft_switch_on(switch));
     }
     ticks(&mut simulation);
     let memory = simulation.cnc.plc().memory();
     assert_eq!(memory.f(75), 0b11_1110);
     for signal in ["F4.1", "F4.4", "F4.3", "F2.7", "F4.0"] {
-        assert!(memory.bit(bit(signal)), "{signal}");
+        assert!(memory.bit(parse_bit(signal)), "{signal}");
     }
 }
 
 /// A program that moves Z slowly in the negative direction, one second after its start.
-fn moving(changes: &[(u16, u8)]) -> Simulation {
+fn with_moving_z(changes: &[(u16, u8)]) -> Simulation {
     let mut setup = Setup::default();
     for (number, bit) in changes {
         setup
@@ -211,35 +226,35 @@ fn moving(changes: &[(u16, u8)]) -> Simulation {
     let program = Program::new("G98\nG01 W-600 F600\nM30\n");
     simulation
         .cnc
-        .request(Request::OpenExternal(program))
+        .request(ControlRequest::OpenExternal(program))
         .unwrap();
     simulation.start_automatic();
-    run(&mut simulation, 1000);
+    run_ticks(&mut simulation, 1000);
     simulation
 }
 
-fn run(simulation: &mut Simulation, ticks: u32) {
+fn run_ticks(simulation: &mut Simulation, ticks: u32) {
     for _ in 0..ticks {
         simulation.tick();
     }
 }
 
-fn force(simulation: &mut Simulation, address: &str, value: Option<bool>) {
-    let request = Request::ForceBit(bit(address), value);
+fn force_bit(simulation: &mut Simulation, address: &str, value: Option<bool>) {
+    let request = ControlRequest::ForceBit(parse_bit(address), value);
     simulation.cnc.request(request).unwrap();
-    run(simulation, 1000);
+    run_ticks(simulation, 1000);
 }
 
-fn advances(simulation: &mut Simulation) -> bool {
+fn is_advancing(simulation: &mut Simulation) -> bool {
     let before = simulation.cnc.position_machine();
-    run(simulation, 100);
+    run_ticks(simulation, 100);
     simulation.cnc.position_machine() != before
 }
 
 #[test]
-fn interlocks_hold_a_run_that_goes_on_by_itself() {
-    let mut simulation = moving(&[]);
-    assert!(advances(&mut simulation));
+fn interlocks_hold_a_run_that_then_continues() {
+    let mut simulation = with_moving_z(&[]);
+    assert!(is_advancing(&mut simulation));
     // Signal, its value, and whether a motion of Z in its negative direction waits.
     let table = [
         ("G7.1", true, true),
@@ -251,40 +266,40 @@ fn interlocks_hold_a_run_that_goes_on_by_itself() {
         ("G134.0", true, false),
     ];
     for (signal, value, waits) in table {
-        force(&mut simulation, signal, Some(value));
-        assert_eq!(advances(&mut simulation), !waits, "{signal}");
+        force_bit(&mut simulation, signal, Some(value));
+        assert_eq!(is_advancing(&mut simulation), !waits, "{signal}");
         assert_eq!(simulation.cnc.run_state(), RunState::Run, "{signal}");
-        force(&mut simulation, signal, None);
+        force_bit(&mut simulation, signal, None);
         // The standard ladder does not write the interlocks of single axes.
         if !matches!(signal, "G8.0") {
-            force(&mut simulation, signal, Some(!value));
-            force(&mut simulation, signal, None);
+            force_bit(&mut simulation, signal, Some(!value));
+            force_bit(&mut simulation, signal, None);
         }
-        assert!(advances(&mut simulation), "after {signal}");
+        assert!(is_advancing(&mut simulation), "after {signal}");
     }
     assert!(simulation.cnc.alarms().is_empty());
 }
 
 #[test]
-fn a_limit_signal_stops_the_way_into_it_with_its_alarm() {
-    let mut simulation = moving(&[]);
+fn a_limit_signal_stops_motion_towards_it_with_its_alarm() {
+    let mut simulation = with_moving_z(&[]);
     // The other side and the other axis have no effect.
     for signal in ["G114.1", "G116.0"] {
-        force(&mut simulation, signal, Some(false));
-        assert!(advances(&mut simulation), "{signal}");
-        force(&mut simulation, signal, None);
+        force_bit(&mut simulation, signal, Some(false));
+        assert!(is_advancing(&mut simulation), "{signal}");
+        force_bit(&mut simulation, signal, None);
     }
-    force(&mut simulation, "G116.1", Some(false));
+    force_bit(&mut simulation, "G116.1", Some(false));
     let numbers: Vec<u16> = simulation.cnc.alarms().iter().map(|a| a.number).collect();
     assert_eq!(numbers, [204]);
-    assert!(!advances(&mut simulation));
+    assert!(!is_advancing(&mut simulation));
     assert_eq!(simulation.cnc.run_state(), RunState::Stop);
 }
 
 #[test]
 fn a_cut_waits_for_the_speed_arrival_signal() {
-    let mut simulation = moving(&[]);
-    assert!(advances(&mut simulation), "175.6 = 0: not looked at");
+    let mut simulation = with_moving_z(&[]);
+    assert!(is_advancing(&mut simulation), "175.6 = 0: not looked at");
     let mut setup = Setup::default();
     setup.memory.parameters.set_bit(175, 6, true).unwrap();
     setup.memory.parameters.set(72, 500).unwrap();
@@ -292,19 +307,19 @@ fn a_cut_waits_for_the_speed_arrival_signal() {
     let program = Program::new("G98\nG00 W-10\nG01 W-10 F600\nG01 W-10\nM30\n");
     simulation
         .cnc
-        .request(Request::OpenExternal(program))
+        .request(ControlRequest::OpenExternal(program))
         .unwrap();
-    let hold = Request::ForceBit(bit("G29.4"), Some(false));
+    let hold = ControlRequest::ForceBit(parse_bit("G29.4"), Some(false));
     simulation.cnc.request(hold).unwrap();
     simulation.start_automatic();
-    run(&mut simulation, 5000);
+    run_ticks(&mut simulation, 5000);
     let z = simulation.cnc.position_machine().z;
     assert!(
         (z - 290.0).abs() < 1e-9,
         "the rapid is over, the cut waits: {z}"
     );
-    force(&mut simulation, "G29.4", None);
-    run(&mut simulation, 5000);
+    force_bit(&mut simulation, "G29.4", None);
+    run_ticks(&mut simulation, 5000);
     let z = simulation.cnc.position_machine().z;
     assert!(
         (z - 270.0).abs() < 1e-9,
@@ -359,14 +374,14 @@ fn one_percent_rapid_and_the_override_table() {
 fn key1_protects_the_programs() {
     let mut simulation = Simulation::new(Setup::default());
     let store = |simulation: &mut Simulation| {
-        let request = Request::StoreProgram("O0007\nM30\n".to_owned());
+        let request = ControlRequest::StoreProgram("O0007\nM30\n".to_owned());
         simulation.cnc.request(request).unwrap();
         simulation.cnc.programs().iter().count()
     };
-    force(&mut simulation, "G46.3", Some(true));
-    assert!(simulation.cnc.memory_protected());
+    force_bit(&mut simulation, "G46.3", Some(true));
+    assert!(simulation.cnc.is_memory_protected());
     assert_eq!(store(&mut simulation), 0);
-    force(&mut simulation, "G46.3", None);
-    force(&mut simulation, "G46.3", Some(false));
+    force_bit(&mut simulation, "G46.3", None);
+    force_bit(&mut simulation, "G46.3", Some(false));
     assert_eq!(store(&mut simulation), 1);
 }

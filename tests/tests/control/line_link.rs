@@ -3,8 +3,8 @@
 
 use core::time::Duration;
 
-use gsk_core::linked::drives;
-use gsk_core::memory::Parameters;
+use gsk_core::linked::drives_from_parameters;
+use gsk_core::memory::ControlParameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::line::LineLink;
 use gsk_link::{
@@ -15,10 +15,10 @@ use gsk_twins::wire::Damage;
 
 const ALL: [Variant; 3] = [Variant::Grbl, Variant::GrblHal, Variant::FluidNc];
 /// One millisecond, ns.
-const MS: u64 = 1_000_000;
+const MS_IN_NS: u64 = 1_000_000;
 
 #[derive(Clone)]
-struct Bench {
+struct LineBench {
     link: LineLink,
     twin: GrblTwin,
     run: RunTime,
@@ -27,10 +27,10 @@ struct Bench {
     last_tx: Vec<u8>,
 }
 
-impl Bench {
+impl LineBench {
     /// A board as delivered, on a control with electronic gear 1/5.
     fn new(variant: Variant) -> Self {
-        let mut parameters = Parameters::default();
+        let mut parameters = ControlParameters::default();
         for number in [17, 18] {
             parameters.set(number, 5).unwrap();
         }
@@ -39,7 +39,7 @@ impl Bench {
             flush_keep_speed: 10_000,
             ..LinkConfig::default()
         };
-        let link = LineLink::open(config, &drives(&parameters), Duration::ZERO);
+        let link = LineLink::open(config, &drives_from_parameters(&parameters), Duration::ZERO);
         Self {
             link,
             twin,
@@ -60,7 +60,7 @@ impl Bench {
     }
 
     fn open(&mut self) {
-        self.wait(5000, |bench| {
+        self.run_until(5000, |bench| {
             matches!(
                 bench.link.state(),
                 LinkState::Locked | LinkState::Fault | LinkState::Lost
@@ -70,20 +70,20 @@ impl Bench {
                 .any(|event| matches!(event, LinkEvent::Differs(_)))
         });
         self.link.write_settings();
-        self.wait(5000, |bench| bench.link.state() == LinkState::Locked);
+        self.run_until(5000, |bench| bench.link.state() == LinkState::Locked);
     }
 
     fn set_position(&mut self) {
         // A board with homing starts locked.
-        self.pass(400);
+        self.run_ms(400);
         self.link.reset();
-        self.pass(400);
+        self.run_ms(400);
         let at = PerAxis::new(Pulses(self.at.0), Pulses(self.at.1));
         self.link.set_position(at, self.run).unwrap();
     }
 
-    fn ms(&mut self) {
-        self.twin.advance(MS);
+    fn run_one_ms(&mut self) {
+        self.twin.advance(MS_IN_NS);
         let now = Duration::from_nanos(self.twin.now());
         let bytes = self.twin.read();
         self.link.rx(&bytes, now);
@@ -95,25 +95,25 @@ impl Bench {
         self.events.extend(self.link.events());
     }
 
-    fn pass(&mut self, ms: u32) {
+    fn run_ms(&mut self, ms: u32) {
         for _ in 0..ms {
-            self.ms();
+            self.run_one_ms();
         }
     }
 
-    fn wait(&mut self, limit_ms: u32, until: impl Fn(&Self) -> bool) -> bool {
+    fn run_until(&mut self, limit_ms: u32, until: impl Fn(&Self) -> bool) -> bool {
         for _ in 0..limit_ms {
             if until(self) {
                 return true;
             }
-            self.ms();
+            self.run_one_ms();
         }
         until(self)
     }
 
     /// Sends one tick of motion when the board has space for it. Returns false if it is
     /// refused.
-    fn sample(&mut self, x: i64, z: i64) -> bool {
+    fn send_sample(&mut self, x: i64, z: i64) -> bool {
         for _ in 0..3000 {
             if !self.link.state().takes_motion() {
                 return false;
@@ -124,21 +124,21 @@ impl Bench {
                 let pulses = PerAxis::new(Pulses(x), Pulses(z));
                 return self.link.push(Sample::new(self.run, pulses)).is_ok();
             }
-            self.ms();
+            self.run_one_ms();
         }
         false
     }
 
     /// Moves 12 mm in Z and 2 mm in X with ramps, and back. Returns false if the motion is
     /// interrupted.
-    fn job(&mut self) -> bool {
+    fn run_job(&mut self) -> bool {
         let (x0, z0) = self.at;
         for k in 1..=1000_i64 {
             // A quarter wave up and down: starts and ends at rest.
             let share = 0.5 - 0.5 * libm::cos(core::f64::consts::TAU * k as f64 / 1000.0);
             let x = x0 + (800.0 * share).round() as i64;
             let z = z0 - (2400.0 * share).round() as i64 - k / 10;
-            if !self.sample(x, z) {
+            if !self.send_sample(x, z) {
                 return false;
             }
         }
@@ -153,16 +153,16 @@ impl Bench {
         self.events.iter().filter_map(number).collect()
     }
 
-    fn ends_ready(&mut self) -> bool {
-        self.wait(3000, |bench| bench.link.state() == LinkState::Ready)
+    fn is_ready_at_end(&mut self) -> bool {
+        self.run_until(3000, |bench| bench.link.state() == LinkState::Ready)
     }
 }
 
 #[test]
 fn a_board_as_delivered_is_refused_until_its_settings_are_written() {
     for variant in ALL {
-        let mut bench = Bench::new(variant);
-        bench.wait(5000, |bench| !bench.alarms().is_empty());
+        let mut bench = LineBench::new(variant);
+        bench.run_until(5000, |bench| !bench.alarms().is_empty());
         assert_eq!(bench.alarms(), [603], "{variant:?} {:?}", bench.events);
         let (name, board) = match variant {
             Variant::FluidNc => ("axes/x/steps_per_mm", "80.000000"),
@@ -180,7 +180,7 @@ fn a_board_as_delivered_is_refused_until_its_settings_are_written() {
         assert!(per_mm, "{:?}", bench.events);
         assert!(!bench.link.state().takes_motion());
         bench.link.write_settings();
-        assert!(bench.wait(5000, |bench| bench.link.state() == LinkState::Locked));
+        assert!(bench.run_until(5000, |bench| bench.link.state() == LinkState::Locked));
         assert!((bench.twin.settings().value(100) - 400.0).abs() < 1e-9);
         assert_eq!(
             bench.twin.pulses(),
@@ -194,7 +194,7 @@ fn a_board_as_delivered_is_refused_until_its_settings_are_written() {
 fn a_silent_port_is_alarm_601() {
     let mut link = LineLink::open(
         LinkConfig::default(),
-        &drives(&Parameters::default()),
+        &drives_from_parameters(&ControlParameters::default()),
         Duration::ZERO,
     );
     for ms in 0..6000 {
@@ -210,9 +210,9 @@ fn a_silent_port_is_alarm_601() {
 #[test]
 fn a_job_ends_on_the_commanded_pulse() {
     for variant in ALL {
-        let mut bench = Bench::ready(variant);
-        assert!(bench.job());
-        assert!(bench.ends_ready(), "{:?}", bench.events);
+        let mut bench = LineBench::ready(variant);
+        assert!(bench.run_job());
+        assert!(bench.is_ready_at_end(), "{:?}", bench.events);
         assert_eq!(bench.twin.pulses(), [bench.at.0, bench.at.1]);
         assert_eq!(bench.at, (0, -100));
         assert!(bench.events.contains(&LinkEvent::Drained));
@@ -224,11 +224,15 @@ fn a_job_ends_on_the_commanded_pulse() {
 #[test]
 fn a_work_offset_of_another_program_moves_nothing() {
     for variant in ALL {
-        let mut bench = Bench::new(variant);
+        let mut bench = LineBench::new(variant);
         bench.twin.set_work_offset([12.5, -40.0]);
         bench.open();
         bench.set_position();
-        assert!(bench.job() && bench.ends_ready(), "{:?}", bench.events);
+        assert!(
+            bench.run_job() && bench.is_ready_at_end(),
+            "{:?}",
+            bench.events
+        );
         assert_eq!(bench.twin.pulses(), [0, -100]);
         assert!(bench.alarms().iter().all(|alarm| *alarm == 603));
     }
@@ -237,13 +241,13 @@ fn a_work_offset_of_another_program_moves_nothing() {
 #[test]
 fn the_board_never_holds_more_than_the_lookahead_nor_loses_a_byte() {
     for variant in ALL {
-        let mut bench = Bench::ready(variant);
+        let mut bench = LineBench::ready(variant);
         for k in 1..=1500 {
-            assert!(bench.sample(k * 4, -k * 8));
+            assert!(bench.send_sample(k * 4, -k * 8));
             assert!(bench.link.outstanding() <= Duration::from_millis(160));
         }
         bench.link.finish().unwrap();
-        assert!(bench.ends_ready());
+        assert!(bench.is_ready_at_end());
         assert_eq!(bench.twin.pulses(), [6000, -12_000]);
     }
 }
@@ -251,13 +255,13 @@ fn the_board_never_holds_more_than_the_lookahead_nor_loses_a_byte() {
 #[test]
 fn motion_keeps_the_time_of_the_kernel() {
     for variant in ALL {
-        let mut bench = Bench::ready(variant);
+        let mut bench = LineBench::ready(variant);
         let from = bench.twin.now();
         for k in 1..=2000 {
-            assert!(bench.sample(0, -k * 2));
+            assert!(bench.send_sample(0, -k * 2));
         }
         bench.link.finish().unwrap();
-        bench.wait(3000, |bench| bench.twin.pulses()[1] == -4000);
+        bench.run_until(3000, |bench| bench.twin.pulses()[1] == -4000);
         let seconds = (bench.twin.now() - from) as f64 * 1e-9;
         // The first pulse takes 80 ms.
         assert!((seconds - 2.08).abs() < 0.06, "{seconds}");
@@ -268,12 +272,12 @@ fn motion_keeps_the_time_of_the_kernel() {
 fn a_flush_in_motion_keeps_the_position() {
     for variant in ALL {
         for at in (60..900).step_by(37) {
-            let mut bench = Bench::ready(variant);
+            let mut bench = LineBench::ready(variant);
             for k in 1..=at {
-                assert!(bench.sample(k * 2, -k * 4));
+                assert!(bench.send_sample(k * 2, -k * 4));
             }
             bench.link.stop(Stop::Flush);
-            assert!(bench.ends_ready(), "{at}: {:?}", bench.events);
+            assert!(bench.is_ready_at_end(), "{at}: {:?}", bench.events);
             let [x, z] = bench.twin.pulses();
             let stood = LinkEvent::Position(PerAxis::new(Pulses(x), Pulses(z)));
             assert!(
@@ -284,7 +288,7 @@ fn a_flush_in_motion_keeps_the_position() {
             // And it continues from there.
             bench.at = (x, z);
             assert!(
-                bench.job() && bench.ends_ready(),
+                bench.run_job() && bench.is_ready_at_end(),
                 "{at}: {:?}",
                 bench.events
             );
@@ -294,30 +298,30 @@ fn a_flush_in_motion_keeps_the_position() {
 }
 
 #[test]
-fn a_kill_loses_the_position_and_says_so() {
+fn a_kill_loses_the_position_and_reports_it() {
     for variant in ALL {
-        let mut bench = Bench::ready(variant);
+        let mut bench = LineBench::ready(variant);
         for k in 1..=300 {
-            assert!(bench.sample(0, -k * 4));
+            assert!(bench.send_sample(0, -k * 4));
         }
         bench.link.stop(Stop::Kill);
-        bench.pass(1000);
+        bench.run_ms(1000);
         assert_eq!(bench.link.state(), LinkState::Locked);
-        assert!(!bench.sample(0, 0));
+        assert!(!bench.send_sample(0, 0));
         let stood = bench.twin.pulses();
-        bench.pass(2000);
+        bench.run_ms(2000);
         assert_eq!(bench.twin.pulses(), stood);
     }
 }
 
 /// The link sends nothing twice except the reset, which it repeats until the board answers.
 #[test]
-fn a_reset_that_is_lost_on_the_way_is_sent_again() {
+fn a_reset_that_is_lost_on_the_wire_is_sent_again() {
     for variant in ALL {
         for lost in [0, 1, 4] {
-            let mut bench = Bench::ready(variant);
+            let mut bench = LineBench::ready(variant);
             for k in 1..=300 {
-                assert!(bench.sample(0, -k * 4));
+                assert!(bench.send_sample(0, -k * 4));
             }
             let next = bench.twin.to_board.sent_count();
             for byte in next..next + lost {
@@ -326,15 +330,15 @@ fn a_reset_that_is_lost_on_the_way_is_sent_again() {
             bench.link.stop(Stop::Kill);
             // FluidNC executes what its pulse timer has received.
             let coasts = if variant == Variant::FluidNc { 200 } else { 0 };
-            bench.pass(100 * lost as u32 + 60 + coasts);
+            bench.run_ms(100 * lost as u32 + 60 + coasts);
             let stood = bench.twin.pulses();
-            bench.pass(3000);
+            bench.run_ms(3000);
             assert_eq!(bench.twin.pulses(), stood);
             assert_eq!(bench.link.state(), LinkState::Locked, "{lost}");
             assert_eq!(bench.alarms(), [0_u16; 0], "{:?}", bench.events);
             bench.at = (0, 0);
             bench.set_position();
-            assert!(bench.job() && bench.ends_ready());
+            assert!(bench.run_job() && bench.is_ready_at_end());
         }
     }
 }
@@ -343,23 +347,23 @@ fn a_reset_that_is_lost_on_the_way_is_sent_again() {
 #[test]
 fn the_banners_of_a_reset_that_was_sent_again_are_no_restart() {
     for held_up in [150, 300] {
-        let mut bench = Bench::ready(Variant::Grbl);
+        let mut bench = LineBench::ready(Variant::Grbl);
         for k in 1..=300 {
-            assert!(bench.sample(0, -k * 4));
+            assert!(bench.send_sample(0, -k * 4));
         }
         let next = bench.twin.to_host.sent_count();
         bench
             .twin
             .to_host
-            .damage(next, Damage::Delayed(held_up * MS));
+            .damage(next, Damage::Delayed(held_up * MS_IN_NS));
         bench.link.stop(Stop::Kill);
-        bench.pass(3000);
+        bench.run_ms(3000);
         assert_eq!(bench.link.state(), LinkState::Locked);
         bench.link.reset();
-        bench.pass(1500);
+        bench.run_ms(1500);
         let set = bench.link.set_position(PerAxis::default(), bench.run);
         assert_eq!(set, Ok(()));
-        bench.pass(1500);
+        bench.run_ms(1500);
         assert_eq!(bench.alarms(), [0_u16; 0], "{:?}", bench.events);
         assert_eq!(bench.link.state(), LinkState::Ready);
     }
@@ -368,7 +372,7 @@ fn the_banners_of_a_reset_that_was_sent_again_are_no_restart() {
 /// The board's queue shows the direction in which its switch was hit. If the axis reversed
 /// about then, the direction is unknown.
 #[test]
-fn the_way_into_a_limit_switch_is_that_of_the_motion_that_met_it() {
+fn the_direction_into_a_limit_switch_is_that_of_the_motion_that_hit_it() {
     for (turned, known) in [
         (0, true),
         (30, false),
@@ -376,22 +380,22 @@ fn the_way_into_a_limit_switch_is_that_of_the_motion_that_met_it() {
         (200, false),
         (600, true),
     ] {
-        let mut bench = Bench::ready(Variant::Grbl);
+        let mut bench = LineBench::ready(Variant::Grbl);
         for k in 1..=300 {
-            assert!(bench.sample(0, -k * 2));
+            assert!(bench.send_sample(0, -k * 2));
         }
         for k in 1..=turned {
-            assert!(bench.sample(0, -600 + k * 2));
+            assert!(bench.send_sample(0, -600 + k * 2));
         }
         bench.twin.pins.limit_z = true;
-        bench.pass(500);
+        bench.run_ms(500);
         assert_eq!(bench.link.state(), LinkState::Tripped);
         bench.link.reset();
-        bench.pass(500);
+        bench.run_ms(500);
         let [_, z] = bench.twin.pulses();
         bench.at = (0, z);
         bench.set_position();
-        bench.pass(200);
+        bench.run_ms(200);
         let into = if turned == 600 { 1 } else { -1 };
         let mut gone = [0; 2];
         for (gone, way) in gone.iter_mut().zip([into, -into]) {
@@ -414,23 +418,23 @@ fn the_way_into_a_limit_switch_is_that_of_the_motion_that_met_it() {
 fn a_limit_switch_stops_the_board_and_names_its_axis() {
     for variant in ALL {
         for (x, number) in [(true, 621), (false, 622)] {
-            let mut bench = Bench::ready(variant);
+            let mut bench = LineBench::ready(variant);
             for k in 1..=300 {
                 let way = -k * 4;
-                assert!(bench.sample(if x { way } else { 0 }, if x { 0 } else { way }));
+                assert!(bench.send_sample(if x { way } else { 0 }, if x { 0 } else { way }));
             }
             bench.twin.pins.limit_x = x;
             bench.twin.pins.limit_z = !x;
-            bench.pass(500);
+            bench.run_ms(500);
             assert_eq!(bench.link.state(), LinkState::Tripped);
             assert_eq!(bench.alarms(), [number], "{:?}", bench.events);
             let stood = bench.twin.pulses();
             bench.twin.pins.limit_x = false;
             bench.twin.pins.limit_z = false;
-            bench.pass(3000);
+            bench.run_ms(3000);
             assert_eq!(bench.twin.pulses(), stood, "nothing restarts by itself");
             bench.link.reset();
-            bench.pass(500);
+            bench.run_ms(500);
             assert_eq!(
                 bench.link.state(),
                 LinkState::Locked,
@@ -444,14 +448,14 @@ fn a_limit_switch_stops_the_board_and_names_its_axis() {
 fn a_board_that_restarts_is_noticed_in_every_state() {
     for variant in ALL {
         for moving in [false, true] {
-            let mut bench = Bench::ready(variant);
+            let mut bench = LineBench::ready(variant);
             if moving {
                 for k in 1..=300 {
-                    assert!(bench.sample(0, -k * 4));
+                    assert!(bench.send_sample(0, -k * 4));
                 }
             }
             bench.twin.press_reset();
-            bench.pass(4000);
+            bench.run_ms(4000);
             assert!(
                 !bench.link.state().takes_motion(),
                 "{moving} {:?}",
@@ -470,20 +474,20 @@ fn a_board_that_restarts_is_noticed_in_every_state() {
 #[test]
 fn an_unplugged_cable_is_an_alarm_within_a_second() {
     for variant in ALL {
-        let mut bench = Bench::ready(variant);
+        let mut bench = LineBench::ready(variant);
         for k in 1..=300 {
-            assert!(bench.sample(0, -k * 4));
+            assert!(bench.send_sample(0, -k * 4));
         }
         bench.twin.to_host.set_cut(true);
         bench.twin.to_board.set_cut(true);
-        bench.pass(1000);
+        bench.run_ms(1000);
         assert_eq!(
             (bench.link.state(), bench.alarms()),
             (LinkState::Lost, vec![605])
         );
         // The board executes what it holds, then it stops.
         let stood = bench.twin.pulses();
-        bench.pass(2000);
+        bench.run_ms(2000);
         assert_eq!(bench.twin.pulses(), stood);
     }
 }
@@ -495,9 +499,9 @@ fn a_board_off_the_path_is_stopped() {
     for variant in ALL {
         let mut alarms = Vec::new();
         for byte in 0..16 {
-            let mut bench = Bench::ready(variant);
+            let mut bench = LineBench::ready(variant);
             for k in 1..=300 {
-                assert!(bench.sample(k, -k * 4));
+                assert!(bench.send_sample(k, -k * 4));
             }
             // Somewhere in the next lines: a digit changes to another one; the board refuses a
             // letter.
@@ -507,18 +511,18 @@ fn a_board_off_the_path_is_stopped() {
                 .to_board
                 .damage(from + byte, Damage::Changed(b'2' ^ b'6'));
             for k in 301..=600 {
-                if !bench.sample(k, -k * 4) {
+                if !bench.send_sample(k, -k * 4) {
                     break;
                 }
             }
-            bench.pass(2000);
+            bench.run_ms(2000);
             if bench.alarms().is_empty() {
                 // Within the tolerance of a report.
                 continue;
             }
             assert_eq!(bench.link.state(), LinkState::Fault, "{:?}", bench.events);
             let stood = bench.twin.pulses();
-            bench.pass(2000);
+            bench.run_ms(2000);
             assert_eq!(bench.twin.pulses(), stood);
             alarms.extend(bench.alarms());
         }
@@ -539,13 +543,13 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
             Damage::Lost,
             Damage::Changed(0x15),
             Damage::Doubled,
-            Damage::Delayed(100 * MS),
+            Damage::Delayed(100 * MS_IN_NS),
             Damage::Cut,
         ];
-        let ready = Bench::ready(variant);
+        let ready = LineBench::ready(variant);
         let clean = {
             let mut bench = ready.clone();
-            assert!(bench.job() && bench.ends_ready());
+            assert!(bench.run_job() && bench.is_ready_at_end());
             (
                 bench.twin.to_board.sent_count(),
                 bench.twin.to_host.sent_count(),
@@ -570,8 +574,8 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
                     } else {
                         bench.twin.to_host.damage(byte, damage);
                     }
-                    let whole = bench.job();
-                    bench.pass(4000);
+                    let whole = bench.run_job();
+                    bench.run_ms(4000);
                     let place = format!("{damage:?} at {byte}, to the board: {to_board}");
                     match bench.link.state() {
                         LinkState::Ready if whole && bench.alarms().is_empty() => {
@@ -588,7 +592,7 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
                         state => panic!("{place}: {state:?} {:?}", bench.events),
                     }
                     let stood = bench.twin.pulses();
-                    bench.pass(1000);
+                    bench.run_ms(1000);
                     assert_eq!(bench.twin.pulses(), stood, "{place}: it moves on");
                 }
             }
@@ -598,28 +602,28 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
 }
 
 #[test]
-fn a_report_under_way_when_the_reference_return_begins_tells_no_place() {
+fn a_report_pending_at_the_start_of_a_reference_return_gives_no_position() {
     for variant in ALL {
-        let mut bench = Bench::ready(variant);
-        assert!(bench.job() && bench.ends_ready());
+        let mut bench = LineBench::ready(variant);
+        assert!(bench.run_job() && bench.is_ready_at_end());
         let reports = bench.link.traffic().reports;
         // The next status request was just sent; its answer comes while the board homes.
-        let mut asked = false;
+        let mut request_sent = false;
         for _ in 0..300 {
-            bench.ms();
-            asked = bench.last_tx.contains(&b'?');
-            if asked {
+            bench.run_one_ms();
+            request_sent = bench.last_tx.contains(&b'?');
+            if request_sent {
                 break;
             }
         }
-        assert!(asked && bench.link.traffic().reports >= reports);
+        assert!(request_sent && bench.link.traffic().reports >= reports);
         bench.link.home(PerAxis::new(true, true)).unwrap();
         let homed = |event: &LinkEvent| matches!(event, LinkEvent::Homed(_));
-        assert!(bench.wait(120_000, |bench| bench.events.iter().any(homed)));
+        assert!(bench.run_until(120_000, |bench| bench.events.iter().any(homed)));
         let zero = PerAxis::new(Pulses(0), Pulses(0));
-        assert!(bench.wait(1000, |bench| bench.link.status().is_some()));
+        assert!(bench.run_until(1000, |bench| bench.link.status().is_some()));
         bench.link.set_position(zero, bench.run).unwrap();
-        bench.pass(500);
+        bench.run_ms(500);
         assert_eq!(bench.alarms(), [0_u16; 0], "{variant:?}");
         assert_eq!(bench.link.state(), LinkState::Ready);
     }
@@ -627,10 +631,14 @@ fn a_report_under_way_when_the_reference_return_begins_tells_no_place() {
 
 #[test]
 fn letters_of_a_report_are_contacts_of_the_control() {
-    let mut bench = Bench::new(Variant::Grbl);
+    let mut bench = LineBench::new(Variant::Grbl);
     let config: LinkConfig = ron::from_str(r#"(inputs: {"X2.0": "P", "X2.1": "!D"})"#).unwrap();
     config.check().unwrap();
-    bench.link = LineLink::open(config, &drives(&Parameters::default()), Duration::ZERO);
+    bench.link = LineLink::open(
+        config,
+        &drives_from_parameters(&ControlParameters::default()),
+        Duration::ZERO,
+    );
     let contact = |bit| Input::Contact { byte: 2, bit };
     assert_eq!(
         bench.link.input(contact(0)),
@@ -638,12 +646,12 @@ fn letters_of_a_report_are_contacts_of_the_control() {
         "nothing was reported yet"
     );
     bench.open();
-    bench.pass(500);
-    let both = |bench: &Bench| [0, 1].map(|bit| bench.link.input(contact(bit)));
+    bench.run_ms(500);
+    let both = |bench: &LineBench| [0, 1].map(|bit| bench.link.input(contact(bit)));
     assert_eq!(both(&bench), [Some(false), Some(true)]);
     bench.twin.pins.probe = true;
     bench.twin.pins.door = true;
-    bench.pass(500);
+    bench.run_ms(500);
     assert_eq!(both(&bench), [Some(true), Some(false)]);
     assert_eq!(bench.link.input(contact(2)), None, "not wired");
     assert_eq!(bench.link.input(Input::LimitX), Some(false));
@@ -668,7 +676,7 @@ fn another_firmware_is_602() {
     ] {
         let mut link = LineLink::open(
             LinkConfig::default(),
-            &drives(&Parameters::default()),
+            &drives_from_parameters(&ControlParameters::default()),
             Duration::ZERO,
         );
         let (mut sent, mut events) = (Vec::new(), Vec::new());
@@ -686,10 +694,10 @@ fn another_firmware_is_602() {
             sent.extend(tx);
             events.extend(link.events());
         }
-        let told = events.iter().any(
+        let has_alarm = events.iter().any(
             |event| matches!(event, LinkEvent::Alarm { number: 602, detail } if detail.to_string().contains(named)),
         );
-        assert!(told, "{identity}: {events:?}");
+        assert!(has_alarm, "{identity}: {events:?}");
         assert_eq!(link.state(), LinkState::Fault);
         assert_eq!(sent, b"\x18\n$I\n", "{identity}");
     }
@@ -698,20 +706,20 @@ fn another_firmware_is_602() {
 /// An operator opened the door of the board, or another host changed its state: the link stops
 /// it and raises the alarm.
 #[test]
-fn a_state_nobody_asked_for_is_607() {
+fn an_unexpected_state_is_607() {
     for state in ["Door:0", "Tool", "Sleep", "Check", "Jog"] {
-        let mut bench = Bench::ready(Variant::GrblHal);
+        let mut bench = LineBench::ready(Variant::GrblHal);
         for k in 1..=300 {
-            assert!(bench.sample(0, -k * 4));
+            assert!(bench.send_sample(0, -k * 4));
         }
-        let said = format!("<{state}|MPos:0.000,0.000,-4.000|Bf:90,1000|FS:0,0>\r\n");
+        let report = format!("<{state}|MPos:0.000,0.000,-4.000|Bf:90,1000|FS:0,0>\r\n");
         let now = bench.twin.now();
-        bench.twin.to_host.send(said.as_bytes(), now);
-        bench.pass(2000);
+        bench.twin.to_host.send(report.as_bytes(), now);
+        bench.run_ms(2000);
         assert_eq!(bench.alarms(), [607], "{state}: {:?}", bench.events);
         assert_eq!(bench.link.state(), LinkState::Fault, "{state}");
         let stood = bench.twin.pulses();
-        bench.pass(1000);
+        bench.run_ms(1000);
         assert_eq!(bench.twin.pulses(), stood, "{state}");
     }
 }
@@ -720,7 +728,7 @@ fn a_state_nobody_asked_for_is_607() {
 /// until the next report is bounded: at a feed of 1200 mm/min it is less than 1 mm, and 5 mm
 /// with FluidNC, whose pulse timer makes 120 ms more.
 #[test]
-fn a_figure_damaged_on_the_way_is_stopped_within_millimetres() {
+fn a_damaged_number_is_stopped_within_millimetres() {
     for variant in ALL {
         let every = std::env::var_os("EVERY_BYTE").is_some();
         let mut stopped = 0;
@@ -728,9 +736,9 @@ fn a_figure_damaged_on_the_way_is_stopped_within_millimetres() {
             let bits = (0..8).map(|bit| Damage::Changed(1 << bit));
             for damage in bits.chain([Damage::Lost]) {
                 let place = format!("{damage:?} at {byte}");
-                let mut bench = Bench::ready(variant);
+                let mut bench = LineBench::ready(variant);
                 for k in 1..=300 {
-                    assert!(bench.sample(k, -4 * k));
+                    assert!(bench.send_sample(k, -4 * k));
                 }
                 let from = bench.twin.to_board.sent_count();
                 bench.twin.to_board.damage(from + byte, damage);
@@ -739,9 +747,9 @@ fn a_figure_damaged_on_the_way_is_stopped_within_millimetres() {
                     let room = bench.link.free_lookahead() >= Duration::from_millis(10);
                     if k < 600 && room && bench.link.state().takes_motion() {
                         k += 1;
-                        bench.sample(k, -4 * k);
+                        bench.send_sample(k, -4 * k);
                     } else {
-                        bench.ms();
+                        bench.run_one_ms();
                     }
                     let [x, z] = bench.twin.pulses();
                     let off = (0..=600).map(|k| (x - k).abs().max((z + 4 * k).abs()));
@@ -762,9 +770,9 @@ fn a_figure_damaged_on_the_way_is_stopped_within_millimetres() {
 /// The program may be cut off anywhere, even in the middle of a line. The port guard then
 /// sends its stop bytes a few times: the board stops with its spindle off.
 #[test]
-fn the_bytes_that_stop_the_board_do_so_behind_any_broken_line() {
+fn the_stop_bytes_work_after_any_broken_line() {
     for variant in ALL {
-        let begun = Bench::ready(variant);
+        let begun = LineBench::ready(variant);
         for cut in 0..40 {
             let mut bench = begun.clone();
             assert_eq!(bench.link.stop_bytes(), [0x18]);
@@ -772,14 +780,14 @@ fn the_bytes_that_stop_the_board_do_so_behind_any_broken_line() {
             // Complete pieces of motion, and an incomplete one.
             let lines = "G53G1X10F600\nG53G1X20F600\nG53G1X30F600\n";
             bench.twin.write(&lines.as_bytes()[..cut]);
-            bench.twin.advance(cut as u64 * 3 * MS);
+            bench.twin.advance(cut as u64 * 3 * MS_IN_NS);
             for ms in [0, 30, 70, 150, 350] {
-                bench.twin.advance(ms * MS);
+                bench.twin.advance(ms * MS_IN_NS);
                 bench.twin.write(&bench.link.stop_bytes());
             }
-            bench.twin.advance(1000 * MS);
+            bench.twin.advance(1000 * MS_IN_NS);
             let stood = bench.twin.pulses();
-            bench.twin.advance(1000 * MS);
+            bench.twin.advance(1000 * MS_IN_NS);
             assert_eq!(bench.twin.pulses(), stood, "{variant:?} {cut}: it moves on");
             let (spindle, ..) = bench.twin.outputs();
             assert_eq!(spindle, 5, "{variant:?} {cut}: the spindle goes on");
@@ -788,18 +796,18 @@ fn the_bytes_that_stop_the_board_do_so_behind_any_broken_line() {
 }
 /// An axis that reverses just before a complete piece of motion still goes all the way.
 #[test]
-fn an_axis_turns_where_it_was_commanded_to() {
+fn an_axis_reverses_at_its_commanded_position() {
     for variant in ALL {
         for top in [331_i64, 337] {
-            let mut bench = Bench::ready(variant);
+            let mut bench = LineBench::ready(variant);
             let mut most = 0;
             for k in 1..=2 * top {
-                assert!(bench.sample(0, top - (k - top).abs()));
-                bench.ms();
+                assert!(bench.send_sample(0, top - (k - top).abs()));
+                bench.run_one_ms();
                 most = most.max(bench.twin.pulses()[1]);
             }
             bench.link.finish().unwrap();
-            assert!(bench.ends_ready(), "{:?}", bench.events);
+            assert!(bench.is_ready_at_end(), "{:?}", bench.events);
             assert_eq!((most, bench.twin.pulses()[1]), (top, 0), "{variant:?}");
         }
     }
@@ -807,20 +815,20 @@ fn an_axis_turns_where_it_was_commanded_to() {
 
 /// This also holds for motion that does not fit into the board yet.
 #[test]
-fn a_computer_that_was_away_is_612_whatever_waited() {
+fn a_computer_that_paused_is_612_with_any_queue() {
     for variant in ALL {
         for away in [160, 400, 2000] {
-            let mut bench = Bench::ready(variant);
+            let mut bench = LineBench::ready(variant);
             for k in 1..=600 {
-                assert!(bench.sample(0, 2 * k));
+                assert!(bench.send_sample(0, 2 * k));
             }
             // The host answers nothing more, and lines wait here.
             while bench.link.free_lookahead() > Duration::ZERO {
                 let (x, z) = bench.at;
-                assert!(bench.sample(x, z + 2));
+                assert!(bench.send_sample(x, z + 2));
             }
-            bench.twin.advance(away * MS);
-            bench.pass(3000);
+            bench.twin.advance(away * MS_IN_NS);
+            bench.run_ms(3000);
             let alarms = bench.alarms();
             assert!(
                 matches!(*alarms, [] | [612]),
@@ -832,11 +840,11 @@ fn a_computer_that_was_away_is_612_whatever_waited() {
                 "{state:?}"
             );
             if state == LinkState::Ready {
-                let told = bench.events.iter().rev().find_map(|event| match event {
+                let detail_text = bench.events.iter().rev().find_map(|event| match event {
                     LinkEvent::Position(at) => Some([at.x.0, at.z.0]),
                     _ => None,
                 });
-                assert_eq!(told, Some(bench.twin.pulses()), "{variant:?} {away}");
+                assert_eq!(detail_text, Some(bench.twin.pulses()), "{variant:?} {away}");
             }
         }
     }
@@ -845,26 +853,30 @@ fn a_computer_that_was_away_is_612_whatever_waited() {
 /// After a limit switch Grbl accepts nothing but a reset, and the port still holds the banner
 /// for an earlier host.
 #[test]
-fn a_board_behind_its_limit_switch_is_known_although_an_old_banner_waits() {
-    let mut bench = Bench::ready(Variant::Grbl);
+fn a_board_on_its_limit_switch_is_identified_despite_an_old_banner() {
+    let mut bench = LineBench::ready(Variant::Grbl);
     for k in 1..=300 {
-        assert!(bench.sample(0, 2 * k));
+        assert!(bench.send_sample(0, 2 * k));
     }
     // The host is gone.
     bench.twin.pins.limit_z = true;
-    bench.twin.advance(3000 * MS);
+    bench.twin.advance(3000 * MS_IN_NS);
     bench.twin.pins.limit_z = false;
     let _ = bench.twin.read();
     let now = Duration::from_nanos(bench.twin.now());
-    let mut parameters = Parameters::default();
+    let mut parameters = ControlParameters::default();
     for number in [17, 18] {
         parameters.set(number, 5).unwrap();
     }
-    bench.link = LineLink::open(LinkConfig::default(), &drives(&parameters), now);
+    bench.link = LineLink::open(
+        LinkConfig::default(),
+        &drives_from_parameters(&parameters),
+        now,
+    );
     bench.events.clear();
     bench.link.rx(b"\r\nGrbl 1.1h ['$' for help]\r\n", now);
     assert!(
-        bench.wait(6000, |bench| bench.link.state() == LinkState::Locked),
+        bench.run_until(6000, |bench| bench.link.state() == LinkState::Locked),
         "{:?}",
         bench.events
     );

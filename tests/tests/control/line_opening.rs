@@ -2,26 +2,26 @@
 
 use core::time::Duration;
 
-use gsk_core::linked::drives;
-use gsk_core::memory::Parameters;
+use gsk_core::linked::drives_from_parameters;
+use gsk_core::memory::ControlParameters;
 use gsk_link::line::{LineLink, RequiredSettings};
 use gsk_link::{Backend, LinkConfig, LinkEvent, LinkState};
 use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 
 /// Alarm and text for a firmware that gives these answers.
-fn alarm_of(answers: impl Fn(&str) -> String, banner: &str) -> (u16, String, LinkState) {
+fn opening_alarm(answers: impl Fn(&str) -> String, banner: &str) -> (u16, String, LinkState) {
     let mut link = LineLink::open(
         LinkConfig::default(),
-        &drives(&Parameters::default()),
+        &drives_from_parameters(&ControlParameters::default()),
         Duration::ZERO,
     );
     link.rx(banner.as_bytes(), Duration::from_millis(600));
     for ms in 601..8000 {
         let now = Duration::from_millis(ms);
         link.tick(now);
-        let said = String::from_utf8_lossy(link.tx()).into_owned();
-        link.consumed(said.len());
-        for line in said.lines() {
+        let sent = String::from_utf8_lossy(link.tx()).into_owned();
+        link.consumed(sent.len());
+        for line in sent.lines() {
             link.rx(answers(line).as_bytes(), now);
         }
         for event in link.events() {
@@ -34,19 +34,19 @@ fn alarm_of(answers: impl Fn(&str) -> String, banner: &str) -> (u16, String, Lin
 }
 
 /// A link and a FluidNC board, side by side. Returns the events of the link.
-fn fluid(changes: &[(&str, &str)]) -> (LineLink, GrblTwin) {
+fn open_fluidnc(changes: &[(&str, &str)]) -> (LineLink, GrblTwin) {
     let mut twin = GrblTwin::new(Variant::FluidNc, GrblSettings::default());
     for (path, value) in changes {
         twin.set_config_item(path, value).unwrap();
     }
-    let (config, parameters) = (LinkConfig::default(), Parameters::default());
+    let (config, parameters) = (LinkConfig::default(), ControlParameters::default());
     (
-        LineLink::open(config, &drives(&parameters), Duration::ZERO),
+        LineLink::open(config, &drives_from_parameters(&parameters), Duration::ZERO),
         twin,
     )
 }
 
-fn pass(link: &mut LineLink, twin: &mut GrblTwin, ms: u32) -> Vec<LinkEvent> {
+fn run_ms(link: &mut LineLink, twin: &mut GrblTwin, ms: u32) -> Vec<LinkEvent> {
     let mut events = Vec::new();
     for _ in 0..ms {
         twin.advance(1_000_000);
@@ -70,29 +70,29 @@ fn alarms(events: &[LinkEvent]) -> Vec<(u16, String)> {
 }
 
 #[test]
-fn a_fluidnc_board_is_known_and_told_its_settings_by_name() {
-    let (mut link, mut twin) = fluid(&[]);
-    let events = pass(&mut link, &mut twin, 5000);
+fn a_fluidnc_board_is_identified_and_set_by_setting_names() {
+    let (mut link, mut twin) = open_fluidnc(&[]);
+    let events = run_ms(&mut link, &mut twin, 5000);
     assert_eq!(link.board().firmware, "FluidNC v4.0.4");
     assert_eq!((link.board().blocks, link.board().receive_bytes), (15, 128));
     assert!(alarms(&events).iter().all(|(number, _)| *number == 603));
     link.write_settings();
-    let events = pass(&mut link, &mut twin, 3000);
+    let events = run_ms(&mut link, &mut twin, 3000);
     assert_eq!(link.state(), LinkState::Locked, "{events:?}");
     assert_eq!(twin.config_item("start/must_home"), Some("true"));
     assert_eq!(twin.macro_count, 0);
     // The written settings are lost with the power.
     twin.press_reset();
-    let events = pass(&mut link, &mut twin, 4000);
+    let events = run_ms(&mut link, &mut twin, 4000);
     assert_eq!(alarms(&events)[0].0, 606, "{events:?}");
     link.reset();
-    let events = pass(&mut link, &mut twin, 4000);
+    let events = run_ms(&mut link, &mut twin, 4000);
     assert_eq!(alarms(&events)[0].0, 603, "{events:?}");
 }
 
 /// Pulse length, pins, macros: values in memory would have no effect, or no lasting one.
 #[test]
-fn what_only_the_file_of_the_board_can_say_is_named_and_not_written() {
+fn settings_of_the_board_file_alone_are_named_and_not_written() {
     for (path, value, wanted) in [
         ("stepping/pulse_us", "4", "10"),
         (
@@ -104,15 +104,15 @@ fn what_only_the_file_of_the_board_can_say_is_named_and_not_written() {
         ("macros/after_reset", "G0X0", "(empty)"),
         ("control/feed_hold_pin", "gpio.34", "NO_PIN"),
     ] {
-        let (mut link, mut twin) = fluid(&[(path, value)]);
-        let events = pass(&mut link, &mut twin, 5000);
+        let (mut link, mut twin) = open_fluidnc(&[(path, value)]);
+        let events = run_ms(&mut link, &mut twin, 5000);
         let named = |event: &LinkEvent| match event {
             LinkEvent::Differs(one) => one.name == path && one.wanted == wanted,
             _ => false,
         };
         assert!(events.iter().any(named), "{path}: {events:?}");
         link.write_settings();
-        let events = pass(&mut link, &mut twin, 1000);
+        let events = run_ms(&mut link, &mut twin, 1000);
         let (number, text) = alarms(&events)[0].clone();
         assert_eq!(number, 603);
         assert!(
@@ -131,7 +131,7 @@ fn the_example_of_a_config_yaml_fits_its_machine_file() {
         "(x: (invert_direction: true), line: (home: (seek: 500, locate: 100, pull_off_um: 1000)))",
     )
     .unwrap();
-    let mut parameters = Parameters::default();
+    let mut parameters = ControlParameters::default();
     for (number, value) in [(17, 5), (16, 2), (18, 5)] {
         parameters.set(number, value).unwrap();
     }
@@ -141,7 +141,7 @@ fn the_example_of_a_config_yaml_fits_its_machine_file() {
     ] {
         let (_, yaml) = text.split_once("```yaml\n").unwrap();
         let (yaml, _) = yaml.split_once("```").unwrap();
-        let (_, mut twin) = fluid(&[]);
+        let (_, mut twin) = open_fluidnc(&[]);
         let mut sections: Vec<&str> = Vec::new();
         for line in yaml.lines() {
             let (name, value) = line.trim().split_once(':').unwrap();
@@ -152,8 +152,12 @@ fn the_example_of_a_config_yaml_fits_its_machine_file() {
                     .unwrap();
             }
         }
-        let mut link = LineLink::open(config.clone(), &drives(&parameters), Duration::ZERO);
-        let events = pass(&mut link, &mut twin, 5000);
+        let mut link = LineLink::open(
+            config.clone(),
+            &drives_from_parameters(&parameters),
+            Duration::ZERO,
+        );
+        let events = run_ms(&mut link, &mut twin, 5000);
         let differs: Vec<_> = events
             .iter()
             .filter_map(|event| match event {
@@ -171,8 +175,8 @@ fn the_example_of_a_config_yaml_fits_its_machine_file() {
 /// later.
 #[test]
 fn a_board_that_starts_slowly_is_waited_for() {
-    let (config, parameters) = (LinkConfig::default(), Parameters::default());
-    let mut link = LineLink::open(config, &drives(&parameters), Duration::ZERO);
+    let (config, parameters) = (LinkConfig::default(), ControlParameters::default());
+    let mut link = LineLink::open(config, &drives_from_parameters(&parameters), Duration::ZERO);
     let mut sent = Vec::new();
     for ms in 1..16_000 {
         let now = Duration::from_millis(ms);
@@ -203,7 +207,7 @@ fn a_board_that_starts_slowly_is_waited_for() {
 fn a_board_that_is_not_understood_points_to_protocol_and_baud() {
     // Nothing at all; nothing but `ok`; noise.
     for (banner, answer) in [("", ""), ("ok\r\n", "ok\r\n"), ("", "~{x\u{7}")] {
-        let (_, text, _) = alarm_of(|_| answer.to_owned(), banner);
+        let (_, text, _) = opening_alarm(|_| answer.to_owned(), banner);
         assert!(
             text.contains("protocol") && text.contains("baud"),
             "{answer}: {text}"
@@ -219,16 +223,19 @@ fn levels_and_the_time_of_a_switch_come_from_the_machine_file() {
         ron::from_str("(line: (invert_step: true, invert_enable: true, debounce_ms: 40))").unwrap();
     config.check().unwrap();
     let value = |config: &LinkConfig, number| {
-        let required = RequiredSettings::new(&drives(&Parameters::default()), config);
+        let required = RequiredSettings::new(
+            &drives_from_parameters(&ControlParameters::default()),
+            config,
+        );
         let mut settings = required.settings.iter();
         settings
             .find(|setting| setting.number == number)
             .unwrap()
             .value
     };
-    for (number, delivered, told) in [(2, 0.0, 5.0), (4, 0.0, 1.0), (26, 250.0, 40.0)] {
+    for (number, delivered, expected) in [(2, 0.0, 5.0), (4, 0.0, 1.0), (26, 250.0, 40.0)] {
         assert_eq!(value(&LinkConfig::default(), number), delivered);
-        assert_eq!(value(&config, number), told);
+        assert_eq!(value(&config, number), expected);
     }
     let error = ron::from_str::<LinkConfig>("(line: (debounce_ms: 0))")
         .unwrap()
@@ -240,13 +247,13 @@ fn levels_and_the_time_of_a_switch_come_from_the_machine_file() {
 }
 
 #[test]
-fn a_board_that_greets_and_then_is_silent_is_reset_once_and_called_silent() {
+fn a_board_that_is_silent_after_its_banner_is_reset_once_and_called_silent() {
     let resets = core::cell::Cell::new(0);
     let answers = |line: &str| {
         resets.set(resets.get() + u32::from(line.contains('\u{18}')));
         String::new()
     };
-    let (number, text, state) = alarm_of(answers, "\r\nGrbl 1.1h ['$' for help]\r\n");
+    let (number, text, state) = opening_alarm(answers, "\r\nGrbl 1.1h ['$' for help]\r\n");
     assert_eq!((number, state), (601, LinkState::Lost), "{text}");
     assert!(text.contains("says nothing"), "{text}");
     assert_eq!(resets.get(), 1);
@@ -257,13 +264,13 @@ fn a_board_that_greets_and_then_is_silent_is_reset_once_and_called_silent() {
 fn a_setting_that_is_never_answered_is_named() {
     for (variant, hint) in [(Variant::Grbl, false), (Variant::GrblHal, true)] {
         let mut twin = GrblTwin::new(variant, GrblSettings::default());
-        let (config, parameters) = (LinkConfig::default(), Parameters::default());
-        let mut link = LineLink::open(config, &drives(&parameters), Duration::ZERO);
-        let events = pass(&mut link, &mut twin, 5000);
+        let (config, parameters) = (LinkConfig::default(), ControlParameters::default());
+        let mut link = LineLink::open(config, &drives_from_parameters(&parameters), Duration::ZERO);
+        let events = run_ms(&mut link, &mut twin, 5000);
         assert_eq!(alarms(&events)[0].0, 603, "{events:?}");
         link.write_settings();
         twin.to_host.set_cut(true);
-        let events = pass(&mut link, &mut twin, 3000);
+        let events = run_ms(&mut link, &mut twin, 3000);
         let (number, text) = alarms(&events)[0].clone();
         assert_eq!((number, link.state()), (602, LinkState::Fault), "{text}");
         assert!(text.contains("$") && text.contains("was written"), "{text}");

@@ -1,18 +1,18 @@
 //! Macros in the whole control: their pace, the signals of the ladder, memory.
 
 use crate::bench::program::started;
-use crate::bench::{press, ticks};
+use crate::bench::{press, run_ticks};
 use gsk_core::alarm::Alarm;
-use gsk_core::cnc::Request;
+use gsk_core::cnc::ControlRequest;
 use gsk_core::memory::Variables;
-use gsk_core::operation::{Mode, RunState};
+use gsk_core::operation::{OperatingMode, RunState};
 use gsk_core::plc::address::{Area, BitAddress};
-use gsk_core::preview::{End, preview};
+use gsk_core::preview::{PreviewEnd, preview};
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
-use gsk_core::simulation::{Outcome, Simulation, Until};
+use gsk_core::simulation::{RunUntilResult, Simulation, StopCondition};
 
-fn previewed(text: &str) -> (End, f64) {
+fn run_preview(text: &str) -> (PreviewEnd, f64) {
     let setup = Setup::default();
     let mut programs = ProgramMemory::default();
     programs.open_external(Program::new(text));
@@ -27,15 +27,15 @@ fn an_operation_takes_a_millisecond() {
     let mut simulation = started(Setup::default(), text);
     let value = |simulation: &Simulation| simulation.cnc.variables().get(200).unwrap_or(0);
     let first = value(&simulation);
-    ticks(&mut simulation, 500);
+    run_ticks(&mut simulation, 500);
     assert_eq!(value(&simulation) - first, 250);
     assert_eq!(
-        simulation.run_until(Until::Stopped, 10_000),
-        Outcome::Reached
+        simulation.run_until(StopCondition::Stopped, 10_000),
+        RunUntilResult::Reached
     );
     assert_eq!(value(&simulation), 1000);
-    let (end, seconds) = previewed(text);
-    assert_eq!(end, End::M30);
+    let (end, seconds) = run_preview(text);
+    assert_eq!(end, PreviewEnd::M30);
     assert!((2.0..2.6).contains(&seconds), "{seconds}");
 }
 
@@ -47,10 +47,10 @@ fn an_endless_loop_keeps_running_and_the_preview_gives_up() {
         "N1;\nN2;\nG65 H80 P-2;",
     ] {
         let mut simulation = started(Setup::default(), text);
-        ticks(&mut simulation, 1000);
+        run_ticks(&mut simulation, 1000);
         assert_eq!(simulation.cnc.run_state(), RunState::Run);
     }
-    assert_eq!(previewed("N1 G65 H80 P1;").0, End::Limit);
+    assert_eq!(run_preview("N1 G65 H80 P1;").0, PreviewEnd::Limit);
 }
 
 #[test]
@@ -66,7 +66,7 @@ fn inputs_and_outputs_are_those_of_the_ladder() {
     simulation
         .lathe
         .force_input(BitAddress::new(Area::X, 0, 1), Some(true));
-    ticks(&mut simulation, 1500);
+    run_ticks(&mut simulation, 1500);
     assert!(!simulation.cnc.is_moving());
     assert_eq!(output(&simulation), 1 << 4);
     let more: Vec<u8> = (56..60)
@@ -76,10 +76,10 @@ fn inputs_and_outputs_are_those_of_the_ladder() {
     // #1003 is T04, X0.1 of the standard ladder.
     let contact = BitAddress::new(Area::X, 0, 1);
     simulation.lathe.force_input(contact, Some(true));
-    ticks(&mut simulation, 200);
+    run_ticks(&mut simulation, 200);
     assert_eq!(output(&simulation), 1 << 4);
     simulation.lathe.force_input(contact, Some(false));
-    ticks(&mut simulation, 200);
+    run_ticks(&mut simulation, 200);
     assert_eq!(output(&simulation), 0);
     assert_eq!(simulation.cnc.variables().get(200), Some(77));
 }
@@ -88,18 +88,18 @@ fn inputs_and_outputs_are_those_of_the_ladder() {
 fn variables_survive_power_off_and_are_keyed_in_by_hand() {
     let mut simulation = started(Setup::default(), "G65 H01 P#231 Q-5;\nM30;");
     assert_eq!(
-        simulation.run_until(Until::Stopped, 10_000),
-        Outcome::Reached
+        simulation.run_until(StopCondition::Stopped, 10_000),
+        RunUntilResult::Reached
     );
     simulation.power_cycle();
     assert_eq!(simulation.cnc.variables().get(231), Some(-5));
-    ticks(&mut simulation, 100);
+    run_ticks(&mut simulation, 100);
     press(&mut simulation, BitAddress::new(Area::X, 20, 2));
-    assert_eq!(simulation.cnc.mode(), Mode::Mdi);
+    assert_eq!(simulation.cnc.mode(), OperatingMode::Mdi);
     let mut set = |number, value| {
         simulation
             .cnc
-            .request(Request::SetVariable { number, value })
+            .request(ControlRequest::SetVariable { number, value })
     };
     assert_eq!(set(500, Variables::GREATEST), Ok(()));
     let number = |result: Result<(), Alarm>| result.unwrap_err().number;
@@ -111,17 +111,17 @@ fn variables_survive_power_off_and_are_keyed_in_by_hand() {
 fn a_locked_return_lights_no_lamp() {
     for (locked, lamps) in [(true, 0), (false, 0b11)] {
         let mut simulation = Simulation::new(Setup::default());
-        ticks(&mut simulation, 100);
+        run_ticks(&mut simulation, 100);
         if locked {
             press(&mut simulation, BitAddress::new(Area::X, 21, 0));
         }
         let program = Program::new("G28 U0 W0;\nG04 P300;\nM30;");
         simulation
             .cnc
-            .request(Request::OpenExternal(program))
+            .request(ControlRequest::OpenExternal(program))
             .unwrap();
         simulation.start_automatic();
-        simulation.run_until(Until::Stopped, 60_000);
+        simulation.run_until(StopCondition::Stopped, 60_000);
         assert_eq!(simulation.cnc.plc().memory().f(94), lamps);
         assert_eq!(simulation.cnc.position_absolute().z, 0.0);
     }
@@ -131,7 +131,7 @@ fn a_locked_return_lights_no_lamp() {
 fn user_alarms_come_in_their_turn() {
     let mut simulation = started(Setup::default(), "G01 U10 F60;\nG65 H99 P15;");
     assert!(simulation.cnc.alarms().is_empty() && simulation.cnc.is_moving());
-    simulation.run_until(Until::Stopped, 60_000);
+    simulation.run_until(StopCondition::Stopped, 60_000);
     let alarm = &simulation.cnc.alarms()[0];
     assert_eq!(
         (alarm.number, alarm.line_text()),

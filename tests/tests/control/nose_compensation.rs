@@ -33,9 +33,9 @@ const SINGLE_BLOCK: BitAddress = BitAddress::new(Area::X, 20, 6);
 const CYCLE_START: BitAddress = BitAddress::new(Area::X, 25, 0);
 const RESET: BitAddress = BitAddress::new(Area::X, 26, 0);
 
-type Piece = (u32, MoveKind, [i64; 4]);
+type CompensatedMove = (u32, MoveKind, [i64; 4]);
 
-fn piece(moved: &ExecutedMove) -> Piece {
+fn compensated_move(moved: &ExecutedMove) -> CompensatedMove {
     let round = |value: f64| (value * 1e6).round() as i64;
     let ends = [moved.from.x, moved.from.z, moved.to.x, moved.to.z];
     (moved.source.line, moved.kind, ends.map(round))
@@ -60,28 +60,28 @@ fn started() -> Simulation {
 }
 
 /// The moves up to the next stop.
-fn moves(simulation: &mut Simulation, pieces: &mut Vec<Piece>) {
+fn collect_moves(simulation: &mut Simulation, pieces: &mut Vec<CompensatedMove>) {
     for _ in 0..200_000 {
         if matches!(simulation.cnc.run_state(), RunState::Reset | RunState::Stop) {
             return;
         }
         simulation.tick();
         for event in simulation.cnc.events() {
-            if let Event::Moved(moved) = event
+            if let Event::MoveEnded(moved) = event
                 && moved.kind != MoveKind::Dwell
                 && moved.from != moved.to
             {
-                pieces.push(piece(moved));
+                pieces.push(compensated_move(moved));
             }
         }
     }
 }
 
 /// Presses cycle start until the program has ended.
-fn run_through(simulation: &mut Simulation) -> Vec<Piece> {
+fn run_through(simulation: &mut Simulation) -> Vec<CompensatedMove> {
     let mut pieces = Vec::new();
     for _ in 0..40 {
-        moves(simulation, &mut pieces);
+        collect_moves(simulation, &mut pieces);
         assert_eq!(simulation.cnc.alarms(), []);
         if simulation.cnc.run_state() == RunState::Reset {
             break;
@@ -92,11 +92,11 @@ fn run_through(simulation: &mut Simulation) -> Vec<Piece> {
             for _ in 0..100 {
                 simulation.tick();
                 for event in simulation.cnc.events() {
-                    if let Event::Moved(moved) = event
+                    if let Event::MoveEnded(moved) = event
                         && moved.kind != MoveKind::Dwell
                         && moved.from != moved.to
                     {
-                        pieces.push(piece(moved));
+                        pieces.push(compensated_move(moved));
                     }
                 }
             }
@@ -105,7 +105,7 @@ fn run_through(simulation: &mut Simulation) -> Vec<Piece> {
     pieces
 }
 
-fn previewed() -> Vec<Piece> {
+fn preview_moves() -> Vec<CompensatedMove> {
     let mut programs = ProgramMemory::default();
     programs.open_external(Program::new(PROFILE));
     let mut pieces = Vec::new();
@@ -114,7 +114,7 @@ fn previewed() -> Vec<Piece> {
         &programs,
         &mut |moved: &ExecutedMove| {
             if moved.kind != MoveKind::Dwell {
-                pieces.push(piece(moved));
+                pieces.push(compensated_move(moved));
             }
         },
     );
@@ -124,7 +124,7 @@ fn previewed() -> Vec<Piece> {
 
 #[test]
 fn the_control_runs_what_the_preview_shows() {
-    let expected = previewed();
+    let expected = preview_moves();
     assert!(expected.len() > 12, "{expected:?}");
     assert_eq!(run_through(&mut started()), expected);
 }
@@ -133,14 +133,14 @@ fn the_control_runs_what_the_preview_shows() {
 fn single_block_changes_no_move() {
     let mut simulation = started();
     press(&mut simulation, SINGLE_BLOCK);
-    assert_eq!(run_through(&mut simulation), previewed());
+    assert_eq!(run_through(&mut simulation), preview_moves());
 }
 
 #[test]
-fn reset_leaves_the_tool_where_it_stands() {
+fn reset_leaves_the_tool_in_place() {
     let mut simulation = started();
     let mut pieces = Vec::new();
-    moves(&mut simulation, &mut pieces);
+    collect_moves(&mut simulation, &mut pieces);
     let machine = simulation.cnc.position_machine();
     press(&mut simulation, RESET);
     assert_eq!(simulation.cnc.run_state(), RunState::Reset);
@@ -150,7 +150,7 @@ fn reset_leaves_the_tool_where_it_stands() {
 
 /// Under G96 along a cylinder of 40 and an arc about (60, -60). The nose centre is the tip
 /// (T0), so the path of the tip is 1 mm off the programmed one.
-const SURFACE: &str = "T0202 F600;
+const SURFACE_PROGRAM: &str = "T0202 F600;
 M03 G96 S100;
 G42 G00 X40 Z2;
 G01 Z-30;
@@ -170,7 +170,7 @@ fn the_surface_speed_follows_the_programmed_x() {
         ..ToolOffset::default()
     };
     assert!(setup.memory.offsets.set(2, nose).is_ok());
-    let mut simulation = crate::bench::program::started(setup, SURFACE);
+    let mut simulation = crate::bench::program::started(setup, SURFACE_PROGRAM);
     let (mut straight, mut round, mut waiting) = (0, 0, 0);
     for _ in 0..60_000 {
         simulation.tick();

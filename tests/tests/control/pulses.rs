@@ -4,10 +4,10 @@
 use std::fmt::Write as _;
 
 use gsk_core::axis::AxisChain;
-use gsk_core::battery::Memory;
-use gsk_core::cnc::Request;
+use gsk_core::battery::BatteryMemory;
+use gsk_core::cnc::ControlRequest;
 use gsk_core::machine::{LatheConfig, ServoConfig};
-use gsk_core::memory::{Parameters, PitchTable};
+use gsk_core::memory::{ControlParameters, PitchTable};
 use gsk_core::operation::RunState;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
@@ -15,9 +15,9 @@ use gsk_core::simulation::Simulation;
 use gsk_core::units::{Axis, PerAxis, Point};
 
 /// A random number generator (Knuth's linear congruential generator).
-struct Random(u64);
+struct PulseRandom(u64);
 
-impl Random {
+impl PulseRandom {
     fn below(&mut self, bound: i64) -> i64 {
         self.0 = self
             .0
@@ -33,7 +33,7 @@ impl Random {
 
 /// The settings of an axis, and its expected pulses: integers, straight from the manual. X
 /// counts half thousandths.
-struct Model {
+struct AxisModel {
     per_thousandth: i64,
     gear: (i64, i64),
     reversed: bool,
@@ -46,7 +46,7 @@ struct Model {
     negative: bool,
 }
 
-impl Model {
+impl AxisModel {
     /// The pitch error from point to point between the reference and here.
     fn pitch(&self) -> i64 {
         let point = |number: i64| {
@@ -90,13 +90,13 @@ impl Model {
     }
 }
 
-struct Machine {
-    parameters: Parameters,
+struct PulseMachine {
+    parameters: ControlParameters,
     table: PitchTable,
-    models: PerAxis<Model>,
+    models: PerAxis<AxisModel>,
 }
 
-fn machine(random: &mut Random, gears: bool) -> Machine {
+fn random_machine(random: &mut PulseRandom, gears: bool) -> PulseMachine {
     const GEARS: [(i64, i64); 8] = [
         (1, 1),
         (2, 1),
@@ -107,7 +107,7 @@ fn machine(random: &mut Random, gears: bool) -> Machine {
         (5, 127),
         (100, 3),
     ];
-    let mut parameters = Parameters::default();
+    let mut parameters = ControlParameters::default();
     let mut table = PitchTable::default();
     let mut set = |number: u16, value: i64| {
         let value = i32::try_from(value).unwrap_or(0);
@@ -145,7 +145,7 @@ fn machine(random: &mut Random, gears: bool) -> Machine {
             assert_eq!(kept, Ok(()));
         }
         let first_negative = first >> offset & 1 == 1;
-        Model {
+        AxisModel {
             per_thousandth,
             gear,
             reversed: motors >> offset & 1 == 0,
@@ -159,7 +159,7 @@ fn machine(random: &mut Random, gears: bool) -> Machine {
         }
     };
     let models = PerAxis::new(model(Axis::X, 0, 2), model(Axis::Z, 1, 1));
-    Machine {
+    PulseMachine {
         parameters,
         table,
         models,
@@ -175,9 +175,9 @@ fn pulses_are_exact_after_random_moves() {
         .and_then(|moves| moves.parse().ok())
         .unwrap_or(1_000_000u32);
     let free = PerAxis::new(false, false);
-    let mut random = Random(980);
+    let mut random = PulseRandom(980);
     for _ in 0..MACHINES {
-        let mut machine = machine(&mut random, true);
+        let mut machine = random_machine(&mut random, true);
         let mut chain = AxisChain::new(&machine.parameters, &machine.table);
         let mut compared = 0;
         for number in 0..moves / MACHINES {
@@ -211,9 +211,9 @@ fn pulses_are_exact_after_random_moves() {
 /// The same through programs, with rapids and cuts in all directions.
 #[test]
 fn programs_end_on_the_pulse() {
-    let mut random = Random(5);
+    let mut random = PulseRandom(5);
     for _ in 0..4 {
-        let mut machine = machine(&mut random, false);
+        let mut machine = random_machine(&mut random, false);
         let mut text = String::from("O1;\nG98;\n");
         let start = Point::new(150.0, 300.0);
         machine.models.x.at = 300_000;
@@ -232,15 +232,15 @@ fn programs_end_on_the_pulse() {
         }
         text.push_str("G04 X3;\nM30;\n");
         let setup = Setup {
-            memory: Memory {
+            memory: BatteryMemory {
                 parameters: machine.parameters,
                 pitch: machine.table,
-                ..Memory::default()
+                ..BatteryMemory::default()
             },
             start: Some(start),
             ..Setup::default()
         };
-        let simulation = run(setup, &text);
+        let simulation = run_program(setup, &text);
         let pulses = simulation.cnc.pulses();
         let models = &machine.models;
         assert_eq!(pulses.x.0, models.x.pulses(300_000, from.0));
@@ -248,9 +248,9 @@ fn programs_end_on_the_pulse() {
     }
 }
 
-fn run(setup: Setup, text: &str) -> Simulation {
+fn run_program(setup: Setup, text: &str) -> Simulation {
     let mut simulation = Simulation::new(setup);
-    let request = Request::OpenExternal(Program::new(text));
+    let request = ControlRequest::OpenExternal(Program::new(text));
     assert_eq!(simulation.cnc.request(request), Ok(()));
     simulation.start_automatic();
     for _ in 0..600_000 {
@@ -268,18 +268,21 @@ fn run(setup: Setup, text: &str) -> Simulation {
 #[test]
 fn compensation_makes_up_for_the_play_of_the_screw() {
     let text = "O1;\nG98 G01 W10 F2000;\nW-4;\nG04 X1;\nM30;\n";
-    let off = |value: i32, servo: Option<ServoConfig>| {
+    let position_error = |value: i32, servo: Option<ServoConfig>| {
         let mut setup = Setup::default();
         assert!(setup.memory.parameters.set(35, value).is_ok());
-        let mut lathe = LatheConfig::free();
+        let mut lathe = LatheConfig::without_limits();
         lathe.z.backlash = 0.04;
         lathe.z.servo = servo;
         setup.lathe = lathe;
-        let simulation = run(setup, text);
-        (simulation.lathe.slides().z - 306.0) * 1000.0
+        let simulation = run_program(setup, text);
+        (simulation.lathe.slide_position().z - 306.0) * 1000.0
     };
-    assert_eq!(off(0, None).round(), 40.0);
-    assert_eq!(off(40, None).round(), 0.0);
-    assert_eq!(off(25, None).round(), 15.0);
-    assert_eq!(off(40, Some(ServoConfig::default())).round(), 0.0);
+    assert_eq!(position_error(0, None).round(), 40.0);
+    assert_eq!(position_error(40, None).round(), 0.0);
+    assert_eq!(position_error(25, None).round(), 15.0);
+    assert_eq!(
+        position_error(40, Some(ServoConfig::default())).round(),
+        0.0
+    );
 }

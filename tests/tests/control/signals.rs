@@ -10,8 +10,8 @@
 //!
 //! Text after a semicolon is a remark.
 
-use gsk_core::memory::Parameters;
-use gsk_core::operation::{FromPlc, Handshake, Mode, Strobe, ToPlc};
+use gsk_core::memory::ControlParameters;
+use gsk_core::operation::{FromPlc, Handshake, OperatingMode, Strobe, ToPlc};
 use gsk_core::plc::address::{Area, BitAddress, ByteAddress};
 use gsk_core::plc::{PlcAddress, PlcMemory};
 use gsk_core::setup::standard_ladder;
@@ -27,12 +27,12 @@ const DIRECT: [&str; 10] = [
     "X0.3",  // deceleration switches of the zero return
     "X1.3", "Y0.7", // 011.4 ZDIL: the axes stand while the brake is on
     "Y1.2", // a spindle that turns already at the start
-    "K9", // the mode at power-on (174)
+    "K9",   // the mode at power-on (174)
     "K12",  // the tool at power-on
     "G54.0",
 ];
 
-fn subject(text: &str) -> PlcAddress {
+fn parse_signal(text: &str) -> PlcAddress {
     match text.parse() {
         Ok(bit) => PlcAddress::Bit(bit),
         Err(_) => PlcAddress::Byte(text.parse().unwrap()),
@@ -40,7 +40,7 @@ fn subject(text: &str) -> PlcAddress {
 }
 
 /// Whether a bit of G changes what the control decodes, with any other signals.
-fn control_reads(bit: BitAddress) -> bool {
+fn is_read_by_control(bit: BitAddress) -> bool {
     [0u8, 0x80, 0xff].into_iter().any(|others| {
         let mut memory = PlcMemory::new();
         for byte in 0..=255 {
@@ -63,8 +63,8 @@ fn control_reads(bit: BitAddress) -> bool {
 }
 
 /// F as the control writes it, with everything off or on.
-fn written(on: bool, mode: Mode) -> PlcMemory {
-    let mut parameters = Parameters::default();
+fn written_memory(on: bool, mode: OperatingMode) -> PlcMemory {
+    let mut parameters = ControlParameters::default();
     for number in [1, 4, 9, 11, 164, 168, 172, 173, 175] {
         for bit in 0..8 {
             let _ = parameters.set_bit(number, bit, on);
@@ -111,9 +111,9 @@ fn written(on: bool, mode: Mode) -> PlcMemory {
         output_key: on,
         sending: on,
         receiving: on,
-        reading_in: on,
+        receiving_in_background: on,
         stopped_by_override: on,
-        checking: on,
+        board_lags: on,
         soft_switches: if on { 0b11_1110 } else { 0 },
         ready: on,
         spindle_jog: on,
@@ -127,10 +127,10 @@ fn written(on: bool, mode: Mode) -> PlcMemory {
     memory
 }
 
-fn control_writes(bit: BitAddress) -> bool {
-    let mut seen = Mode::ALL
+fn is_written_by_control(bit: BitAddress) -> bool {
+    let mut seen = OperatingMode::ALL
         .iter()
-        .flat_map(|mode| [written(false, *mode), written(true, *mode)])
+        .flat_map(|mode| [written_memory(false, *mode), written_memory(true, *mode)])
         .map(|memory| memory.bit(bit));
     let first = seen.next().unwrap();
     // F54 to F59 are the macro variables #1100 to #1133.
@@ -138,17 +138,19 @@ fn control_writes(bit: BitAddress) -> bool {
 }
 
 /// What acts on a signal, according to the program.
-fn actors(address: &str) -> Vec<&'static str> {
-    let control = match subject(address) {
+fn find_actors(address: &str) -> Vec<&'static str> {
+    let control = match parse_signal(address) {
         PlcAddress::Bit(bit) if bit.area == Area::G => {
-            control_reads(bit) || matches!(bit.byte, 54 | 55)
+            is_read_by_control(bit) || matches!(bit.byte, 54 | 55)
         }
-        PlcAddress::Bit(bit) if bit.area == Area::F => control_writes(bit),
+        PlcAddress::Bit(bit) if bit.area == Area::F => is_written_by_control(bit),
         PlcAddress::Bit(bit) => bit.area == Area::A || DIRECT.contains(&address),
         PlcAddress::Byte(ByteAddress { area: Area::Dt, .. }) => true,
         PlcAddress::Byte(_) => DIRECT.contains(&address),
     };
-    let used = !standard_ladder().references(subject(address)).is_empty();
+    let used = !standard_ladder()
+        .references(parse_signal(address))
+        .is_empty();
     let mut actors = Vec::new();
     if control {
         actors.push("control");
@@ -173,7 +175,7 @@ fn every_signal_acts_where_the_table_says() {
             acts if acts.starts_with("none: ") => Vec::new(),
             acts => acts.split(';').next().unwrap().split(' ').collect(),
         };
-        let seen = actors(address);
+        let seen = find_actors(address);
         if seen != words || acts.is_empty() {
             wrong.push(format!("{address}\t{}", seen.join(" ")));
         }

@@ -1,11 +1,11 @@
 //! Control, ladder and lathe together: from the key to the pulse.
 
-use crate::bench::{press, ticks};
+use crate::bench::{press, run_ticks};
 use gsk_core::cnc::Event;
-use gsk_core::operation::{Mode, RunState};
+use gsk_core::operation::{OperatingMode, RunState};
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::setup::Setup;
-use gsk_core::simulation::{Outcome, Simulation, Until};
+use gsk_core::simulation::{RunUntilResult, Simulation, StopCondition};
 
 const MINUTE: u64 = 60_000;
 
@@ -17,17 +17,17 @@ fn with_program(text: &str) -> Simulation {
     crate::bench::program::with_program(Setup::default(), text)
 }
 
-fn run(text: &str) -> Simulation {
+fn run_program(text: &str) -> Simulation {
     let mut simulation = crate::bench::program::started(Setup::default(), text);
     assert_eq!(
-        simulation.run_until(Until::Stopped, 10 * MINUTE),
-        Outcome::Reached
+        simulation.run_until(StopCondition::Stopped, 10 * MINUTE),
+        RunUntilResult::Reached
     );
     simulation
 }
 
 #[track_caller]
-fn stopped_at(simulation: &Simulation, diameter: f64, z: f64) {
+fn assert_stopped_at(simulation: &Simulation, diameter: f64, z: f64) {
     let at = simulation.cnc.position_absolute();
     let near = (at.diameter().0 - diameter).abs() < 1e-9 && (at.z - z).abs() < 1e-9;
     assert!(
@@ -36,7 +36,7 @@ fn stopped_at(simulation: &Simulation, diameter: f64, z: f64) {
         at.diameter().0,
         at.z
     );
-    let slides = simulation.lathe.slides();
+    let slides = simulation.lathe.slide_position();
     let machine = simulation.cnc.position_machine();
     assert!((slides.x - machine.x).abs() < 1e-6 && (slides.z - machine.z).abs() < 1e-6);
 }
@@ -44,7 +44,7 @@ fn stopped_at(simulation: &Simulation, diameter: f64, z: f64) {
 #[test]
 fn the_machine_is_ready_after_power_on() {
     let mut simulation = Simulation::new(Setup::delivered());
-    ticks(&mut simulation, 500);
+    run_ticks(&mut simulation, 500);
     assert!(
         simulation.cnc.alarms().is_empty(),
         "{:?}",
@@ -58,15 +58,16 @@ fn the_machine_is_ready_after_power_on() {
 
 #[test]
 fn a_program_runs_from_the_key_to_the_pulse() {
-    let simulation = run("O0001\nG00 X100 Z50\nG98 G01 X80 Z20 F500\nG02 X100 Z10 R10\nM30\n");
-    stopped_at(&simulation, 100.0, 10.0);
+    let simulation =
+        run_program("O0001\nG00 X100 Z50\nG98 G01 X80 Z20 F500\nG02 X100 Z10 R10\nM30\n");
+    assert_stopped_at(&simulation, 100.0, 10.0);
     assert_eq!(simulation.cnc.run_state(), RunState::Reset);
     assert_eq!(simulation.cnc.counters().parts, 1);
 }
 
 #[test]
 fn spindle_tool_and_coolant_go_through_the_ladder() {
-    let simulation = run("O0001\nT0303\nM03 S600\nM08\nG04 X2\nG00 X50\nM00\nM30\n");
+    let simulation = run_program("O0001\nT0303\nM03 S600\nM08\nG04 X2\nG00 X50\nM00\nM30\n");
     assert!(
         simulation.cnc.alarms().is_empty(),
         "{:?}",
@@ -86,30 +87,30 @@ fn spindle_tool_and_coolant_go_through_the_ladder() {
 
 #[test]
 fn m30_stops_spindle_and_coolant() {
-    let mut simulation = run("O0001\nM03 S600\nM08\nM30\n");
-    ticks(&mut simulation, 5000);
+    let mut simulation = run_program("O0001\nM03 S600\nM08\nM30\n");
+    run_ticks(&mut simulation, 5000);
     assert!(simulation.lathe.spindle_rpm().abs() < 1.0);
     assert_eq!(simulation.cnc.plc().memory().y(0) & 0b1000, 0);
 }
 
 #[test]
-fn feed_hold_stops_and_cycle_start_goes_on() {
+fn feed_hold_stops_and_cycle_start_continues() {
     let mut simulation = with_program("O0001\nG98 G01 X200 F300\nM30\n");
     simulation.start_automatic();
-    ticks(&mut simulation, 1000);
+    run_ticks(&mut simulation, 1000);
     assert_eq!(simulation.cnc.run_state(), RunState::Run);
     press(&mut simulation, key(24, 7));
-    ticks(&mut simulation, 1000);
+    run_ticks(&mut simulation, 1000);
     assert_eq!(simulation.cnc.run_state(), RunState::Hold);
     let held = simulation.cnc.position_absolute();
-    ticks(&mut simulation, 500);
+    run_ticks(&mut simulation, 500);
     assert_eq!(simulation.cnc.position_absolute(), held);
     press(&mut simulation, key(25, 0));
     assert_eq!(
-        simulation.run_until(Until::Stopped, 10 * MINUTE),
-        Outcome::Reached
+        simulation.run_until(StopCondition::Stopped, 10 * MINUTE),
+        RunUntilResult::Reached
     );
-    stopped_at(&simulation, 200.0, 300.0);
+    assert_stopped_at(&simulation, 200.0, 300.0);
 }
 
 #[test]
@@ -119,7 +120,7 @@ fn single_block_stops_after_each_block() {
     simulation.start_automatic();
     let mut stops = Vec::new();
     for _ in 0..3 {
-        simulation.run_until(Until::Stopped, MINUTE);
+        simulation.run_until(StopCondition::Stopped, MINUTE);
         stops.push((simulation.cnc.run_state(), simulation.cnc.cursor().line));
         press(&mut simulation, key(25, 0));
     }
@@ -137,29 +138,29 @@ fn single_block_stops_after_each_block() {
 fn reset_ends_the_run_at_its_block() {
     let mut simulation = with_program("O0001\nG98 G01 X200 F300\nG01 Z0\nM30\n");
     simulation.start_automatic();
-    ticks(&mut simulation, 1000);
+    run_ticks(&mut simulation, 1000);
     press(&mut simulation, key(26, 0));
-    ticks(&mut simulation, 2000);
+    run_ticks(&mut simulation, 2000);
     assert_eq!(simulation.cnc.run_state(), RunState::Reset);
     assert!(!simulation.cnc.is_moving());
     assert_eq!(simulation.cnc.cursor().line, 2);
 }
 
 #[test]
-fn the_emergency_stop_stops_at_once_and_leaves_by_itself() {
+fn the_emergency_stop_stops_at_once_and_clears_when_released() {
     let mut simulation = with_program("O0001\nM03 S500\nG98 G01 X200 F300\nM30\n");
     simulation.start_automatic();
-    ticks(&mut simulation, 3000);
+    run_ticks(&mut simulation, 3000);
     assert!(simulation.cnc.is_moving());
     simulation.lathe.set_emergency_button(true);
-    ticks(&mut simulation, 12);
+    run_ticks(&mut simulation, 12);
     assert!(!simulation.cnc.is_moving());
     assert_eq!(simulation.cnc.alarms()[0].number, 207);
-    assert!(simulation.cnc.not_ready());
-    ticks(&mut simulation, 100);
+    assert!(simulation.cnc.is_shown_not_ready());
+    run_ticks(&mut simulation, 100);
     assert_eq!(simulation.cnc.plc().memory().y(1) & 0b100, 0, "M03 is off");
     simulation.lathe.set_emergency_button(false);
-    ticks(&mut simulation, 200);
+    run_ticks(&mut simulation, 200);
     assert!(simulation.cnc.alarms().is_empty());
     assert_eq!(simulation.cnc.run_state(), RunState::Reset);
     assert!(!simulation.cnc.is_moving());
@@ -168,11 +169,11 @@ fn the_emergency_stop_stops_at_once_and_leaves_by_itself() {
 #[test]
 fn jog_follows_its_key() {
     let mut simulation = Simulation::new(Setup::delivered());
-    ticks(&mut simulation, 100);
+    run_ticks(&mut simulation, 100);
     press(&mut simulation, key(20, 5));
-    assert_eq!(simulation.cnc.mode(), Mode::Jog);
+    assert_eq!(simulation.cnc.mode(), OperatingMode::Jog);
     simulation.cnc.set_panel_key(key(22, 5), true);
-    ticks(&mut simulation, 2000);
+    run_ticks(&mut simulation, 2000);
     let speed = simulation.cnc.feed_actual();
     assert!(
         (speed - 126.0).abs() < 1.0,
@@ -180,34 +181,34 @@ fn jog_follows_its_key() {
     );
     assert!(simulation.cnc.position_machine().z < 0.0, "left is Z-");
     simulation.cnc.set_panel_key(key(22, 5), false);
-    ticks(&mut simulation, 1000);
+    run_ticks(&mut simulation, 1000);
     assert!(!simulation.cnc.is_moving());
 
     press(&mut simulation, key(22, 6));
     simulation.cnc.set_panel_key(key(22, 5), true);
-    ticks(&mut simulation, 1000);
+    run_ticks(&mut simulation, 1000);
     let speed = simulation.cnc.feed_actual();
     assert!((speed - 7600.0).abs() < 1.0, "rapid of Z, not {speed}");
 }
 
 #[test]
-fn a_held_program_goes_on_after_jogging() {
+fn a_held_program_continues_after_jogging() {
     let mut simulation = with_program("O0001\nG98 G01 X200 F300\nG01 X100\nM30\n");
     simulation.start_automatic();
-    ticks(&mut simulation, 1000);
+    run_ticks(&mut simulation, 1000);
     press(&mut simulation, key(20, 5));
-    ticks(&mut simulation, 500);
+    run_ticks(&mut simulation, 500);
     assert_eq!(simulation.cnc.run_state(), RunState::Hold);
     let before = simulation.cnc.position_absolute();
     simulation.cnc.set_panel_key(key(22, 7), true);
-    ticks(&mut simulation, 1000);
+    run_ticks(&mut simulation, 1000);
     simulation.cnc.set_panel_key(key(22, 7), false);
-    ticks(&mut simulation, 1000);
+    run_ticks(&mut simulation, 1000);
     assert!(simulation.cnc.position_absolute().z > before.z);
     simulation.start_automatic();
     assert_eq!(
-        simulation.run_until(Until::Stopped, 10 * MINUTE),
-        Outcome::Reached
+        simulation.run_until(StopCondition::Stopped, 10 * MINUTE),
+        RunUntilResult::Reached
     );
     assert!((simulation.cnc.position_absolute().diameter().0 - 100.0).abs() < 1e-9);
 }
@@ -216,21 +217,21 @@ fn a_held_program_goes_on_after_jogging() {
 fn feed_override_steps_act() {
     let mut simulation = with_program("O0001\nG98 G01 X0 F200\nM30\n");
     simulation.start_automatic();
-    ticks(&mut simulation, 2000);
+    run_ticks(&mut simulation, 2000);
     for _ in 0..5 {
         press(&mut simulation, key(24, 6));
     }
-    ticks(&mut simulation, 1000);
+    run_ticks(&mut simulation, 1000);
     assert_eq!(simulation.cnc.feed_override(), 50);
     assert!((simulation.cnc.feed_actual() - 100.0).abs() < 0.5);
 }
 
 #[test]
 fn an_alarm_stops_at_its_block() {
-    let simulation = run("O0001\nG00 X100\nG01 Z10\nM30\n");
+    let simulation = run_program("O0001\nG00 X100\nG01 Z10\nM30\n");
     let alarm = &simulation.cnc.alarms()[0];
     assert_eq!((alarm.number, alarm.source.unwrap().line), (11, 3));
-    stopped_at(&simulation, 100.0, 300.0);
+    assert_stopped_at(&simulation, 100.0, 300.0);
     assert_ne!(simulation.cnc.run_state(), RunState::Run);
 }
 
@@ -238,10 +239,10 @@ fn an_alarm_stops_at_its_block() {
 fn an_endless_loop_stays_responsive() {
     let mut simulation = with_program("O0001\nM99\n");
     simulation.start_automatic();
-    ticks(&mut simulation, 1000);
+    run_ticks(&mut simulation, 1000);
     assert_eq!(simulation.cnc.run_state(), RunState::Run);
     press(&mut simulation, key(26, 0));
-    ticks(&mut simulation, 100);
+    run_ticks(&mut simulation, 100);
     assert_eq!(simulation.cnc.run_state(), RunState::Reset);
 }
 
@@ -250,11 +251,11 @@ fn machine_lock_moves_the_display_only() {
     let mut simulation = with_program("O0001\nG00 X100 Z50\nM30\n");
     press(&mut simulation, key(21, 0));
     simulation.start_automatic();
-    simulation.run_until(Until::Stopped, MINUTE);
+    simulation.run_until(StopCondition::Stopped, MINUTE);
     let at = simulation.cnc.position_absolute();
     assert_eq!((at.diameter().0, at.z), (100.0, 50.0));
     assert!((simulation.cnc.position_machine().z - 300.0).abs() < 1e-9);
-    assert_eq!(simulation.lathe.slides().z, 300.0);
+    assert_eq!(simulation.lathe.slide_position().z, 300.0);
 }
 
 #[test]
@@ -265,7 +266,7 @@ fn executed_moves_are_reported_in_order() {
     while simulation.cnc.run_state() == RunState::Run {
         simulation.tick();
         for event in simulation.cnc.events() {
-            if let Event::Moved(piece) = event {
+            if let Event::MoveEnded(piece) = event {
                 lines.push(piece.source.line);
             }
         }
@@ -274,27 +275,27 @@ fn executed_moves_are_reported_in_order() {
 }
 
 #[test]
-fn a_saved_simulation_goes_on_bit_for_bit() {
+fn a_saved_simulation_continues_bit_for_bit() {
     let mut one = with_program("O0001\nM03 S500\nG98 G01 X200 Z100 F700\nM30\n");
     one.start_automatic();
-    ticks(&mut one, 2000);
+    run_ticks(&mut one, 2000);
     let mut other = one.clone();
-    ticks(&mut one, 5000);
-    ticks(&mut other, 5000);
+    run_ticks(&mut one, 5000);
+    run_ticks(&mut other, 5000);
     assert_eq!(one, other);
 }
 
 #[test]
-fn soft_limits_stop_a_jog_and_leave_the_way_back() {
+fn soft_limits_stop_a_jog_and_allow_the_return() {
     let mut setup = Setup::default();
     setup.memory.parameters.set(46, 310_000).unwrap();
     setup.memory.parameters.set_bit(172, 4, false).unwrap();
     let mut simulation = Simulation::new(setup);
-    ticks(&mut simulation, 100);
+    run_ticks(&mut simulation, 100);
     press(&mut simulation, key(20, 5));
     press(&mut simulation, key(22, 6));
     simulation.cnc.set_panel_key(key(22, 7), true);
-    ticks(&mut simulation, 3000);
+    run_ticks(&mut simulation, 3000);
     assert_eq!(simulation.cnc.alarms()[0].number, 203);
     let over = simulation.cnc.position_machine().z - 310.0;
     assert!(
@@ -302,11 +303,11 @@ fn soft_limits_stop_a_jog_and_leave_the_way_back() {
         "stopped {over} mm beyond the limit"
     );
     simulation.cnc.set_panel_key(key(22, 7), false);
-    ticks(&mut simulation, 500);
+    run_ticks(&mut simulation, 500);
     simulation.cnc.set_panel_key(key(22, 5), true);
-    ticks(&mut simulation, 500);
+    run_ticks(&mut simulation, 500);
     simulation.cnc.set_panel_key(key(22, 5), false);
-    ticks(&mut simulation, 500);
+    run_ticks(&mut simulation, 500);
     assert!(simulation.cnc.position_machine().z < 310.0);
     press(&mut simulation, key(26, 0));
     assert!(simulation.cnc.alarms().is_empty());
@@ -341,11 +342,11 @@ fn a_rapid_passes_a_soft_limit_by_a_fifth_of_its_rate_at_most() {
             setup.memory.parameters.set(number, value).unwrap();
             setup.memory.parameters.set_bit(172, 4, false).unwrap();
             let mut simulation = Simulation::new(setup);
-            ticks(&mut simulation, 100);
+            run_ticks(&mut simulation, 100);
             press(&mut simulation, key(20, 5));
             press(&mut simulation, key(22, 6));
             simulation.cnc.set_panel_key(jog, true);
-            ticks(&mut simulation, 1500);
+            run_ticks(&mut simulation, 1500);
             let position = simulation.cnc.position_machine();
             let reached = if along_x { position.x } else { position.z };
             let over = f64::from(sign) * reached - f64::from(sign * thousandths) / 1000.0;
@@ -360,10 +361,10 @@ fn a_rapid_passes_a_soft_limit_by_a_fifth_of_its_rate_at_most() {
 
 #[test]
 fn power_off_and_on_keeps_tool_overrides_and_parts() {
-    let mut simulation = run("O0001\nT0202\nM30\n");
+    let mut simulation = run_program("O0001\nT0202\nM30\n");
     press(&mut simulation, key(24, 3));
     simulation.power_cycle();
-    ticks(&mut simulation, 500);
+    run_ticks(&mut simulation, 500);
     assert!(
         simulation.cnc.alarms().is_empty(),
         "{:?}",
@@ -372,18 +373,21 @@ fn power_off_and_on_keeps_tool_overrides_and_parts() {
     assert_eq!(simulation.cnc.tool(), (2, 0));
     assert_eq!(simulation.cnc.feed_override(), 110);
     assert_eq!(simulation.cnc.counters().parts, 1);
-    assert_eq!(simulation.cnc.mode(), Mode::Auto);
-    let (slides, machine) = (simulation.lathe.slides(), simulation.cnc.position_machine());
+    assert_eq!(simulation.cnc.mode(), OperatingMode::Auto);
+    let (slides, machine) = (
+        simulation.lathe.slide_position(),
+        simulation.cnc.position_machine(),
+    );
     assert_eq!(slides, machine);
 }
 
 #[test]
 fn the_tool_change_key_indexes_the_tool_post() {
     let mut simulation = Simulation::new(Setup::delivered());
-    ticks(&mut simulation, 100);
+    run_ticks(&mut simulation, 100);
     press(&mut simulation, key(20, 5));
     press(&mut simulation, key(24, 0));
-    ticks(&mut simulation, 5000);
+    run_ticks(&mut simulation, 5000);
     assert_eq!(simulation.lathe.station(), Some(2));
     assert_eq!(simulation.cnc.tool(), (2, 0));
 }
@@ -392,7 +396,7 @@ fn the_tool_change_key_indexes_the_tool_post() {
 fn a_cut_per_revolution_follows_the_measured_spindle() {
     let mut simulation = with_program("O0001\nM03 S500\nG99 G01 X0 F0.2\nM30\n");
     simulation.start_automatic();
-    ticks(&mut simulation, 8000);
+    run_ticks(&mut simulation, 8000);
     let speed = simulation.cnc.feed_actual();
     assert!(
         (speed - 100.0).abs() < 0.5,
@@ -405,7 +409,7 @@ fn dry_run_locks_the_machine_and_takes_the_jog_rate() {
     let mut simulation = with_program("O0001\nG98 G01 X0 F20\nM03 S300\nM30\n");
     press(&mut simulation, key(21, 2));
     simulation.start_automatic();
-    ticks(&mut simulation, 2000);
+    run_ticks(&mut simulation, 2000);
     assert!((simulation.cnc.feed_actual() - 126.0).abs() < 0.5);
     assert!((simulation.cnc.position_machine().x - 150.0).abs() < 1e-9);
 }

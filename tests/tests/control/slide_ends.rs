@@ -1,7 +1,7 @@
 //! The slides of every lathe have ends. These tests check what the control reports about a
 //! stop there (manual III-3.5, III-7).
 
-use crate::bench::{press, ticks};
+use crate::bench::{press, run_ticks};
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Event;
 use gsk_core::machine::{AxisConfig, LatheConfig, ServoConfig};
@@ -15,7 +15,7 @@ use proptest::test_runner::{Config, TestRunner};
 
 /// The longest return, ms: from one end of the training lathe to the other, and at the low
 /// rate of 033 over a dog.
-const LONGEST: u32 = 40_000;
+const MAX_RETURN_MS: u32 = 40_000;
 
 const fn key(byte: u16, bit: u8) -> BitAddress {
     BitAddress::new(Area::X, byte, bit)
@@ -26,7 +26,7 @@ const X_PLUS: BitAddress = key(23, 1);
 const Z_PLUS: BitAddress = key(22, 7);
 
 /// A lathe in machine zero mode, its slides at a position (X in radius).
-fn lathe(config: LatheConfig, bits: &[(u16, u8, bool)], place: Point) -> Simulation {
+fn lathe_at(config: LatheConfig, bits: &[(u16, u8, bool)], position: Point) -> Simulation {
     let mut setup = Setup::delivered();
     for (number, bit, value) in bits {
         assert!(
@@ -39,16 +39,16 @@ fn lathe(config: LatheConfig, bits: &[(u16, u8, bool)], place: Point) -> Simulat
     }
     setup.lathe = config;
     let mut simulation = Simulation::new(setup);
-    simulation.lathe.put_slides(place);
-    ticks(&mut simulation, 300);
+    simulation.lathe.move_slides(position);
+    run_ticks(&mut simulation, 300);
     press(&mut simulation, MACHINE_ZERO);
     simulation
 }
 
 /// Runs a return to its end: standstill for a fifth of a second.
-fn comes_to_an_end(simulation: &mut Simulation) -> bool {
+fn is_finished(simulation: &mut Simulation) -> bool {
     let mut still = 0;
-    for _ in 0..LONGEST {
+    for _ in 0..MAX_RETURN_MS {
         simulation.tick();
         still = if simulation.cnc.is_moving() {
             0
@@ -62,14 +62,14 @@ fn comes_to_an_end(simulation: &mut Simulation) -> bool {
     false
 }
 
-fn detail(simulation: &Simulation, number: u16) -> String {
+fn alarm_detail(simulation: &Simulation, number: u16) -> String {
     let standing = simulation.cnc.alarms().iter();
     let found = standing.filter(|alarm| alarm.number == number);
     found.map(Alarm::detail_en).collect()
 }
 
 /// The training lathe, without parts that a machine file may remove.
-fn without(limits: bool, dogs: bool, servo: Option<ServoConfig>) -> LatheConfig {
+fn lathe_without(limits: bool, dogs: bool, servo: Option<ServoConfig>) -> LatheConfig {
     let less = |axis: AxisConfig| AxisConfig {
         limits: axis.limits.filter(|_| limits),
         dog: axis.dog.filter(|_| dogs),
@@ -105,7 +105,7 @@ fn a_return_from_anywhere_comes_to_an_end_within_the_slide() {
     let ways = (lathes, methods, 0.0..=1.0f64, 0.0..=1.0f64)
         .prop_map(|(lathe, method, x, z)| (lathe, method, x, z));
     let outcome = runner.run(&ways, |((limits, dogs, servo), method, x, z)| {
-        let config = without(limits, dogs, servo.then(ServoConfig::default));
+        let config = lathe_without(limits, dogs, servo.then(ServoConfig::default));
         let (of_x, of_z) = (config.x.slide_ends(Axis::X), config.z.slide_ends(Axis::Z));
         let at = |minus: f64, plus: f64, part: f64| minus + (plus - minus) * part;
         let place = Point::new(
@@ -122,81 +122,84 @@ fn a_return_from_anywhere_comes_to_an_end_within_the_slide() {
             (6, 0, negative),
             (6, 1, negative),
         ];
-        let mut simulation = lathe(config, &bits, place);
+        let mut simulation = lathe_at(config, &bits, place);
         press(&mut simulation, X_PLUS);
         press(&mut simulation, Z_PLUS);
-        prop_assert!(comes_to_an_end(&mut simulation), "it does not end");
-        let slides = simulation.lathe.slides();
+        prop_assert!(is_finished(&mut simulation), "it does not end");
+        let slides = simulation.lathe.slide_position();
         let (x, z) = (slides.x * 2.0, slides.z);
         prop_assert!((of_x.minus..=of_x.plus).contains(&x), "X stands at {x}");
         prop_assert!((of_z.minus..=of_z.plus).contains(&z), "Z stands at {z}");
-        let arrived = simulation.cnc.referenced();
-        let told = !simulation.cnc.alarms().is_empty();
-        prop_assert!(told || arrived.x && arrived.z, "it stands and says nothing");
+        let arrived = simulation.cnc.referenced_axes();
+        let has_alarm = !simulation.cnc.alarms().is_empty();
+        prop_assert!(
+            has_alarm || arrived.x && arrived.z,
+            "it stands and says nothing"
+        );
         Ok(())
     });
     assert_eq!(outcome, Ok(()));
 }
 
 #[test]
-fn a_return_without_switches_ends_in_a_drive_alarm_that_says_so() {
-    let mut simulation = lathe(
-        without(false, false, None),
+fn a_return_without_switches_ends_in_a_drive_alarm_that_names_them() {
+    let mut simulation = lathe_at(
+        lathe_without(false, false, None),
         &[(11, 2, true)],
         Point::default(),
     );
     press(&mut simulation, Z_PLUS);
-    assert!(comes_to_an_end(&mut simulation));
-    assert_eq!(simulation.lathe.slides().z, 15.0);
+    assert!(is_finished(&mut simulation));
+    assert_eq!(simulation.lathe.slide_position().z, 15.0);
     assert_eq!(
-        detail(&simulation, 222),
+        alarm_detail(&simulation, 222),
         "Z was returning to its machine zero and had not met the deceleration switch"
     );
 }
 
 #[test]
-fn the_alarm_of_a_limit_switch_names_axis_side_and_way_off() {
+fn the_alarm_of_a_limit_switch_names_axis_side_and_direction_off() {
     // Beyond the dog, which ends at -5: the return hits the limit switch at +5.
     let place = Point::new(-50.0, -2.0);
-    let mut simulation = lathe(LatheConfig::default(), &[(11, 2, true)], place);
+    let mut simulation = lathe_at(LatheConfig::default(), &[(11, 2, true)], place);
     press(&mut simulation, Z_PLUS);
-    assert!(comes_to_an_end(&mut simulation));
+    assert!(is_finished(&mut simulation));
     assert_eq!(
-        detail(&simulation, 207),
+        alarm_detail(&simulation, 207),
         "limit switch Z+: hold the overtravel release, jog Z-; Z was returning to its machine \
          zero and had not met the deceleration switch"
     );
     // The button alone has no side.
-    let mut simulation = lathe(LatheConfig::default(), &[], Point::new(-50.0, -100.0));
+    let mut simulation = lathe_at(LatheConfig::default(), &[], Point::new(-50.0, -100.0));
     simulation.lathe.set_emergency_button(true);
-    ticks(&mut simulation, 50);
+    run_ticks(&mut simulation, 50);
     assert_eq!(simulation.cnc.alarms()[0], Alarm::new(207));
 }
 
 #[test]
-fn a_return_that_begins_on_its_switch_is_told_the_way_off() {
+fn a_return_that_begins_on_its_switch_reports_the_direction_off() {
     for (negative, way) in [(false, "X-"), (true, "X+")] {
         let place = Point::new(-20.0, -100.0);
         let bits = [(6, 0, negative)];
-        let mut simulation = lathe(LatheConfig::default(), &bits, place);
+        let mut simulation = lathe_at(LatheConfig::default(), &bits, place);
         press(&mut simulation, X_PLUS);
         assert_eq!(
-            detail(&simulation, 90),
+            alarm_detail(&simulation, 90),
             format!("X stands on its deceleration switch: jog {way} until it is off, then return")
         );
     }
 }
 
 /// The advice to the operator while a key is pressed and released.
-fn advice(latching: bool, z: f64) -> Vec<String> {
+fn advice_messages(latching: bool, z: f64) -> Vec<String> {
     let place = Point::new(-50.0, z);
-    let mut simulation = lathe(LatheConfig::default(), &[(11, 2, latching)], place);
-    let mut told = Vec::new();
+    let mut simulation = lathe_at(LatheConfig::default(), &[(11, 2, latching)], place);
+    let mut messages = Vec::new();
     for (at, down) in [(Z_PLUS, true), (Z_PLUS, false), (MACHINE_ZERO, true)] {
         simulation.cnc.set_panel_key(at, down);
         for _ in 0..600 {
             simulation.tick();
-            told.extend(
+            messages.extend(
                 simulation
                     .cnc
                     .events()
@@ -208,22 +211,22 @@ fn advice(latching: bool, z: f64) -> Vec<String> {
             );
         }
     }
-    assert!(!simulation.cnc.is_moving() && !simulation.cnc.referenced().z);
-    told
+    assert!(!simulation.cnc.is_moving() && !simulation.cnc.referenced_axes().z);
+    messages
 }
 
 #[test]
-fn a_key_of_a_return_let_go_too_early_is_told_to_be_held() {
+fn a_return_key_released_too_early_advises_to_hold_it() {
     let text =
         "the return of Z is broken off: hold its key until the lamp lights, or set 011.2 = 1";
-    assert_eq!(advice(false, -150.0), [text]);
+    assert_eq!(advice_messages(false, -150.0), [text]);
     // One press is enough; the key of the mode stops it on purpose.
-    assert_eq!(advice(true, -150.0), [""; 0]);
+    assert_eq!(advice_messages(true, -150.0), [""; 0]);
 }
 
 #[test]
-fn a_return_broken_off_on_its_switch_is_told_to_begin_before_it() {
+fn a_return_interrupted_on_its_switch_advises_to_start_before_it() {
     let text = "the return of Z is broken off at its deceleration switch: jog Z- until it is \
                 clear of the switch, then hold the key until the lamp lights";
-    assert_eq!(advice(false, -30.5), [text]);
+    assert_eq!(advice_messages(false, -30.5), [text]);
 }

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::bench::program::{started, with_program};
-use crate::bench::{press, ticks};
-use gsk_core::machine::Fault;
+use crate::bench::{press, run_ticks};
+use gsk_core::machine::LatheFault;
 use gsk_core::operation::RunState;
 use gsk_core::plc::Ladder;
 use gsk_core::plc::address::{Area, BitAddress};
@@ -39,7 +39,7 @@ fn setup(changes: &[(u16, i32)]) -> Setup {
 
 /// Runs until the condition holds. Returns the number of ticks.
 #[track_caller]
-fn until(simulation: &mut Simulation, reached: impl Fn(&Simulation) -> bool) -> u32 {
+fn run_until(simulation: &mut Simulation, reached: impl Fn(&Simulation) -> bool) -> u32 {
     let mut count = 0;
     while !reached(simulation) {
         assert!(count < 60_000, "never: {:?}", simulation.cnc.alarms());
@@ -49,7 +49,7 @@ fn until(simulation: &mut Simulation, reached: impl Fn(&Simulation) -> bool) -> 
     count
 }
 
-fn on(simulation: &Simulation, output: BitAddress) -> bool {
+fn is_on(simulation: &Simulation, output: BitAddress) -> bool {
     simulation.cnc.plc().memory().bit(output)
 }
 
@@ -61,27 +61,27 @@ fn volts(simulation: &Simulation) -> f64 {
 fn a_gear_change_goes_step_by_step() {
     let text = "O0001\nM03 S1000\nG04 X1\nM42 G98 G01 X200 F6000\nM42\nM00\nM30\n";
     let mut simulation = started(setup(&GEARS), text);
-    until(&mut simulation, |s| s.cnc.cursor().line == 3);
+    run_until(&mut simulation, |s| s.cnc.cursor().line == 3);
     assert!((volts(&simulation) - 5.0).abs() < 1e-9, "S1000 of 2000");
-    until(&mut simulation, |s| s.cnc.spindle_commanded() == 500.0);
+    run_until(&mut simulation, |s| s.cnc.spindle_commanded() == 500.0);
     let at = simulation.cnc.position_absolute();
     assert!((volts(&simulation) - 2.5).abs() < 1e-9, "067 in gear 1");
-    ticks(&mut simulation, 30);
+    run_ticks(&mut simulation, 30);
     assert_eq!(simulation.cnc.plc().memory().f(34), 0b10, "GR20");
-    assert!(!on(&simulation, M42_OUTPUT));
+    assert!(!is_on(&simulation, M42_OUTPUT));
     // 065 in units of 256 ms, then the gear's switch 500 ms after its output, then 066.
-    let output = 30 + until(&mut simulation, |s| on(s, M42_OUTPUT));
+    let output = 30 + run_until(&mut simulation, |s| is_on(s, M42_OUTPUT));
     assert!((256..340).contains(&output), "{output}");
-    let end = until(&mut simulation, |s| s.cnc.spindle_commanded() == 1000.0);
+    let end = run_until(&mut simulation, |s| s.cnc.spindle_commanded() == 1000.0);
     assert!((800..900).contains(&end), "{end}");
     assert!((volts(&simulation) - 2.5).abs() < 1e-9, "S1000 of 4000");
     let moved = (simulation.cnc.position_absolute() - at).length();
     assert!(moved < 1e-3, "motion waits, it made {moved}");
     // Engaged already: the second M42 has nothing to do.
-    until(&mut simulation, |s| {
+    run_until(&mut simulation, |s| {
         s.cnc.position_absolute().diameter().0 == 200.0
     });
-    let line = until(&mut simulation, |s| s.cnc.cursor().line == 6);
+    let line = run_until(&mut simulation, |s| s.cnc.cursor().line == 6);
     assert!(line < 20, "{line}");
 }
 
@@ -89,8 +89,8 @@ fn a_gear_change_goes_step_by_step() {
 fn gears_three_and_four_have_no_switch() {
     let text = "O0001\nM03 S1000\nM43\nM00\nM30\n";
     let mut simulation = started(setup(&GEARS), text);
-    until(&mut simulation, |s| on(s, M43_OUTPUT));
-    let end = until(&mut simulation, |s| !s.cnc.spindle().changing_gear());
+    run_until(&mut simulation, |s| is_on(s, M43_OUTPUT));
+    let end = run_until(&mut simulation, |s| !s.cnc.spindle().is_changing_gear());
     assert!((300..400).contains(&end), "{end}");
     assert!((volts(&simulation) - 1.25).abs() < 1e-9, "S1000 of 8000");
 }
@@ -101,8 +101,8 @@ fn a_gear_that_does_not_engage_is_waited_for() {
     // M42I valid when open (164.5 AGIM = 1): held closed.
     setup.forced_inputs = vec![(BitAddress::new(Area::X, 1, 2), true)];
     let mut simulation = started(setup, "O0001\nM03 S1000\nM42\nM00\nM30\n");
-    ticks(&mut simulation, 30_000);
-    assert!(simulation.cnc.spindle().changing_gear());
+    run_ticks(&mut simulation, 30_000);
+    assert!(simulation.cnc.spindle().is_changing_gear());
     assert_eq!(simulation.cnc.run_state(), RunState::Run);
     // Reset interrupts it: the old gear counts, S remains.
     press(&mut simulation, RESET);
@@ -111,7 +111,7 @@ fn a_gear_that_does_not_engage_is_waited_for() {
 }
 
 #[test]
-fn an_analog_speed_stands_on_f22_without_a_strobe() {
+fn an_analog_speed_is_on_f22_without_a_strobe() {
     let mut simulation = started(Setup::default(), "O0001\nM03 S1234\nM00\nM30\n");
     let mut strobe = false;
     for _ in 0..2000 {
@@ -142,28 +142,28 @@ fn a_cut_waits_for_the_speed() {
     let mut simulation = with_program(with_sensor(0), CUTS);
     simulation.lathe.force_input(ARRIVED, Some(false));
     simulation.start_automatic();
-    ticks(&mut simulation, 20_000);
+    run_ticks(&mut simulation, 20_000);
     let at = simulation.cnc.position_absolute();
     assert_eq!(at.diameter().0, 290.0, "the rapid went, the cut waits");
     assert_eq!(simulation.cnc.run_state(), RunState::Run);
     simulation.lathe.force_input(ARRIVED, Some(true));
-    let begun = until(&mut simulation, |s| s.cnc.position_absolute() != at);
+    let begun = run_until(&mut simulation, |s| s.cnc.position_absolute() != at);
     assert!(begun < 40, "{begun}");
     // The second cut follows a cut: SAR does not count any more.
     simulation.lathe.force_input(ARRIVED, Some(false));
-    until(&mut simulation, |s| s.cnc.run_state() == RunState::Stop);
+    run_until(&mut simulation, |s| s.cnc.run_state() == RunState::Stop);
     assert_eq!(simulation.cnc.position_absolute().diameter().0, 270.0);
 }
 
 #[test]
-fn the_speed_is_looked_at_after_072() {
+fn the_speed_is_checked_after_072() {
     let mut begun = [0; 2];
     for (delay, begun) in [0, 250].into_iter().zip(&mut begun) {
         let mut simulation = with_program(with_sensor(delay), CUTS);
         simulation.lathe.force_input(ARRIVED, Some(true));
         simulation.start_automatic();
-        until(&mut simulation, |s| s.cnc.cursor().line == 4);
-        *begun = until(&mut simulation, |s| {
+        run_until(&mut simulation, |s| s.cnc.cursor().line == 4);
+        *begun = run_until(&mut simulation, |s| {
             s.cnc.feed_actual() > 0.0 && !s.cnc.position_absolute().diameter().0.eq(&290.0)
         });
     }
@@ -171,16 +171,16 @@ fn the_speed_is_looked_at_after_072() {
 }
 
 #[test]
-fn axes_stand_while_the_brake_is_on() {
+fn axes_are_stopped_while_the_brake_is_on() {
     for (zdil, stands) in [(0, true), (0b1_0000, false)] {
         let changes = [(11, 0b1000_0010 | zdil), (87, 50), (89, 1500)];
         let text = "O0001\nM03 S500\nG04 X1\nM05\nG98 G01 X200 F600\nM00\nM30\n";
         let mut simulation = started(setup(&changes), text);
-        until(&mut simulation, |s| on(s, BRAKE));
+        run_until(&mut simulation, |s| is_on(s, BRAKE));
         // M05 takes 080 = 500 ms; the cut begins while the brake is still on.
         let mut moved = 0;
         let mut ticks = 0;
-        while on(&simulation, BRAKE) {
+        while is_on(&simulation, BRAKE) {
             let before = simulation.cnc.position_absolute();
             simulation.tick();
             moved += u32::from(simulation.cnc.position_absolute() != before);
@@ -199,15 +199,17 @@ fn axes_stand_while_the_brake_is_on() {
 fn feed_per_revolution_follows_the_measured_spindle() {
     let text = "O0001\nM03 S600\nG04 X1\nG99 G01 Z200 F0.5\nM00\nM30\n";
     let mut simulation = started(Setup::default(), text);
-    until(&mut simulation, |s| s.cnc.position_absolute().z < 295.0);
+    run_until(&mut simulation, |s| s.cnc.position_absolute().z < 295.0);
     assert!((simulation.cnc.feed_actual() - 300.0).abs() < 1.0);
     // A stopped spindle stops the feed. When it starts again, so does the feed.
-    simulation.lathe.set_fault(Fault::SpindleBlocked, true);
-    ticks(&mut simulation, 1500);
+    simulation.lathe.set_fault(LatheFault::SpindleBlocked, true);
+    run_ticks(&mut simulation, 1500);
     let at = simulation.cnc.position_absolute().z;
-    ticks(&mut simulation, 500);
+    run_ticks(&mut simulation, 500);
     assert_eq!(simulation.cnc.position_absolute().z, at);
-    simulation.lathe.set_fault(Fault::SpindleBlocked, false);
-    until(&mut simulation, |s| s.cnc.position_absolute().z < 250.0);
+    simulation
+        .lathe
+        .set_fault(LatheFault::SpindleBlocked, false);
+    run_until(&mut simulation, |s| s.cnc.position_absolute().z < 250.0);
     assert!((simulation.cnc.feed_actual() - 300.0).abs() < 1.0);
 }

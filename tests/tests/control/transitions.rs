@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use gsk_core::cnc::{Event, Request};
+use gsk_core::cnc::{ControlRequest, Event};
 use gsk_core::command::ExecutedMove;
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::{Area, BitAddress};
@@ -17,9 +17,9 @@ use proptest::prelude::*;
 const SINGLE_BLOCK: BitAddress = BitAddress::new(Area::X, 20, 6);
 
 /// Two legs of 40 mm at a right angle, at 3000 mm/min.
-const CORNER: &str = "O1;\nG98 G01 W-40 F3000;\nU80;\nG00 W1;\nM30;\n";
+const CORNER_PROGRAM: &str = "O1;\nG98 G01 W-40 F3000;\nU80;\nG00 W1;\nM30;\n";
 
-fn with(changes: &[(u16, i32)]) -> Setup {
+fn with_parameters(changes: &[(u16, i32)]) -> Setup {
     let mut setup = Setup::default();
     for (number, value) in changes {
         assert!(setup.memory.parameters.set(*number, *value).is_ok());
@@ -27,15 +27,15 @@ fn with(changes: &[(u16, i32)]) -> Setup {
     setup
 }
 
-struct Run {
+struct TransitionRun {
     moves: Vec<ExecutedMove>,
     path: Vec<Point>,
     time: f64,
 }
 
-fn run(text: &str, setup: Setup, single_block: bool) -> Run {
+fn run_program(text: &str, setup: Setup, single_block: bool) -> TransitionRun {
     let mut simulation = Simulation::new(setup);
-    let request = Request::OpenExternal(Program::new(text));
+    let request = ControlRequest::OpenExternal(Program::new(text));
     assert_eq!(simulation.cnc.request(request), Ok(()));
     if single_block {
         for down in [false, true, false] {
@@ -45,7 +45,7 @@ fn run(text: &str, setup: Setup, single_block: bool) -> Run {
             }
         }
     }
-    let mut run = Run {
+    let mut run = TransitionRun {
         moves: Vec::new(),
         path: Vec::new(),
         time: 0.0,
@@ -61,7 +61,7 @@ fn run(text: &str, setup: Setup, single_block: bool) -> Run {
         run.path.push(simulation.cnc.position_machine());
         for event in simulation.cnc.events() {
             match event {
-                Event::Moved(piece) => {
+                Event::MoveEnded(piece) => {
                     began.get_or_insert(piece.start_s);
                     run.time = piece.start_s + piece.duration_s;
                     run.moves.push(*piece);
@@ -79,7 +79,7 @@ fn run(text: &str, setup: Setup, single_block: bool) -> Run {
 }
 
 /// Moves of the preview, and the time from the first to the last.
-fn previewed(text: &str, setup: &Setup) -> (Vec<ExecutedMove>, f64) {
+fn preview_moves(text: &str, setup: &Setup) -> (Vec<ExecutedMove>, f64) {
     let mut programs = setup.memory.programs.clone();
     programs.open_external(Program::new(text));
     programs.select(gsk_core::command::ProgramId::External);
@@ -95,7 +95,7 @@ fn previewed(text: &str, setup: &Setup) -> (Vec<ExecutedMove>, f64) {
     (moves, ended - began)
 }
 
-fn nearest(path: &[Point], to: Point) -> f64 {
+fn nearest_distance(path: &[Point], to: Point) -> f64 {
     path.iter()
         .map(|point| (*point - to).length())
         .fold(f64::INFINITY, f64::min)
@@ -107,12 +107,12 @@ const CORNER_POINT: Point = Point::new(150.0, 260.0);
 #[test]
 fn smz_chooses_between_exact_and_rounded_corners() {
     // 029 = 100 ms, 030 = 10 mm/min.
-    let exact = run(CORNER, with(&[(7, 0b1000)]), false);
-    assert!(nearest(&exact.path, CORNER_POINT) < 0.001);
-    let over = run(CORNER, with(&[(7, 0)]), false);
+    let exact = run_program(CORNER_PROGRAM, with_parameters(&[(7, 0b1000)]), false);
+    assert!(nearest_distance(&exact.path, CORNER_POINT) < 0.001);
+    let over = run_program(CORNER_PROGRAM, with_parameters(&[(7, 0)]), false);
     // L = T (F - FL) = 4.98 mm; nearest to the corner the tool is at min √(e^-2s + (s - 1 +
     // e^-s)²) = 0.509 of it, at s = 0.88.
-    let off = nearest(&over.path, CORNER_POINT) / (0.1 * (3000.0 - 10.0) / 60.0);
+    let off = nearest_distance(&over.path, CORNER_POINT) / (0.1 * (3000.0 - 10.0) / 60.0);
     assert!((off - 0.509).abs() < 0.002, "{off}");
     // One approach and one deceleration less: T ln(F / FL) = 0.570 s.
     let saved = exact.time - over.time;
@@ -123,7 +123,7 @@ fn smz_chooses_between_exact_and_rounded_corners() {
 }
 
 #[test]
-fn what_stands_between_two_cuts_makes_the_corner_exact() {
+fn words_between_two_cuts_make_the_corner_exact() {
     for between in [
         "G04 X0.1;",
         "M08;",
@@ -131,41 +131,41 @@ fn what_stands_between_two_cuts_makes_the_corner_exact() {
         "T0101;",
         "G65 H01 P#200 Q#500;",
     ] {
-        let text = CORNER.replace("U80", &format!("{between}\nG01 U80"));
-        let made = run(&text, with(&[(7, 0)]), false);
-        let off = nearest(&made.path, CORNER_POINT);
+        let text = CORNER_PROGRAM.replace("U80", &format!("{between}\nG01 U80"));
+        let made = run_program(&text, with_parameters(&[(7, 0)]), false);
+        let off = nearest_distance(&made.path, CORNER_POINT);
         assert!(off < 0.001, "{off} mm with {between}");
     }
-    let single = run(CORNER, with(&[(7, 0)]), true);
-    assert!(nearest(&single.path, CORNER_POINT) < 0.001);
+    let single = run_program(CORNER_PROGRAM, with_parameters(&[(7, 0)]), true);
+    assert!(nearest_distance(&single.path, CORNER_POINT) < 0.001);
 }
 
 #[test]
 fn cycles_and_words_without_motion_keep_the_transition() {
     for between in ["(comment)", "G98;", "N5;"] {
-        let text = CORNER.replace("U80", &format!("{between}\nG01 U80"));
-        let (_, checked) = previewed(&text, &with(&[(7, 0)]));
-        let made = run(&text, with(&[(7, 0)]), false);
+        let text = CORNER_PROGRAM.replace("U80", &format!("{between}\nG01 U80"));
+        let (_, checked) = preview_moves(&text, &with_parameters(&[(7, 0)]));
+        let made = run_program(&text, with_parameters(&[(7, 0)]), false);
         assert!(
             (made.time - checked).abs() <= 0.005 * made.time,
             "{between}"
         );
     }
     let text = "O1;\nG00 X60 Z2;\nG98 G90 X50 Z-30 F2000;\nX40;\nG00 X100 Z50;\nM30;\n";
-    let (_, checked) = previewed(text, &with(&[(7, 0)]));
-    let made = run(text, with(&[(7, 0)]), false);
+    let (_, checked) = preview_moves(text, &with_parameters(&[(7, 0)]));
+    let made = run_program(text, with_parameters(&[(7, 0)]), false);
     assert!((made.time - checked).abs() <= 0.005 * made.time);
 }
 
 /// A call is between the cuts of two programs: check and run agree on it.
 #[test]
 fn calls_between_cuts_take_the_same_time_in_check_and_run() {
-    let mut setup = with(&[(7, 0)]);
+    let mut setup = with_parameters(&[(7, 0)]);
     let stored = setup.memory.programs.store("O2;\nG01 U20;\nW-10;\nM99;\n");
     assert!(stored.is_ok());
     let text = "O1;\nG98 G01 W-40 F3000;\nM98 P2;\nG01 W-20;\nM98 P2;\nM98 P2;\nU5;\nM30;\n";
-    let (_, checked) = previewed(text, &setup);
-    let made = run(text, setup, false);
+    let (_, checked) = preview_moves(text, &setup);
+    let made = run_program(text, setup, false);
     assert!(
         (made.time - checked).abs() <= 0.005 * made.time,
         "{} {checked}",
@@ -185,15 +185,15 @@ fn a_hundred_short_blocks_flow() {
         );
     }
     text.push_str("M30;\n");
-    let made = run(&text, with(&[(7, 0)]), false);
-    let (moves, checked) = previewed(&text, &with(&[(7, 0)]));
+    let made = run_program(&text, with_parameters(&[(7, 0)]), false);
+    let (moves, checked) = preview_moves(&text, &with_parameters(&[(7, 0)]));
     assert_eq!(moves.len(), made.moves.len());
     assert!(
         (made.time - checked).abs() <= 0.003,
         "{} {checked}",
         made.time
     );
-    let exact = run(&text, with(&[(7, 0b1000)]), false);
+    let exact = run_program(&text, with_parameters(&[(7, 0b1000)]), false);
     // From and to 030 = 10 mm/min each time.
     assert!(exact.time > 20.0 * made.time, "{}", exact.time);
 }
@@ -225,9 +225,9 @@ proptest! {
         exact in any::<bool>(),
     ) {
         let text = format!("O1;\nG04 X0.3;\nG98;\n{}\nM30;\n", steps.join("\n"));
-        let setup = with(&[(7, if exact { 8 } else { 0 }), (29, time), (30, lowest)]);
-        let (moves, checked) = previewed(&text, &setup);
-        let made = run(&text, setup, false);
+        let setup = with_parameters(&[(7, if exact { 8 } else { 0 }), (29, time), (30, lowest)]);
+        let (moves, checked) = preview_moves(&text, &setup);
+        let made = run_program(&text, setup, false);
         prop_assert_eq!(moves.len(), made.moves.len());
         for (a, b) in moves.iter().zip(&made.moves) {
             prop_assert!((a.to - b.to).length() < 1e-6);

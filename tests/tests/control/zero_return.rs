@@ -1,7 +1,7 @@
 //! Returns to the machine zero and to the program zero point (manual III-7).
 
-use crate::bench::{press, ticks};
-use gsk_core::cnc::Request;
+use crate::bench::{press, run_ticks};
+use gsk_core::cnc::ControlRequest;
 use gsk_core::machine::{LatheConfig, ServoConfig};
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::{Area, BitAddress};
@@ -28,7 +28,7 @@ const Z_PLUS: BitAddress = key(22, 7);
 const Z_MINUS: BitAddress = key(22, 5);
 
 /// The lathe as delivered, with changed parameter bits and the tool at a position.
-fn lathe(bits: &[(u16, u8, bool)], x: f64, z: f64) -> Simulation {
+fn delivered_lathe(bits: &[(u16, u8, bool)], x: f64, z: f64) -> Simulation {
     let mut setup = Setup::delivered();
     for (number, bit, value) in bits {
         assert!(
@@ -42,26 +42,26 @@ fn lathe(bits: &[(u16, u8, bool)], x: f64, z: f64) -> Simulation {
     setup.lathe.x.start = x;
     setup.lathe.z.start = z;
     let mut simulation = Simulation::new(setup);
-    ticks(&mut simulation, 300);
+    run_ticks(&mut simulation, 300);
     simulation
 }
 
 /// Holds a key until the axes have stopped, for at most `limit` ms.
-fn hold(simulation: &mut Simulation, key: BitAddress, limit: u32) {
+fn hold_until_still(simulation: &mut Simulation, key: BitAddress, limit: u32) {
     simulation.cnc.set_panel_key(key, true);
-    ticks(simulation, 200);
+    run_ticks(simulation, 200);
     for _ in 0..limit {
         if !simulation.cnc.is_moving() {
             break;
         }
         simulation.tick();
     }
-    ticks(simulation, 200);
+    run_ticks(simulation, 200);
     simulation.cnc.set_panel_key(key, false);
-    ticks(simulation, 50);
+    run_ticks(simulation, 50);
 }
 
-fn lamp(simulation: &Simulation, byte: u16, bit: u8) -> bool {
+fn is_lamp_on(simulation: &Simulation, byte: u16, bit: u8) -> bool {
     simulation
         .cnc
         .plc()
@@ -80,7 +80,7 @@ fn alarms(simulation: &Simulation) -> Vec<u16> {
 
 /// Runs a return until the axes have been at rest for a tenth of a second.
 #[track_caller]
-fn until_still(simulation: &mut Simulation) {
+fn wait_until_still(simulation: &mut Simulation) {
     let mut still = 0;
     for time in 0.. {
         assert!(time < 2 * MINUTE, "it does not come to rest");
@@ -95,51 +95,54 @@ fn until_still(simulation: &mut Simulation) {
 
 /// Checks a returned axis: machine coordinate, lamp, and true position of the slide.
 #[track_caller]
-fn stands_at_zero(simulation: &Simulation, axis: Axis, place: f64) {
+fn assert_at_zero(simulation: &Simulation, axis: Axis, position: f64) {
     assert_eq!(alarms(simulation), [0u16; 0]);
     assert_eq!(simulation.cnc.position_machine().get(axis), 0.0);
-    assert!(*simulation.cnc.referenced().get(axis));
+    assert!(*simulation.cnc.referenced_axes().get(axis));
     let bit = if axis == Axis::X { 7 } else { 5 };
-    assert!(lamp(simulation, 4, bit), "zero lamp");
-    let slide = simulation.lathe.slides().get(axis);
-    assert!((slide - place).abs() < 1e-9, "{axis:?} stands at {slide}");
+    assert!(is_lamp_on(simulation, 4, bit), "zero lamp");
+    let slide = simulation.lathe.slide_position().get(axis);
+    assert!(
+        (slide - position).abs() < 1e-9,
+        "{axis:?} stands at {slide}"
+    );
 }
 
 #[test]
 fn method_b_stops_on_the_first_zero_signal_after_the_switch() {
     // X: dog -60 to -10 on the diameter, signal at 0; Z: dog -30 to -5, signal at 0.
-    let mut simulation = lathe(&[], -100.0, -150.0);
+    let mut simulation = delivered_lathe(&[], -100.0, -150.0);
     press(&mut simulation, MACHINE_ZERO);
-    hold(&mut simulation, Z_PLUS, 30_000);
-    stands_at_zero(&simulation, Axis::Z, 0.0);
-    assert!(!simulation.cnc.referenced().x);
-    hold(&mut simulation, X_PLUS, 30_000);
-    stands_at_zero(&simulation, Axis::X, 0.0);
+    hold_until_still(&mut simulation, Z_PLUS, 30_000);
+    assert_at_zero(&simulation, Axis::Z, 0.0);
+    assert!(!simulation.cnc.referenced_axes().x);
+    hold_until_still(&mut simulation, X_PLUS, 30_000);
+    assert_at_zero(&simulation, Axis::X, 0.0);
     // The lamp goes off when the axis leaves.
     press(&mut simulation, JOG);
-    hold(&mut simulation, Z_MINUS, 500);
-    assert!(!lamp(&simulation, 4, 5) && lamp(&simulation, 4, 7));
+    hold_until_still(&mut simulation, Z_MINUS, 500);
+    assert!(!is_lamp_on(&simulation, 4, 5) && is_lamp_on(&simulation, 4, 7));
 }
 
 /// Executes a block by MDI and waits for its end.
 #[track_caller]
-fn block(simulation: &mut Simulation, words: &[&str]) {
+fn run_mdi_block(simulation: &mut Simulation, words: &[&str]) {
     press(simulation, MDI);
     for word in words {
-        let word = Request::MdiWord((*word).to_owned());
+        let word = ControlRequest::AddMdiWord((*word).to_owned());
         simulation.cnc.request(word).unwrap();
     }
     press(simulation, START);
-    until_still(simulation);
+    wait_until_still(simulation);
     // The motors arrive after their command.
-    ticks(simulation, 1000);
+    run_ticks(simulation, 1000);
     assert_eq!(alarms(simulation), [0u16; 0]);
 }
 
 /// With any following error at the signal, and any backlash of the screw: the axis is at zero
 /// from both sides where the control displays zero.
 #[test]
-fn a_servo_with_play_stands_where_the_control_takes_it_to_be() {
+fn a_servo_with_backlash_is_where_the_control_shows_it() {
     let mut worst: f64 = 0.0;
     for method_c in [false, true] {
         for gain in [20.0, 97.0] {
@@ -158,18 +161,22 @@ fn a_servo_with_play_stands_where_the_control_takes_it_to_be() {
                     parameters.set_bit(7, 1, method_c).unwrap();
                     parameters.set_bit(11, 2, true).unwrap();
                     let mut simulation = Simulation::new(setup);
-                    ticks(&mut simulation, 300);
+                    run_ticks(&mut simulation, 300);
                     press(&mut simulation, MACHINE_ZERO);
                     press(&mut simulation, Z_PLUS);
-                    until_still(&mut simulation);
-                    ticks(&mut simulation, 1000);
-                    let at = |simulation: &Simulation| simulation.lathe.slides().z;
-                    assert!(simulation.cnc.referenced().z, "{:?}", alarms(&simulation));
+                    wait_until_still(&mut simulation);
+                    run_ticks(&mut simulation, 1000);
+                    let at = |simulation: &Simulation| simulation.lathe.slide_position().z;
+                    assert!(
+                        simulation.cnc.referenced_axes().z,
+                        "{:?}",
+                        alarms(&simulation)
+                    );
                     assert_eq!(simulation.cnc.position_machine().z, 0.0);
                     let zero = at(&simulation);
-                    block(&mut simulation, &["G00", "W-5"]);
+                    run_mdi_block(&mut simulation, &["G00", "W-5"]);
                     let below = at(&simulation);
-                    block(&mut simulation, &["G00", "W5"]);
+                    run_mdi_block(&mut simulation, &["G00", "W5"]);
                     let again = at(&simulation);
                     let off = (below + 5.0 - zero).abs().max((again - zero).abs());
                     worst = worst.max(off);
@@ -183,16 +190,16 @@ fn a_servo_with_play_stands_where_the_control_takes_it_to_be() {
 /// 113 = 7600 in Z and half of it in X; 033 = 200 on the switch.
 #[test]
 fn the_approach_is_fast_and_the_search_slow() {
-    let mut simulation = lathe(&[(11, 2, true)], -200.0, -300.0);
+    let mut simulation = delivered_lathe(&[(11, 2, true)], -200.0, -300.0);
     press(&mut simulation, MACHINE_ZERO);
     press(&mut simulation, X_PLUS);
     press(&mut simulation, Z_PLUS);
     let (mut top, mut low) = (Point::default(), Point::new(9e9, 9e9));
-    let mut before = simulation.lathe.slides();
+    let mut before = simulation.lathe.slide_position();
     let mut slow_ticks = 0;
     for _ in 0..30_000 {
         simulation.tick();
-        let now = simulation.lathe.slides();
+        let now = simulation.lathe.slide_position();
         let speed = (now - before) * 60_000.0;
         before = now;
         top = Point::new(top.x.max(speed.x), top.z.max(speed.z));
@@ -207,93 +214,93 @@ fn the_approach_is_fast_and_the_search_slow() {
     );
     // 4.8 mm at 200 mm/min.
     assert!((1430..=1450).contains(&slow_ticks), "{slow_ticks}");
-    stands_at_zero(&simulation, Axis::X, 0.0);
-    stands_at_zero(&simulation, Axis::Z, 0.0);
+    assert_at_zero(&simulation, Axis::X, 0.0);
+    assert_at_zero(&simulation, Axis::Z, 0.0);
 }
 
 #[test]
-fn without_the_latch_of_the_keys_letting_go_stops_the_return() {
-    let mut simulation = lathe(&[], -100.0, -150.0);
+fn without_the_latch_releasing_the_keys_stops_the_return() {
+    let mut simulation = delivered_lathe(&[], -100.0, -150.0);
     press(&mut simulation, MACHINE_ZERO);
-    hold(&mut simulation, Z_PLUS, 200);
-    ticks(&mut simulation, 1000);
+    hold_until_still(&mut simulation, Z_PLUS, 200);
+    run_ticks(&mut simulation, 1000);
     assert!(!simulation.cnc.is_moving());
-    let z = simulation.lathe.slides().z;
+    let z = simulation.lathe.slide_position().z;
     assert!((-150.0..-30.0).contains(&z) && z > -149.0, "{z}");
-    assert!(!simulation.cnc.referenced().z);
+    assert!(!simulation.cnc.referenced_axes().z);
     // Pressed again it starts again.
-    hold(&mut simulation, Z_PLUS, 30_000);
-    stands_at_zero(&simulation, Axis::Z, 0.0);
+    hold_until_still(&mut simulation, Z_PLUS, 30_000);
+    assert_at_zero(&simulation, Axis::Z, 0.0);
 }
 
 #[test]
 fn with_the_latch_one_press_is_enough_and_reset_stops_it() {
-    let mut simulation = lathe(&[(11, 2, true)], -100.0, -150.0);
+    let mut simulation = delivered_lathe(&[(11, 2, true)], -100.0, -150.0);
     press(&mut simulation, MACHINE_ZERO);
     press(&mut simulation, Z_PLUS);
     assert!(simulation.cnc.is_moving());
     press(&mut simulation, key(26, 0));
-    ticks(&mut simulation, 1000);
-    assert!(!simulation.cnc.is_moving() && !simulation.cnc.referenced().z);
+    run_ticks(&mut simulation, 1000);
+    assert!(!simulation.cnc.is_moving() && !simulation.cnc.referenced_axes().z);
     press(&mut simulation, Z_MINUS);
-    until_still(&mut simulation);
-    stands_at_zero(&simulation, Axis::Z, 0.0);
+    wait_until_still(&mut simulation);
+    assert_at_zero(&simulation, Axis::Z, 0.0);
 }
 
 #[test]
 fn on_the_switch_the_return_is_refused_with_alarm_090() {
-    let mut simulation = lathe(&[], -100.0, -20.0);
+    let mut simulation = delivered_lathe(&[], -100.0, -20.0);
     press(&mut simulation, MACHINE_ZERO);
-    hold(&mut simulation, Z_PLUS, 1000);
+    hold_until_still(&mut simulation, Z_PLUS, 1000);
     assert_eq!(alarms(&simulation), [90]);
-    assert_eq!(simulation.lathe.slides().z, -20.0);
+    assert_eq!(simulation.lathe.slide_position().z, -20.0);
 }
 
 /// Method C with a return in the positive direction: the zero is the positive end of the dog,
 /// reached on the way back.
 #[test]
 fn method_c_comes_back_to_the_edge_of_the_switch() {
-    let mut simulation = lathe(&[(7, 1, true), (11, 2, true)], -100.0, -150.0);
+    let mut simulation = delivered_lathe(&[(7, 1, true), (11, 2, true)], -100.0, -150.0);
     press(&mut simulation, MACHINE_ZERO);
     press(&mut simulation, Z_PLUS);
-    until_still(&mut simulation);
-    ticks(&mut simulation, 100);
-    stands_at_zero(&simulation, Axis::Z, -5.0);
+    wait_until_still(&mut simulation);
+    run_ticks(&mut simulation, 100);
+    assert_at_zero(&simulation, Axis::Z, -5.0);
 }
 
 #[test]
 fn method_a_goes_straight_to_the_zero_that_was_set() {
-    let mut simulation = lathe(&[(14, 0, false), (14, 1, false)], -100.0, -150.0);
+    let mut simulation = delivered_lathe(&[(14, 0, false), (14, 1, false)], -100.0, -150.0);
     press(&mut simulation, MACHINE_ZERO);
-    hold(&mut simulation, Z_PLUS, 1000);
+    hold_until_still(&mut simulation, Z_PLUS, 1000);
     assert_eq!(alarms(&simulation), [93]);
     press(&mut simulation, key(26, 0));
     simulation
         .cnc
-        .request(Request::SetMachineZero(Axis::Z))
+        .request(ControlRequest::SetMachineZero(Axis::Z))
         .expect("at rest");
     press(&mut simulation, JOG);
     press(&mut simulation, key(22, 6));
-    hold(&mut simulation, Z_MINUS, 700);
+    hold_until_still(&mut simulation, Z_MINUS, 700);
     press(&mut simulation, MACHINE_ZERO);
-    hold(&mut simulation, Z_MINUS, 30_000);
-    stands_at_zero(&simulation, Axis::Z, -150.0);
+    hold_until_still(&mut simulation, Z_MINUS, 30_000);
+    assert_at_zero(&simulation, Axis::Z, -150.0);
     // It remains after an emergency stop.
     simulation.lathe.set_emergency_button(true);
-    ticks(&mut simulation, 100);
+    run_ticks(&mut simulation, 100);
     simulation.lathe.set_emergency_button(false);
-    ticks(&mut simulation, 300);
-    assert!(simulation.cnc.referenced().z);
+    run_ticks(&mut simulation, 300);
+    assert!(simulation.cnc.referenced_axes().z);
 }
 
 #[test]
 fn a_switch_means_that_the_zero_is_not_set_by_hand() {
-    let mut simulation = lathe(&[], -100.0, -150.0);
+    let mut simulation = delivered_lathe(&[], -100.0, -150.0);
     simulation
         .cnc
-        .request(Request::SetMachineZero(Axis::Z))
+        .request(ControlRequest::SetMachineZero(Axis::Z))
         .expect("ignored");
-    assert!(!simulation.cnc.referenced().z);
+    assert!(!simulation.cnc.referenced_axes().z);
 }
 
 /// The absolute coordinates continue through a return, or begin at 049 and 050 with 012.7 APRS
@@ -301,11 +308,12 @@ fn a_switch_means_that_the_zero_is_not_set_by_hand() {
 #[test]
 fn coordinates_after_the_return() {
     for (aprs, ppd) in [(false, true), (true, true), (true, false)] {
-        let mut simulation = lathe(&[(12, 7, aprs), (5, 1, ppd), (11, 2, true)], -100.0, -150.0);
+        let mut simulation =
+            delivered_lathe(&[(12, 7, aprs), (5, 1, ppd), (11, 2, true)], -100.0, -150.0);
         press(&mut simulation, MACHINE_ZERO);
         press(&mut simulation, Z_PLUS);
-        until_still(&mut simulation);
-        ticks(&mut simulation, 100);
+        wait_until_still(&mut simulation);
+        run_ticks(&mut simulation, 100);
         let absolute = simulation.cnc.position_absolute().z;
         let relative = simulation.cnc.position_relative().z;
         // It has moved 150 mm; 050 is 0.
@@ -325,10 +333,10 @@ fn coordinates_after_the_return() {
     }
 }
 
-fn mdi(simulation: &mut Simulation, words: &[&str]) {
+fn start_mdi_block(simulation: &mut Simulation, words: &[&str]) {
     press(simulation, MDI);
     for word in words {
-        let word = Request::MdiWord((*word).to_owned());
+        let word = ControlRequest::AddMdiWord((*word).to_owned());
         assert_eq!(simulation.cnc.request(word), Ok(()));
     }
     press(simulation, START);
@@ -336,37 +344,37 @@ fn mdi(simulation: &mut Simulation, words: &[&str]) {
 
 #[test]
 fn g28_seeks_the_reference_of_an_axis_that_has_none() {
-    let mut simulation = lathe(&[], -100.0, -150.0);
-    mdi(&mut simulation, &["G28", "U0", "W-10"]);
-    until_still(&mut simulation);
-    ticks(&mut simulation, 100);
-    stands_at_zero(&simulation, Axis::X, 0.0);
-    stands_at_zero(&simulation, Axis::Z, 0.0);
+    let mut simulation = delivered_lathe(&[], -100.0, -150.0);
+    start_mdi_block(&mut simulation, &["G28", "U0", "W-10"]);
+    wait_until_still(&mut simulation);
+    run_ticks(&mut simulation, 100);
+    assert_at_zero(&simulation, Axis::X, 0.0);
+    assert_at_zero(&simulation, Axis::Z, 0.0);
     // From now on it is a rapid.
-    mdi(&mut simulation, &["G28", "U-50", "W-100"]);
+    start_mdi_block(&mut simulation, &["G28", "U-50", "W-100"]);
     let mut longest = 0u32;
     while simulation.cnc.run_state() == RunState::Run || simulation.cnc.is_moving() {
         simulation.tick();
         longest += 1;
         assert!(longest < 5000, "no search at the low rate");
     }
-    ticks(&mut simulation, 100);
-    stands_at_zero(&simulation, Axis::X, 0.0);
+    run_ticks(&mut simulation, 100);
+    assert_at_zero(&simulation, Axis::X, 0.0);
 }
 
 #[test]
-fn a_program_goes_on_with_its_own_coordinates_after_g28() {
-    let mut simulation = lathe(&[], -100.0, -150.0);
+fn a_program_continues_with_its_own_coordinates_after_g28() {
+    let mut simulation = delivered_lathe(&[], -100.0, -150.0);
     let text = "O0001\nG50 X200 Z100\nG28 U0 W0\nG00 X210 Z90\nM30\n";
     let opened = simulation
         .cnc
-        .request(Request::OpenExternal(Program::new(text)));
+        .request(ControlRequest::OpenExternal(Program::new(text)));
     assert_eq!(opened, Ok(()));
     simulation.start_automatic();
-    until_still(&mut simulation);
+    wait_until_still(&mut simulation);
     assert_eq!(alarms(&simulation), [0u16; 0]);
     // The slides began at X-100 Z-150, which is X200 Z100 of the program.
-    let slides = simulation.lathe.slides();
+    let slides = simulation.lathe.slide_position();
     assert!(
         (slides.x + 45.0).abs() < 1e-6 && (slides.z + 160.0).abs() < 1e-6,
         "{slides:?}"
@@ -374,18 +382,18 @@ fn a_program_goes_on_with_its_own_coordinates_after_g28() {
 }
 
 #[test]
-fn feed_hold_stops_the_search_of_a_g28_and_start_goes_on() {
-    let mut simulation = lathe(&[], -100.0, -150.0);
-    mdi(&mut simulation, &["G28", "W0"]);
-    ticks(&mut simulation, 500);
+fn feed_hold_stops_the_search_of_a_g28_and_start_continues() {
+    let mut simulation = delivered_lathe(&[], -100.0, -150.0);
+    start_mdi_block(&mut simulation, &["G28", "W0"]);
+    run_ticks(&mut simulation, 500);
     press(&mut simulation, key(24, 7));
-    ticks(&mut simulation, 1000);
+    run_ticks(&mut simulation, 1000);
     assert_eq!(simulation.cnc.run_state(), RunState::Hold);
     assert!(!simulation.cnc.is_moving());
     press(&mut simulation, START);
-    until_still(&mut simulation);
-    ticks(&mut simulation, 100);
-    stands_at_zero(&simulation, Axis::Z, 0.0);
+    wait_until_still(&mut simulation);
+    run_ticks(&mut simulation, 100);
+    assert_at_zero(&simulation, Axis::Z, 0.0);
 }
 
 #[test]
@@ -397,43 +405,43 @@ fn program_zero_is_where_the_g50_was() {
         .set_bit(11, 2, true)
         .expect("exists");
     let mut simulation = Simulation::new(setup);
-    ticks(&mut simulation, 300);
+    run_ticks(&mut simulation, 300);
     press(&mut simulation, PROGRAM_ZERO);
     press(&mut simulation, X_PLUS);
     assert_eq!(alarms(&simulation), [93]);
     press(&mut simulation, key(26, 0));
-    let from = simulation.lathe.slides();
-    mdi(&mut simulation, &["G50", "X100", "Z50"]);
-    ticks(&mut simulation, 200);
-    mdi(&mut simulation, &["G00", "X60.5", "Z-20.123"]);
-    until_still(&mut simulation);
+    let from = simulation.lathe.slide_position();
+    start_mdi_block(&mut simulation, &["G50", "X100", "Z50"]);
+    run_ticks(&mut simulation, 200);
+    start_mdi_block(&mut simulation, &["G00", "X60.5", "Z-20.123"]);
+    wait_until_still(&mut simulation);
     press(&mut simulation, PROGRAM_ZERO);
     press(&mut simulation, X_PLUS);
     press(&mut simulation, Z_MINUS);
-    until_still(&mut simulation);
-    ticks(&mut simulation, 100);
+    wait_until_still(&mut simulation);
+    run_ticks(&mut simulation, 100);
     assert_eq!(alarms(&simulation), [0u16; 0]);
-    assert_eq!(simulation.lathe.slides(), from);
-    assert!(lamp(&simulation, 4, 7) && lamp(&simulation, 4, 5));
+    assert_eq!(simulation.lathe.slide_position(), from);
+    assert!(is_lamp_on(&simulation, 4, 7) && is_lamp_on(&simulation, 4, 5));
     let shown = simulation.cnc.position_absolute();
     assert!((shown.diameter().0 - 100.0).abs() < 1e-9 && (shown.z - 50.0).abs() < 1e-9);
 }
 
 #[test]
 fn a_return_moves_under_the_ladders_locks_only() {
-    let mut simulation = lathe(&[(11, 2, true)], -100.0, -150.0);
+    let mut simulation = delivered_lathe(&[(11, 2, true)], -100.0, -150.0);
     press(&mut simulation, MACHINE_ZERO);
     press(&mut simulation, key(21, 0));
-    let moved = |simulation: &Simulation| simulation.lathe.slides();
+    let moved = |simulation: &Simulation| simulation.lathe.slide_position();
     let before = moved(&simulation);
     press(&mut simulation, Z_PLUS);
-    ticks(&mut simulation, 1000);
+    run_ticks(&mut simulation, 1000);
     assert_eq!(moved(&simulation), before, "machine lock");
-    assert!(!simulation.cnc.referenced().z);
+    assert!(!simulation.cnc.referenced_axes().z);
 }
 
 /// Number of random starts: a tenth unless PROPTEST_CASES sets another one.
-fn starts() -> u32 {
+fn random_start_count() -> u32 {
     std::env::var("PROPTEST_CASES")
         .ok()
         .and_then(|count| count.parse().ok())
@@ -458,7 +466,7 @@ fn short_lathe(bits: &[(u16, u8, bool)]) -> Simulation {
     }
     setup.lathe = LatheConfig::default();
     let mut simulation = Simulation::new(setup);
-    ticks(&mut simulation, 300);
+    run_ticks(&mut simulation, 300);
     press(&mut simulation, MACHINE_ZERO);
     simulation
 }
@@ -466,30 +474,30 @@ fn short_lathe(bits: &[(u16, u8, bool)]) -> Simulation {
 /// Puts both slides at a position, returns both axes by the keys, and returns their end
 /// positions in pulses of the lathe.
 fn return_from(simulation: &mut Simulation, x: f64, z: f64) -> (f64, f64) {
-    simulation.lathe.put_slides(Point::new(x, z));
-    simulation.lathe.stand_at(simulation.cnc.pulses());
+    simulation.lathe.move_slides(Point::new(x, z));
+    simulation.lathe.set_count(simulation.cnc.pulses());
     // Both keys of an axis start the return; the lamps of the last one are off.
     press(simulation, JOG);
-    hold(simulation, Z_MINUS, 40);
-    hold(simulation, key(22, 3), 40);
+    hold_until_still(simulation, Z_MINUS, 40);
+    hold_until_still(simulation, key(22, 3), 40);
     press(simulation, MACHINE_ZERO);
     press(simulation, X_PLUS);
     press(simulation, Z_PLUS);
-    until_still(simulation);
-    ticks(simulation, 50);
+    wait_until_still(simulation);
+    run_ticks(simulation, 50);
     assert_eq!(alarms(simulation), [0u16; 0]);
     assert!(
-        lamp(simulation, 4, 7) && lamp(simulation, 4, 5),
+        is_lamp_on(simulation, 4, 7) && is_lamp_on(simulation, 4, 5),
         "from {x} {z}"
     );
-    let slides = simulation.lathe.slides();
+    let slides = simulation.lathe.slide_position();
     (slides.x, slides.z)
 }
 
-fn same_place(bits: &[(u16, u8, bool)], place: (f64, f64)) {
+fn assert_same_position(bits: &[(u16, u8, bool)], place: (f64, f64)) {
     let mut simulation = short_lathe(bits);
     let mut runner = proptest::test_runner::TestRunner::deterministic();
-    for _ in 0..starts() {
+    for _ in 0..random_start_count() {
         let start = (-140.0..-32.0, -480.0..-32.0).new_tree(&mut runner);
         let Ok((x, z)) = start.map(|tree| tree.current()) else {
             continue;
@@ -503,12 +511,12 @@ fn same_place(bits: &[(u16, u8, bool)], place: (f64, f64)) {
 
 #[test]
 fn method_b_lands_on_the_same_pulse_from_anywhere() {
-    same_place(&[(11, 2, true)], (0.0, 0.0));
+    assert_same_position(&[(11, 2, true)], (0.0, 0.0));
 }
 
 #[test]
 fn method_c_lands_on_the_same_pulse_from_anywhere() {
-    same_place(&[(11, 2, true), (7, 0, true), (7, 1, true)], (-5.0, -5.0));
+    assert_same_position(&[(11, 2, true), (7, 0, true), (7, 1, true)], (-5.0, -5.0));
 }
 
 #[test]
@@ -516,12 +524,12 @@ fn method_a_lands_on_the_same_pulse_from_anywhere() {
     let bits = [(11, 2, true), (14, 0, false), (14, 1, false)];
     let mut simulation = short_lathe(&bits);
     for axis in [Axis::X, Axis::Z] {
-        let set = simulation.cnc.request(Request::SetMachineZero(axis));
+        let set = simulation.cnc.request(ControlRequest::SetMachineZero(axis));
         assert_eq!(set, Ok(()));
     }
     let zero = simulation.cnc.pulses();
     let mut runner = proptest::test_runner::TestRunner::deterministic();
-    for _ in 0..starts() {
+    for _ in 0..random_start_count() {
         let start = (10u32..900, 10u32..900);
         let (x, z) = start.new_tree(&mut runner).expect("times").current();
         press(&mut simulation, JOG);
@@ -532,8 +540,8 @@ fn method_a_lands_on_the_same_pulse_from_anywhere() {
         press(&mut simulation, MACHINE_ZERO);
         press(&mut simulation, X_PLUS);
         press(&mut simulation, Z_PLUS);
-        until_still(&mut simulation);
-        ticks(&mut simulation, 50);
+        wait_until_still(&mut simulation);
+        run_ticks(&mut simulation, 50);
         assert_eq!(simulation.cnc.pulses(), zero);
         assert_eq!(alarms(&simulation), [0u16; 0]);
     }
@@ -541,7 +549,7 @@ fn method_a_lands_on_the_same_pulse_from_anywhere() {
 
 fn hold_for(simulation: &mut Simulation, key: BitAddress, time: u32) {
     simulation.cnc.set_panel_key(key, true);
-    ticks(simulation, time);
+    run_ticks(simulation, time);
     simulation.cnc.set_panel_key(key, false);
-    ticks(simulation, 1000);
+    run_ticks(simulation, 1000);
 }

@@ -8,26 +8,26 @@ use gsk_tests::repository;
 
 /// A path in a source, without its tests: `["crate", "alarm", "Alarm"]`.
 #[derive(Debug, PartialEq, Eq)]
-pub struct Named {
+pub struct UsedPath {
     pub line: usize,
     pub segments: Vec<String>,
 }
 
 /// A source file and its module: `operation/board.rs` is `["operation", "board"]`.
-pub struct Source {
+pub struct ModuleSource {
     pub file: String,
     pub module: Vec<String>,
-    pub names: Vec<Named>,
+    pub names: Vec<UsedPath>,
 }
 
 /// All sources below a folder except tests, sorted by name.
-pub fn sources(src: &Path) -> Vec<Source> {
+pub fn sources(src: &Path) -> Vec<ModuleSource> {
     let mut found = Vec::new();
     walk(src, &mut Vec::new(), &mut found);
     found
 }
 
-fn walk(folder: &Path, above: &mut Vec<String>, found: &mut Vec<Source>) {
+fn walk(folder: &Path, above: &mut Vec<String>, found: &mut Vec<ModuleSource>) {
     let entries = fs::read_dir(folder).expect("a folder of sources");
     let mut paths: Vec<_> = entries.map(|entry| entry.expect("entry").path()).collect();
     paths.sort();
@@ -47,30 +47,30 @@ fn walk(folder: &Path, above: &mut Vec<String>, found: &mut Vec<Source>) {
             }
             let text = fs::read_to_string(&path).expect("a source");
             let file = path.strip_prefix(repository()).unwrap_or(&path);
-            found.push(Source {
+            found.push(ModuleSource {
                 file: file.display().to_string(),
                 module,
-                names: names(&text),
+                names: used_paths(&text),
             });
         }
     }
 }
 
 /// The paths in a text.
-fn names(text: &str) -> Vec<Named> {
+fn used_paths(text: &str) -> Vec<UsedPath> {
     let tokens = tokens(text);
     let mut named = Vec::new();
     for (at, (line, token)) in tokens.iter().enumerate() {
         let begins = matches!(&**token, "crate" | "super" | "self") || token.starts_with("gsk_");
-        let goes_on = at > 0 && tokens[at - 1].1 == "::";
-        if begins && !goes_on {
+        let continues_path = at > 0 && tokens[at - 1].1 == "::";
+        if begins && !continues_path {
             let mut paths = Vec::new();
-            tree(&tokens, at, &mut Vec::new(), &mut paths);
+            read_use_tree(&tokens, at, &mut Vec::new(), &mut paths);
             let library = token.starts_with("gsk_");
             let paths = paths
                 .into_iter()
                 .filter(|segments| library || segments.len() > 1);
-            named.extend(paths.map(|segments| Named {
+            named.extend(paths.map(|segments| UsedPath {
                 line: *line,
                 segments,
             }));
@@ -80,7 +80,7 @@ fn names(text: &str) -> Vec<Named> {
 }
 
 /// Reads one path with the content of its braces. Returns the position after it.
-fn tree(
+fn read_use_tree(
     tokens: &[(usize, String)],
     mut at: usize,
     before: &mut Vec<String>,
@@ -90,7 +90,7 @@ fn tree(
     let depth = before.len();
     if token(at) == "{" {
         while !matches!(token(at), "}" | "") {
-            at = tree(tokens, at + 1, before, paths);
+            at = read_use_tree(tokens, at + 1, before, paths);
             while !matches!(token(at), "," | "}" | "") {
                 at += 1;
             }
@@ -101,7 +101,7 @@ fn tree(
         before.push(token(at).to_owned());
         at += 1;
         if token(at) == "::" {
-            at = tree(tokens, at + 1, before, paths);
+            at = read_use_tree(tokens, at + 1, before, paths);
         } else {
             paths.push(before.clone());
         }
@@ -184,7 +184,7 @@ mod tests {
     use crate::unseen;
 }
 ";
-    let found: Vec<(usize, String)> = names(text)
+    let found: Vec<(usize, String)> = used_paths(text)
         .into_iter()
         .map(|named| (named.line, named.segments.join("::")))
         .collect();

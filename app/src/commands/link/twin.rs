@@ -1,4 +1,4 @@
-//! `link twin`: simulates a pulse board in real time on a pseudo terminal or a network
+//! `link run_twin`: simulates a pulse board in real time on a pseudo terminal or a network
 //! address.
 
 use crate::commands::CommandError;
@@ -9,15 +9,15 @@ use gsk_twins::klipper::{self, KlipperTwin, SpindleWiring, TravelSwitch};
 use gsk_twins::wire::{Damage, Wire};
 use web_time::{Duration, Instant};
 
-use super::super::{FINE, output};
+use super::super::{EXIT_OK, output};
 use crate::cli::{LinkTwinArgs, TwinBoard};
-use crate::ports::Offer;
+use crate::ports::OfferedPort;
 
 /// Number of bytes in advance for which losses are scheduled.
-const AHEAD: u64 = 4096;
+const DAMAGE_AHEAD_BYTES: u64 = 4096;
 
 /// Pulses per turn of the encoder of the grblHAL twin.
-const ENCODER: u16 = 1024;
+const ENCODER_PULSES_PER_TURN: u16 = 1024;
 
 /// Switches of the Klipper twin: pin, axis, first and last pulse, and pulses per turn if the
 /// signal comes once per turn. Limit switch, deceleration switch and zero signal of X, then
@@ -43,21 +43,21 @@ const SPINDLE: SpindleWiring<'_> = SpindleWiring {
 };
 
 /// A simulated board.
-enum Twin {
+enum SimulatedBoard {
     Grbl(Box<GrblTwin>),
     Klipper(Box<KlipperTwin>),
 }
 
 /// The state of the board that is printed when it changes.
 #[derive(PartialEq)]
-struct Shown {
+struct TwinStatus {
     state: Message,
-    resets: u32,
-    stands: bool,
+    reset_count: u32,
+    is_stopped: bool,
     pulses: [i64; 2],
 }
 
-impl Twin {
+impl SimulatedBoard {
     fn new(args: &LinkTwinArgs) -> Self {
         let grbl = |variant, settings| {
             let mut board = GrblTwin::new(variant, settings);
@@ -67,7 +67,10 @@ impl Twin {
         match args.firmware {
             TwinBoard::Grbl => grbl(Variant::Grbl, GrblSettings::default()),
             // A board with a spindle encoder.
-            TwinBoard::Grblhal => grbl(Variant::GrblHal, GrblSettings::with_encoder(ENCODER)),
+            TwinBoard::Grblhal => grbl(
+                Variant::GrblHal,
+                GrblSettings::with_encoder(ENCODER_PULSES_PER_TURN),
+            ),
             // The settings of a board configured from an example.
             TwinBoard::Fluidnc => grbl(Variant::FluidNc, GrblSettings::with_config_tree()),
             TwinBoard::Klipper => {
@@ -99,38 +102,38 @@ impl Twin {
     }
 
     /// Passes bytes to the board and advances it to a time, ns. Returns its answers.
-    fn play(&mut self, bytes: &[u8], until: u64) -> Vec<u8> {
+    fn advance_to(&mut self, bytes: &[u8], until_ns: u64) -> Vec<u8> {
         match self {
             Self::Grbl(board) => {
                 board.write(bytes);
-                board.advance(until.saturating_sub(board.now()));
+                board.advance(until_ns.saturating_sub(board.now()));
                 board.read()
             }
             Self::Klipper(board) => {
                 board.write(bytes);
-                board.advance(until.saturating_sub(board.now()));
+                board.advance(until_ns.saturating_sub(board.now()));
                 board.read()
             }
         }
     }
 
-    fn shown(&self) -> Shown {
+    fn status(&self) -> TwinStatus {
         match self {
-            Self::Grbl(board) => Shown {
+            Self::Grbl(board) => TwinStatus {
                 state: say::as_written(format_args!("{:?}", board.state())),
-                resets: board.reset_count,
-                stands: board.state() == GrblState::Idle,
+                reset_count: board.reset_count,
+                is_stopped: board.state() == GrblState::Idle,
                 pulses: board.pulses(),
             },
-            Self::Klipper(board) => Shown {
+            Self::Klipper(board) => TwinStatus {
                 state: match board.state() {
                     klipper::KlipperState::Booting => say::link_twin_boots(),
                     klipper::KlipperState::Running => say::link_twin_runs(),
                     klipper::KlipperState::Shutdown(reason) => say::link_twin_shut_down(reason),
                 },
-                resets: 0,
+                reset_count: 0,
                 // At standstill: no pulse for 0.25 s.
-                stands: board.now().saturating_sub(board.last_pulse_ns()) > 250_000_000,
+                is_stopped: board.now().saturating_sub(board.last_pulse_ns()) > 250_000_000,
                 pulses: board.pulses(),
             },
         }
@@ -138,7 +141,7 @@ impl Twin {
 }
 
 /// The machine file for a simulated board.
-const fn machine(firmware: TwinBoard) -> &'static str {
+const fn machine_file(firmware: TwinBoard) -> &'static str {
     match firmware {
         TwinBoard::Grbl | TwinBoard::Grblhal | TwinBoard::Fluidnc => {
             include_str!("../../../../assets/machines/virtual-line.ron")
@@ -148,49 +151,52 @@ const fn machine(firmware: TwinBoard) -> &'static str {
 }
 
 /// Simulates a board until the time of `--seconds` is over.
-pub fn twin(args: &LinkTwinArgs) -> Result<u8, CommandError> {
+pub fn run_twin(args: &LinkTwinArgs) -> Result<u8, CommandError> {
     if args.print_machine {
-        output::print(machine(args.firmware));
-        return Ok(FINE);
+        output::print(machine_file(args.firmware));
+        return Ok(EXIT_OK);
     }
-    let mut port = Offer::open(args.tcp.as_deref())?;
-    let mut board = Twin::new(args);
+    let mut port = OfferedPort::open(args.tcp.as_deref())?;
+    let mut board = SimulatedBoard::new(args);
     output::print(&format!("{}\n", port.name()?));
     if args.delay_ms > 0 {
         let delay = Damage::Delayed(args.delay_ms * 1_000_000);
         board.wire().damage(0, delay);
     }
     let start = Instant::now();
-    let mut damaged = 0;
-    let mut shown = board.shown();
+    let mut next_lost_byte = 0;
+    let mut last_status = board.status();
     while args
         .seconds
         .is_none_or(|seconds| start.elapsed() < Duration::from_secs(seconds))
     {
         if let Some(every) = args.lose_every {
-            while damaged < board.wire().sent_count() + AHEAD {
-                damaged += every;
-                board.wire().damage(damaged, Damage::Lost);
+            while next_lost_byte < board.wire().sent_count() + DAMAGE_AHEAD_BYTES {
+                next_lost_byte += every;
+                board.wire().damage(next_lost_byte, Damage::Lost);
             }
         }
         let bytes = port.read().map_err(CommandError::Gone)?;
         let elapsed = u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX);
-        if let (Twin::Klipper(board), Some(after)) = (&mut board, args.lose_index) {
+        if let (SimulatedBoard::Klipper(board), Some(after)) = (&mut board, args.lose_index) {
             board.set_index_lost(start.elapsed() >= Duration::from_secs(after));
         }
-        let said = board.play(&bytes, elapsed);
-        port.write(&said).map_err(CommandError::Gone)?;
-        let now = board.shown();
-        let reset = now.resets != shown.resets;
-        if reset || now.state != shown.state || (now.stands && now.pulses != shown.pulses) {
+        let reply = board.advance_to(&bytes, elapsed);
+        port.write(&reply).map_err(CommandError::Gone)?;
+        let status = board.status();
+        let reset = status.reset_count != last_status.reset_count;
+        if reset
+            || status.state != last_status.state
+            || (status.is_stopped && status.pulses != last_status.pulses)
+        {
             let time = format!("{:9.3}", elapsed as f64 * 1e-9);
-            let (state, [x, z]) = (now.state.clone(), now.pulses);
-            output::say(&match reset {
+            let (state, [x, z]) = (status.state.clone(), status.pulses);
+            output::print_message(&match reset {
                 true => say::link_twin_reset(time, state, x, z),
                 false => say::link_twin_state(time, state, x, z),
             });
-            shown = now;
+            last_status = status;
         }
     }
-    Ok(FINE)
+    Ok(EXIT_OK)
 }

@@ -25,16 +25,16 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use super::convert::{Encoding, uri_of};
-use super::desk::Desk;
-use super::documents::Document;
+use super::convert::{ColumnEncoding, path_to_uri};
+use super::documents::OpenDocument;
 use super::folder;
+use super::server_state::ServerState;
 
 /// The result of a request, with a notice for the user.
-type Answer = Result<(Value, Option<Message>), Refusal>;
+type RequestAnswer = Result<(Value, Option<Message>), RequestRefusal>;
 
 /// Why a request is refused.
-enum Refusal {
+enum RequestRefusal {
     /// The parameters do not fit the method.
     Params(String),
     NotOpen,
@@ -46,25 +46,32 @@ enum Refusal {
 }
 
 /// The open document that a request names, if any.
-pub fn document_of<'a>(desk: &'a mut Desk, request: &Request) -> Option<&'a mut Document> {
+pub fn document_of<'a>(
+    desk: &'a mut ServerState,
+    request: &Request,
+) -> Option<&'a mut OpenDocument> {
     let uri = request.params.get("textDocument")?.get("uri")?.as_str()?;
-    desk.open.get_mut(uri)
+    desk.documents.get_mut(uri)
 }
 
 /// Answers a request. The message, if any, is shown to the user.
-pub fn answer(desk: &mut Desk, request: Request) -> (Response, Option<Message>) {
+pub fn answer(desk: &mut ServerState, request: Request) -> (Response, Option<Message>) {
     let id = request.id.clone();
-    match answered(desk, request) {
+    match dispatch_request(desk, request) {
         Ok((value, notice)) => (Response::new_ok(id, value), notice),
         Err(refusal) => {
-            let language = desk.editor.reader.language;
+            let language = desk.editor.reading.language;
             let (code, text) = match refusal {
-                Refusal::Params(text) => (ErrorCode::InvalidParams, text),
-                Refusal::NotOpen => (ErrorCode::InvalidParams, say::lsp_not_open().text(language)),
-                Refusal::Failed(message) => (ErrorCode::RequestFailed, message.text(language)),
-                Refusal::Method(method) => {
-                    let said = say::lsp_no_method(method).text(language);
-                    (ErrorCode::MethodNotFound, said)
+                RequestRefusal::Params(text) => (ErrorCode::InvalidParams, text),
+                RequestRefusal::NotOpen => {
+                    (ErrorCode::InvalidParams, say::lsp_not_open().text(language))
+                }
+                RequestRefusal::Failed(message) => {
+                    (ErrorCode::RequestFailed, message.text(language))
+                }
+                RequestRefusal::Method(method) => {
+                    let text = say::lsp_no_method(method).text(language);
+                    (ErrorCode::MethodNotFound, text)
                 }
             };
             (Response::new_err(id, code as i32, text), None)
@@ -72,89 +79,92 @@ pub fn answer(desk: &mut Desk, request: Request) -> (Response, Option<Message>) 
     }
 }
 
-fn answered(desk: &mut Desk, request: Request) -> Answer {
+fn dispatch_request(desk: &mut ServerState, request: Request) -> RequestAnswer {
     match request.method.as_str() {
         HoverRequest::METHOD => on_hover(
             desk,
-            &read::<HoverRequest>(request)?.text_document_position_params,
+            &parse_params::<HoverRequest>(request)?.text_document_position_params,
         ),
-        Completion::METHOD => {
-            on_completion(desk, &read::<Completion>(request)?.text_document_position)
-        }
+        Completion::METHOD => on_completion(
+            desk,
+            &parse_params::<Completion>(request)?.text_document_position,
+        ),
         GotoDefinition::METHOD => {
-            let params = read::<GotoDefinition>(request)?;
+            let params = parse_params::<GotoDefinition>(request)?;
             on_definition(desk, &params.text_document_position_params)
         }
         References::METHOD => {
-            let params = read::<References>(request)?;
-            let itself = params.context.include_declaration;
-            on_references(desk, &params.text_document_position, itself)
+            let params = parse_params::<References>(request)?;
+            let include_declaration = params.context.include_declaration;
+            on_references(desk, &params.text_document_position, include_declaration)
         }
         DocumentHighlightRequest::METHOD => {
-            let params = read::<DocumentHighlightRequest>(request)?;
+            let params = parse_params::<DocumentHighlightRequest>(request)?;
             on_highlight(desk, &params.text_document_position_params)
         }
         DocumentSymbolRequest::METHOD => {
-            let params = read::<DocumentSymbolRequest>(request)?;
+            let params = parse_params::<DocumentSymbolRequest>(request)?;
             on_symbols(desk, &params.text_document.uri)
         }
         FoldingRangeRequest::METHOD => {
-            let params = read::<FoldingRangeRequest>(request)?;
+            let params = parse_params::<FoldingRangeRequest>(request)?;
             on_folds(desk, &params.text_document.uri)
         }
         Formatting::METHOD => {
-            let params = read::<Formatting>(request)?;
+            let params = parse_params::<Formatting>(request)?;
             on_format(desk, &params.text_document.uri, None)
         }
         RangeFormatting::METHOD => {
-            let params = read::<RangeFormatting>(request)?;
+            let params = parse_params::<RangeFormatting>(request)?;
             on_format(desk, &params.text_document.uri, Some(params.range))
         }
         PrepareRenameRequest::METHOD => {
-            on_prepare_rename(desk, &read::<PrepareRenameRequest>(request)?)
+            on_prepare_rename(desk, &parse_params::<PrepareRenameRequest>(request)?)
         }
         Rename::METHOD => {
-            let params = read::<Rename>(request)?;
+            let params = parse_params::<Rename>(request)?;
             on_rename(desk, &params.text_document_position, &params.new_name)
         }
         CodeLensRequest::METHOD => {
-            let params = read::<CodeLensRequest>(request)?;
-            let document = document(desk, &params.text_document.uri)?;
-            value(&lenses_of(
+            let params = parse_params::<CodeLensRequest>(request)?;
+            let document = find_document(desk, &params.text_document.uri)?;
+            to_answer(&code_lenses(
                 document,
                 desk.editor.encoding,
-                desk.editor.reader,
+                desk.editor.reading,
             ))
         }
-        _ => Err(Refusal::Method(request.method)),
+        _ => Err(RequestRefusal::Method(request.method)),
     }
 }
 
-fn read<R>(request: Request) -> Result<R::Params, Refusal>
+fn parse_params<R>(request: Request) -> Result<R::Params, RequestRefusal>
 where
     R: lsp_types::request::Request,
     R::Params: DeserializeOwned,
 {
     let params = serde_json::from_value(request.params);
-    params.map_err(|error| Refusal::Params(error.to_string()))
+    params.map_err(|error| RequestRefusal::Params(error.to_string()))
 }
 
-fn value(answer: &impl Serialize) -> Answer {
+fn to_answer(answer: &impl Serialize) -> RequestAnswer {
     let value = serde_json::to_value(answer);
-    let value = value.map_err(|error| Refusal::Failed(say::as_written(error)))?;
+    let value = value.map_err(|error| RequestRefusal::Failed(say::as_written(error)))?;
     Ok((value, None))
 }
 
-fn document<'a>(desk: &'a Desk, uri: &Uri) -> Result<&'a Document, Refusal> {
-    desk.open.get(uri.as_str()).ok_or(Refusal::NotOpen)
+fn find_document<'a>(desk: &'a ServerState, uri: &Uri) -> Result<&'a OpenDocument, RequestRefusal> {
+    desk.documents
+        .get(uri.as_str())
+        .ok_or(RequestRefusal::NotOpen)
 }
 
 /// The document of a request and the position in its text.
-fn at<'a>(
-    desk: &'a Desk,
+fn document_position<'a>(
+    desk: &'a ServerState,
     params: &TextDocumentPositionParams,
-) -> Result<(&'a Document, Position), Refusal> {
-    let document = document(desk, &params.text_document.uri)?;
+) -> Result<(&'a OpenDocument, Position), RequestRefusal> {
+    let document = find_document(desk, &params.text_document.uri)?;
     let position = desk
         .editor
         .encoding
@@ -163,16 +173,22 @@ fn at<'a>(
 }
 
 /// The programs in the folder of a document, by number.
-fn beside(desk: &mut Desk, uri: &Uri) -> Result<BTreeMap<u16, PathBuf>, Refusal> {
-    let document = desk.open.get(uri.as_str()).ok_or(Refusal::NotOpen)?;
+fn index_folder(
+    desk: &mut ServerState,
+    uri: &Uri,
+) -> Result<BTreeMap<u16, PathBuf>, RequestRefusal> {
+    let document = desk
+        .documents
+        .get(uri.as_str())
+        .ok_or(RequestRefusal::NotOpen)?;
     Ok(match &document.path {
-        Some(path) => desk.folders.beside(path, desk.open.values()),
+        Some(path) => desk.folders.index_for(path, desk.documents.values()),
         None => BTreeMap::new(),
     })
 }
 
 /// Markdown, or plain text for an editor that cannot show it.
-fn markup(value: String, markdown: bool) -> MarkupContent {
+fn to_markup(value: String, markdown: bool) -> MarkupContent {
     match markdown {
         true => MarkupContent {
             kind: MarkupKind::Markdown,
@@ -185,30 +201,30 @@ fn markup(value: String, markdown: bool) -> MarkupContent {
     }
 }
 
-fn on_hover(desk: &mut Desk, params: &TextDocumentPositionParams) -> Answer {
-    let index = beside(desk, &params.text_document.uri)?;
-    let (document, position) = at(desk, params)?;
+fn on_hover(desk: &mut ServerState, params: &TextDocumentPositionParams) -> RequestAnswer {
+    let index = index_folder(desk, &params.text_document.uri)?;
+    let (document, position) = document_position(desk, params)?;
     let program = |number| {
         let path = index.get(&number)?;
-        folder::text_of(path, desk.open.values())
+        folder::read_text(path, desk.documents.values())
     };
-    let (text, reader) = (&document.text, desk.editor.reader);
+    let (text, reader) = (&document.text, desk.editor.reading);
     let markdown = desk.editor.markdown.0;
     let found = hover(text, document.structure(), position, reader, &program);
     let found = found.map(|it| lsp_types::Hover {
-        contents: lsp_types::HoverContents::Markup(markup(it.markdown, markdown)),
-        range: Some(desk.editor.encoding.range(text, &it.range)),
+        contents: lsp_types::HoverContents::Markup(to_markup(it.markdown, markdown)),
+        range: Some(desk.editor.encoding.to_range(text, &it.range)),
     });
-    value(&found)
+    to_answer(&found)
 }
 
-fn on_completion(desk: &mut Desk, params: &TextDocumentPositionParams) -> Answer {
-    let index = beside(desk, &params.text_document.uri)?;
-    let (document, position) = at(desk, params)?;
+fn on_completion(desk: &mut ServerState, params: &TextDocumentPositionParams) -> RequestAnswer {
+    let index = index_folder(desk, &params.text_document.uri)?;
+    let (document, position) = document_position(desk, params)?;
     let editor = desk.editor;
     let programs: BTreeSet<u16> = index.into_keys().collect();
     let (text, structure) = (&document.text, document.structure());
-    let found = complete(text, structure, position, editor.reader, &programs);
+    let found = complete(text, structure, position, editor.reading, &programs);
     let items = found.into_iter().enumerate().filter_map(|(order, it)| {
         let is_snippet = it.insert.contains("${");
         if is_snippet && !editor.snippets {
@@ -227,62 +243,71 @@ fn on_completion(desk: &mut Desk, params: &TextDocumentPositionParams) -> Answer
             }),
             detail: Some(it.detail).filter(|detail| !detail.is_empty()),
             documentation: about.map(|about| match editor.markdown.1 {
-                true => Documentation::MarkupContent(markup(about, true)),
+                true => Documentation::MarkupContent(to_markup(about, true)),
                 false => Documentation::String(without_markup(&about)),
             }),
             sort_text: Some(format!("{order:04}")),
             filter_text: Some(it.label),
             insert_text_format: is_snippet.then_some(InsertTextFormat::SNIPPET),
             text_edit: Some(CompletionTextEdit::Edit(TextEdit::new(
-                editor.encoding.range(text, &it.range),
+                editor.encoding.to_range(text, &it.range),
                 it.insert,
             ))),
             ..CompletionItem::default()
         })
     });
-    value(&items.collect::<Vec<_>>())
+    to_answer(&items.collect::<Vec<_>>())
 }
 
-fn on_definition(desk: &mut Desk, params: &TextDocumentPositionParams) -> Answer {
-    let index = beside(desk, &params.text_document.uri)?;
-    let (document, position) = at(desk, params)?;
+fn on_definition(desk: &mut ServerState, params: &TextDocumentPositionParams) -> RequestAnswer {
+    let index = index_folder(desk, &params.text_document.uri)?;
+    let (document, position) = document_position(desk, params)?;
     let encoding = desk.editor.encoding;
-    let led = definition(document.structure(), position);
-    let here = |place| Location::new(document.uri.clone(), encoding.range(&document.text, place));
-    let mut found: Vec<Location> = led.blocks.iter().map(here).collect();
-    let other = led.program.and_then(|number| {
+    let targets = definition(document.structure(), position);
+    let here = |range| {
+        Location::new(
+            document.uri.clone(),
+            encoding.to_range(&document.text, range),
+        )
+    };
+    let mut found: Vec<Location> = targets.blocks.iter().map(here).collect();
+    let other = targets.program.and_then(|number| {
         let path = index.get(&number)?;
-        let text = TextDocument::new(folder::text_of(path, desk.open.values())?);
+        let text = TextDocument::new(folder::read_text(path, desk.documents.values())?);
         let structure = Structure::read(&text);
         let mut parts = structure.parts.iter();
         let name = parts.find(|it| it.number == Some(number))?.name.clone();
-        let range = name.map_or_else(Range::default, |it| encoding.range(&text, &it));
-        Some(Location::new(uri_in(desk, path)?, range))
+        let range = name.map_or_else(Range::default, |it| encoding.to_range(&text, &it));
+        Some(Location::new(find_uri(desk, path)?, range))
     });
     found.extend(other);
-    value(&found)
+    to_answer(&found)
 }
 
 /// The URI of a file; that of the editor if the file is open.
-fn uri_in(desk: &Desk, path: &std::path::Path) -> Option<Uri> {
-    let mut open = desk.open.values();
+fn find_uri(desk: &ServerState, path: &std::path::Path) -> Option<Uri> {
+    let mut open = desk.documents.values();
     let open = open.find(|document| document.path.as_deref() == Some(path));
     open.map(|document| document.uri.clone())
-        .or_else(|| uri_of(path))
+        .or_else(|| path_to_uri(path))
 }
 
-fn on_references(desk: &mut Desk, params: &TextDocumentPositionParams, itself: bool) -> Answer {
-    let index = beside(desk, &params.text_document.uri)?;
-    let (document, position) = at(desk, params)?;
+fn on_references(
+    desk: &mut ServerState,
+    params: &TextDocumentPositionParams,
+    include_declaration: bool,
+) -> RequestAnswer {
+    let index = index_folder(desk, &params.text_document.uri)?;
+    let (document, position) = document_position(desk, params)?;
     let encoding = desk.editor.encoding;
-    let (here, program) = references(document.structure(), position, itself);
+    let (here, program) = references(document.structure(), position, include_declaration);
     let own = document.uri.clone();
-    let location = |place| Location::new(own.clone(), encoding.range(&document.text, place));
+    let location = |range| Location::new(own.clone(), encoding.to_range(&document.text, range));
     let mut found: Vec<Location> = here.iter().map(location).collect();
     let others = program.into_iter().flat_map(|_| index.values());
     for path in others.collect::<BTreeSet<_>>() {
         let Some(number) = program else { break };
-        let read = folder::text_of(path, desk.open.values());
+        let read = folder::read_text(path, desk.documents.values());
         let Some(text) = read.filter(|text| folder::is_small(text)) else {
             continue;
         };
@@ -297,41 +322,45 @@ fn on_references(desk: &mut Desk, params: &TextDocumentPositionParams, itself: b
             .parts
             .iter()
             .filter(|it| it.number == Some(number));
-        places.extend(named.filter_map(|it| it.name.clone()).filter(|_| itself));
-        if let Some(uri) = uri_in(desk, path) {
-            let there = |place| Location::new(uri.clone(), encoding.range(&text, place));
+        places.extend(
+            named
+                .filter_map(|it| it.name.clone())
+                .filter(|_| include_declaration),
+        );
+        if let Some(uri) = find_uri(desk, path) {
+            let there = |range| Location::new(uri.clone(), encoding.to_range(&text, range));
             found.extend(places.iter().map(there));
         }
     }
-    value(&found)
+    to_answer(&found)
 }
 
-fn on_highlight(desk: &Desk, params: &TextDocumentPositionParams) -> Answer {
-    let (document, position) = at(desk, params)?;
+fn on_highlight(desk: &ServerState, params: &TextDocumentPositionParams) -> RequestAnswer {
+    let (document, position) = document_position(desk, params)?;
     let (places, _) = references(document.structure(), position, true);
-    let highlights = places.iter().map(|place| DocumentHighlight {
-        range: desk.editor.encoding.range(&document.text, place),
+    let highlights = places.iter().map(|range| DocumentHighlight {
+        range: desk.editor.encoding.to_range(&document.text, range),
         kind: None,
     });
-    value(&highlights.collect::<Vec<_>>())
+    to_answer(&highlights.collect::<Vec<_>>())
 }
 
-fn on_symbols(desk: &Desk, uri: &Uri) -> Answer {
-    let document = document(desk, uri)?;
+fn on_symbols(desk: &ServerState, uri: &Uri) -> RequestAnswer {
+    let document = find_document(desk, uri)?;
     let found = symbols(&document.text, document.structure());
     let encoding = desk.editor.encoding;
     let all = found
         .into_iter()
-        .map(|it| symbol(&document.text, it, encoding));
-    value(&all.collect::<Vec<_>>())
+        .map(|it| to_document_symbol(&document.text, it, encoding));
+    to_answer(&all.collect::<Vec<_>>())
 }
 
 #[expect(
     deprecated,
     reason = "the struct of the protocol has no other constructor"
 )]
-fn symbol(text: &TextDocument, it: Symbol, encoding: Encoding) -> DocumentSymbol {
-    let selection_range = encoding.range(text, &it.range);
+fn to_document_symbol(text: &TextDocument, it: Symbol, encoding: ColumnEncoding) -> DocumentSymbol {
+    let selection_range = encoding.to_range(text, &it.range);
     let last = Position {
         line: it.last_line,
         byte: u32::MAX,
@@ -341,7 +370,9 @@ fn symbol(text: &TextDocument, it: Symbol, encoding: Encoding) -> DocumentSymbol
         byte: 0,
     };
     let within = it.children.into_iter();
-    let children: Vec<_> = within.map(|it| symbol(text, it, encoding)).collect();
+    let children: Vec<_> = within
+        .map(|it| to_document_symbol(text, it, encoding))
+        .collect();
     DocumentSymbol {
         name: it.name,
         detail: None,
@@ -362,8 +393,8 @@ fn symbol(text: &TextDocument, it: Symbol, encoding: Encoding) -> DocumentSymbol
     }
 }
 
-fn on_folds(desk: &Desk, uri: &Uri) -> Answer {
-    let document = document(desk, uri)?;
+fn on_folds(desk: &ServerState, uri: &Uri) -> RequestAnswer {
+    let document = find_document(desk, uri)?;
     let found = folds(&document.text, document.structure());
     let all = found
         .into_iter()
@@ -372,64 +403,68 @@ fn on_folds(desk: &Desk, uri: &Uri) -> Answer {
             end_line,
             ..FoldingRange::default()
         });
-    value(&all.collect::<Vec<_>>())
+    to_answer(&all.collect::<Vec<_>>())
 }
 
-fn on_format(desk: &Desk, uri: &Uri, range: Option<Range>) -> Answer {
-    let document = document(desk, uri)?;
+fn on_format(desk: &ServerState, uri: &Uri, range: Option<Range>) -> RequestAnswer {
+    let document = find_document(desk, uri)?;
     let text = &document.text;
     let lines = match range {
         None => 0..text.line_count(),
         Some(range) => range.start.line..range.end.line.saturating_add(1),
     };
-    let outside = document.led_from_outside();
-    let site = (&outside[..], desk.editor.reader.model);
+    let outside = document.external_return_targets();
+    let site = (&outside[..], desk.editor.reading.model);
     let done = format(text, document.structure(), desk.style, lines, site);
     let encoding = desk.editor.encoding;
     let edits: Vec<TextEdit> = done
         .edits
         .iter()
-        .map(|it| encoding.edit(text, it))
+        .map(|it| encoding.to_text_edit(text, it))
         .collect();
-    let (value, _) = value(&edits)?;
+    let (value, _) = to_answer(&edits)?;
     Ok((value, done.refused))
 }
 
-fn on_prepare_rename(desk: &Desk, params: &TextDocumentPositionParams) -> Answer {
-    let (document, position) = at(desk, params)?;
-    let place = renamable(document.structure(), position);
-    let place = place.ok_or_else(|| Refusal::Failed(say::rename_nothing()))?;
-    let range = desk.editor.encoding.range(&document.text, &place);
-    value(&PrepareRenameResponse::Range(range))
+fn on_prepare_rename(desk: &ServerState, params: &TextDocumentPositionParams) -> RequestAnswer {
+    let (document, position) = document_position(desk, params)?;
+    let range = renamable(document.structure(), position);
+    let range = range.ok_or_else(|| RequestRefusal::Failed(say::rename_nothing()))?;
+    let range = desk.editor.encoding.to_range(&document.text, &range);
+    to_answer(&PrepareRenameResponse::Range(range))
 }
 
 #[expect(
     clippy::mutable_key_type,
     reason = "the map of the protocol; its keys are not changed"
 )]
-fn on_rename(desk: &Desk, params: &TextDocumentPositionParams, name: &str) -> Answer {
-    let (document, position) = at(desk, params)?;
-    let outside = document.led_from_outside();
-    let site = (&outside[..], desk.editor.reader.model);
+fn on_rename(desk: &ServerState, params: &TextDocumentPositionParams, name: &str) -> RequestAnswer {
+    let (document, position) = document_position(desk, params)?;
+    let outside = document.external_return_targets();
+    let site = (&outside[..], desk.editor.reading.model);
     let edits = rename(&document.text, document.structure(), position, name, site);
-    let edits = edits.map_err(Refusal::Failed)?;
+    let edits = edits.map_err(RequestRefusal::Failed)?;
     let encoding = desk.editor.encoding;
     let edits = edits
         .iter()
-        .map(|it| encoding.edit(&document.text, it))
+        .map(|it| encoding.to_text_edit(&document.text, it))
         .collect();
     let changes = [(document.uri.clone(), edits)].into_iter().collect();
-    value(&WorkspaceEdit::new(changes))
+    to_answer(&WorkspaceEdit::new(changes))
 }
 
 /// The code lenses of a document; none before its first analysis.
-pub fn lenses_of(document: &Document, encoding: Encoding, reader: ReadingContext) -> Vec<CodeLens> {
+pub fn code_lenses(
+    document: &OpenDocument,
+    encoding: ColumnEncoding,
+    reader: ReadingContext,
+) -> Vec<CodeLens> {
     let Some(analysis) = &document.analysis else {
         return Vec::new();
     };
     let found = lenses(document.structure(), analysis, reader.language);
     let all = found.into_iter().map(|it| CodeLens {
-        range: encoding.range(&document.text, &it.range),
+        range: encoding.to_range(&document.text, &it.range),
         command: Some(Command::new(it.text, String::new(), None)),
         data: None,
     });

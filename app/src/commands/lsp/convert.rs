@@ -9,7 +9,7 @@ use lsp_types::{PositionEncodingKind, Range, TextEdit, Uri};
 
 /// The unit of columns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Encoding {
+pub enum ColumnEncoding {
     /// Bytes of UTF-8.
     Utf8,
     /// Code units of UTF-16, which every editor supports.
@@ -17,15 +17,15 @@ pub enum Encoding {
     Utf16,
 }
 
-impl Encoding {
+impl ColumnEncoding {
     /// The fastest encoding that the editor offers: UTF-8 if it does, else UTF-16.
-    pub fn of(offered: Option<&[PositionEncodingKind]>) -> Self {
+    pub fn select(offered: Option<&[PositionEncodingKind]>) -> Self {
         let bytes = offered.is_some_and(|it| it.contains(&PositionEncodingKind::UTF8));
         if bytes { Self::Utf8 } else { Self::Utf16 }
     }
 
     /// The name of the encoding in the protocol.
-    pub const fn kind(self) -> PositionEncodingKind {
+    pub const fn to_protocol(self) -> PositionEncodingKind {
         match self {
             Self::Utf8 => PositionEncodingKind::UTF8,
             Self::Utf16 => PositionEncodingKind::UTF16,
@@ -33,7 +33,7 @@ impl Encoding {
     }
 
     /// Converts a byte offset in a line to a column.
-    fn column(self, line: &str, byte: usize) -> u32 {
+    fn to_column(self, line: &str, byte: usize) -> u32 {
         let byte = line.floor_char_boundary(byte.min(line.len()));
         let before = line.get(..byte).unwrap_or(line);
         let column = match self {
@@ -45,7 +45,7 @@ impl Encoding {
 
     /// Converts a column of a line to a byte offset; the end of the line if the column is
     /// beyond it.
-    fn byte(self, line: &str, column: u32) -> usize {
+    fn to_byte(self, line: &str, column: u32) -> usize {
         let column = column as usize;
         match self {
             Self::Utf8 => line.floor_char_boundary(column.min(line.len())),
@@ -63,24 +63,24 @@ impl Encoding {
     }
 
     pub fn to_editor(self, text: &TextDocument, at: Position) -> lsp_types::Position {
-        let column = self.column(text.line(at.line), at.byte as usize);
+        let column = self.to_column(text.line(at.line), at.byte as usize);
         lsp_types::Position::new(at.line, column)
     }
 
     pub fn to_text(self, text: &TextDocument, at: lsp_types::Position) -> Position {
-        let byte = self.byte(text.line(at.line), at.character);
+        let byte = self.to_byte(text.line(at.line), at.character);
         Position {
             line: at.line,
             byte: u32::try_from(byte).unwrap_or(u32::MAX),
         }
     }
 
-    pub fn range(self, text: &TextDocument, place: &TextRange) -> Range {
-        let (from, to) = place.start_and_end();
+    pub fn to_range(self, text: &TextDocument, text_range: &TextRange) -> Range {
+        let (from, to) = text_range.start_and_end();
         Range::new(self.to_editor(text, from), self.to_editor(text, to))
     }
 
-    pub fn edit(self, text: &TextDocument, edit: &TextChange) -> TextEdit {
+    pub fn to_text_edit(self, text: &TextDocument, edit: &TextChange) -> TextEdit {
         let (from, to) = (
             self.to_editor(text, edit.from),
             self.to_editor(text, edit.to),
@@ -90,20 +90,20 @@ impl Encoding {
 }
 
 /// The path of a `file:` URI; `None` for a text that was never saved.
-pub fn path_of(uri: &Uri) -> Option<PathBuf> {
+pub fn uri_to_path(uri: &Uri) -> Option<PathBuf> {
     let rest = uri.as_str().strip_prefix("file://")?;
     let path = rest.strip_prefix("localhost").unwrap_or(rest);
-    let decoded = decoded(path.strip_prefix('/').map(|_| path)?)?;
+    let decoded = decode_percent(path.strip_prefix('/').map(|_| path)?)?;
     // Windows: `/c:/parts` is `c:/parts`.
-    let drive = matches!(decoded.as_bytes(), [b'/', letter, b':', b'/', ..] if letter.is_ascii_alphabetic());
-    Some(PathBuf::from(if drive {
+    let has_drive = matches!(decoded.as_bytes(), [b'/', letter, b':', b'/', ..] if letter.is_ascii_alphabetic());
+    Some(PathBuf::from(if has_drive {
         &decoded[1..]
     } else {
         &decoded[..]
     }))
 }
 
-fn decoded(text: &str) -> Option<String> {
+fn decode_percent(text: &str) -> Option<String> {
     let mut bytes = Vec::with_capacity(text.len());
     let mut rest = text.bytes();
     while let Some(byte) = rest.next() {
@@ -120,7 +120,7 @@ fn decoded(text: &str) -> Option<String> {
     String::from_utf8(bytes).ok()
 }
 
-pub fn uri_of(path: &Path) -> Option<Uri> {
+pub fn path_to_uri(path: &Path) -> Option<Uri> {
     let mut uri = String::from("file://");
     let bytes = path.as_os_str().as_encoded_bytes();
     if !bytes.starts_with(b"/") {
@@ -146,15 +146,15 @@ mod tests {
     fn columns_are_bytes_or_units_of_utf_16() {
         let text = TextDocument::new("G1\n(车𝄞) X2\n");
         let at = Position { line: 1, byte: 8 };
-        let wide = Encoding::Utf16.to_editor(&text, at);
+        let wide = ColumnEncoding::Utf16.to_editor(&text, at);
         assert_eq!((wide.line, wide.character), (1, 4));
-        assert_eq!(Encoding::Utf16.to_text(&text, wide), at);
-        assert_eq!(Encoding::Utf8.to_editor(&text, at).character, 8);
+        assert_eq!(ColumnEncoding::Utf16.to_text(&text, wide), at);
+        assert_eq!(ColumnEncoding::Utf8.to_editor(&text, at).character, 8);
         let beyond = lsp_types::Position::new(1, 99);
-        assert_eq!(Encoding::Utf16.to_text(&text, beyond).byte, 12);
+        assert_eq!(ColumnEncoding::Utf16.to_text(&text, beyond).byte, 12);
         let within = lsp_types::Position::new(1, 3);
         assert_eq!(
-            Encoding::Utf16.to_text(&text, within).byte,
+            ColumnEncoding::Utf16.to_text(&text, within).byte,
             8,
             "half a character"
         );
@@ -163,17 +163,17 @@ mod tests {
     #[test]
     fn files_are_uris_and_back() {
         let path = Path::new("/tmp/Teile 1/车削%.CNC");
-        let uri = uri_of(path).expect("uri");
+        let uri = path_to_uri(path).expect("uri");
         assert!(
             uri.as_str().starts_with("file:///tmp/Teile%201/%E8"),
             "{uri:?}"
         );
-        assert_eq!(path_of(&uri).as_deref(), Some(path));
+        assert_eq!(uri_to_path(&uri).as_deref(), Some(path));
         let drive = Uri::from_str("file:///c%3A/parts/a.CNC").expect("uri");
-        assert_eq!(path_of(&drive), Some(PathBuf::from("c:/parts/a.CNC")));
+        assert_eq!(uri_to_path(&drive), Some(PathBuf::from("c:/parts/a.CNC")));
         for none in ["untitled:Untitled-1", "file:///%zz", "file://host/x"] {
             let uri = Uri::from_str(none);
-            assert_eq!(uri.ok().as_ref().and_then(path_of), None, "{none}");
+            assert_eq!(uri.ok().as_ref().and_then(uri_to_path), None, "{none}");
         }
     }
 }

@@ -8,11 +8,11 @@ use gsk_language::{Analysis, ReferenceTarget, Structure, TextChange, TextDocumen
 use lsp_server::RequestId;
 use lsp_types::{TextDocumentContentChangeEvent, Uri};
 
-use super::convert::Encoding;
-use crate::files::subprograms::Found;
+use super::convert::ColumnEncoding;
+use crate::files::subprograms::FoundSubprogram;
 
 /// An open document.
-pub struct Document {
+pub struct OpenDocument {
     pub uri: Uri,
     /// `None` if the document was never saved.
     pub path: Option<PathBuf>,
@@ -21,16 +21,16 @@ pub struct Document {
     pub text: Arc<TextDocument>,
     structure: OnceLock<Arc<Structure>>,
     /// Called programs of other files.
-    pub found: Arc<Vec<Found>>,
+    pub called_programs: Arc<Vec<FoundSubprogram>>,
     /// The analysis of the current text; `None` until the checker has finished.
     pub analysis: Option<Arc<Analysis>>,
     /// False cancels the running analysis.
-    wanted: Arc<AtomicBool>,
+    is_analysis_wanted: Arc<AtomicBool>,
     /// Code lens requests that wait for the analysis.
-    pub waiting: Vec<RequestId>,
+    pub waiting_requests: Vec<RequestId>,
 }
 
-impl Document {
+impl OpenDocument {
     pub fn new(uri: Uri, path: Option<PathBuf>, version: i32, text: String) -> Self {
         Self {
             uri,
@@ -38,10 +38,10 @@ impl Document {
             version,
             text: Arc::new(TextDocument::new(text)),
             structure: OnceLock::new(),
-            found: Arc::default(),
+            called_programs: Arc::default(),
             analysis: None,
-            wanted: Arc::default(),
-            waiting: Vec::new(),
+            is_analysis_wanted: Arc::default(),
+            waiting_requests: Vec::new(),
         }
     }
 
@@ -52,18 +52,18 @@ impl Document {
     }
 
     /// Stores the analysis of the current text.
-    pub fn looked(&mut self, structure: Arc<Structure>, analysis: Arc<Analysis>) {
+    pub fn store_analysis(&mut self, structure: Arc<Structure>, analysis: Arc<Analysis>) {
         // The structure may already be set: it is the same.
         let _ = self.structure.set(structure);
         self.analysis = Some(analysis);
     }
 
     /// Applies changes in their order.
-    pub fn change(
+    pub fn apply_changes(
         &mut self,
         version: i32,
         changes: Vec<TextDocumentContentChangeEvent>,
-        encoding: Encoding,
+        encoding: ColumnEncoding,
     ) {
         self.version = version;
         self.structure = OnceLock::new();
@@ -85,28 +85,28 @@ impl Document {
     }
 
     /// Starts a new analysis and cancels the running one. Returns its cancel flag.
-    pub fn begin_look(&mut self) -> Arc<AtomicBool> {
-        self.give_up_look();
+    pub fn begin_analysis(&mut self) -> Arc<AtomicBool> {
+        self.cancel_analysis();
         self.analysis = None;
-        self.wanted = Arc::new(AtomicBool::new(true));
-        Arc::clone(&self.wanted)
+        self.is_analysis_wanted = Arc::new(AtomicBool::new(true));
+        Arc::clone(&self.is_analysis_wanted)
     }
 
     /// Cancels the running analysis.
-    pub fn give_up_look(&self) {
-        self.wanted.store(false, Ordering::Relaxed);
+    pub fn cancel_analysis(&self) {
+        self.is_analysis_wanted.store(false, Ordering::Relaxed);
     }
 
     /// The sequence numbers that M99 P in programs of other files returns to, in the order
     /// of those programs.
-    pub fn led_from_outside(&self) -> Vec<u16> {
+    pub fn external_return_targets(&self) -> Vec<u16> {
         let texts = self
-            .found
+            .called_programs
             .iter()
             .map(|found| TextDocument::new(found.text.as_str()));
-        let leads = texts.flat_map(|text| Structure::read(&text).references);
-        leads
-            .filter_map(|lead| match lead.target {
+        let references = texts.flat_map(|text| Structure::read(&text).references);
+        references
+            .filter_map(|reference| match reference.target {
                 ReferenceTarget::Caller(number) => Some(number),
                 _ => None,
             })

@@ -6,33 +6,35 @@ use std::path::{Path, PathBuf};
 use gsk_core::model::ControlModel;
 use gsk_language::TextDocument;
 
-use super::documents::Document;
+use super::documents::OpenDocument;
 use crate::files::program_file;
-use crate::files::subprograms::{self, Found};
+use crate::files::subprograms::{self, FoundSubprogram};
 
 /// Size limit for files that are searched for calls, bytes.
-const LARGEST_OTHER: usize = 4 * 1024 * 1024;
+const MAX_SEARCHED_BYTES: usize = 4 * 1024 * 1024;
 
 /// Indexes of folders by program number, cached until files change.
 #[derive(Default)]
-pub struct Folders {
+pub struct FolderIndexes {
     by_main: BTreeMap<PathBuf, BTreeMap<u16, PathBuf>>,
 }
 
-impl Folders {
+impl FolderIndexes {
     /// Clears the cache, because files may have changed.
-    pub fn forget(&mut self) {
+    pub fn clear(&mut self) {
         self.by_main.clear();
     }
 
     /// The programs in the folder of a document, by number.
-    pub fn beside<'a>(
+    pub fn index_for<'a>(
         &mut self,
         path: &Path,
-        open: impl Iterator<Item = &'a Document>,
+        open: impl Iterator<Item = &'a OpenDocument>,
     ) -> BTreeMap<u16, PathBuf> {
         let known = self.by_main.entry(path.to_owned());
-        let mut index = known.or_insert_with(|| subprograms::beside(path)).clone();
+        let mut index = known
+            .or_insert_with(|| subprograms::index_folder(path))
+            .clone();
         for (number, other) in open.filter_map(|it| numbered_beside(path, it)) {
             index.entry(number).or_insert(other);
         }
@@ -41,18 +43,21 @@ impl Folders {
 }
 
 /// Number and path of an open document in the same folder.
-fn numbered_beside(path: &Path, document: &Document) -> Option<(u16, PathBuf)> {
+fn numbered_beside(path: &Path, document: &OpenDocument) -> Option<(u16, PathBuf)> {
     let other = document.path.as_deref()?;
     if other == path || other.parent() != path.parent() {
         return None;
     }
-    let number = subprograms::number_in_name(other);
+    let number = subprograms::parse_number_in_name(other);
     let number = number.or_else(|| document.structure().parts.first()?.number)?;
     Some((number, other.to_owned()))
 }
 
 /// The text of a program: from the editor if it is open, else from the disk.
-pub fn text_of<'a>(path: &Path, mut open: impl Iterator<Item = &'a Document>) -> Option<String> {
+pub fn read_text<'a>(
+    path: &Path,
+    mut open: impl Iterator<Item = &'a OpenDocument>,
+) -> Option<String> {
     let open = open.find(|it| it.path.as_deref() == Some(path));
     match open {
         Some(document) => Some(document.text.as_str().to_owned()),
@@ -61,17 +66,17 @@ pub fn text_of<'a>(path: &Path, mut open: impl Iterator<Item = &'a Document>) ->
 }
 
 /// The called programs in the folder of a text, and those that they call in turn.
-pub fn called(
+pub fn find_called_programs(
     text: &TextDocument,
     index: &BTreeMap<u16, PathBuf>,
     model: &ControlModel,
     read: &dyn Fn(&Path) -> Option<String>,
-) -> Vec<Found> {
-    let calls = subprograms::calls(text.as_str(), model);
-    subprograms::find_among(index, calls, &BTreeSet::new(), model, read)
+) -> Vec<FoundSubprogram> {
+    let calls = subprograms::find_calls(text.as_str(), model);
+    subprograms::find_in_index(index, calls, &BTreeSet::new(), model, read)
 }
 
 /// Whether a text is small enough to be searched for calls.
 pub fn is_small(text: &str) -> bool {
-    text.len() <= LARGEST_OTHER
+    text.len() <= MAX_SEARCHED_BYTES
 }

@@ -6,11 +6,11 @@ use lsp_server::Message;
 
 /// The longest message, bytes: a program of the greatest size with every character escaped
 /// is shorter.
-const LONGEST: u64 = 512 * 1024 * 1024;
+const MAX_MESSAGE_BYTES: u64 = 512 * 1024 * 1024;
 /// The longest line of a header, bytes.
-const LONGEST_HEADER: u64 = 4096;
+const MAX_HEADER_LINE_BYTES: u64 = 4096;
 /// Characters of a message that an error quotes.
-const QUOTED: usize = 200;
+const QUOTED_CHARS: usize = 200;
 
 /// The next message; `None` at the end of the stream. The memory for it grows with the bytes
 /// that come, not with the length that its header promises.
@@ -22,9 +22,9 @@ pub fn read_message(input: &mut impl BufRead) -> io::Result<Option<Message>> {
     let Some(length) = read_header(input)? else {
         return Ok(None);
     };
-    if length > LONGEST {
-        return Err(invalid(format!(
-            "a message of {length} bytes; the longest has {LONGEST}"
+    if length > MAX_MESSAGE_BYTES {
+        return Err(invalid_data(format!(
+            "a message of {length} bytes; the longest has {MAX_MESSAGE_BYTES}"
         )));
     }
     let mut bytes = Vec::new();
@@ -32,10 +32,10 @@ pub fn read_message(input: &mut impl BufRead) -> io::Result<Option<Message>> {
     if (bytes.len() as u64) < length {
         return Err(io::Error::from(ErrorKind::UnexpectedEof));
     }
-    let text = String::from_utf8(bytes).map_err(|error| invalid(error.to_string()))?;
+    let text = String::from_utf8(bytes).map_err(|error| invalid_data(error.to_string()))?;
     let message = serde_json::from_str(&text).map_err(|error| {
-        let begin: String = text.chars().take(QUOTED).collect();
-        invalid(format!("malformed LSP payload `{error}`: {begin:?}"))
+        let start: String = text.chars().take(QUOTED_CHARS).collect();
+        invalid_data(format!("malformed LSP payload `{error}`: {start:?}"))
     })?;
     Ok(Some(message))
 }
@@ -47,13 +47,13 @@ fn read_header(input: &mut impl BufRead) -> io::Result<Option<u64>> {
         let mut line = Vec::new();
         input
             .by_ref()
-            .take(LONGEST_HEADER)
+            .take(MAX_HEADER_LINE_BYTES)
             .read_until(b'\n', &mut line)?;
         if line.is_empty() {
             return Ok(None);
         }
         let line = String::from_utf8_lossy(&line).into_owned();
-        let malformed = || invalid(format!("malformed header: {line:?}"));
+        let malformed = || invalid_data(format!("malformed header: {line:?}"));
         let field = line.strip_suffix("\r\n").ok_or_else(malformed)?;
         if field.is_empty() {
             break;
@@ -65,10 +65,10 @@ fn read_header(input: &mut impl BufRead) -> io::Result<Option<u64>> {
     }
     length
         .map(Some)
-        .ok_or_else(|| invalid("no Content-Length".to_owned()))
+        .ok_or_else(|| invalid_data("no Content-Length".to_owned()))
 }
 
-fn invalid(text: String) -> io::Error {
+fn invalid_data(text: String) -> io::Error {
     io::Error::new(ErrorKind::InvalidData, text)
 }
 

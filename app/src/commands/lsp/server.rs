@@ -25,23 +25,23 @@ use lsp_types::{
 };
 use serde::de::DeserializeOwned;
 
-use super::Control;
+use super::CheckedControl;
 use super::answers;
-use super::convert::{Encoding, path_of};
-use super::desk::{Desk, Editor};
-use super::documents::Document;
-use super::folder::{self, Folders};
-use super::looker::{self, Job, Looked};
-use super::{places, settings};
+use super::checker::{self, AnalysisJob, AnalysisResult};
+use super::convert::{ColumnEncoding, uri_to_path};
+use super::documents::OpenDocument;
+use super::folder::{self, FolderIndexes};
+use super::server_state::{EditorCapabilities, ServerState};
+use super::{diagnostics, settings};
 use crate::cli::is_chinese;
 
 /// Why the server ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ended {
+pub enum ServerEnd {
     /// The editor sent `shutdown` and `exit`.
-    AsAsked,
+    ShutDown,
     /// The editor disconnected, or sent `exit` without `shutdown`.
-    Abandoned,
+    Disconnected,
 }
 
 /// Why the connection failed.
@@ -64,11 +64,11 @@ impl<T> From<SendError<T>> for ServeError {
 /// The server with its connection and its state.
 struct Server<'a> {
     connection: &'a Connection,
-    desk: Desk,
+    desk: ServerState,
     /// The control model: it determines which codes call programs.
     model: ControlModel,
-    jobs: Sender<Job>,
-    looked: Receiver<Looked>,
+    jobs: Sender<AnalysisJob>,
+    results: Receiver<AnalysisResult>,
     shut_down: bool,
 }
 
@@ -78,14 +78,14 @@ struct Server<'a> {
 /// A message violates the protocol, or the editor does not read the answers.
 pub fn serve(
     connection: &Connection,
-    control: Control,
+    control: CheckedControl,
     language: Option<Language>,
-) -> Result<Ended, ServeError> {
+) -> Result<ServerEnd, ServeError> {
     let (id, params) = loop {
         let (id, params) = match connection.initialize_start() {
-            Ok(asked) => asked,
+            Ok(request) => request,
             // The editor disconnected before the initialization.
-            Err(error) if error.channel_is_disconnected() => return Ok(Ended::Abandoned),
+            Err(error) if error.channel_is_disconnected() => return Ok(ServerEnd::Disconnected),
             Err(error) => return Err(error.into()),
         };
         match serde_json::from_value::<InitializeParams>(params) {
@@ -97,11 +97,11 @@ pub fn serve(
             }
         }
     };
-    let editor = editor(&params, &control.setup, language);
+    let editor = read_capabilities(&params, &control.setup, language);
     let style = params
         .initialization_options
         .as_ref()
-        .and_then(settings::style);
+        .and_then(settings::read_style);
     let result = InitializeResult {
         capabilities: capabilities(editor.encoding),
         server_info: Some(ServerInfo {
@@ -113,25 +113,29 @@ pub fn serve(
         .sender
         .send(Response::new_ok(id, result).into())?;
     let model = control.setup.memory.model.clone();
-    let (jobs, looked) = looker::start(control, editor.reader.language);
+    let (jobs, looked) = checker::start_checker(control, editor.reading.language);
     let server = Server {
         connection,
-        desk: Desk {
+        desk: ServerState {
             editor,
             style: style.unwrap_or_default(),
-            open: BTreeMap::new(),
-            folders: Folders::default(),
+            documents: BTreeMap::new(),
+            folders: FolderIndexes::default(),
         },
         model,
         jobs,
-        looked,
+        results: looked,
         shut_down: false,
     };
     server.run()
 }
 
 /// The capabilities of an editor from its initialization message.
-fn editor(params: &InitializeParams, setup: &Setup, language: Option<Language>) -> Editor {
+fn read_capabilities(
+    params: &InitializeParams,
+    setup: &Setup,
+    language: Option<Language>,
+) -> EditorCapabilities {
     let general = params.capabilities.general.as_ref();
     let offered = general.and_then(|it| it.position_encodings.as_deref());
     let text_document = params.capabilities.text_document.as_ref();
@@ -147,11 +151,11 @@ fn editor(params: &InitializeParams, setup: &Setup, language: Option<Language>) 
         formats.map(|it| it.is_some_and(|it| it.contains(&MarkupKind::Markdown)));
     let chinese = params.locale.as_deref().is_some_and(is_chinese);
     let by_locale = if chinese { Language::Zh } else { Language::En };
-    Editor {
-        encoding: Encoding::of(offered),
+    EditorCapabilities {
+        encoding: ColumnEncoding::select(offered),
         snippets: item.and_then(|it| it.snippet_support).unwrap_or(false),
         markdown: (hover, proposal),
-        reader: ReadingContext {
+        reading: ReadingContext {
             model: setup.memory.model.id(),
             macro_b: setup.memory.settings.macro_b || setup.memory.model.id().is_mill(),
             language: language.unwrap_or(by_locale),
@@ -160,10 +164,10 @@ fn editor(params: &InitializeParams, setup: &Setup, language: Option<Language>) 
 }
 
 /// The capabilities of the server.
-fn capabilities(encoding: Encoding) -> ServerCapabilities {
+fn capabilities(encoding: ColumnEncoding) -> ServerCapabilities {
     let triggers = ["G", "M", "T", "P", "Q", " "];
     ServerCapabilities {
-        position_encoding: Some(encoding.kind()),
+        position_encoding: Some(encoding.to_protocol()),
         text_document_sync: Some(TextDocumentSyncCapability::Options(
             TextDocumentSyncOptions {
                 open_close: Some(true),
@@ -198,62 +202,62 @@ fn capabilities(encoding: Encoding) -> ServerCapabilities {
 }
 
 /// Whether the main loop continues after a message.
-enum Next {
-    GoOn,
-    End(Ended),
+enum LoopStep {
+    Continue,
+    Stop(ServerEnd),
 }
 
 impl Server<'_> {
-    fn run(mut self) -> Result<Ended, ServeError> {
+    fn run(mut self) -> Result<ServerEnd, ServeError> {
         loop {
             let next = select! {
                 recv(self.connection.receiver) -> message => match message {
-                    Ok(message) => self.take(message)?,
-                    Err(_) => Next::End(Ended::Abandoned),
+                    Ok(message) => self.handle_message(message)?,
+                    Err(_) => LoopStep::Stop(ServerEnd::Disconnected),
                 },
-                recv(self.looked) -> looked => {
+                recv(self.results) -> looked => {
                     if let Ok(looked) = looked {
-                        self.show(looked)?;
+                        self.publish_analysis(looked)?;
                     }
-                    Next::GoOn
+                    LoopStep::Continue
                 }
             };
-            if let Next::End(ended) = next {
-                for document in self.desk.open.values() {
-                    document.give_up_look();
+            if let LoopStep::Stop(ended) = next {
+                for document in self.desk.documents.values() {
+                    document.cancel_analysis();
                 }
                 return Ok(ended);
             }
         }
     }
 
-    fn take(&mut self, message: Message) -> Result<Next, ServeError> {
+    fn handle_message(&mut self, message: Message) -> Result<LoopStep, ServeError> {
         match message {
-            Message::Request(request) => self.request(request)?,
+            Message::Request(request) => self.handle_request(request)?,
             Message::Notification(it) if it.method == Exit::METHOD => {
-                let asked = self.shut_down;
-                return Ok(Next::End(match asked {
-                    true => Ended::AsAsked,
-                    false => Ended::Abandoned,
+                let after_shutdown = self.shut_down;
+                return Ok(LoopStep::Stop(match after_shutdown {
+                    true => ServerEnd::ShutDown,
+                    false => ServerEnd::Disconnected,
                 }));
             }
             Message::Notification(_) if self.shut_down => {}
-            Message::Notification(notification) => self.notified(notification)?,
+            Message::Notification(notification) => self.handle_notification(notification)?,
             // The server sends no requests to the editor.
             Message::Response(_) => {}
         }
-        Ok(Next::GoOn)
+        Ok(LoopStep::Continue)
     }
 
     fn send(&self, message: impl Into<Message>) -> Result<(), ServeError> {
         Ok(self.connection.sender.send(message.into())?)
     }
 
-    fn request(&mut self, request: Request) -> Result<(), ServeError> {
+    fn handle_request(&mut self, request: Request) -> Result<(), ServeError> {
         if self.shut_down {
-            let said = say::lsp_shut_down().text(self.desk.editor.reader.language);
+            let text = say::lsp_shut_down().text(self.desk.editor.reading.language);
             let code = ErrorCode::InvalidRequest as i32;
-            return self.send(Response::new_err(request.id, code, said));
+            return self.send(Response::new_err(request.id, code, text));
         }
         if request.method == Shutdown::METHOD {
             self.shut_down = true;
@@ -264,60 +268,63 @@ impl Server<'_> {
             && document.analysis.is_none()
         {
             // The running analysis answers this request.
-            document.waiting.push(request.id);
+            document.waiting_requests.push(request.id);
             return Ok(());
         }
         let (response, notice) = answers::answer(&mut self.desk, request);
         if let Some(message) = notice {
             let params = ShowMessageParams {
                 typ: MessageType::WARNING,
-                message: message.text(self.desk.editor.reader.language),
+                message: message.text(self.desk.editor.reading.language),
             };
             self.send(Notification::new(ShowMessage::METHOD.to_owned(), params))?;
         }
         self.send(response)
     }
 
-    fn notified(&mut self, notification: Notification) -> Result<(), ServeError> {
+    fn handle_notification(&mut self, notification: Notification) -> Result<(), ServeError> {
         match notification.method.as_str() {
             DidOpenTextDocument::METHOD => {
-                if let Some(params) = params::<DidOpenTextDocument>(notification) {
+                if let Some(params) = parse_params::<DidOpenTextDocument>(notification) {
                     let document = params.text_document;
-                    let (uri, path) = (document.uri.clone(), path_of(&document.uri));
-                    let opened = Document::new(document.uri, path, document.version, document.text);
-                    if let Some(before) = self.desk.open.insert(uri.as_str().to_owned(), opened) {
-                        before.give_up_look();
+                    let (uri, path) = (document.uri.clone(), uri_to_path(&document.uri));
+                    let opened =
+                        OpenDocument::new(document.uri, path, document.version, document.text);
+                    if let Some(before) =
+                        self.desk.documents.insert(uri.as_str().to_owned(), opened)
+                    {
+                        before.cancel_analysis();
                     }
-                    self.desk.folders.forget();
-                    self.look_with_callers(&uri)?;
+                    self.desk.folders.clear();
+                    self.start_analysis_with_callers(&uri)?;
                 }
             }
             DidChangeTextDocument::METHOD => {
-                let Some(params) = params::<DidChangeTextDocument>(notification) else {
+                let Some(params) = parse_params::<DidChangeTextDocument>(notification) else {
                     return Ok(());
                 };
                 let uri = params.text_document.uri;
                 let encoding = self.desk.editor.encoding;
-                if let Some(document) = self.desk.open.get_mut(uri.as_str()) {
+                if let Some(document) = self.desk.documents.get_mut(uri.as_str()) {
                     let version = params.text_document.version;
-                    document.change(version, params.content_changes, encoding);
-                    self.look_with_callers(&uri)?;
+                    document.apply_changes(version, params.content_changes, encoding);
+                    self.start_analysis_with_callers(&uri)?;
                 }
             }
             DidSaveTextDocument::METHOD | DidChangeWatchedFiles::METHOD => {
-                self.desk.folders.forget();
+                self.desk.folders.clear();
                 for uri in self.uris() {
-                    self.look(&uri)?;
+                    self.start_analysis(&uri)?;
                 }
             }
             DidCloseTextDocument::METHOD => {
-                if let Some(params) = params::<DidCloseTextDocument>(notification) {
+                if let Some(params) = parse_params::<DidCloseTextDocument>(notification) {
                     self.close(&params.text_document.uri)?;
                 }
             }
             DidChangeConfiguration::METHOD => {
-                let params = params::<DidChangeConfiguration>(notification);
-                if let Some(style) = params.and_then(|it| settings::style(&it.settings)) {
+                let params = parse_params::<DidChangeConfiguration>(notification);
+                if let Some(style) = params.and_then(|it| settings::read_style(&it.settings)) {
                     self.desk.style = style;
                 }
             }
@@ -329,7 +336,7 @@ impl Server<'_> {
 
     fn uris(&self) -> Vec<Uri> {
         self.desk
-            .open
+            .documents
             .values()
             .map(|document| document.uri.clone())
             .collect()
@@ -341,10 +348,13 @@ impl Server<'_> {
         let Some(id) = id.and_then(|id| serde_json::from_value(id.clone()).ok()) else {
             return Ok(());
         };
-        for document in self.desk.open.values_mut() {
-            let waits = document.waiting.iter().position(|waiting| *waiting == id);
-            if let Some(at) = waits {
-                document.waiting.remove(at);
+        for document in self.desk.documents.values_mut() {
+            let position = document
+                .waiting_requests
+                .iter()
+                .position(|waiting| *waiting == id);
+            if let Some(at) = position {
+                document.waiting_requests.remove(at);
                 let code = ErrorCode::RequestCanceled as i32;
                 return self.send(Response::new_err(id, code, String::new()));
             }
@@ -353,17 +363,17 @@ impl Server<'_> {
     }
 
     fn close(&mut self, uri: &Uri) -> Result<(), ServeError> {
-        let Some(document) = self.desk.open.remove(uri.as_str()) else {
+        let Some(document) = self.desk.documents.remove(uri.as_str()) else {
             return Ok(());
         };
-        document.give_up_look();
-        self.refuse(document.waiting)?;
-        self.desk.folders.forget();
+        document.cancel_analysis();
+        self.refuse_requests(document.waiting_requests)?;
+        self.desk.folders.clear();
         self.publish(uri.clone(), None, Vec::new())
     }
 
     /// Refuses requests whose text has changed or was closed.
-    fn refuse(&self, waiting: Vec<lsp_server::RequestId>) -> Result<(), ServeError> {
+    fn refuse_requests(&self, waiting: Vec<lsp_server::RequestId>) -> Result<(), ServeError> {
         for id in waiting {
             let code = ErrorCode::ContentModified as i32;
             self.send(Response::new_err(id, code, String::new()))?;
@@ -372,75 +382,81 @@ impl Server<'_> {
     }
 
     /// Analyses a changed document and the open documents that call it.
-    fn look_with_callers(&mut self, uri: &Uri) -> Result<(), ServeError> {
+    fn start_analysis_with_callers(&mut self, uri: &Uri) -> Result<(), ServeError> {
         let path = self
             .desk
-            .open
+            .documents
             .get(uri.as_str())
             .and_then(|it| it.path.clone());
-        let calls = |document: &&Document| {
+        let calls = |document: &&OpenDocument| {
             document.uri != *uri
                 && document
-                    .found
+                    .called_programs
                     .iter()
                     .any(|found| Some(&found.path) == path.as_ref())
         };
-        let callers: Vec<Uri> = (self.desk.open.values().filter(calls))
+        let callers: Vec<Uri> = (self.desk.documents.values().filter(calls))
             .map(|document| document.uri.clone())
             .collect();
-        self.look(uri)?;
+        self.start_analysis(uri)?;
         for caller in callers {
-            self.look(&caller)?;
+            self.start_analysis(&caller)?;
         }
         Ok(())
     }
 
     /// Sends a document to the checker thread.
-    fn look(&mut self, uri: &Uri) -> Result<(), ServeError> {
-        let Some(document) = self.desk.open.get(uri.as_str()) else {
+    fn start_analysis(&mut self, uri: &Uri) -> Result<(), ServeError> {
+        let Some(document) = self.desk.documents.get(uri.as_str()) else {
             return Ok(());
         };
         let found = match &document.path {
             None => Vec::new(),
             Some(path) => {
-                let index = self.desk.folders.beside(path, self.desk.open.values());
-                let read = |path: &std::path::Path| folder::text_of(path, self.desk.open.values());
-                folder::called(&document.text, &index, &self.model, &read)
+                let index = self
+                    .desk
+                    .folders
+                    .index_for(path, self.desk.documents.values());
+                let read =
+                    |path: &std::path::Path| folder::read_text(path, self.desk.documents.values());
+                folder::find_called_programs(&document.text, &index, &self.model, &read)
             }
         };
-        let Some(document) = self.desk.open.get_mut(uri.as_str()) else {
+        let Some(document) = self.desk.documents.get_mut(uri.as_str()) else {
             return Ok(());
         };
-        document.found = Arc::new(found);
-        let waiting = core::mem::take(&mut document.waiting);
-        let job = Job {
+        document.called_programs = Arc::new(found);
+        let waiting = core::mem::take(&mut document.waiting_requests);
+        let job = AnalysisJob {
             uri: uri.clone(),
             version: document.version,
             path: document.path.clone(),
             text: Arc::clone(&document.text),
-            found: Arc::clone(&document.found),
-            wanted: document.begin_look(),
+            called_programs: Arc::clone(&document.called_programs),
+            is_wanted: document.begin_analysis(),
         };
         self.jobs.send(job)?;
-        self.refuse(waiting)
+        self.refuse_requests(waiting)
     }
 
     /// Publishes the result of an analysis.
-    fn show(&mut self, looked: Looked) -> Result<(), ServeError> {
-        let Editor {
-            encoding, reader, ..
+    fn publish_analysis(&mut self, result: AnalysisResult) -> Result<(), ServeError> {
+        let EditorCapabilities {
+            encoding,
+            reading: reader,
+            ..
         } = self.desk.editor;
-        let Some(document) = self.desk.open.get_mut(looked.uri.as_str()) else {
+        let Some(document) = self.desk.documents.get_mut(result.uri.as_str()) else {
             return Ok(());
         };
-        if document.version != looked.version {
+        if document.version != result.version {
             return Ok(());
         }
-        document.looked(looked.structure, Arc::clone(&looked.analysis));
-        let all = places::diagnostics(document, &looked.analysis, encoding, reader.language);
-        let lenses = answers::lenses_of(document, encoding, reader);
-        let waiting = core::mem::take(&mut document.waiting);
-        self.publish(looked.uri, Some(looked.version), all)?;
+        document.store_analysis(result.structure, Arc::clone(&result.analysis));
+        let all = diagnostics::diagnostics(document, &result.analysis, encoding, reader.language);
+        let lenses = answers::code_lenses(document, encoding, reader);
+        let waiting = core::mem::take(&mut document.waiting_requests);
+        self.publish(result.uri, Some(result.version), all)?;
         for id in waiting {
             self.send(Response::new_ok(id, &lenses))?;
         }
@@ -463,7 +479,7 @@ impl Server<'_> {
 
 /// The parameters of a notification. Malformed ones are logged and ignored: a notification
 /// has no answer.
-fn params<N>(notification: Notification) -> Option<N::Params>
+fn parse_params<N>(notification: Notification) -> Option<N::Params>
 where
     N: lsp_types::notification::Notification,
     N::Params: DeserializeOwned,

@@ -10,23 +10,23 @@ pub const SECTION: &str = "gsk980td";
 /// The settings as the editor sends them. A missing field has its default.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
-struct Written {
-    format: WrittenStyle,
+struct EditorSettings {
+    format: StyleSettings,
 }
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(default)]
-struct WrittenStyle {
-    numbers: WrittenNumbers,
+struct StyleSettings {
+    numbers: NumberSetting,
     start: u16,
     step: u16,
-    spaces: WrittenSpaces,
+    spaces: SpaceSetting,
     uppercase: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum WrittenNumbers {
+enum NumberSetting {
     #[default]
     Keep,
     Present,
@@ -35,20 +35,20 @@ enum WrittenNumbers {
 
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum WrittenSpaces {
+enum SpaceSetting {
     Keep,
     #[default]
     One,
     None,
 }
 
-impl Default for WrittenStyle {
+impl Default for StyleSettings {
     fn default() -> Self {
         Self {
-            numbers: WrittenNumbers::default(),
+            numbers: NumberSetting::default(),
             start: 10,
             step: 10,
-            spaces: WrittenSpaces::default(),
+            spaces: SpaceSetting::default(),
             uppercase: true,
         }
     }
@@ -56,23 +56,23 @@ impl Default for WrittenStyle {
 
 /// The style in settings: in the section, or in a value that contains it. `None` if the
 /// settings cannot be read.
-pub fn style(settings: &Value) -> Option<Style> {
+pub fn read_style(settings: &Value) -> Option<Style> {
     let section = settings.get(SECTION).unwrap_or(settings);
     if section.is_null() {
         return None;
     }
-    let Written { format } = Written::deserialize(section).ok()?;
+    let EditorSettings { format } = EditorSettings::deserialize(section).ok()?;
     let (start, step) = (format.start, format.step.max(1));
     Some(Style {
         numbering: match format.numbers {
-            WrittenNumbers::Keep => Numbering::Unchanged,
-            WrittenNumbers::Present => Numbering::Present { start, step },
-            WrittenNumbers::All => Numbering::All { start, step },
+            NumberSetting::Keep => Numbering::Unchanged,
+            NumberSetting::Present => Numbering::Present { start, step },
+            NumberSetting::All => Numbering::All { start, step },
         },
         spacing: match format.spaces {
-            WrittenSpaces::Keep => Spacing::Unchanged,
-            WrittenSpaces::One => Spacing::One,
-            WrittenSpaces::None => Spacing::None,
+            SpaceSetting::Keep => Spacing::Unchanged,
+            SpaceSetting::One => Spacing::One,
+            SpaceSetting::None => Spacing::None,
         },
         casing: match format.uppercase {
             true => Casing::Upper,
@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn settings_are_read_with_their_defaults() {
         let all = json!({ "gsk980td": { "format": { "numbers": "all", "start": 5, "step": 0 } } });
-        let style_of = |value: &Value| style(value).expect("settings");
+        let style_of = |value: &Value| read_style(value).expect("settings");
         let numbering = Numbering::All { start: 5, step: 1 };
         assert_eq!(
             style_of(&all),
@@ -101,13 +101,13 @@ mod tests {
         let none = json!({ "format": { "spaces": "none", "uppercase": false } });
         assert_eq!(style_of(&none).spacing, Spacing::None);
         assert_eq!(style_of(&none).casing, Casing::Unchanged);
-        assert_eq!(style(&json!({})), Some(Style::default()));
+        assert_eq!(read_style(&json!({})), Some(Style::default()));
         for wrong in [
             json!(null),
             json!({ "format": { "numbers": "some" } }),
             json!(7),
         ] {
-            assert_eq!(style(&wrong), None, "{wrong}");
+            assert_eq!(read_style(&wrong), None, "{wrong}");
         }
     }
 }

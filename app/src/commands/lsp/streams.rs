@@ -11,30 +11,30 @@ use lsp_types::notification::{Exit, Notification as _};
 use super::framing::read_message;
 
 /// Most messages in the queue of the writer.
-const WAITING: usize = 16;
+const WRITE_QUEUE_CAPACITY: usize = 16;
 
 /// The threads that read and write.
 pub struct Streams {
     /// The result of reading; it is sent before the connection closes.
-    read: Receiver<io::Result<()>>,
+    read_result: Receiver<io::Result<()>>,
     writer: JoinHandle<io::Result<()>>,
 }
 
-pub fn open() -> (Connection, Streams) {
-    let (to_writer, written) = bounded(WAITING);
+pub fn open_streams() -> (Connection, Streams) {
+    let (to_writer, written) = bounded(WRITE_QUEUE_CAPACITY);
     let (to_server, messages) = bounded(0);
-    let (told, read) = bounded(1);
+    let (send_result, read) = bounded(1);
     let connection = Connection {
         sender: to_writer,
         receiver: messages,
     };
     thread::spawn(move || {
         // The receiver may be dropped.
-        let _ = told.send(read_all(&to_server));
+        let _ = send_result.send(read_all(&to_server));
         drop(to_server);
     });
     let streams = Streams {
-        read,
+        read_result: read,
         writer: thread::spawn(move || write_all(&written)),
     };
     (connection, streams)
@@ -64,10 +64,10 @@ impl Streams {
     ///
     /// # Errors
     /// The editor does not read, or has sent a malformed message.
-    pub fn end(self) -> io::Result<()> {
+    pub fn join(self) -> io::Result<()> {
         let written = self.writer.join().unwrap_or(Ok(()));
         // A reader that still waits for the editor ends with the process.
-        let read = self.read.try_recv().unwrap_or(Ok(()));
+        let read = self.read_result.try_recv().unwrap_or(Ok(()));
         read.and(written)
     }
 }

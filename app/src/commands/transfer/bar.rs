@@ -8,18 +8,18 @@ use web_time::Duration;
 
 use super::{CommandError, output};
 use crate::cli::TransferPortArgs;
-use crate::pc::{Remembered, Talk, Watch, of_window};
+use crate::pc::{TransferObserver, TransferSession, TransferSettings, load_window_settings};
 
 /// A progress bar on a terminal; `None` elsewhere.
 #[derive(Default)]
-struct Bar(Option<ProgressBar>);
+struct TransferBar(Option<ProgressBar>);
 
-impl Watch for Bar {
-    fn begins(&mut self, name: &FileName, size: usize) {
-        self.0 = bar(name, size);
+impl TransferObserver for TransferBar {
+    fn on_begin(&mut self, name: &FileName, size: usize) {
+        self.0 = create_bar(name, size);
     }
 
-    fn moves(&mut self, progress: TransferProgress, retries: u64) {
+    fn on_progress(&mut self, progress: TransferProgress, retries: u64) {
         if let Some(bar) = &self.0 {
             bar.set_length(progress.total as u64);
             bar.set_position(progress.done as u64);
@@ -27,14 +27,14 @@ impl Watch for Bar {
         }
     }
 
-    fn ends(&mut self) {
+    fn on_end(&mut self) {
         if let Some(bar) = self.0.take() {
             bar.finish_and_clear();
         }
     }
 }
 
-fn bar(name: &FileName, size: usize) -> Option<ProgressBar> {
+fn create_bar(name: &FileName, size: usize) -> Option<ProgressBar> {
     if !io::stderr().is_terminal() {
         return None;
     }
@@ -49,30 +49,34 @@ fn bar(name: &FileName, size: usize) -> Option<ProgressBar> {
 
 /// The port and its speed in bits per second: from the command line, else from the window's
 /// settings.
-pub(super) fn port(args: &TransferPortArgs) -> Result<(String, u32), CommandError> {
-    let last = match &args.port {
-        Some(port) => Remembered {
+pub(super) fn select_port(args: &TransferPortArgs) -> Result<(String, u32), CommandError> {
+    let settings = match &args.port {
+        Some(port) => TransferSettings {
             port: port.clone(),
-            ..Remembered::default()
+            ..TransferSettings::default()
         },
-        None => of_window().ok_or(CommandError::NoTransferPort)?,
+        None => load_window_settings().ok_or(CommandError::NoTransferPort)?,
     };
-    Ok((last.port, args.baud.unwrap_or(last.baud)))
+    Ok((settings.port, args.baud.unwrap_or(settings.baud)))
 }
 
 /// Opens the port without a query to the control.
-pub(super) fn open(args: &TransferPortArgs) -> Result<Talk, CommandError> {
-    let (port, baud) = port(args)?;
-    Ok(Talk::open(&port, baud, Box::new(Bar::default()))?)
+pub(super) fn open_port(args: &TransferPortArgs) -> Result<TransferSession, CommandError> {
+    let (port, baud) = select_port(args)?;
+    Ok(TransferSession::open(
+        &port,
+        baud,
+        Box::new(TransferBar::default()),
+    )?)
 }
 
-pub(super) fn connect(args: &TransferPortArgs) -> Result<Talk, CommandError> {
-    let mut talk = open(args)?;
+pub(super) fn connect_to_control(args: &TransferPortArgs) -> Result<TransferSession, CommandError> {
+    let mut talk = open_port(args)?;
     talk.connect()?;
     Ok(talk)
 }
 
 /// Says what has gone and how fast (传输速率, 重试次数).
-pub(super) fn say_rate(talk: &Talk) {
-    output::say(&talk.traffic().message());
+pub(super) fn print_rate(talk: &TransferSession) {
+    output::print_message(&talk.totals().message());
 }

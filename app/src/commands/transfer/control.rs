@@ -1,11 +1,11 @@
-//! `transfer control`: a control without a window at the other end of the line.
+//! `transfer run_control`: a control without a window at the other end of the line.
 
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
 use crossbeam::channel::RecvTimeoutError;
-use gsk_core::cnc::Request;
+use gsk_core::cnc::ControlRequest;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_messages::{Message, say};
@@ -14,43 +14,47 @@ use gsk_panel::keys::Key;
 
 use web_time::Instant;
 
-use super::super::{CommandError, FINE, output};
+use super::super::{CommandError, EXIT_OK, output};
 use crate::cli::{TextEnd, TransferControlArgs};
-use crate::ending::Ending;
 use crate::files::data_dir::DataDir;
 use crate::files::{program_file, subprograms};
-use crate::kernel::{Command, Console, Kernel, Notice, Outside, start};
+use crate::kernel::{Command, Console, Kernel, KernelEnvironment, Notice, start};
 use crate::loading::{self, LoadError};
 use crate::pc::FilesError;
 use crate::retained::{self, Keeper};
-use crate::serial::{End, SerialLine};
+use crate::serial::{SerialEnd, SerialLine};
+use crate::termination::TerminationFlag;
 
 /// Upper limit of the duration of the self-test, ms.
-const SELF_TEST: u64 = 20_000;
+const MAX_SELF_TEST_MS: u64 = 20_000;
 /// Interval at which the end request is polled.
-const LOOK: Duration = Duration::from_millis(100);
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Simulates the control until Ctrl-C.
-pub(super) fn control(args: &TransferControlArgs) -> Result<u8, CommandError> {
+pub(super) fn run_control(args: &TransferControlArgs) -> Result<u8, CommandError> {
     args.setup.refuse_mill().map_err(LoadError::from)?;
-    let mut setup = loading::fitted(Setup::at_the_panel(), args.setup.machine.as_ref());
+    let mut setup =
+        loading::with_training_lathe(Setup::for_operator_script(), args.setup.machine.as_ref());
     let data = match &args.setup.data_folder() {
         Some(folder) => Some(Arc::new(DataDir::open(folder)?)),
         None => None,
     };
-    let restored = retained::bring_back(data.as_deref(), &mut setup);
-    loading::apply(&mut setup, &args.setup)?;
-    let out = args.out.as_deref().map(|file| load(file, &mut setup));
-    let mut out = out.transpose()?;
+    let restored = retained::load_and_report(data.as_deref(), &mut setup);
+    loading::apply_options(&mut setup, &args.setup)?;
+    let pending_number = args
+        .out
+        .as_deref()
+        .map(|file| load_program(file, &mut setup));
+    let mut pending_number = pending_number.transpose()?;
     let mut emulator = Emulator::new(setup);
     if let Some(restored) = &restored {
         restored.restore_panel(&mut emulator);
     }
-    emulator.run_until(&WaitCondition::SelfTestOver, SELF_TEST);
+    emulator.run_until(&WaitCondition::SelfTestOver, MAX_SELF_TEST_MS);
     if args.parameter_switch {
         for request in [
-            Request::SetParameterSwitch(true),
-            Request::CancelSwitchAlarm,
+            ControlRequest::SetParameterSwitch(true),
+            ControlRequest::CancelSwitchAlarm,
         ] {
             // The alarm of the switch is cancelled at once. A control without the right
             // leaves the switch off.
@@ -58,8 +62,11 @@ pub(super) fn control(args: &TransferControlArgs) -> Result<u8, CommandError> {
         }
     }
     emulator.panel.connect_port();
-    let ending = Ending::heard()?;
-    let line = SerialLine::open(End::of(&args.port), args.text.map(TextEnd::line_end));
+    let ending = TerminationFlag::install_signal_handlers()?;
+    let line = SerialLine::open(
+        SerialEnd::from_name(&args.port),
+        args.text.map(TextEnd::to_line_end),
+    );
     let line = line.map_err(CommandError::Gone)?;
     let keeper = match (data, &restored) {
         (Some(data), Some(restored)) => {
@@ -68,49 +75,49 @@ pub(super) fn control(args: &TransferControlArgs) -> Result<u8, CommandError> {
         _ => None,
     };
     let (mut kernel, console) = Kernel::new(emulator);
-    kernel.take_serial_line(line);
-    let outside = Outside {
+    kernel.connect_serial_line(line);
+    let outside = KernelEnvironment {
         wake: Box::new(|| {}),
         keeper,
-        partner: None,
-        ending: ending.clone(),
+        partner_folder: None,
+        termination: ending.clone(),
     };
     let mut thread = start(kernel, &console, outside).map_err(CommandError::Gone)?;
-    let mut named = None;
-    while !ending.is_asked() && thread.is_alive() {
-        let due =
-            named.is_some_and(|at: Instant| at.elapsed() >= Duration::from_secs(args.out_after));
-        if due && let Some(number) = out.take() {
+    let mut port_printed_at = None;
+    while !ending.is_requested() && thread.is_alive() {
+        let is_due = port_printed_at
+            .is_some_and(|at: Instant| at.elapsed() >= Duration::from_secs(args.out_after));
+        if is_due && let Some(number) = pending_number.take() {
             press_out(&console, number);
         }
-        match console.notices.recv_timeout(LOOK) {
-            Ok(Notice::Said(said)) => print(&said, &mut named),
+        match console.notices.recv_timeout(POLL_INTERVAL) {
+            Ok(Notice::Message(message)) => print_message(&message, &mut port_printed_at),
             Ok(_) | Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => break,
         }
     }
     thread.stop();
-    Ok(FINE)
+    Ok(EXIT_OK)
 }
 
 /// Prints a message of the port. Before the first line prints the port's name alone, for
 /// scripts.
-fn print(said: &Message, named: &mut Option<Instant>) {
-    if named.is_none()
-        && let Some(port) = said.plain_value("port")
+fn print_message(message: &Message, port_printed_at: &mut Option<Instant>) {
+    if port_printed_at.is_none()
+        && let Some(port) = message.plain_value("port")
     {
-        *named = Some(Instant::now());
+        *port_printed_at = Some(Instant::now());
         output::print(&format!("{port}\n"));
-        output::say(&say::transfer_serves());
+        output::print_message(&say::transfer_serves());
     }
-    output::say(said);
+    output::print_message(message);
 }
 
 /// Stores a program in the memory and returns its number.
-fn load(path: &Path, setup: &mut Setup) -> Result<u16, CommandError> {
+fn load_program(path: &Path, setup: &mut Setup) -> Result<u16, CommandError> {
     let file = program_file::read(path)?;
-    let own = Program::new(file.text).number();
-    let number = own.or_else(|| subprograms::number_in_name(path));
+    let program_number = Program::new(file.text).number();
+    let number = program_number.or_else(|| subprograms::parse_number_in_name(path));
     let number = number.ok_or_else(|| FilesError::NoName(path.to_owned()))?;
     loading::store_files(&mut setup.memory.programs, &[path.to_owned()])?.print(None);
     Ok(number)

@@ -9,16 +9,16 @@ use gsk_transfer::{FileName, PcCommand, TransferFault, TransferFile};
 use super::CommandError;
 use crate::cli::ExistingFile;
 use crate::output;
-use crate::pc::{self, FilesError, PcError, Talk};
+use crate::pc::{self, FilesError, PcError, TransferSession};
 
 /// The outcome of sending a file.
-pub(super) enum Settled {
+pub(super) enum SendOutcome {
     Sent,
     Skipped,
 }
 
 /// How the conflict of names is resolved.
-enum Choice {
+enum ConflictChoice {
     Overwrite,
     Rename(FileName),
     Skip,
@@ -26,26 +26,26 @@ enum Choice {
 
 /// Sends a file and resolves a conflict of names.
 pub(super) fn send(
-    talk: &mut Talk,
+    talk: &mut TransferSession,
     file: TransferFile,
     on_existing: ExistingFile,
-) -> Result<Settled, CommandError> {
+) -> Result<SendOutcome, CommandError> {
     match talk.send(file.clone()) {
         Err(PcError::Files(FilesError::Refused {
             fault: TransferFault::Exists,
             ..
         })) => {}
-        result => return Ok(result.map(|()| Settled::Sent)?),
+        result => return Ok(result.map(|()| SendOutcome::Sent)?),
     }
-    match choice(talk, &file, on_existing)? {
-        Choice::Overwrite => {
+    match resolve_conflict(talk, &file, on_existing)? {
+        ConflictChoice::Overwrite => {
             let file = TransferFile {
                 overwrite: true,
                 ..file
             };
             talk.send(file)?;
         }
-        Choice::Rename(to) => {
+        ConflictChoice::Rename(to) => {
             let from = file.remote_path.clone();
             talk.change(
                 &file.remote_path.name,
@@ -54,65 +54,65 @@ pub(super) fn send(
                     to: to.clone(),
                 },
             )?;
-            output::say(&say::transfer_renamed(&file.remote_path.name, to));
+            output::print_message(&say::transfer_renamed(&file.remote_path.name, to));
             talk.send(file)?;
         }
-        Choice::Skip => return Ok(Settled::Skipped),
+        ConflictChoice::Skip => return Ok(SendOutcome::Skipped),
     }
-    Ok(Settled::Sent)
+    Ok(SendOutcome::Sent)
 }
 
-fn choice(
-    talk: &mut Talk,
+fn resolve_conflict(
+    talk: &mut TransferSession,
     file: &TransferFile,
     on_existing: ExistingFile,
-) -> Result<Choice, CommandError> {
+) -> Result<ConflictChoice, CommandError> {
     let name = &file.remote_path.name;
     Ok(match on_existing {
-        ExistingFile::Overwrite => Choice::Overwrite,
-        ExistingFile::Skip => Choice::Skip,
-        ExistingFile::Rename => Choice::Rename(free_name(talk, file)?),
+        ExistingFile::Overwrite => ConflictChoice::Overwrite,
+        ExistingFile::Skip => ConflictChoice::Skip,
+        ExistingFile::Rename => ConflictChoice::Rename(free_name(talk, file)?),
         ExistingFile::Ask if !io::stdin().is_terminal() => {
-            return Err(FilesError::NobodyToAsk(name.clone()).into());
+            return Err(FilesError::NoTerminal(name.clone()).into());
         }
-        ExistingFile::Ask => asked(name)?,
+        ExistingFile::Ask => prompt_choice(name)?,
     })
 }
 
 /// The next free program number.
-fn free_name(talk: &mut Talk, file: &TransferFile) -> Result<FileName, CommandError> {
+fn free_name(talk: &mut TransferSession, file: &TransferFile) -> Result<FileName, CommandError> {
     let name = &file.remote_path.name;
     let entries = talk.list(file.remote_path.partition)?;
     pc::free_name(name, &entries).ok_or_else(|| FilesError::NoFreeName(name.clone()).into())
 }
 
 /// Prompts the operator at the terminal until the answer is valid.
-fn asked(name: &FileName) -> Result<Choice, CommandError> {
+fn prompt_choice(name: &FileName) -> Result<ConflictChoice, CommandError> {
     loop {
-        let answer = answer(&say::transfer_exists_ask(name))?;
+        let answer = prompt_line(&say::transfer_exists_ask(name))?;
         match answer.to_ascii_lowercase().as_str() {
-            "o" => return Ok(Choice::Overwrite),
-            "s" => return Ok(Choice::Skip),
+            "o" => return Ok(ConflictChoice::Overwrite),
+            "s" => return Ok(ConflictChoice::Skip),
             "r" => {}
             _ => continue,
         }
         loop {
-            let new = self::answer(&say::transfer_rename_ask(name))?;
+            let new = self::prompt_line(&say::transfer_rename_ask(name))?;
             if new.is_empty() {
-                return Ok(Choice::Skip);
+                return Ok(ConflictChoice::Skip);
             }
             match FileName::new(&new) {
-                Ok(new) => return Ok(Choice::Rename(new)),
-                Err(error) => output::complain_of(&error.message()),
+                Ok(new) => return Ok(ConflictChoice::Rename(new)),
+                Err(error) => output::report_error(&error.message()),
             }
         }
     }
 }
 
-fn answer(question: &Message) -> Result<String, CommandError> {
+fn prompt_line(question: &Message) -> Result<String, CommandError> {
     let mut out = io::stderr().lock();
     // A terminal that cannot show the question cannot be read either.
-    let _ = write!(out, "{}", output::worded(question)).and_then(|()| out.flush());
+    let _ = write!(out, "{}", output::localize(question)).and_then(|()| out.flush());
     let mut line = String::new();
     let read = io::stdin().lock().read_line(&mut line);
     match read.map_err(CommandError::Gone)? {

@@ -10,65 +10,65 @@ use gsk_transfer::{Partition, PcCommand, RemotePath, TransferFault, TransferFile
 use web_time::Instant;
 
 use super::{
-    Answer, Choice, Desk, Fate, FilesError, Kind, LOOK, News, Order, PcError, Question, ToSend,
-    folder,
+    ANSWER_POLL_INTERVAL, FileJobKind, FileResult, FilesError, NameConflict, NameConflictAnswer,
+    NameConflictChoice, PcError, PcWorkerCommand, PcWorkerEvent, PcWorkerThread, ToSend, folder,
 };
-use crate::pc::{Talk, free_name};
+use crate::pc::{TransferSession, free_name};
 use crate::platform;
 
-impl Desk {
+impl PcWorkerThread {
     /// Processes the files of a job; reports their results and the new directory.
-    fn job<T>(
+    fn run_job<T>(
         &mut self,
-        kind: Kind,
+        kind: FileJobKind,
         files: Vec<(String, T)>,
-        mut one: impl FnMut(&mut Self, T) -> Result<Fate, PcError>,
+        mut process_file: impl FnMut(&mut Self, T) -> Result<FileResult, PcError>,
     ) {
         let (names, files): (Vec<_>, Vec<_>) = files.into_iter().unzip();
         let all = files.len();
-        self.tell.tell(News::Begun(kind, names));
+        self.events.send(PcWorkerEvent::JobBegun(kind, names));
         let mut ended = None;
         for (at, file) in files.into_iter().enumerate() {
-            self.tell.tell(News::At(at));
-            let fate = match one(self, file) {
+            self.events.send(PcWorkerEvent::FileBegun(at));
+            let fate = match process_file(self, file) {
                 Ok(fate) => fate,
                 Err(
                     error @ (PcError::File(_)
                     | PcError::Write(_)
                     | PcError::Files(FilesError::Refused { .. })),
-                ) => Fate::Refused(error.message()),
+                ) => FileResult::Refused(error.message()),
                 Err(error) => {
-                    self.falls_back(&error);
+                    self.lower_stage(&error);
                     ended = Some(say::transfer_unfinished(at, all, error.message()));
                     break;
                 }
             };
-            if let Some(talk) = &self.talk {
-                self.tell.tell(News::Traffic(talk.traffic()));
+            if let Some(talk) = &self.session {
+                self.events.send(PcWorkerEvent::Totals(talk.totals()));
             }
-            self.tell.tell(News::Ended(at, fate));
+            self.events.send(PcWorkerEvent::FileEnded(at, fate));
         }
         // The cancellation does not apply to the next job.
         self.cancel.store(false, Ordering::Relaxed);
-        self.tell.tell(News::Over(ended));
-        if self.stage == super::Stage::Connected {
+        self.events.send(PcWorkerEvent::JobFinished(ended));
+        if self.stage == super::ConnectionStage::Connected {
             self.list();
         }
     }
 
-    fn talk(&mut self) -> Result<&mut Talk, PcError> {
+    fn session(&mut self) -> Result<&mut TransferSession, PcError> {
         let closed = || FilesError::Gone(std::io::ErrorKind::NotConnected.into());
-        self.talk.as_mut().ok_or_else(|| closed().into())
+        self.session.as_mut().ok_or_else(|| closed().into())
     }
 
     /// Sends a question to the window and waits for the answer; keeps the line alive
     /// meanwhile.
-    fn ask(&mut self, question: Question) -> Result<Answer, PcError> {
-        self.tell.tell(News::Asked(question));
+    fn query(&mut self, question: NameConflict) -> Result<NameConflictAnswer, PcError> {
+        self.events.send(PcWorkerEvent::Conflict(question));
         loop {
-            match platform::receive(&self.orders, Some(Instant::now() + LOOK)) {
-                Ok(Order::Answer(answer)) => return Ok(answer),
-                Ok(Order::Close) => {
+            match platform::receive(&self.commands, Some(Instant::now() + ANSWER_POLL_INTERVAL)) {
+                Ok(PcWorkerCommand::Answer(answer)) => return Ok(answer),
+                Ok(PcWorkerCommand::Close) => {
                     self.close();
                     return Err(FilesError::Cancelled.into());
                 }
@@ -78,7 +78,7 @@ impl Desk {
                     return Err(FilesError::Cancelled.into());
                 }
                 Err(RecvTimeoutError::Timeout) => {
-                    self.talk()?.idle()?;
+                    self.session()?.poll()?;
                 }
             }
             if self.cancel.load(Ordering::Relaxed) {
@@ -91,44 +91,44 @@ impl Desk {
         let named = files
             .into_iter()
             .map(|it| (it.path.display().to_string(), it));
-        let mut of_all = None;
-        self.job(Kind::Send, named.collect(), |desk, file| {
-            let bytes = folder::read(&file.path)?;
+        let mut for_all = None;
+        self.run_job(FileJobKind::Send, named.collect(), |desk, file| {
+            let bytes = folder::read_file(&file.path)?;
             let new = TransferFile {
-                remote_path: file.place,
+                remote_path: file.location,
                 bytes,
                 overwrite: file.overwrite,
             };
-            desk.send_one(new, &mut of_all)
+            desk.send_one(new, &mut for_all)
         });
     }
 
     fn send_one(
         &mut self,
         new: TransferFile,
-        of_all: &mut Option<Choice>,
-    ) -> Result<Fate, PcError> {
-        match self.talk()?.send(new.clone()) {
+        for_all: &mut Option<NameConflictChoice>,
+    ) -> Result<FileResult, PcError> {
+        match self.session()?.send(new.clone()) {
             Err(PcError::Files(FilesError::Refused {
                 fault: TransferFault::Exists,
                 ..
             })) => {}
-            result => return result.map(|()| Fate::Done),
+            result => return result.map(|()| FileResult::Done),
         }
-        let entries = self.talk()?.list(new.remote_path.partition)?;
+        let entries = self.session()?.list(new.remote_path.partition)?;
         let free = free_name(&new.remote_path.name, &entries);
-        let choice = match of_all.clone() {
+        let choice = match for_all.clone() {
             Some(choice) => choice,
             None => {
-                let answer = self.ask(Question::AtControl {
-                    place: new.remote_path.clone(),
-                    free: free.clone(),
+                let answer = self.query(NameConflict::AtControl {
+                    location: new.remote_path.clone(),
+                    free_name: free.clone(),
                     entries,
                 })?;
-                if answer.of_all {
-                    *of_all = Some(match &answer.choice {
+                if answer.for_all {
+                    *for_all = Some(match &answer.choice {
                         // The next file gets a different name.
-                        Choice::Rename(_) => Choice::Rename(None),
+                        NameConflictChoice::Rename(_) => NameConflictChoice::Rename(None),
                         choice => choice.clone(),
                     });
                 }
@@ -136,38 +136,38 @@ impl Desk {
             }
         };
         match choice {
-            Choice::Skip => Ok(Fate::Skipped),
-            Choice::Overwrite => {
+            NameConflictChoice::Skip => Ok(FileResult::Skipped),
+            NameConflictChoice::Overwrite => {
                 let new = TransferFile {
                     overwrite: true,
                     ..new
                 };
-                self.talk()?.send(new).map(|()| Fate::Done)
+                self.session()?.send(new).map(|()| FileResult::Done)
             }
-            Choice::Rename(to) => {
+            NameConflictChoice::Rename(to) => {
                 let name = new.remote_path.name.clone();
                 let to = to.or(free);
                 let to = to.ok_or_else(|| FilesError::NoFreeName(name.clone()));
                 let to = match to {
                     Ok(to) => to,
-                    Err(error) => return Ok(Fate::Refused(error.message())),
+                    Err(error) => return Ok(FileResult::Refused(error.message())),
                 };
                 let from = new.remote_path.clone();
-                let talk = self.talk()?;
+                let talk = self.session()?;
                 talk.change(&name, PcCommand::Rename { from, to })?;
-                talk.send(new).map(|()| Fate::Done)
+                talk.send(new).map(|()| FileResult::Done)
             }
         }
     }
 
     pub(super) fn restore(&mut self, path: &Path) {
-        let files = match folder::of_folder(path) {
+        let files = match folder::list_control_files(path) {
             Ok(files) => files,
-            Err(error) => return self.failed(&error),
+            Err(error) => return self.report_failure(&error),
         };
         let files = files.into_iter().map(|file| ToSend {
             path: file.path,
-            place: RemotePath {
+            location: RemotePath {
                 partition: Partition::User,
                 name: file.name,
             },
@@ -177,18 +177,18 @@ impl Desk {
     }
 
     pub(super) fn receive(&mut self, places: Vec<RemotePath>, into: &Path) {
-        if let Err(error) = folder::make(into) {
-            return self.failed(&error);
+        if let Err(error) = folder::make_folder(into) {
+            return self.report_failure(&error);
         }
         let named = places.into_iter().map(|it| (it.name.to_string(), it));
-        let mut of_all = None;
-        self.job(Kind::Receive, named.collect(), |desk, place| {
-            let Some(path) = desk.path_for(into.join(place.name.as_str()), &mut of_all)? else {
-                return Ok(Fate::Skipped);
+        let mut for_all = None;
+        self.run_job(FileJobKind::Receive, named.collect(), |desk, place| {
+            let Some(path) = desk.path_for(into.join(place.name.as_str()), &mut for_all)? else {
+                return Ok(FileResult::Skipped);
             };
-            let bytes = desk.talk()?.receive(place)?;
-            folder::write(&path, &bytes)?;
-            Ok(Fate::Done)
+            let bytes = desk.session()?.receive(place)?;
+            folder::write_file(&path, &bytes)?;
+            Ok(FileResult::Done)
         });
     }
 
@@ -196,34 +196,34 @@ impl Desk {
     fn path_for(
         &mut self,
         path: PathBuf,
-        of_all: &mut Option<Choice>,
+        for_all: &mut Option<NameConflictChoice>,
     ) -> Result<Option<PathBuf>, PcError> {
         if !platform::is_taken(&path) {
             return Ok(Some(path));
         }
-        let choice = match of_all.clone() {
+        let choice = match for_all.clone() {
             Some(choice) => choice,
             None => {
-                let answer = self.ask(Question::OnDisk(path.clone()))?;
-                if answer.of_all {
-                    *of_all = Some(answer.choice.clone());
+                let answer = self.query(NameConflict::OnDisk(path.clone()))?;
+                if answer.for_all {
+                    *for_all = Some(answer.choice.clone());
                 }
                 answer.choice
             }
         };
         Ok(match choice {
-            Choice::Skip => None,
-            Choice::Overwrite => Some(path),
-            Choice::Rename(_) => {
+            NameConflictChoice::Skip => None,
+            NameConflictChoice::Overwrite => Some(path),
+            NameConflictChoice::Rename(_) => {
                 let name = path.file_name().unwrap_or_default().to_string_lossy();
                 let folder = path.parent().unwrap_or(Path::new("."));
-                Some(folder::free(folder, &name))
+                Some(folder::free_path(folder, &name))
             }
         })
     }
 
     pub(super) fn back_up(&mut self, into: &Path) {
-        let listed = self.at_port(|talk| talk.list(Partition::User));
+        let listed = self.with_port(|talk| talk.list(Partition::User));
         let Some(entries) = listed else { return };
         let places = entries.into_iter().map(|entry| RemotePath {
             partition: Partition::User,
@@ -234,10 +234,10 @@ impl Desk {
 
     pub(super) fn delete(&mut self, places: Vec<RemotePath>) {
         let named = places.into_iter().map(|it| (it.name.to_string(), it));
-        self.job(Kind::Delete, named.collect(), |desk, place| {
+        self.run_job(FileJobKind::Delete, named.collect(), |desk, place| {
             let name = place.name.clone();
-            let deleted = desk.talk()?.change(&name, PcCommand::Delete(place));
-            deleted.map(|()| Fate::Done)
+            let deleted = desk.session()?.change(&name, PcCommand::Delete(place));
+            deleted.map(|()| FileResult::Done)
         });
     }
 }

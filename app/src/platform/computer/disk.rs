@@ -6,19 +6,19 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Duration;
 
-use super::super::{Facts, for_owner_alone, refuse_device};
+use super::super::{PathFacts, for_owner_alone, refuse_device};
 
 /// Returns what exists at a path, links followed.
 ///
 /// # Errors
 /// Nothing exists there, or an error of the system.
-pub fn facts(path: &Path) -> io::Result<Facts> {
+pub fn path_facts(path: &Path) -> io::Result<PathFacts> {
     refuse_device(path)?;
-    let facts = fs::metadata(path)?;
-    Ok(Facts {
-        is_file: facts.is_file(),
-        is_folder: facts.is_dir(),
-        length: facts.len(),
+    let metadata = fs::metadata(path)?;
+    Ok(PathFacts {
+        is_file: metadata.is_file(),
+        is_folder: metadata.is_dir(),
+        length: metadata.len(),
     })
 }
 
@@ -125,7 +125,7 @@ pub const fn has_folders() -> bool {
 }
 
 /// Whether a file still exists at the next start, as far as the program knows.
-pub const fn lasts(_path: &Path) -> bool {
+pub const fn is_persistent(_path: &Path) -> bool {
     true
 }
 
@@ -143,29 +143,29 @@ impl Lock {
     ///
     /// # Errors
     /// [`ErrorKind::WouldBlock`]: another process holds it.
-    pub fn alone(path: &Path) -> io::Result<Self> {
+    pub fn exclusive(path: &Path) -> io::Result<Self> {
         let mut options = OpenOptions::new();
         let file = options
             .create(true)
             .truncate(false)
             .write(true)
             .open(path)?;
-        Self::held(file, File::try_lock)
+        Self::acquire(file, File::try_lock)
     }
 
     /// Locks a file for reading, together with other readers.
     ///
     /// # Errors
     /// The file does not exist; [`ErrorKind::WouldBlock`]: another process holds it alone.
-    pub fn beside_readers(path: &Path) -> io::Result<Self> {
+    pub fn shared(path: &Path) -> io::Result<Self> {
         let file = File::open(path)?;
-        Self::held(file, File::try_lock_shared)
+        Self::acquire(file, File::try_lock_shared)
     }
 
     /// Retries for a moment: a process that ends, or a child that has just been started,
     /// may keep the lock. The child inherits the open files of its parent until it runs
     /// its own program.
-    fn held(file: File, lock: fn(&File) -> Result<(), TryLockError>) -> io::Result<Self> {
+    fn acquire(file: File, lock: fn(&File) -> Result<(), TryLockError>) -> io::Result<Self> {
         let mut left = LOCK_TRIES;
         loop {
             match lock(&file) {

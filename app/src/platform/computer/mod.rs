@@ -7,13 +7,15 @@ mod turns;
 mod view;
 
 pub use disk::{
-    Lock, facts, has_folders, is_link, is_taken, lasts, list, make_folder, read, remove,
-    remove_folder, rename, sync_folder, write_new,
+    Lock, has_folders, is_link, is_persistent, is_taken, list, make_folder, path_facts, read,
+    remove, remove_folder, rename, sync_folder, write_new,
 };
 pub use log_file::{LogFile, LogGuard, log_file};
 pub use panic::before_panic;
-pub use turns::{LARGEST_LOOK, Turning, answer, beside, receive, turn};
+pub use turns::{
+    LARGEST_PREVIEW, TaskHandle, receive, run_in_background, start_task, wait_for_answer,
+};
 pub use view::{
-    choose_file, data_folder, first_word, home_folder, in_use, leave_refusal, open_window,
-    sent_folder, take_dropped, tell_screen,
+    choose_file, close_error_dialog, data_folder, data_folder_in_use, home_folder, open_window,
+    publish_screen_text, sent_folder, startup_message, take_dropped,
 };

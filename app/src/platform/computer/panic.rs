@@ -6,10 +6,10 @@ use std::thread;
 /// Installs a panic hook: a panic of this thread calls `then` first, because libraries of
 /// the window may take long to unwind.
 pub fn before_panic(then: impl Fn() + Send + Sync + 'static) {
-    let own = thread::current().id();
+    let own_thread = thread::current().id();
     let before = panic::take_hook();
     panic::set_hook(Box::new(move |panic| {
-        if thread::current().id() == own {
+        if thread::current().id() == own_thread {
             then();
         }
         before(panic);

@@ -8,7 +8,7 @@ use gsk_core::preview::WorkBudget;
 use web_time::{Duration, Instant};
 
 /// Limit of a preview in a separate thread: the caller alone limits its work.
-pub const LARGEST_LOOK: WorkBudget = WorkBudget {
+pub const LARGEST_PREVIEW: WorkBudget = WorkBudget {
     moves: u64::MAX,
     work: u64::MAX,
     motionless: u64::MAX,
@@ -16,11 +16,11 @@ pub const LARGEST_LOOK: WorkBudget = WorkBudget {
 
 /// Handle of a task that takes turns in a thread.
 #[derive(Debug)]
-pub struct Turning(JoinHandle<()>);
+pub struct TaskHandle(JoinHandle<()>);
 
-impl Turning {
+impl TaskHandle {
     /// Whether the task is still running.
-    pub fn goes_on(&self) -> bool {
+    pub fn is_running(&self) -> bool {
         !self.0.is_finished()
     }
 
@@ -35,17 +35,20 @@ impl Turning {
 ///
 /// # Errors
 /// The system starts no thread.
-pub fn turn(name: &str, mut one: impl FnMut() -> bool + Send + 'static) -> io::Result<Turning> {
+pub fn start_task(
+    name: &str,
+    mut take_turn: impl FnMut() -> bool + Send + 'static,
+) -> io::Result<TaskHandle> {
     let thread = thread::Builder::new().name(name.to_owned());
-    let turns = move || while one() {};
-    thread.spawn(turns).map(Turning)
+    let turns = move || while take_turn() {};
+    thread.spawn(turns).map(TaskHandle)
 }
 
 /// Runs a job once in a separate thread.
 ///
 /// # Errors
 /// The system starts no thread.
-pub fn beside(name: &str, job: impl FnOnce() + Send + 'static) -> io::Result<()> {
+pub fn run_in_background(name: &str, job: impl FnOnce() + Send + 'static) -> io::Result<()> {
     let thread = thread::Builder::new().name(name.to_owned());
     thread.spawn(job).map(drop)
 }
@@ -64,6 +67,6 @@ pub fn receive<T>(from: &Receiver<T>, until: Option<Instant>) -> Result<T, RecvT
 }
 
 /// Waits at most this time for the answer of another task.
-pub fn answer<T>(from: &Receiver<T>, longest: Duration) -> Option<T> {
-    from.recv_timeout(longest).ok()
+pub fn wait_for_answer<T>(from: &Receiver<T>, timeout: Duration) -> Option<T> {
+    from.recv_timeout(timeout).ok()
 }

@@ -41,12 +41,12 @@ pub fn data_folder(name: &str) -> Option<PathBuf> {
 }
 
 /// Returns the message for a data folder that another process holds.
-pub fn in_use(path: &Path) -> Message {
+pub fn data_folder_in_use(path: &Path) -> Message {
     say::data_dir_in_use(path.display())
 }
 
 /// Returns a message to show first: none on a computer.
-pub const fn first_word() -> Option<Message> {
+pub const fn startup_message() -> Option<Message> {
     None
 }
 
@@ -65,7 +65,7 @@ pub fn sent_folder(data: &Path, name: &str) -> PathBuf {
 /// dialog does nothing.
 pub fn choose_file(dialog: FileDialog, then: impl FnOnce(PathBuf) + Send + 'static) {
     let desktop = rfd::FileDialog::new();
-    let chosen = match dialog {
+    let chosen_path = match dialog {
         FileDialog::Open { kind, endings, all } => {
             let upper: Vec<String> = endings.iter().map(|it| it.to_ascii_uppercase()).collect();
             let all_endings: Vec<&str> = endings
@@ -84,7 +84,7 @@ pub fn choose_file(dialog: FileDialog, then: impl FnOnce(PathBuf) + Send + 'stat
             .add_filter(ending, &[ending])
             .save_file(),
     };
-    if let Some(path) = chosen {
+    if let Some(path) = chosen_path {
         then(path);
     }
 }
@@ -97,9 +97,9 @@ pub fn take_dropped(files: &[DroppedFileHandle], then: impl FnOnce(PathBuf) + 's
 }
 
 /// Closes the window when its error dialog is closed.
-pub fn leave_refusal(context: &Context) {
+pub fn close_error_dialog(context: &Context) {
     context.send_viewport_cmd(ViewportCommand::Close);
 }
 
 /// Does nothing: screen readers use the accessibility tree of the window.
-pub fn tell_screen(_text: impl FnOnce() -> String) {}
+pub fn publish_screen_text(_text: impl FnOnce() -> String) {}

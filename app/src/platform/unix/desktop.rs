@@ -1,7 +1,7 @@
 //! What a window needs of the desktop, on Unix systems.
 
 #[cfg(not(target_os = "macos"))]
-pub use super::portal::file_dialog_answers;
+pub use super::portal::has_file_dialog;
 
 /// Returns true: macOS always has a file dialog.
 #[cfg(target_os = "macos")]
@@ -18,4 +18,4 @@ pub fn has_display() -> bool {
 }
 
 /// Does nothing: the terminal belongs to the user.
-pub const fn leave_console() {}
+pub const fn close_own_console() {}

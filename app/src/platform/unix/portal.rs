@@ -3,12 +3,12 @@
 
 /// Whether the desktop has a file dialog. Waits at most 3 s for a desktop that has to
 /// start it first.
-pub fn file_dialog_answers() -> bool {
-    pollster::block_on(version()).is_ok()
+pub fn has_file_dialog() -> bool {
+    pollster::block_on(portal_version()).is_ok()
 }
 
 /// Returns the version of the portal's file dialog.
-async fn version() -> zbus::Result<u32> {
+async fn portal_version() -> zbus::Result<u32> {
     const LONGEST: std::time::Duration = std::time::Duration::from_secs(3);
     let session = zbus::connection::Builder::session()?
         .method_timeout(LONGEST)

@@ -13,25 +13,25 @@ use signal_hook::flag;
 ///
 /// # Errors
 /// The system refuses the handler.
-pub fn hear_ending(asked: &Arc<AtomicBool>, code: u8) -> io::Result<()> {
+pub fn register_termination_flag(requested: &Arc<AtomicBool>, code: u8) -> io::Result<()> {
     for signal in [SIGINT, SIGTERM, SIGHUP] {
-        flag::register_conditional_shutdown(signal, i32::from(code), Arc::clone(asked))?;
-        flag::register(signal, Arc::clone(asked))?;
+        flag::register_conditional_shutdown(signal, i32::from(code), Arc::clone(requested))?;
+        flag::register(signal, Arc::clone(requested))?;
     }
     Ok(())
 }
 
 /// Ignores these signals and SIGQUIT from now on.
-pub fn outlive_ending() {
-    let told = Arc::new(AtomicBool::new(false));
+pub fn ignore_termination() {
+    let ignored = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM, SIGHUP, SIGQUIT] {
-        let _ = flag::register(signal, Arc::clone(&told));
+        let _ = flag::register(signal, Arc::clone(&ignored));
     }
 }
 
 /// Returns the file of this very program: the file under its name may have been replaced
 /// meanwhile.
-pub fn own_program() -> PathBuf {
+pub fn own_executable() -> PathBuf {
     let own = Path::new("/proc/self/exe");
     if own.exists() {
         return own.to_owned();
@@ -40,7 +40,7 @@ pub fn own_program() -> PathBuf {
 }
 
 /// Sets the name of this process in the process list; a failure is ignored.
-pub fn name_process(name: &str) {
+pub fn set_process_name(name: &str) {
     let _ = std::fs::write("/proc/self/comm", name);
 }
 

@@ -8,7 +8,7 @@ use std::time::Duration;
 use serialport::{ClearBuffer, SerialPort, SerialPortBuilder, TTYPort};
 
 /// Error numbers of a port whose device was unplugged: EIO, ENXIO and ENODEV.
-pub const PULLED: [i32; 3] = [5, 6, 19];
+pub const UNPLUGGED_ERRORS: [i32; 3] = [5, 6, 19];
 
 /// An open port; closed when dropped.
 pub struct Serial(TTYPort);
@@ -34,12 +34,12 @@ impl Serial {
     ///
     /// # Errors
     /// The port refuses it.
-    pub fn wait_so_long(&mut self, wait: Duration) -> serialport::Result<()> {
+    pub fn set_timeout(&mut self, wait: Duration) -> serialport::Result<()> {
         self.0.set_timeout(wait)
     }
 
     /// Discards the bytes that have arrived and were not read; a failure is ignored.
-    pub fn forget_arrived(&self) {
+    pub fn discard_received(&self) {
         let _ = self.0.clear(ClearBuffer::Input);
     }
 
@@ -77,7 +77,7 @@ pub fn pseudo_terminal() -> Option<serialport::Result<(Serial, Serial)>> {
 }
 
 /// Returns the persistent names of the ports, by device path.
-pub fn unchanging_names() -> BTreeMap<PathBuf, PathBuf> {
+pub fn persistent_names() -> BTreeMap<PathBuf, PathBuf> {
     let Ok(entries) = std::fs::read_dir("/dev/serial/by-id") else {
         return BTreeMap::new();
     };

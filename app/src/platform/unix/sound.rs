@@ -53,7 +53,7 @@ pub struct Player {
     input: ChildStdin,
     rate: u32,
     /// Index of the first player that was not tried yet.
-    others: usize,
+    next_player: usize,
 }
 
 impl Player {
@@ -80,7 +80,7 @@ impl Player {
                     child,
                     input,
                     rate,
-                    others: index + 1,
+                    next_player: index + 1,
                 });
             }
         }
@@ -95,7 +95,7 @@ impl Player {
     pub fn play(&mut self, samples: &[i16]) -> Result<(), Message> {
         let bytes: Vec<u8> = samples.iter().flat_map(|it| it.to_le_bytes()).collect();
         if self.input.write_all(&bytes).is_err() {
-            *self = Self::open_from(self.others, self.rate)?;
+            *self = Self::open_from(self.next_player, self.rate)?;
         }
         Ok(())
     }

@@ -13,12 +13,12 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 
 /// Size of a read, bytes.
-const AT_ONCE: usize = 4096;
+const READ_BYTES: usize = 4096;
 
 /// The program's end of the connection.
-pub struct ToHolder(UnixStream);
+pub struct HolderConnection(UnixStream);
 
-impl ToHolder {
+impl HolderConnection {
     /// Starts the holder in a separate process group: Ctrl-C in the terminal goes to the
     /// program only.
     ///
@@ -41,7 +41,7 @@ impl ToHolder {
     ///
     /// # Errors
     /// The holder is gone.
-    pub fn hear(&mut self, within: Duration) -> io::Result<Vec<u8>> {
+    pub fn receive(&mut self, within: Duration) -> io::Result<Vec<u8>> {
         let mut look = [PollFd::from_borrowed_fd(self.0.as_fd(), PollFlags::IN)];
         let within = Timespec::try_from(within).map_err(io::Error::other)?;
         match poll(&mut look, Some(&within)) {
@@ -49,11 +49,11 @@ impl ToHolder {
             Ok(_) => {}
             Err(error) => return Err(error.into()),
         }
-        let mut buffer = [0; AT_ONCE];
+        let mut buffer = [0; READ_BYTES];
         match self.0.read(&mut buffer) {
             Ok(0) => Err(ErrorKind::UnexpectedEof.into()),
             Ok(count) => Ok(buffer[..count].to_vec()),
-            Err(error) if passes(&error) => Ok(Vec::new()),
+            Err(error) if is_busy(&error) => Ok(Vec::new()),
             Err(error) => Err(error),
         }
     }
@@ -62,34 +62,34 @@ impl ToHolder {
     ///
     /// # Errors
     /// The holder is gone.
-    pub fn say(&mut self, bytes: &[u8]) -> io::Result<usize> {
+    pub fn send(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self.0.write(bytes) {
-            Err(error) if passes(&error) => Ok(0),
+            Err(error) if is_busy(&error) => Ok(0),
             result => result,
         }
     }
 
     /// Ends sending.
-    pub fn hang_up(&mut self) {
+    pub fn end_sending(&mut self) {
         // A holder that has ended needs no shutdown.
         let _ = self.0.shutdown(Shutdown::Write);
     }
 }
 
 /// Whether an error only means that the socket is busy.
-fn passes(error: &io::Error) -> bool {
+fn is_busy(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted)
 }
 
 /// The holder's end of the connection.
-pub struct ToProgram(UnixStream);
+pub struct ProgramConnection(UnixStream);
 
-impl ToProgram {
+impl ProgramConnection {
     /// Connects to the program that has started this process.
     ///
     /// # Errors
     /// Standard input is not connected to the program.
-    pub fn at_standard_input() -> io::Result<Self> {
+    pub fn from_standard_input() -> io::Result<Self> {
         let stream = UnixStream::from(io::stdin().as_fd().try_clone_to_owned()?);
         stream.local_addr()?;
         Ok(Self(stream))
@@ -107,7 +107,7 @@ impl ToProgram {
     ///
     /// # Errors
     /// An error of the system.
-    pub fn has_said_within(&self, time: Duration) -> io::Result<bool> {
+    pub fn has_bytes_within(&self, time: Duration) -> io::Result<bool> {
         let mut look = [PollFd::from_borrowed_fd(self.0.as_fd(), PollFlags::IN)];
         let time = Timespec::try_from(time).map_err(io::Error::other)?;
         match poll(&mut look, Some(&time)) {
@@ -125,13 +125,13 @@ impl ToProgram {
     }
 }
 
-impl Read for ToProgram {
+impl Read for ProgramConnection {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         self.0.read(buffer)
     }
 }
 
-impl Write for ToProgram {
+impl Write for ProgramConnection {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.0.write(bytes)
     }

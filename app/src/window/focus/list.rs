@@ -6,119 +6,125 @@ use egui::{
     Ui, WidgetInfo, pos2, vec2,
 };
 
-use super::{keep_keys, take_keys};
+use super::{reserve_cursor_keys, take_keys};
 
 /// Rows per page before the list has been drawn.
-const PAGE: usize = 10;
+const DEFAULT_PAGE_ROWS: usize = 10;
 
 /// State of a list that is kept between frames.
 #[derive(Clone, Copy, Debug, Default)]
-struct Remembered {
+struct ListMemory {
     /// The row with the cursor.
-    at: usize,
+    row: usize,
     /// Count of visible rows.
-    page: usize,
+    page_rows: usize,
 }
 
 /// A list whose rows are being drawn.
 #[derive(Debug)]
-pub struct List {
+pub struct FocusList {
     id: Id,
-    at: usize,
-    focused: bool,
-    moved: bool,
-    entered: bool,
+    row: usize,
+    has_focus: bool,
+    has_moved: bool,
+    is_entered: bool,
 }
 
-impl List {
+impl FocusList {
     /// Starts a list of `count` rows at the next widget position and, with the focus, handles
     /// its keys. `chosen` is the selected row of a list in which moving selects. Draw the rows
-    /// with [`ROW`] as their sense, each followed by [`List::row`].
-    pub fn begin(ui: &Ui, salt: &str, name: &str, count: usize, chosen: Option<usize>) -> Self {
+    /// with [`ROW_SENSE`] as their sense, each followed by [`FocusList::row`].
+    pub fn begin(
+        ui: &Ui,
+        salt: &str,
+        name: &str,
+        count: usize,
+        selected_row: Option<usize>,
+    ) -> Self {
         let id = ui.scope_id().with(salt);
         let mut list = Self {
             id,
-            at: 0,
-            focused: false,
-            moved: false,
-            entered: false,
+            row: 0,
+            has_focus: false,
+            has_moved: false,
+            is_entered: false,
         };
         if count == 0 {
             return list;
         }
-        let before = remembered(ui.ctx(), id);
-        list.at = chosen.unwrap_or(before.at).min(count - 1);
-        let place = ui.available_rect_before_wrap();
-        let response = ui.interact(place, id, Sense::focusable_noninteractive());
+        let memory = stored_memory(ui.ctx(), id);
+        list.row = selected_row.unwrap_or(memory.row).min(count - 1);
+        let bounds = ui.available_rect_before_wrap();
+        let response = ui.interact(bounds, id, Sense::focusable_noninteractive());
         response.widget_info(|| WidgetInfo::labeled(Role::ListBox, true, name));
-        list.focused = response.has_focus();
-        if list.focused {
-            keep_keys(ui, id);
+        list.has_focus = response.has_focus();
+        if list.has_focus {
+            reserve_cursor_keys(ui, id);
             let line = ui.visuals().widgets.hovered.bg_stroke;
-            (ui.painter()).rect_stroke(place.expand(1.0), 2.0, line, StrokeKind::Inside);
-            list.keys(ui, count, before.page);
+            (ui.painter()).rect_stroke(bounds.expand(1.0), 2.0, line, StrokeKind::Inside);
+            list.handle_keys(ui, count, memory.page_rows);
         }
         // Scrolls to the cursor when the list gains the focus.
-        list.moved |= response.gained_focus();
-        list.remember(ui.ctx(), before.page);
+        list.has_moved |= response.gained_focus();
+        list.store(ui.ctx(), memory.page_rows);
         list
     }
 
     /// Handles the keys without modifiers that move in the list.
-    fn keys(&mut self, ui: &Ui, count: usize, page: usize) {
-        let page = match page {
-            0 => PAGE,
+    fn handle_keys(&mut self, ui: &Ui, count: usize, page_rows: usize) {
+        let page = match page_rows {
+            0 => DEFAULT_PAGE_ROWS,
             page => page,
         };
-        let (mut at, mut entered) = (self.at, false);
+        let (mut row, mut is_entered) = (self.row, false);
         take_keys(ui, |key| {
-            let to = match key {
-                Key::ArrowUp => at.saturating_sub(1),
-                Key::ArrowDown => at + 1,
-                Key::PageUp => at.saturating_sub(page),
-                Key::PageDown => at + page,
+            let target = match key {
+                Key::ArrowUp => row.saturating_sub(1),
+                Key::ArrowDown => row + 1,
+                Key::PageUp => row.saturating_sub(page),
+                Key::PageDown => row + page,
                 Key::Home => 0,
                 Key::End => count - 1,
-                Key::ArrowLeft | Key::ArrowRight => at,
+                Key::ArrowLeft | Key::ArrowRight => row,
                 Key::Enter | Key::Space => {
-                    entered = true;
-                    at
+                    is_entered = true;
+                    row
                 }
                 _ => return false,
             };
-            at = to.min(count - 1);
+            row = target.min(count - 1);
             true
         });
-        self.moved = at != self.at;
-        self.at = at;
-        self.entered = entered;
+        self.has_moved = row != self.row;
+        self.row = row;
+        self.is_entered = is_entered;
     }
 
     /// The row to which the cursor has moved in this frame.
-    pub fn moved(&self) -> Option<usize> {
-        (self.focused && self.moved).then_some(self.at)
+    pub fn moved_row(&self) -> Option<usize> {
+        (self.has_focus && self.has_moved).then_some(self.row)
     }
 
     /// The row on which Enter or Space was pressed in this frame.
-    pub fn entered(&self) -> Option<usize> {
-        (self.focused && self.entered).then_some(self.at)
+    pub fn entered_row(&self) -> Option<usize> {
+        (self.has_focus && self.is_entered).then_some(self.row)
     }
 
     /// Whether the list has the focus and its cursor is on `row`.
-    pub const fn is_at(&self, row: usize) -> bool {
-        self.focused && self.at == row
+    pub const fn is_cursor_on(&self, row: usize) -> bool {
+        self.has_focus && self.row == row
     }
 
     /// Scrolls to the cursor in a list that draws only the visible rows. `first` is the first
     /// of them, `height` the height of a row in points. Call it before `first` is drawn.
-    pub fn follow(&self, ui: &Ui, first: usize, height: f32) {
+    pub fn scroll_to_cursor(&self, ui: &Ui, first: usize, height: f32) {
         let pitch = height + ui.spacing().item_spacing.y;
-        let room = ui.clip_rect();
-        let page = (room.height() / pitch).floor() as usize;
-        self.remember(ui.ctx(), page.saturating_sub(1).max(1));
-        if self.focused && self.moved {
-            let top = ui.cursor().top() + (self.at as f32 - first as f32) * pitch;
-            let left = room.left();
+        let visible = ui.clip_rect();
+        let page = (visible.height() / pitch).floor() as usize;
+        self.store(ui.ctx(), page.saturating_sub(1).max(1));
+        if self.has_focus && self.has_moved {
+            let top = ui.cursor().top() + (self.row as f32 - first as f32) * pitch;
+            let left = visible.left();
             let row = Rect::from_min_size(pos2(left, top), vec2(1.0, height));
             ui.scroll_to_rect_animation(row, None, ScrollAnimation::none());
         }
@@ -126,13 +132,13 @@ impl List {
 
     /// Marks the row if the cursor is on it, and scrolls to it after a move. Returns whether
     /// the row was clicked.
-    pub fn row(&self, ui: &Ui, row: usize, response: &Response) -> bool {
-        if self.is_at(row) {
+    pub fn show_cursor(&self, ui: &Ui, row: usize, response: &Response) -> bool {
+        if self.is_cursor_on(row) {
             let line = ui.visuals().widgets.hovered.fg_stroke;
             (ui.painter()).rect_stroke(response.rect, 2.0, line, StrokeKind::Inside);
-            if self.moved {
-                let place = response.rect.with_max_x(response.rect.left() + 1.0);
-                ui.scroll_to_rect_animation(place, None, ScrollAnimation::none());
+            if self.has_moved {
+                let bounds = response.rect.with_max_x(response.rect.left() + 1.0);
+                ui.scroll_to_rect_animation(bounds, None, ScrollAnimation::none());
             }
             let active = response.id.accesskit_id();
             ui.ctx()
@@ -140,49 +146,58 @@ impl List {
         }
         let clicked = response.clicked();
         if clicked {
-            let before = remembered(ui.ctx(), self.id);
-            let at = Remembered { at: row, ..before };
-            ui.data_mut(|data| data.insert_temp(self.id, at));
+            let memory = stored_memory(ui.ctx(), self.id);
+            let updated = ListMemory { row, ..memory };
+            ui.data_mut(|data| data.insert_temp(self.id, updated));
         }
         clicked
     }
 
-    fn remember(&self, context: &Context, page: usize) {
-        let own = Remembered { at: self.at, page };
-        context.data_mut(|data| data.insert_temp(self.id, own));
+    fn store(&self, context: &Context, page: usize) {
+        let memory = ListMemory {
+            row: self.row,
+            page_rows: page,
+        };
+        context.data_mut(|data| data.insert_temp(self.id, memory));
     }
 }
 
-fn remembered(context: &Context, id: Id) -> Remembered {
-    let own = context.data(|data| data.get_temp(id));
-    own.unwrap_or_default()
+fn stored_memory(context: &Context, id: Id) -> ListMemory {
+    let memory = context.data(|data| data.get_temp(id));
+    memory.unwrap_or_default()
 }
 
 /// Draws a row as a selectable text.
-pub fn row(ui: &mut Ui, chosen: bool, words: String) -> Response {
-    let said = words.clone();
-    let row = ui.add(Button::selectable(chosen, words).truncate().sense(ROW));
-    row.widget_info(|| WidgetInfo::selected(Role::ListBoxOption, true, chosen, &said));
+pub fn selectable_row(ui: &mut Ui, is_selected: bool, text: String) -> Response {
+    let accessible_label = text.clone();
+    let row = ui.add(
+        Button::selectable(is_selected, text)
+            .truncate()
+            .sense(ROW_SENSE),
+    );
+    row.widget_info(|| {
+        WidgetInfo::selected(Role::ListBoxOption, true, is_selected, &accessible_label)
+    });
     row
 }
 
 /// Draws a row as an underlined link.
-pub fn link(ui: &mut Ui, words: RichText) -> Response {
-    let said = words.text().to_owned();
+pub fn link_row(ui: &mut Ui, text: RichText) -> Response {
+    let accessible_label = text.text().to_owned();
     let colour = ui.visuals().hyperlink_color;
-    let label = Label::new(words.underline()).sense(ROW).wrap();
+    let label = Label::new(text.underline()).sense(ROW_SENSE).wrap();
     let row = ui.scope(|ui| {
         ui.visuals_mut().override_text_color = Some(colour);
         ui.add(label)
     });
     let row = row.inner.on_hover_cursor(CursorIcon::PointingHand);
-    row.widget_info(|| WidgetInfo::labeled(Role::Link, true, &said));
+    row.widget_info(|| WidgetInfo::labeled(Role::Link, true, &accessible_label));
     row
 }
 
 /// Draws a row as a check box.
-pub fn tick(ui: &mut Ui, ticked: bool, words: &str, height: f32) -> Response {
-    let galley = egui::WidgetText::from(words).into_galley(
+pub fn check_row(ui: &mut Ui, is_checked: bool, text: &str, height: f32) -> Response {
+    let galley = egui::WidgetText::from(text).into_galley(
         ui,
         Some(egui::TextWrapMode::Extend),
         f32::INFINITY,
@@ -191,11 +206,11 @@ pub fn tick(ui: &mut Ui, ticked: bool, words: &str, height: f32) -> Response {
     let spacing = ui.spacing();
     let (side, gap) = (spacing.icon_width, spacing.icon_spacing);
     let size = vec2(side + gap + galley.size().x, height);
-    let (place, row) = ui.allocate_exact_size(size, ROW);
+    let (bounds, row) = ui.allocate_exact_size(size, ROW_SENSE);
     let is_enabled = ui.is_enabled();
-    row.widget_info(|| WidgetInfo::selected(Role::CheckBox, is_enabled, ticked, words));
+    row.widget_info(|| WidgetInfo::selected(Role::CheckBox, is_enabled, is_checked, text));
     let style = ui.style().interact(&row);
-    let middle = pos2(place.left() + side / 2.0, place.center().y);
+    let middle = pos2(bounds.left() + side / 2.0, bounds.center().y);
     let square = Rect::from_center_size(middle, vec2(side, side)).shrink(1.0);
     let painter = ui.painter();
     painter.rect(
@@ -205,7 +220,7 @@ pub fn tick(ui: &mut Ui, ticked: bool, words: &str, height: f32) -> Response {
         style.bg_stroke,
         StrokeKind::Inside,
     );
-    if ticked {
+    if is_checked {
         let inner = square.shrink(3.0);
         let corners = [
             pos2(inner.left(), inner.center().y),
@@ -214,11 +229,11 @@ pub fn tick(ui: &mut Ui, ticked: bool, words: &str, height: f32) -> Response {
         ];
         painter.line(corners.to_vec(), style.fg_stroke);
     }
-    let top = place.center().y - galley.size().y / 2.0;
-    let left = place.left() + side + gap;
+    let top = bounds.center().y - galley.size().y / 2.0;
+    let left = bounds.left() + side + gap;
     painter.galley(pos2(left, top), galley, style.text_color());
     row
 }
 
 /// The sense of a row: it reacts to clicks and is no Tab stop.
-pub const ROW: Sense = Sense::CLICK;
+pub const ROW_SENSE: Sense = Sense::CLICK;

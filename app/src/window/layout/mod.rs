@@ -4,45 +4,45 @@
 pub mod floating;
 mod panes;
 mod splitters;
-mod turns;
+mod tabs;
 
 use std::collections::BTreeMap;
 
 use egui::{Event, Key, Rect};
 use serde::{Deserialize, Serialize};
 
-use super::placing;
-use super::view::{View, shifted};
+use super::panel_placement;
+use super::view::{ViewId, is_pressed_with_shift};
 use gsk_messages::{Message, say};
-use panes::BAR;
-pub use panes::{Arranged, InTurn, Pane, arrange};
-pub use splitters::drag;
-use turns::in_turn;
+use panes::SPLITTER_WIDTH;
+pub use panes::{Arrangement, PaneTabs, WindowPane, arrange_panes};
+pub use splitters::show;
+use tabs::arrange_as_tabs;
 
 /// Panel units per dot of the LCD.
-const UNITS_A_DOT: f32 = 2.0;
+const UNITS_PER_DOT: f32 = 2.0;
 
 /// How a layout divides a wide window whose splitters were not dragged.
 #[derive(Clone, Copy, Debug)]
 pub struct Proportions {
     /// Greatest share of the window's width for the panel, 0–1.
-    panel_at_most: f32,
+    max_panel_share: f32,
     /// Share of the window's width for the column with the panel; `None`: the panel's width.
-    column: Option<f32>,
+    column_share: Option<f32>,
     /// Index of the docked view below the panel, from 0.
-    below: usize,
+    view_below_panel: usize,
 }
 
 /// The panel is as large as possible.
 const LARGE_PANEL: Proportions = Proportions {
-    panel_at_most: 0.75,
-    column: None,
-    below: 2,
+    max_panel_share: 0.75,
+    column_share: None,
+    view_below_panel: 2,
 };
 
 /// A predefined arrangement that the operator chooses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum Layout {
+pub enum WindowLayout {
     /// The panel alone.
     Panel,
     /// The panel and the machine.
@@ -56,70 +56,70 @@ pub enum Layout {
 }
 
 pub struct LayoutRow {
-    pub layout: Layout,
+    pub layout: WindowLayout,
     pub name: fn() -> Message,
     /// The key that chooses the layout, pressed with Shift.
     pub key: Key,
     /// The docked views until the operator changes them.
-    docked: &'static [View],
+    default_docked: &'static [ViewId],
     proportions: Proportions,
 }
 
 /// The layouts in the order of the menu.
 pub static LAYOUTS: [LayoutRow; 5] = [
     LayoutRow {
-        layout: Layout::Panel,
+        layout: WindowLayout::Panel,
         name: say::window_layout_panel,
         key: Key::F6,
-        docked: &[],
+        default_docked: &[],
         proportions: LARGE_PANEL,
     },
     LayoutRow {
-        layout: Layout::Machine,
+        layout: WindowLayout::Machine,
         name: say::window_layout_machine,
         key: Key::F7,
-        docked: &[View::Machine],
+        default_docked: &[ViewId::Machine],
         proportions: LARGE_PANEL,
     },
     LayoutRow {
-        layout: Layout::Programmer,
+        layout: WindowLayout::Programmer,
         name: say::window_layout_programmer,
         key: Key::F8,
-        docked: &[View::Program, View::Machine],
+        default_docked: &[ViewId::Program, ViewId::Machine],
         proportions: Proportions {
-            panel_at_most: 0.5,
-            column: Some(0.5),
-            below: 1,
+            max_panel_share: 0.5,
+            column_share: Some(0.5),
+            view_below_panel: 1,
         },
     },
     LayoutRow {
-        layout: Layout::Instructor,
+        layout: WindowLayout::Instructor,
         name: say::window_layout_instructor,
         key: Key::F9,
-        docked: &[View::Machine, View::Scope, View::Bench],
+        default_docked: &[ViewId::Machine, ViewId::Scope, ViewId::Bench],
         proportions: Proportions {
-            panel_at_most: 0.5,
-            column: None,
-            below: 2,
+            max_panel_share: 0.5,
+            column_share: None,
+            view_below_panel: 2,
         },
     },
     LayoutRow {
-        layout: Layout::Learner,
+        layout: WindowLayout::Learner,
         name: say::window_layout_learner,
         key: Key::F12,
-        docked: &[View::Machine, View::Lesson],
+        default_docked: &[ViewId::Machine, ViewId::Lesson],
         proportions: Proportions {
-            panel_at_most: 0.58,
-            column: None,
-            below: 1,
+            max_panel_share: 0.58,
+            column_share: None,
+            view_below_panel: 1,
         },
     },
 ];
 
-impl Layout {
+impl WindowLayout {
     /// The layout of the first start: with the machine where the LCD keeps a pixel per dot.
-    fn first(room: Rect, pixels_per_point: f32) -> Self {
-        match pixels_a_dot(room, LARGE_PANEL.panel_at_most, pixels_per_point) < 1.0 {
+    fn choose_first(room: Rect, pixels_per_point: f32) -> Self {
+        match pixels_per_dot(room, LARGE_PANEL.max_panel_share, pixels_per_point) < 1.0 {
             true => Self::Panel,
             false => Self::Machine,
         }
@@ -132,14 +132,16 @@ impl Layout {
 }
 
 /// The layout whose key is pressed in `events`, if any.
-pub fn chosen(events: &[Event]) -> Option<Layout> {
-    let row = LAYOUTS.iter().find(|row| shifted(events, row.key));
+pub fn layout_of_pressed_key(events: &[Event]) -> Option<WindowLayout> {
+    let row = LAYOUTS
+        .iter()
+        .find(|row| is_pressed_with_shift(events, row.key));
     row.map(|row| row.layout)
 }
 
 /// Position and size of a window on the screen, points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Place {
+pub struct WindowGeometry {
     /// Upper left corner including the frame; `None` where the system does not report it.
     pub corner: Option<(i32, i32)>,
     /// Width and height without the frame.
@@ -149,9 +151,9 @@ pub struct Place {
 /// The operator's changes to a layout.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
-struct Changes {
+struct LayoutChanges {
     /// The docked views, if they differ from those of the table.
-    docked: Option<Vec<View>>,
+    docked: Option<Vec<ViewId>>,
     /// Dragged splitters by number: share of the first side, thousandths.
     shares: BTreeMap<u8, u16>,
 }
@@ -159,11 +161,11 @@ struct Changes {
 /// Where a view opens.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
-struct Home {
+struct ViewHome {
     /// Whether it opens docked. Otherwise it opens in a separate window.
     docks: bool,
     /// Position and size of its separate window when it was last open.
-    place: Option<Place>,
+    place: Option<WindowGeometry>,
 }
 
 /// The chosen layout and the operator's changes, as the settings store them.
@@ -171,72 +173,72 @@ struct Home {
 #[serde(default)]
 pub struct Layouts {
     /// The layout in use; `None` before the first start has chosen one.
-    chosen: Option<Layout>,
-    changes: BTreeMap<Layout, Changes>,
-    homes: BTreeMap<View, Home>,
+    chosen: Option<WindowLayout>,
+    changes: BTreeMap<WindowLayout, LayoutChanges>,
+    homes: BTreeMap<ViewId, ViewHome>,
     /// Position and size of the main window before it was maximized.
-    pub window: Option<Place>,
+    pub window: Option<WindowGeometry>,
     /// Views in separate windows; none is open at the start.
     #[serde(skip)]
-    floating: Vec<View>,
+    floating: Vec<ViewId>,
     /// Whether the system has one window only, as a page in a browser: all views are docked.
     #[serde(skip)]
-    only_docks: bool,
+    is_single_window: bool,
     /// The pane that is shown where panel and views do not fit together; `None`: the panel.
-    front: Option<View>,
+    front: Option<ViewId>,
 }
 
 impl Layouts {
     /// The layouts with one chosen and no changes.
-    pub fn of(layout: Layout) -> Self {
+    pub fn with_layout(layout: WindowLayout) -> Self {
         Self {
             chosen: Some(layout),
             ..Self::default()
         }
     }
 
-    pub fn current(&self) -> Layout {
-        self.chosen.unwrap_or(Layout::Panel)
+    pub fn current(&self) -> WindowLayout {
+        self.chosen.unwrap_or(WindowLayout::Panel)
     }
 
     /// Chooses the layout for the first start by the available size, unless one is chosen.
-    pub fn begin(&mut self, room: Rect, pixels_per_point: f32) {
-        let first = || Layout::first(room, pixels_per_point);
+    pub fn choose_first_layout(&mut self, room: Rect, pixels_per_point: f32) {
+        let first = || WindowLayout::choose_first(room, pixels_per_point);
         self.chosen.get_or_insert_with(first);
     }
 
     /// Uses another layout.
-    pub const fn choose(&mut self, layout: Layout) {
+    pub const fn choose(&mut self, layout: WindowLayout) {
         self.chosen = Some(layout);
         self.front = None;
     }
 
-    pub fn docked(&self) -> Vec<View> {
+    pub fn docked(&self) -> Vec<ViewId> {
         let layout = self.current();
         let changed = self.changes.get(&layout);
         let changed = changed.and_then(|changes| changes.docked.clone());
-        changed.unwrap_or_else(|| layout.row().docked.to_vec())
+        changed.unwrap_or_else(|| layout.row().default_docked.to_vec())
     }
 
     /// The views in separate windows.
-    pub fn floating(&self) -> Vec<View> {
+    pub fn floating(&self) -> Vec<ViewId> {
         let docked = self.docked();
-        let own = self.floating.iter().copied();
-        own.filter(|view| !docked.contains(view)).collect()
+        let floating = self.floating.iter().copied();
+        floating.filter(|view| !docked.contains(view)).collect()
     }
 
     /// Whether a view is docked or has a separate window.
-    pub fn is_open(&self, view: View) -> bool {
+    pub fn is_open(&self, view: ViewId) -> bool {
         self.floating.contains(&view) || self.docked().contains(&view)
     }
 
     /// Opens a view where it was last, or closes it.
-    pub fn toggle(&mut self, view: View) {
+    pub fn toggle(&mut self, view: ViewId) {
         let docked = self.docked().contains(&view);
         if docked || self.floating.contains(&view) {
-            self.take_away(view);
+            self.close(view);
             self.home(view).docks = docked;
-        } else if self.only_docks || self.home(view).docks {
+        } else if self.is_single_window || self.home(view).docks {
             self.dock(view);
         } else {
             self.float(view);
@@ -244,8 +246,8 @@ impl Layouts {
     }
 
     /// Docks a view in the main window.
-    pub fn dock(&mut self, view: View) {
-        self.take_away(view);
+    pub fn dock(&mut self, view: ViewId) {
+        self.close(view);
         let mut docked = self.docked();
         docked.push(view);
         self.set_docked(docked);
@@ -254,7 +256,7 @@ impl Layouts {
     }
 
     /// Docks a view without bringing it to the front.
-    pub fn dock_beside(&mut self, view: View) {
+    pub fn dock_beside(&mut self, view: ViewId) {
         let front = self.front;
         self.dock(view);
         self.front = front;
@@ -262,42 +264,42 @@ impl Layouts {
 
     /// Sets whether the system has one window only. Views then open in panes, where they cover
     /// no key that stops the machine (WINDOW-25).
-    pub const fn set_only_docks(&mut self, only_docks: bool) {
-        self.only_docks = only_docks;
+    pub const fn set_single_window(&mut self, only_docks: bool) {
+        self.is_single_window = only_docks;
     }
 
     /// Brings a docked view, or with `None` the panel, to the front where they do not fit
     /// together.
-    pub const fn bring(&mut self, front: Option<View>) {
+    pub const fn bring_to_front(&mut self, front: Option<ViewId>) {
         self.front = front;
     }
 
     /// Opens a view in a separate window.
-    pub fn float(&mut self, view: View) {
-        self.take_away(view);
+    pub fn float(&mut self, view: ViewId) {
+        self.close(view);
         self.floating.push(view);
         self.home(view).docks = false;
     }
 
     /// Last position and size of a view's separate window.
-    pub fn place(&self, view: View) -> Option<Place> {
+    pub fn stored_geometry(&self, view: ViewId) -> Option<WindowGeometry> {
         self.homes.get(&view).and_then(|home| home.place)
     }
 
     /// Stores the position and size of a view's separate window.
-    pub fn remember(&mut self, view: View, place: Place) {
-        self.home(view).place = Some(place);
+    pub fn store_geometry(&mut self, view: ViewId, geometry: WindowGeometry) {
+        self.home(view).place = Some(geometry);
     }
 
-    fn home(&mut self, view: View) -> &mut Home {
-        let first = || Home {
-            docks: view.row().docks,
+    fn home(&mut self, view: ViewId) -> &mut ViewHome {
+        let first = || ViewHome {
+            docks: view.row().opens_docked,
             place: None,
         };
         self.homes.entry(view).or_insert_with(first)
     }
 
-    fn take_away(&mut self, view: View) {
+    fn close(&mut self, view: ViewId) {
         self.floating.retain(|open| *open != view);
         let mut docked = self.docked();
         if docked.contains(&view) {
@@ -306,14 +308,14 @@ impl Layouts {
         }
     }
 
-    fn set_docked(&mut self, docked: Vec<View>) {
+    fn set_docked(&mut self, docked: Vec<ViewId>) {
         let layout = self.current();
         self.changes.entry(layout).or_default().docked = Some(docked);
     }
 
     /// Arranges the panes in `room`: all together, or one of them with a bar to switch to the
     /// others. Keys are at least `key` points large where they fit.
-    pub fn arrange(&self, room: Rect, pixels_per_point: f32, key: f32) -> Arranged {
+    pub fn arrange(&self, bounds: Rect, pixels_per_point: f32, min_key_size: f32) -> Arrangement {
         let shares = self.changes.get(&self.current());
         let share = |split: u8| {
             let share = shares.and_then(|changes| changes.shares.get(&split))?;
@@ -322,21 +324,21 @@ impl Layouts {
         let proportions = self.current().row().proportions;
         let scales = Scales {
             pixels_per_point,
-            key,
+            min_key_size,
         };
-        let together = arrange(room, &self.docked(), proportions, scales, &share);
+        let together = arrange_panes(bounds, &self.docked(), proportions, scales, &share);
         // After the operator has dragged a splitter, the panes stay together.
-        let dragged = shares.is_some_and(|changes| !changes.shares.is_empty());
-        match !dragged && turns::is_crowded(&together, scales) {
-            true => in_turn(room, together, self.front),
+        let is_dragged = shares.is_some_and(|changes| !changes.shares.is_empty());
+        match !is_dragged && tabs::is_crowded(&together, scales) {
+            true => arrange_as_tabs(bounds, together, self.front),
             false => together,
         }
     }
 
     /// Shows panel and views together from now on, whatever the available size.
-    pub fn keep_together(&mut self, arranged: &Arranged) {
+    pub fn keep_together(&mut self, arranged: &Arrangement) {
         if let Some(splitter) = arranged.splitters.first() {
-            self.set_share(splitter.split, Some(splitter.at()));
+            self.set_share(splitter.split, Some(splitter.current_share()));
         }
     }
 
@@ -362,32 +364,34 @@ pub struct Scales {
     /// Physical pixels per point.
     pixels_per_point: f32,
     /// Least side of a key, points; 0: no limit.
-    key: f32,
+    min_key_size: f32,
 }
 
 /// Whole pixels per dot of the LCD when the panel takes at most the share `at_most` of the
 /// width.
-fn pixels_a_dot(room: Rect, at_most: f32, pixels_per_point: f32) -> f32 {
-    let at_most = egui::vec2(room.width() * at_most, room.height());
-    let scale = placing::whole_scale(at_most) * pixels_per_point;
-    (scale * UNITS_A_DOT).floor()
+fn pixels_per_dot(room: Rect, max_share: f32, pixels_per_point: f32) -> f32 {
+    let max_size = egui::vec2(room.width() * max_share, room.height());
+    let scale = panel_placement::scale_of_whole(max_size) * pixels_per_point;
+    (scale * UNITS_PER_DOT).floor()
 }
 
 /// The panel's share of the width beside views: the largest share up to `at_most` that shows
 /// the dots of the LCD as whole pixels.
-fn panel_share(room: Rect, at_most: f32, scales: Scales) -> f32 {
+fn panel_share(room: Rect, max_share: f32, scales: Scales) -> f32 {
     // The panel's pane ends at the middle of the splitter.
-    let for_keys = (placing::width_for(scales.key) + BAR / 2.0) / room.width();
-    dots_share(room, at_most, scales.pixels_per_point).max(for_keys.min(1.0))
+    let share_for_keys = (panel_placement::width_for_key_size(scales.min_key_size)
+        + SPLITTER_WIDTH / 2.0)
+        / room.width();
+    share_for_whole_pixels(room, max_share, scales.pixels_per_point).max(share_for_keys.min(1.0))
 }
 
-fn dots_share(room: Rect, at_most: f32, pixels_per_point: f32) -> f32 {
-    let pixels_a_dot = pixels_a_dot(room, at_most, pixels_per_point);
-    if pixels_a_dot < 1.0 {
-        return at_most.min(0.6);
+fn share_for_whole_pixels(room: Rect, max_share: f32, pixels_per_point: f32) -> f32 {
+    let pixels_per_dot = pixels_per_dot(room, max_share, pixels_per_point);
+    if pixels_per_dot < 1.0 {
+        return max_share.min(0.6);
     }
-    let width = gsk_panel::faceplate::SIZE.0 * pixels_a_dot / UNITS_A_DOT;
-    (width / pixels_per_point / room.width()).min(at_most)
+    let width = gsk_panel::faceplate::SIZE.0 * pixels_per_dot / UNITS_PER_DOT;
+    (width / pixels_per_point / room.width()).min(max_share)
 }
 
 #[cfg(test)]
@@ -396,69 +400,75 @@ mod tests {
 
     #[test]
     fn a_view_opens_where_it_was_last() {
-        let mut layouts = Layouts::of(Layout::Panel);
-        layouts.toggle(View::Scope);
+        let mut layouts = Layouts::with_layout(WindowLayout::Panel);
+        layouts.toggle(ViewId::Scope);
         assert_eq!(
             (layouts.floating(), layouts.docked()),
-            (vec![View::Scope], vec![])
+            (vec![ViewId::Scope], vec![])
         );
-        layouts.dock(View::Scope);
+        layouts.dock(ViewId::Scope);
         assert_eq!(
             (layouts.floating(), layouts.docked()),
-            (vec![], vec![View::Scope])
+            (vec![], vec![ViewId::Scope])
         );
-        layouts.toggle(View::Scope);
-        assert!(!layouts.is_open(View::Scope));
-        layouts.toggle(View::Scope);
-        assert_eq!(layouts.docked(), [View::Scope]);
-        layouts.choose(Layout::Instructor);
-        let docked = [View::Machine, View::Scope, View::Bench];
+        layouts.toggle(ViewId::Scope);
+        assert!(!layouts.is_open(ViewId::Scope));
+        layouts.toggle(ViewId::Scope);
+        assert_eq!(layouts.docked(), [ViewId::Scope]);
+        layouts.choose(WindowLayout::Instructor);
+        let docked = [ViewId::Machine, ViewId::Scope, ViewId::Bench];
         assert_eq!(layouts.docked(), docked);
-        layouts.float(View::Bench);
-        layouts.choose(Layout::Panel);
+        layouts.float(ViewId::Bench);
+        layouts.choose(WindowLayout::Panel);
         assert_eq!(
             (layouts.floating(), layouts.docked()),
-            (vec![View::Bench], vec![View::Scope])
+            (vec![ViewId::Bench], vec![ViewId::Scope])
         );
     }
 
     #[test]
-    fn where_there_is_one_window_views_are_docked() {
-        let mut layouts = Layouts::of(Layout::Panel);
-        layouts.float(View::Scope);
-        layouts.toggle(View::Scope);
-        layouts.set_only_docks(true);
-        layouts.toggle(View::Scope);
-        layouts.toggle(View::Bench);
-        assert_eq!(layouts.docked(), [View::Scope, View::Bench]);
+    fn views_are_docked_in_a_single_window() {
+        let mut layouts = Layouts::with_layout(WindowLayout::Panel);
+        layouts.float(ViewId::Scope);
+        layouts.toggle(ViewId::Scope);
+        layouts.set_single_window(true);
+        layouts.toggle(ViewId::Scope);
+        layouts.toggle(ViewId::Bench);
+        assert_eq!(layouts.docked(), [ViewId::Scope, ViewId::Bench]);
         assert_eq!(layouts.floating(), []);
     }
 
     #[test]
     fn the_first_start_shows_the_machine_where_there_is_room() {
-        for (width, layout) in [(1366.0, Layout::Machine), (800.0, Layout::Panel)] {
+        for (width, layout) in [
+            (1366.0, WindowLayout::Machine),
+            (800.0, WindowLayout::Panel),
+        ] {
             let room = Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(width, 718.0));
             let mut layouts = Layouts::default();
-            layouts.begin(room, 1.0);
+            layouts.choose_first_layout(room, 1.0);
             assert_eq!(layouts.current(), layout);
         }
     }
 
     #[test]
-    fn they_come_back_as_they_were() {
-        let mut layouts = Layouts::of(Layout::Instructor);
-        layouts.dock(View::Ladder);
+    fn layouts_survive_a_restart() {
+        let mut layouts = Layouts::with_layout(WindowLayout::Instructor);
+        layouts.dock(ViewId::Ladder);
         layouts.set_share(0, Some(0.4321));
-        let place = Place {
+        let place = WindowGeometry {
             corner: Some((-5, 40)),
             size: (800, 600),
         };
-        layouts.remember(View::Scope, place);
-        let kept = ron::to_string(&layouts).unwrap();
-        let back: Layouts = ron::from_str(&kept).unwrap();
-        assert_eq!(back, layouts);
-        assert_eq!(back.place(View::Scope), Some(place));
+        layouts.store_geometry(ViewId::Scope, place);
+        let stored = ron::to_string(&layouts).unwrap();
+        let restored: Layouts = ron::from_str(&stored).unwrap();
+        assert_eq!(restored, layouts);
+        assert_eq!(restored.stored_geometry(ViewId::Scope), Some(place));
         let room = Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(1000.0, 800.0));
-        assert_eq!(back.arrange(room, 1.0, 0.0).panes[0].1.width(), 432.0 - 3.0);
+        assert_eq!(
+            restored.arrange(room, 1.0, 0.0).panes[0].1.width(),
+            432.0 - 3.0
+        );
     }
 }

@@ -4,26 +4,26 @@
 use egui::{Pos2, Rect, pos2};
 
 use super::{Proportions, Scales, panel_share};
-use crate::window::view::View;
+use crate::window::view::ViewId;
 use gsk_panel::faceplate::SIZE;
 
 /// Width of a splitter, points.
-pub(super) const BAR: f32 = 6.0;
+pub(super) const SPLITTER_WIDTH: f32 = 6.0;
 /// Least side of a pane, points.
-const LEAST: f32 = 90.0;
+const MIN_PANE_SIDE: f32 = 90.0;
 /// Numbers of the splitters: between the columns, in the left column, in the right column, and
 /// in the single column of a high window. The settings store them.
-const COLUMNS: u8 = 0;
-const LEFT: u8 = 1;
-const RIGHT: u8 = 10;
-const SINGLE: u8 = 20;
+const COLUMN_SPLIT: u8 = 0;
+const LEFT_SPLIT: u8 = 1;
+const RIGHT_SPLIT: u8 = 10;
+const SINGLE_SPLIT: u8 = 20;
 
 /// What a pane shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pane {
+pub enum WindowPane {
     Panel,
     /// A docked view.
-    View(View),
+    View(ViewId),
 }
 
 /// The movable bar between two sides that share a rectangle.
@@ -33,111 +33,117 @@ pub struct Splitter {
     pub split: u8,
     pub bar: Rect,
     /// The rectangle of both sides, points.
-    pub room: Rect,
+    pub bounds: Rect,
     /// Whether the sides are beside each other. Otherwise one is above the other.
-    pub beside: bool,
+    pub is_side_by_side: bool,
 }
 
 impl Splitter {
     /// The share of the first side, 0–1, with the bar at `at`.
-    pub fn share(&self, at: Pos2) -> f32 {
-        let share = match self.beside {
-            true => (at.x - self.room.left()) / self.room.width(),
-            false => (at.y - self.room.top()) / self.room.height(),
+    pub fn share_at(&self, position: Pos2) -> f32 {
+        let share = match self.is_side_by_side {
+            true => (position.x - self.bounds.left()) / self.bounds.width(),
+            false => (position.y - self.bounds.top()) / self.bounds.height(),
         };
         share.clamp(0.0, 1.0)
     }
 
     /// The current share of the first side, 0–1.
-    pub fn at(&self) -> f32 {
-        self.share(self.bar.center())
+    pub fn current_share(&self) -> f32 {
+        self.share_at(self.bar.center())
     }
 }
 
 /// The panes and splitters of the window.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Arranged {
+pub struct Arrangement {
     /// Each pane with its rectangle, the panel first.
-    pub panes: Vec<(Pane, Rect)>,
+    pub panes: Vec<(WindowPane, Rect)>,
     pub splitters: Vec<Splitter>,
     /// The tab bar, where only one pane fits.
-    pub turns: Option<InTurn>,
+    pub tabs: Option<PaneTabs>,
 }
 
 /// The tab bar that switches between panes, of which one is shown.
 #[derive(Clone, Debug, PartialEq)]
-pub struct InTurn {
+pub struct PaneTabs {
     /// The rectangle of the tab bar.
     pub bar: Rect,
     /// All panes, the panel first.
-    pub all: Vec<Pane>,
+    pub all: Vec<WindowPane>,
     /// The arrangement with all panes together.
-    pub together: Box<Arranged>,
+    pub all_together: Box<Arrangement>,
 }
 
 /// Arranges the panel and the docked views in `room`. `share` returns the position of a
 /// dragged splitter.
-pub fn arrange(
-    room: Rect,
-    docked: &[View],
+pub fn arrange_panes(
+    bounds: Rect,
+    docked: &[ViewId],
     proportions: Proportions,
     scales: Scales,
-    share: &dyn Fn(u8) -> Option<f32>,
-) -> Arranged {
-    let mut arranged = Arranged::default();
-    let views: Vec<Pane> = docked.iter().map(|view| Pane::View(*view)).collect();
+    dragged_share: &dyn Fn(u8) -> Option<f32>,
+) -> Arrangement {
+    let mut arranged = Arrangement::default();
+    let views: Vec<WindowPane> = docked.iter().map(|view| WindowPane::View(*view)).collect();
     if views.is_empty() {
-        arranged.panes.push((Pane::Panel, room));
+        arranged.panes.push((WindowPane::Panel, bounds));
         return arranged;
     }
-    if room.height() > room.width() {
-        let panel = room.width() * SIZE.1 / SIZE.0 / room.height();
-        let panel = panel.clamp(0.3, 0.7);
-        let split = share(SINGLE).unwrap_or(1.0 - panel);
-        let (above, below) = arranged.split(room, SINGLE, false, split);
-        arranged.panes.push((Pane::Panel, below));
-        arranged.column(above, &views, SINGLE + 1, share);
+    if bounds.height() > bounds.width() {
+        let panel_height_share = bounds.width() * SIZE.1 / SIZE.0 / bounds.height();
+        let panel_height_share = panel_height_share.clamp(0.3, 0.7);
+        let split = dragged_share(SINGLE_SPLIT).unwrap_or(1.0 - panel_height_share);
+        let (above, below) = arranged.split(bounds, SINGLE_SPLIT, false, split);
+        arranged.panes.push((WindowPane::Panel, below));
+        arranged.stack_panes(above, &views, SINGLE_SPLIT + 1, dragged_share);
         return arranged;
     }
-    let below: Vec<Pane> = (views.iter().skip(proportions.below).take(1))
+    let below: Vec<WindowPane> = (views.iter().skip(proportions.view_below_panel).take(1))
         .copied()
         .collect();
     let beside = views.iter().enumerate();
-    let beside: Vec<Pane> = beside
-        .filter(|(index, _)| *index != proportions.below)
+    let beside: Vec<WindowPane> = beside
+        .filter(|(index, _)| *index != proportions.view_below_panel)
         .map(|(_, pane)| *pane)
         .collect();
-    let panel_share = panel_share(room, proportions.panel_at_most, scales);
-    let column = proportions.column.unwrap_or(panel_share);
-    let column = match scales.key > 0.0 {
+    let panel_share = panel_share(bounds, proportions.max_panel_share, scales);
+    let column = proportions.column_share.unwrap_or(panel_share);
+    let column = match scales.min_key_size > 0.0 {
         true => column.max(panel_share),
         false => column,
     };
-    let columns = share(COLUMNS).unwrap_or(column);
-    let (left, right) = arranged.split(room, COLUMNS, true, columns);
+    let columns = dragged_share(COLUMN_SPLIT).unwrap_or(column);
+    let (left, right) = arranged.split(bounds, COLUMN_SPLIT, true, columns);
     let panel = if below.is_empty() {
         left
     } else {
         // In a wider column the panel keeps its largest width.
-        let panel = match proportions.column {
-            Some(_) => left.width().min(panel_share * room.width()),
+        let panel = match proportions.column_share {
+            Some(_) => left.width().min(panel_share * bounds.width()),
             None => left.width(),
         };
-        let high = (panel * SIZE.1 / SIZE.0 + BAR / 2.0) / left.height();
-        let split = share(LEFT).unwrap_or(high.clamp(0.3, 0.7));
-        let (above, rest) = arranged.split(left, LEFT, false, split);
-        arranged.column(rest, &below, LEFT + 1, share);
+        let panel_height_share = (panel * SIZE.1 / SIZE.0 + SPLITTER_WIDTH / 2.0) / left.height();
+        let split = dragged_share(LEFT_SPLIT).unwrap_or(panel_height_share.clamp(0.3, 0.7));
+        let (above, rest) = arranged.split(left, LEFT_SPLIT, false, split);
+        arranged.stack_panes(rest, &below, LEFT_SPLIT + 1, dragged_share);
         above
     };
-    arranged.panes.insert(0, (Pane::Panel, panel));
-    arranged.column(right, &beside, RIGHT, share);
+    arranged.panes.insert(0, (WindowPane::Panel, panel));
+    arranged.stack_panes(right, &beside, RIGHT_SPLIT, dragged_share);
     arranged
 }
 
-impl Arranged {
+impl Arrangement {
     /// Stacks `panes` in `room`, one above the other. `split` is the number of the first
     /// splitter.
-    fn column(&mut self, room: Rect, panes: &[Pane], split: u8, share: &dyn Fn(u8) -> Option<f32>) {
+    fn stack_panes(
+        &mut self,
+        room: Rect,
+        panes: &[WindowPane],
+        split: u8,
+        share: &dyn Fn(u8) -> Option<f32>,
+    ) {
         match panes {
             [] => {}
             [only] => self.panes.push((*only, room)),
@@ -146,18 +152,22 @@ impl Arranged {
                 let at = share(split).unwrap_or(even);
                 let (above, below) = self.split(room, split, false, at);
                 self.panes.push((*first, above));
-                self.column(below, rest, split + 1, share);
+                self.stack_panes(below, rest, split + 1, share);
             }
         }
     }
 
-    /// Divides `room` in two with a splitter between. No side becomes smaller than [`LEAST`].
-    fn split(&mut self, room: Rect, split: u8, beside: bool, share: f32) -> (Rect, Rect) {
-        let length = if beside { room.width() } else { room.height() };
-        let least = LEAST.min(length / 2.0);
-        let at = (length * share).clamp(least, (length - least).max(least));
-        let (end, begin) = (at - BAR / 2.0, at + BAR / 2.0);
-        let place = |along: f32, last: bool| match (beside, last) {
+    /// Divides `room` in two with a splitter between. No side becomes smaller than [`MIN_PANE_SIDE`].
+    fn split(&mut self, room: Rect, split: u8, is_side_by_side: bool, share: f32) -> (Rect, Rect) {
+        let length = if is_side_by_side {
+            room.width()
+        } else {
+            room.height()
+        };
+        let min_side = MIN_PANE_SIDE.min(length / 2.0);
+        let at = (length * share).clamp(min_side, (length - min_side).max(min_side));
+        let (end, begin) = (at - SPLITTER_WIDTH / 2.0, at + SPLITTER_WIDTH / 2.0);
+        let corner = |along: f32, last: bool| match (is_side_by_side, last) {
             (true, false) => pos2(room.left() + along, room.top()),
             (true, true) => pos2(room.left() + along, room.bottom()),
             (false, false) => pos2(room.left(), room.top() + along),
@@ -165,13 +175,13 @@ impl Arranged {
         };
         self.splitters.push(Splitter {
             split,
-            bar: Rect::from_min_max(place(end, false), place(begin, true)),
-            room,
-            beside,
+            bar: Rect::from_min_max(corner(end, false), corner(begin, true)),
+            bounds: room,
+            is_side_by_side,
         });
         (
-            Rect::from_min_max(room.min, place(end, true)),
-            Rect::from_min_max(place(begin, false), room.max),
+            Rect::from_min_max(room.min, corner(end, true)),
+            Rect::from_min_max(corner(begin, false), room.max),
         )
     }
 }
@@ -183,11 +193,11 @@ mod tests {
 
     use super::super::LARGE_PANEL;
 
-    const PLAIN: Scales = Scales {
+    const TEST_SCALES: Scales = Scales {
         pixels_per_point: 1.0,
-        key: 0.0,
+        min_key_size: 0.0,
     };
-    const VIEWS: [View; 4] = [View::Bench, View::Ladder, View::Scope, View::Link];
+    const VIEWS: [ViewId; 4] = [ViewId::Bench, ViewId::Ladder, ViewId::Scope, ViewId::Link];
 
     #[test]
     fn panes_fill_the_room_without_overlapping_whatever_is_dragged() {
@@ -200,14 +210,19 @@ mod tests {
             let room = Rect::from_min_size(pos2(0.0, 28.0), size);
             for count in 0..=VIEWS.len() {
                 for share in [None, Some(0.0), Some(0.3), Some(1.0)] {
-                    let arranged = arrange(room, &VIEWS[..count], LARGE_PANEL, PLAIN, &|_| share);
+                    let arranged =
+                        arrange_panes(room, &VIEWS[..count], LARGE_PANEL, TEST_SCALES, &|_| share);
                     let panes = &arranged.panes;
                     assert_eq!(panes.len(), count + 1);
-                    assert_eq!(panes[0].0, Pane::Panel);
+                    assert_eq!(panes[0].0, WindowPane::Panel);
                     for (index, (pane, place)) in panes.iter().enumerate() {
                         assert!(room.expand(0.01).contains_rect(*place), "{pane:?} {place}");
-                        let apart = |other: &(Pane, Rect)| !other.1.shrink(0.1).intersects(*place);
-                        assert!(panes[index + 1..].iter().all(apart), "{pane:?} {size}");
+                        let is_separate =
+                            |other: &(WindowPane, Rect)| !other.1.shrink(0.1).intersects(*place);
+                        assert!(
+                            panes[index + 1..].iter().all(is_separate),
+                            "{pane:?} {size}"
+                        );
                     }
                     let bars = arranged.splitters.iter().map(|it| it.bar.area());
                     let area = panes.iter().map(|(_, place)| place.area()).sum::<f32>();
@@ -226,18 +241,23 @@ mod tests {
             (3840.0, 2110.0, 4.0),
         ] {
             let room = Rect::from_min_size(Pos2::ZERO, vec2(width, height));
-            let arranged = arrange(room, &VIEWS[..1], LARGE_PANEL, PLAIN, &|_| None);
+            let arranged = arrange_panes(room, &VIEWS[..1], LARGE_PANEL, TEST_SCALES, &|_| None);
             let panel = arranged.panes[0].1.width();
-            assert!((panel - 640.0 * pixels).abs() <= BAR, "{panel} of {width}");
+            assert!(
+                (panel - 640.0 * pixels).abs() <= SPLITTER_WIDTH,
+                "{panel} of {width}"
+            );
         }
     }
 
     #[test]
-    fn a_bar_stands_where_it_is_dragged_to() {
+    fn a_splitter_stays_where_it_is_dragged_to() {
         let room = Rect::from_min_size(pos2(0.0, 28.0), vec2(1000.0, 700.0));
-        let arranged = arrange(room, &VIEWS[..1], LARGE_PANEL, PLAIN, &|_| None);
-        let share = arranged.splitters[0].share(pos2(412.0, 300.0));
-        let dragged = arrange(room, &VIEWS[..1], LARGE_PANEL, PLAIN, &|_| Some(share));
+        let arranged = arrange_panes(room, &VIEWS[..1], LARGE_PANEL, TEST_SCALES, &|_| None);
+        let share = arranged.splitters[0].share_at(pos2(412.0, 300.0));
+        let dragged = arrange_panes(room, &VIEWS[..1], LARGE_PANEL, TEST_SCALES, &|_| {
+            Some(share)
+        });
         assert!((dragged.splitters[0].bar.center().x - 412.0).abs() < 0.01);
     }
 }

@@ -11,71 +11,71 @@ use super::panes::Splitter;
 use gsk_messages::{Language, say};
 
 /// Distance that a cursor key moves a splitter, as a share of both sides.
-const STEP: f32 = 0.02;
+const KEY_STEP: f32 = 0.02;
 
 /// Colours of an idle splitter, and of one that is pointed at or has the focus.
-const REST: Color32 = Color32::from_gray(44);
-const HELD: Color32 = Color32::from_rgb(88, 140, 196);
+const IDLE_COLOR: Color32 = Color32::from_gray(44);
+const ACTIVE_COLOR: Color32 = Color32::from_rgb(88, 140, 196);
 
 /// Draws the splitters and moves the one that is dragged.
-pub fn drag(ui: &Ui, splitters: &[Splitter], layouts: &mut Layouts, language: Language) {
+pub fn show(ui: &Ui, splitters: &[Splitter], layouts: &mut Layouts, language: Language) {
     for splitter in splitters {
         let id = ui.scope_id().with(("splitter", splitter.split));
         let response = ui.interact(splitter.bar, id, Sense::click_and_drag());
         response.widget_info(|| {
-            let name = match splitter.beside {
+            let name = match splitter.is_side_by_side {
                 true => say::window_splitter_beside(splitter.split),
                 false => say::window_splitter_above(splitter.split),
             };
-            let share = f64::from((splitter.at() * 100.0).round());
+            let share = f64::from((splitter.current_share() * 100.0).round());
             WidgetInfo {
                 value: Some(share),
                 ..WidgetInfo::labeled(Role::Splitter, true, name.text(language))
             }
         });
-        let pointed = response.hovered() || response.dragged();
-        let held = pointed || response.has_focus();
-        if pointed {
-            ui.ctx().set_cursor_icon(match splitter.beside {
+        let is_pointed_at = response.hovered() || response.dragged();
+        let is_active = is_pointed_at || response.has_focus();
+        if is_pointed_at {
+            ui.ctx().set_cursor_icon(match splitter.is_side_by_side {
                 true => CursorIcon::ResizeHorizontal,
                 false => CursorIcon::ResizeVertical,
             });
         }
-        let fill = if held { HELD } else { REST };
+        let fill = if is_active { ACTIVE_COLOR } else { IDLE_COLOR };
         ui.painter().rect_filled(splitter.bar, 0.0, fill);
         if response.has_focus() {
-            focus::keep_keys(ui, id);
-            by_keys(ui, splitter, layouts);
+            focus::reserve_cursor_keys(ui, id);
+            move_by_keys(ui, splitter, layouts);
         }
         if response.double_clicked() {
             layouts.set_share(splitter.split, None);
         } else if response.dragged()
             && let Some(at) = response.interact_pointer_pos()
         {
-            layouts.set_share(splitter.split, Some(splitter.share(at)));
+            layouts.set_share(splitter.split, Some(splitter.share_at(at)));
         }
     }
 }
 
 /// Moves the focused splitter with the cursor keys that hold no panel key.
-fn by_keys(ui: &Ui, splitter: &Splitter, layouts: &mut Layouts) {
-    let (back, forth) = match splitter.beside {
+fn move_by_keys(ui: &Ui, splitter: &Splitter, layouts: &mut Layouts) {
+    let (back, forward) = match splitter.is_side_by_side {
         true => (Key::ArrowLeft, Key::ArrowRight),
         false => (Key::ArrowUp, Key::ArrowDown),
     };
-    let (mut moved, mut again) = (0.0, false);
+    let (mut moved_share, mut restores_default) = (0.0, false);
     focus::take_keys(ui, |key| {
         match key {
-            Key::Enter | Key::Space => again = true,
-            key if key == back => moved -= STEP,
-            key if key == forth => moved += STEP,
+            Key::Enter | Key::Space => restores_default = true,
+            key if key == back => moved_share -= KEY_STEP,
+            key if key == forward => moved_share += KEY_STEP,
             key => return focus::is_cursor(key),
         }
         true
     });
-    if again {
+    if restores_default {
         layouts.set_share(splitter.split, None);
-    } else if moved != 0.0 {
-        layouts.set_share(splitter.split, Some(splitter.at() + moved));
+    } else if moved_share != 0.0 {
+        layouts.set_share(splitter.split, Some(splitter.current_share() + moved_share));
     }
 }

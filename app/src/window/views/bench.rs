@@ -7,45 +7,45 @@ use egui::{
     Align, Align2, Color32, FontId, Label, Layout, Panel, RichText, ScrollArea, Sense, Ui,
     UiBuilder, vec2,
 };
-use gsk_core::machine::Fault;
+use gsk_core::machine::LatheFault;
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_panel::pages::{signal_meaning, signal_name};
 
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
-use crate::window::{at_end, focus, reader};
+use crate::window::{focus, right_aligned, screen_reader};
 use gsk_messages::{Language, Message, say};
 
 /// Height of a row, points.
-const LINE: f32 = 24.0;
+const ROW_HEIGHT: f32 = 24.0;
 /// Width reserved for the scroll bar of a list, points.
-const SCROLL_BAR: f32 = 12.0;
+const SCROLL_BAR_WIDTH: f32 = 12.0;
 /// Widths of the columns of lamps, points.
-const CONTACT: f32 = 48.0;
-const ACCEPTED: f32 = 34.0;
+const CONTACT_WIDTH: f32 = 48.0;
+const PLC_WIDTH: f32 = 34.0;
 /// Width of the column of inputs, points.
-const INPUTS: f32 = 470.0;
+const INPUTS_WIDTH: f32 = 470.0;
 /// Least and greatest width of the column of faults, points.
-const NARROW: f32 = 240.0;
-const WIDE: f32 = 420.0;
+const MIN_FAULTS_WIDTH: f32 = 240.0;
+const MAX_FAULTS_WIDTH: f32 = 420.0;
 /// Column width from which a fault's script name is shown, too, points.
-const BOTH_NAMES: f32 = 380.0;
+const SCRIPT_NAMES_WIDTH: f32 = 380.0;
 /// Key of the group of buttons that hold an input.
-const HELD_AT: &str = "held";
+const HOLD_BUTTONS: &str = "held";
 /// Bytes of X whose inputs are plugs for machine contacts.
-const PLUGGED: std::ops::Range<u16> = 0..4;
+const PLUGGED_BYTES: std::ops::Range<u16> = 0..4;
 
 const LIT: Color32 = Color32::from_rgb(110, 230, 120);
 const DARK: Color32 = Color32::from_gray(62);
-const BROKEN: Color32 = Color32::from_rgb(255, 120, 96);
+const FAULT_COLOR: Color32 = Color32::from_rgb(255, 120, 96);
 const HELD: Color32 = Color32::from_rgb(255, 196, 90);
 
 pub struct Bench {
     console: Console,
     entry: String,
-    complaint: Option<String>,
+    entry_error: Option<String>,
     /// Inputs beyond the plugs that the user has added.
-    others: Vec<BitAddress>,
+    added_inputs: Vec<BitAddress>,
 }
 
 impl Bench {
@@ -54,8 +54,8 @@ impl Bench {
         Self {
             console,
             entry: String::new(),
-            complaint: None,
-            others: Vec::new(),
+            entry_error: None,
+            added_inputs: Vec::new(),
         }
     }
 
@@ -67,30 +67,32 @@ impl Bench {
             return;
         };
         let state = Panel::bottom("machine state").frame(super::bar_frame());
-        state.show(ui, |ui| state_line(ui, language, machine));
+        state.show(ui, |ui| show_state(ui, language, machine));
         let faults = Panel::left("faults")
-            .exact_size((ui.available_width() - INPUTS).clamp(NARROW, WIDE))
+            .exact_size(
+                (ui.available_width() - INPUTS_WIDTH).clamp(MIN_FAULTS_WIDTH, MAX_FAULTS_WIDTH),
+            )
             .resizable(false)
             .frame(super::side_frame());
-        faults.show(ui, |ui| self.faults(ui, language, machine));
+        faults.show(ui, |ui| self.show_faults(ui, language, machine));
         egui::CentralPanel::default()
             .frame(super::side_frame())
-            .show(ui, |ui| self.inputs(ui, language, machine));
+            .show(ui, |ui| self.show_inputs(ui, language, machine));
     }
 
-    fn faults(&self, ui: &mut Ui, language: Language, machine: &MachineView) {
+    fn show_faults(&self, ui: &mut Ui, language: Language, machine: &MachineView) {
         ui.horizontal(|ui| {
             ui.heading(say::bench_faults().text(language));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let words = say::bench_mend_all().text(language);
                 let hint = say::bench_mend_all_hint().text(language);
                 if ui.button(words).on_hover_text(hint).clicked() {
-                    self.console.send(Command::Mend);
+                    self.console.send(Command::ClearFaults);
                 }
             });
         });
-        let scripts = ui.available_width() >= BOTH_NAMES;
-        if scripts {
+        let shows_script_names = ui.available_width() >= SCRIPT_NAMES_WIDTH;
+        if shows_script_names {
             let hint = say::bench_faults_hint().text(language);
             ui.label(RichText::new(hint).weak());
         }
@@ -98,15 +100,19 @@ impl Bench {
         ScrollArea::vertical()
             .auto_shrink([false, false])
             .show(ui, |ui| {
-                ui.set_max_width(ui.available_width() - SCROLL_BAR);
-                for (name, fault) in Fault::ALL {
+                ui.set_max_width(ui.available_width() - SCROLL_BAR_WIDTH);
+                for (name, fault) in LatheFault::ALL {
                     let row = fault.row();
                     let text = row.label().text(language);
                     let effect = row.effect().text(language);
                     let mut on = machine.lathe.has_fault(fault);
-                    let colour = if on { BROKEN } else { Color32::from_gray(215) };
-                    line(ui, |ui| {
-                        if scripts {
+                    let colour = if on {
+                        FAULT_COLOR
+                    } else {
+                        Color32::from_gray(215)
+                    };
+                    draw_row(ui, |ui| {
+                        if shows_script_names {
                             ui.label(RichText::new(name).monospace().weak());
                         }
                         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
@@ -114,12 +120,12 @@ impl Bench {
                             check.widget_info(|| {
                                 egui::WidgetInfo::selected(egui::Role::CheckBox, true, on, &text)
                             });
-                            let about = if scripts {
+                            let hover_text = if shows_script_names {
                                 effect.clone()
                             } else {
                                 format!("{effect}\n{name}")
                             };
-                            if check.on_hover_text(about).changed() {
+                            if check.on_hover_text(hover_text).changed() {
                                 self.console.send(Command::Fault(fault, on));
                             }
                         });
@@ -131,14 +137,14 @@ impl Bench {
                         });
                     }
                 }
-                focus::follow(ui);
+                focus::scroll_to_focus(ui);
             });
     }
 
-    fn inputs(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
+    fn show_inputs(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
         ui.horizontal(|ui| {
             ui.heading(say::bench_inputs().text(language));
-            at_end::show(ui, "bench add", 120.0, |ui| {
+            right_aligned::show(ui, "bench add", 120.0, |ui| {
                 let entry = egui::TextEdit::singleline(&mut self.entry)
                     .desired_width(70.0)
                     .hint_text("X20.5");
@@ -151,19 +157,19 @@ impl Bench {
                 let entered =
                     response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
                 if (added || entered) && !self.entry.trim().is_empty() {
-                    self.add(language);
+                    self.add_input(language);
                 }
             });
         });
-        if let Some(complaint) = &self.complaint {
-            ui.label(RichText::new(complaint).color(BROKEN));
+        if let Some(complaint) = &self.entry_error {
+            ui.label(RichText::new(complaint).color(FAULT_COLOR));
         }
-        line(ui, |ui| {
-            ui.add_space(SCROLL_BAR);
+        draw_row(ui, |ui| {
+            ui.add_space(SCROLL_BAR_WIDTH);
             ui.label(RichText::new(say::bench_held_at().text(language)).weak());
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                heading(ui, &say::bench_contact().text(language), CONTACT);
-                heading(ui, "PLC", ACCEPTED);
+                draw_column_heading(ui, &say::bench_contact().text(language), CONTACT_WIDTH);
+                draw_column_heading(ui, "PLC", PLC_WIDTH);
                 let words = say::bench_address().text(language);
                 ui.label(RichText::new(words).weak());
             });
@@ -171,30 +177,41 @@ impl Bench {
         ScrollArea::vertical()
             .auto_shrink([false, false])
             .show(ui, |ui| {
-                ui.set_max_width(ui.available_width() - SCROLL_BAR);
-                let plugged = PLUGGED
+                ui.set_max_width(ui.available_width() - SCROLL_BAR_WIDTH);
+                let plugged = PLUGGED_BYTES
                     .flat_map(|byte| (0..8).map(move |bit| BitAddress::new(Area::X, byte, bit)));
-                for address in self.others.iter().copied().chain(plugged) {
-                    self.input(ui, language, machine, address);
+                for address in self.added_inputs.iter().copied().chain(plugged) {
+                    self.show_input(ui, language, machine, address);
                 }
-                focus::follow(ui);
+                focus::scroll_to_focus(ui);
             });
     }
 
-    fn input(&self, ui: &mut Ui, language: Language, machine: &MachineView, address: BitAddress) {
+    fn show_input(
+        &self,
+        ui: &mut Ui,
+        language: Language,
+        machine: &MachineView,
+        address: BitAddress,
+    ) {
         let held = machine.lathe.forced_input(address);
         let contact = machine
             .inputs
-            .contact(usize::from(address.byte), address.bit);
+            .is_closed(usize::from(address.byte), address.bit);
         let accepted = machine.plc.memory().bit(address);
-        let size = vec2(ui.available_width(), LINE);
+        let size = vec2(ui.available_width(), ROW_HEIGHT);
         let (rect, _) = ui.allocate_exact_size(size, Sense::HOVER);
-        let place = UiBuilder::new()
+        let builder = UiBuilder::new()
             .max_rect(rect)
             .layout(Layout::left_to_right(Align::Center));
-        ui.scope_builder(place, |ui| {
-            lamp(ui, contact, &say::bench_contact().text(language), CONTACT);
-            lamp(ui, accepted, "PLC", ACCEPTED);
+        ui.scope_builder(builder, |ui| {
+            draw_lamp(
+                ui,
+                contact,
+                &say::bench_contact().text(language),
+                CONTACT_WIDTH,
+            );
+            draw_lamp(ui, accepted, "PLC", PLC_WIDTH);
             ui.label(RichText::new(format!("X{}.{}", address.byte, address.bit)).monospace());
             let symbol = signal_name(address);
             let meaning = signal_meaning(address, language);
@@ -203,20 +220,27 @@ impl Bench {
             } else {
                 format!("{symbol}  {meaning}")
             };
-            let room = ui.available_width() - at_end::width(ui, HELD_AT, 150.0) - 24.0;
-            let size = vec2(room.max(0.0), LINE);
+            let meaning_width =
+                ui.available_width() - right_aligned::last_width(ui, HOLD_BUTTONS, 150.0) - 24.0;
+            let size = vec2(meaning_width.max(0.0), ROW_HEIGHT);
             ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
                 ui.add(Label::new(RichText::new(&words).weak()).truncate())
                     .on_hover_text(&words);
             });
-            at_end::show(ui, HELD_AT, 150.0, |ui| {
-                self.held_at(ui, language, address, held);
+            right_aligned::show(ui, HOLD_BUTTONS, 150.0, |ui| {
+                self.show_hold_buttons(ui, language, address, held);
             });
         });
     }
 
     /// Draws the buttons that hold an input at 0 or 1, or release it to its sensor.
-    fn held_at(&self, ui: &mut Ui, language: Language, address: BitAddress, held: Option<bool>) {
+    fn show_hold_buttons(
+        &self,
+        ui: &mut Ui,
+        language: Language,
+        address: BitAddress,
+        held: Option<bool>,
+    ) {
         for (value, word) in [
             (None, say::bench_sensor().text(language)),
             (Some(false), "0".to_owned()),
@@ -242,14 +266,15 @@ impl Bench {
         }
     }
 
-    fn add(&mut self, language: Language) {
+    fn add_input(&mut self, language: Language) {
         let entry = self.entry.trim().to_ascii_uppercase();
         let address: Result<BitAddress, _> = entry.parse();
-        self.complaint = match address {
+        self.entry_error = match address {
             Ok(address) if address.area == Area::X => {
-                let known = PLUGGED.contains(&address.byte) || self.others.contains(&address);
-                if !known {
-                    self.others.push(address);
+                let is_listed =
+                    PLUGGED_BYTES.contains(&address.byte) || self.added_inputs.contains(&address);
+                if !is_listed {
+                    self.added_inputs.push(address);
                 }
                 self.entry.clear();
                 None
@@ -261,18 +286,18 @@ impl Bench {
 }
 
 /// Allocates a row that is filled from the right.
-fn line(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
-    let size = vec2(ui.available_width(), LINE);
+fn draw_row(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
+    let size = vec2(ui.available_width(), ROW_HEIGHT);
     let (rect, _) = ui.allocate_exact_size(size, Sense::HOVER);
-    let place = UiBuilder::new()
+    let builder = UiBuilder::new()
         .max_rect(rect)
         .layout(Layout::right_to_left(Align::Center));
-    ui.scope_builder(place, content);
+    ui.scope_builder(builder, content);
 }
 
 /// Draws the heading of a lamp column, centred.
-fn heading(ui: &mut Ui, words: &str, width: f32) {
-    let (rect, _) = ui.allocate_exact_size(vec2(width, LINE), Sense::HOVER);
+fn draw_column_heading(ui: &mut Ui, words: &str, width: f32) {
+    let (rect, _) = ui.allocate_exact_size(vec2(width, ROW_HEIGHT), Sense::HOVER);
     let font = egui::TextStyle::Body.resolve(ui.style());
     let ink = ui.visuals().weak_text_color();
     let middle = Align2::CENTER_CENTER;
@@ -280,8 +305,8 @@ fn heading(ui: &mut Ui, words: &str, width: f32) {
 }
 
 /// Draws a lamp with 1 or 0 in a column of this width, points.
-fn lamp(ui: &mut Ui, lit: bool, name: &str, width: f32) {
-    let (rect, response) = ui.allocate_exact_size(vec2(width, LINE), Sense::HOVER);
+fn draw_lamp(ui: &mut Ui, lit: bool, name: &str, width: f32) {
+    let (rect, response) = ui.allocate_exact_size(vec2(width, ROW_HEIGHT), Sense::HOVER);
     let colour = if lit { LIT } else { DARK };
     ui.painter().circle_filled(rect.center(), 5.5, colour);
     let text = if lit { "1" } else { "0" };
@@ -297,16 +322,16 @@ fn lamp(ui: &mut Ui, lit: bool, name: &str, width: f32) {
         current_text_value: Some(text.to_owned()),
         ..egui::WidgetInfo::labeled(egui::Role::Status, true, name)
     });
-    reader::state(ui, &response, text);
+    screen_reader::add_state(ui, &response, text);
 }
 
 /// Draws the state of the machine and the alarms of the control.
-fn state_line(ui: &mut Ui, language: Language, machine: &MachineView) {
+fn show_state(ui: &mut Ui, language: Language, machine: &MachineView) {
     let lathe = &machine.lathe;
     let station = lathe
         .station()
         .map_or_else(say::bench_between_stations, say::bench_station);
-    let slides = lathe.slides();
+    let slides = lathe.slide_position();
     let facts = [
         Some(say::bench_x_as_radius(slides.x)),
         Some(say::as_written(format_args!("Z {:.3} mm", slides.z))),
@@ -315,13 +340,15 @@ fn state_line(ui: &mut Ui, language: Language, machine: &MachineView) {
             lathe.spindle_rpm()
         ))),
         Some(station),
-        (!lathe.tool_post_clamped()).then(say::bench_tool_post_not_clamped),
-        lathe.chuck_clamped().then(say::bench_chuck_clamped),
-        lathe.tailstock_forward().then(say::bench_tailstock_forward),
-        lathe.coolant().then(say::bench_coolant),
-        lathe.lubrication().then(say::bench_lubrication),
-        lathe.over_limit().then(say::bench_limit_switch_tripped),
-        (!lathe.emergency_loop_closed()).then(say::bench_emergency_loop_open),
+        (!lathe.is_tool_post_clamped()).then(say::bench_tool_post_not_clamped),
+        lathe.is_chuck_clamped().then(say::bench_chuck_clamped),
+        lathe
+            .is_tailstock_forward()
+            .then(say::bench_tailstock_forward),
+        lathe.is_coolant_on().then(say::bench_coolant),
+        lathe.is_lubrication_on().then(say::bench_lubrication),
+        lathe.is_over_limit().then(say::bench_limit_switch_tripped),
+        (!lathe.is_emergency_loop_closed()).then(say::bench_emergency_loop_open),
     ];
     ui.horizontal_wrapped(|ui| {
         let words = say::bench_machine().text(language);
@@ -336,7 +363,7 @@ fn state_line(ui: &mut Ui, language: Language, machine: &MachineView) {
         if machine.alarms.is_empty() {
             ui.label(say::bench_no_alarms().text(language));
         } else {
-            ui.label(RichText::new(machine.alarms.join("   ")).color(BROKEN));
+            ui.label(RichText::new(machine.alarms.join("   ")).color(FAULT_COLOR));
         }
     });
 }

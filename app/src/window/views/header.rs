@@ -12,24 +12,24 @@ use gsk_messages::{Language, say};
 /// Height of the header line, points.
 pub const HEIGHT: f32 = 22.0;
 /// Side of an icon and size of its clickable area, points.
-const SIGN: f32 = 10.0;
-const PLACE: Vec2 = vec2(28.0, HEIGHT);
-const GROUND: Color32 = Color32::from_gray(40);
+const ICON_SIDE: f32 = 10.0;
+const ICON_AREA: Vec2 = vec2(28.0, HEIGHT);
+const BACKGROUND: Color32 = Color32::from_gray(40);
 
 /// Where the view is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum ViewPlacement {
     /// In a pane of the main window.
     Docked,
     /// In a pane, where the platform has no other windows.
-    Only,
+    SingleWindow,
     /// In a separate window, whose frame shows the name and a close button.
     Floating,
 }
 
 /// What the user clicked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Asked {
+pub enum HeaderAction {
     /// Move the view into the main window.
     Dock,
     /// Move the view into a separate window.
@@ -38,20 +38,27 @@ pub enum Asked {
 }
 
 /// Draws the header line. Returns the action of the icon that was clicked.
-pub fn show(ui: &mut Ui, row: &ViewRow, language: Language, place: Place) -> Option<Asked> {
+pub fn show(
+    ui: &mut Ui,
+    row: &ViewRow,
+    language: Language,
+    placement: ViewPlacement,
+) -> Option<HeaderAction> {
     let size = vec2(ui.available_width(), HEIGHT);
-    let (line, _) = ui.allocate_exact_size(size, Sense::HOVER);
-    ui.painter().rect_filled(line, 0.0, GROUND);
-    let signs: &[(Asked, gsk_messages::Message)] = &match place {
-        Place::Docked => vec![
-            (Asked::Float, say::window_view_float((row.name)())),
-            (Asked::Close, say::window_view_close((row.name)())),
+    let (header_rect, _) = ui.allocate_exact_size(size, Sense::HOVER);
+    ui.painter().rect_filled(header_rect, 0.0, BACKGROUND);
+    let icons: &[(HeaderAction, gsk_messages::Message)] = &match placement {
+        ViewPlacement::Docked => vec![
+            (HeaderAction::Float, say::window_view_float((row.name)())),
+            (HeaderAction::Close, say::window_view_close((row.name)())),
         ],
-        Place::Only => vec![(Asked::Close, say::window_view_close((row.name)()))],
-        Place::Floating => vec![(Asked::Dock, say::window_view_dock((row.name)()))],
+        ViewPlacement::SingleWindow => {
+            vec![(HeaderAction::Close, say::window_view_close((row.name)()))]
+        }
+        ViewPlacement::Floating => vec![(HeaderAction::Dock, say::window_view_dock((row.name)()))],
     };
-    let line = line.shrink2(vec2(8.0, 0.0));
-    if place != Place::Floating {
+    let line = header_rect.shrink2(vec2(8.0, 0.0));
+    if placement != ViewPlacement::Floating {
         let inside = UiBuilder::new()
             .max_rect(line)
             .layout(Layout::left_to_right(Align::Center));
@@ -63,26 +70,26 @@ pub fn show(ui: &mut Ui, row: &ViewRow, language: Language, place: Place) -> Opt
             }
         });
     }
-    let mut asked = None;
-    for (index, (what, name)) in signs.iter().enumerate() {
-        let from_right = (signs.len() - index) as f32;
-        let corner = pos2(line.right() - from_right * PLACE.x, line.top());
-        let place = Rect::from_min_size(corner, PLACE);
-        if sign(ui, place, *what, &name.text(language)) {
-            asked = Some(*what);
+    let mut action = None;
+    for (index, (what, name)) in icons.iter().enumerate() {
+        let from_right = (icons.len() - index) as f32;
+        let corner = pos2(line.right() - from_right * ICON_AREA.x, line.top());
+        let rect = Rect::from_min_size(corner, ICON_AREA);
+        if draw_icon(ui, rect, *what, &name.text(language)) {
+            action = Some(*what);
         }
     }
-    asked
+    action
 }
 
 /// Draws a clickable icon with `name` as its hover text. Returns whether it was clicked.
-fn sign(ui: &Ui, place: Rect, what: Asked, name: &str) -> bool {
+fn draw_icon(ui: &Ui, rect: Rect, action: HeaderAction, name: &str) -> bool {
     let id = ui.scope_id().with((name, "sign"));
-    let response = ui.interact(place, id, Sense::click());
+    let response = ui.interact(rect, id, Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
     if response.has_focus() {
         let line = ui.visuals().widgets.hovered.fg_stroke;
-        let mark = place.shrink2(vec2(1.0, 2.0));
+        let mark = rect.shrink2(vec2(1.0, 2.0));
         ui.painter()
             .rect_stroke(mark, 2.0, line, StrokeKind::Inside);
     }
@@ -92,18 +99,20 @@ fn sign(ui: &Ui, place: Rect, what: Asked, name: &str) -> bool {
         Color32::from_gray(170)
     };
     let stroke = Stroke::new(1.4, ink);
-    let square = Rect::from_center_size(place.center(), vec2(SIGN, SIGN));
+    let square = Rect::from_center_size(rect.center(), vec2(ICON_SIDE, ICON_SIDE));
     let painter = ui.painter();
-    match what {
-        Asked::Close => {
+    match action {
+        HeaderAction::Close => {
             painter.line_segment([square.left_top(), square.right_bottom()], stroke);
             painter.line_segment([square.left_bottom(), square.right_top()], stroke);
         }
-        Asked::Float | Asked::Dock => {
+        HeaderAction::Float | HeaderAction::Dock => {
             let outer = CornerRadius::same(1);
             painter.rect_stroke(square, outer, stroke, StrokeKind::Inside);
-            let half = match what {
-                Asked::Float => Rect::from_min_max(square.center_top(), square.right_center()),
+            let half = match action {
+                HeaderAction::Float => {
+                    Rect::from_min_max(square.center_top(), square.right_center())
+                }
                 _ => Rect::from_min_max(square.center_top(), square.right_bottom()),
             };
             painter.rect_filled(half, 0.0, ink);

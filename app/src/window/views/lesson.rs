@@ -7,16 +7,16 @@ use egui::{CentralPanel, Color32, Panel, RichText, ScrollArea, Sense, Stroke, Ui
 use gsk_help::{Subject, article, topic};
 use gsk_messages::{Language, Message, say};
 use gsk_panel::keys::Key;
-use gsk_runner::lesson::{Lesson, Remark, Step, built_in, demonstration_named};
+use gsk_runner::lesson::{Lesson, LessonRemark, LessonStep, built_in_lessons, find_demonstration};
 
-use crate::kernel::{Command, Console, LessonOrder, LessonState, Snapshot};
+use crate::kernel::{Command, Console, LessonAction, LessonState, PanelSnapshot};
 use crate::window::focus;
 use crate::window::samples::{SampleRequest, good_samples};
 
 /// Seconds without progress after which the hint appears.
-const HINT_AFTER: f64 = 40.0;
+const HINT_DELAY_S: f64 = 40.0;
 /// Diameter of the mark of a step, points.
-const MARK: f32 = 12.0;
+const MARK_DIAMETER: f32 = 12.0;
 
 const DONE: Color32 = Color32::from_rgb(110, 230, 120);
 const NOW: Color32 = Color32::from_rgb(90, 200, 255);
@@ -28,13 +28,13 @@ pub struct LessonView {
     console: Console,
     lessons: Vec<Arc<Lesson>>,
     /// Errors in a teacher's lesson files.
-    wrong: Vec<Message>,
+    load_errors: Vec<Message>,
     /// Names of the lessons that were completed.
     finished: BTreeSet<String>,
     state: Option<LessonState>,
     /// Start of the current step, seconds of the window's clock; `None` until the next frame.
-    since: Option<f64>,
-    hint: bool,
+    step_start_s: Option<f64>,
+    hint_requested: bool,
     /// A sample was chosen.
     sample: Option<SampleRequest>,
     /// A lesson has begun since the last frame.
@@ -47,12 +47,12 @@ impl LessonView {
     pub fn new(console: Console, finished: BTreeSet<String>) -> Self {
         Self {
             console,
-            lessons: built_in().into_iter().map(Arc::new).collect(),
-            wrong: Vec::new(),
+            lessons: built_in_lessons().into_iter().map(Arc::new).collect(),
+            load_errors: Vec::new(),
             finished,
             state: None,
-            since: None,
-            hint: false,
+            step_start_s: None,
+            hint_requested: false,
             sample: None,
             has_begun: false,
         }
@@ -69,30 +69,30 @@ impl LessonView {
     }
 
     /// Replaces the built-in lessons. `wrong`: errors in the files of lessons.
-    pub fn set_lessons(&mut self, lessons: Vec<Lesson>, wrong: Vec<Message>) {
+    pub fn set_lessons(&mut self, lessons: Vec<Lesson>, errors: Vec<Message>) {
         self.lessons = lessons.into_iter().map(Arc::new).collect();
-        self.wrong = wrong;
+        self.load_errors = errors;
     }
 
     /// Names of the lessons that were completed.
-    pub const fn finished(&self) -> &BTreeSet<String> {
+    pub const fn finished_lessons(&self) -> &BTreeSet<String> {
         &self.finished
     }
 
     /// Takes the state of the current lesson from a snapshot.
-    pub fn seen(&mut self, picture: &Snapshot) {
+    pub fn take_snapshot(&mut self, snapshot: &PanelSnapshot) {
         let step = |state: &Option<LessonState>| {
             let state = state.as_ref();
             state.map(|state| (state.name.clone(), state.view.step))
         };
-        if step(&self.state) != step(&picture.lesson) {
-            self.since = None;
-            self.hint = false;
+        if step(&self.state) != step(&snapshot.lesson) {
+            self.step_start_s = None;
+            self.hint_requested = false;
         }
         let name = |state: &Option<LessonState>| state.as_ref().map(|state| state.name.clone());
-        self.has_begun |= picture.lesson.is_some() && name(&self.state) != name(&picture.lesson);
-        self.state.clone_from(&picture.lesson);
-        if let Some((lesson, state)) = self.under_way()
+        self.has_begun |= snapshot.lesson.is_some() && name(&self.state) != name(&snapshot.lesson);
+        self.state.clone_from(&snapshot.lesson);
+        if let Some((lesson, state)) = self.current_lesson()
             && state.view.step == lesson.steps.len()
         {
             let name = lesson.name.clone();
@@ -101,37 +101,37 @@ impl LessonView {
     }
 
     /// The current lesson and its state.
-    fn under_way(&self) -> Option<(&Arc<Lesson>, &LessonState)> {
+    fn current_lesson(&self) -> Option<(&Arc<Lesson>, &LessonState)> {
         let state = self.state.as_ref()?;
         let lesson = self.lessons.iter().find(|it| it.name == state.name)?;
         Some((lesson, state))
     }
 
     /// The keys that the panel marks: those of the current step of a lesson or demonstration.
-    pub fn marked(&self) -> Vec<Key> {
-        let shown = self.state.as_ref().and_then(|state| {
-            let shown = demonstration_named(&state.name)?;
-            Some((&shown.lesson, state))
+    pub fn marked_keys(&self) -> Vec<Key> {
+        let demonstration = self.state.as_ref().and_then(|state| {
+            let demonstration = find_demonstration(&state.name)?;
+            Some((&demonstration.lesson, state))
         });
         let step = self
-            .under_way()
-            .or(shown)
+            .current_lesson()
+            .or(demonstration)
             .and_then(|(lesson, state)| lesson.steps.get(state.view.step));
         step.map(|step| step.keys.clone()).unwrap_or_default()
     }
 
-    fn order(&self, order: LessonOrder) {
+    fn send_order(&self, order: LessonAction) {
         self.console.send(Command::Lesson(order));
     }
 
     /// Draws the view and handles its input.
     pub fn show(&mut self, ui: &mut Ui, language: Language) {
-        let lesson = self.under_way().map(|(lesson, _)| Arc::clone(lesson));
+        let lesson = self.current_lesson().map(|(lesson, _)| Arc::clone(lesson));
         if let Some(lesson) = &lesson {
             // The buttons keep their position, whatever the length of the text above.
             Panel::bottom("lesson buttons")
                 .frame(super::bar_frame())
-                .show(ui, |ui| self.buttons(ui, language, lesson));
+                .show(ui, |ui| self.show_buttons(ui, language, lesson));
         }
         CentralPanel::default()
             .frame(super::side_frame())
@@ -141,10 +141,10 @@ impl LessonView {
                     .auto_shrink([false, false])
                     .show(ui, |ui| {
                         match lesson {
-                            Some(lesson) => self.lesson(ui, language, &lesson),
+                            Some(lesson) => self.show_lesson(ui, language, &lesson),
                             None => self.list(ui, language),
                         }
-                        focus::follow(ui);
+                        focus::scroll_to_focus(ui);
                     });
             });
     }
@@ -153,7 +153,7 @@ impl LessonView {
         ui.label(RichText::new(say::lesson_samples().text(language)).size(15.0));
         ui.horizontal_wrapped(|ui| {
             for sample in good_samples() {
-                let button = ui.button(sample.shows(language));
+                let button = ui.button(sample.description_text(language));
                 let hint = say::lesson_sample_hint().text(language);
                 if button.on_hover_text(hint).clicked() {
                     let starts = true;
@@ -167,21 +167,24 @@ impl LessonView {
         for lesson in &self.lessons {
             let done = self.finished.contains(&lesson.name);
             ui.horizontal(|ui| {
-                mark(ui, if done { DONE } else { OPEN }, done);
-                let title = RichText::new(lesson.title.of(language)).size(15.0);
+                draw_mark(ui, if done { DONE } else { OPEN }, done);
+                let title = RichText::new(lesson.title.in_language(language)).size(15.0);
                 let button = ui.button(title);
-                if button.on_hover_text(lesson.about.of(language)).clicked() {
-                    self.order(LessonOrder::Begin(Arc::clone(lesson)));
+                if button
+                    .on_hover_text(lesson.about.in_language(language))
+                    .clicked()
+                {
+                    self.send_order(LessonAction::Begin(Arc::clone(lesson)));
                 }
             });
         }
-        for said in &self.wrong {
+        for error in &self.load_errors {
             ui.add_space(4.0);
-            ui.label(RichText::new(said.text(language)).color(WRONG));
+            ui.label(RichText::new(error.text(language)).color(WRONG));
         }
     }
 
-    fn lesson(&mut self, ui: &mut Ui, language: Language, lesson: &Arc<Lesson>) {
+    fn show_lesson(&mut self, ui: &mut Ui, language: Language, lesson: &Arc<Lesson>) {
         let Some(state) = self.state.clone() else {
             return;
         };
@@ -189,7 +192,7 @@ impl LessonView {
         let practice = RichText::new(say::lesson_practice().text(language)).color(HINT);
         ui.label(practice)
             .on_hover_text(say::lesson_practice_hint().text(language));
-        ui.heading(lesson.title.of(language));
+        ui.heading(lesson.title.in_language(language));
         ui.horizontal_wrapped(|ui| {
             for step in 0..lesson.steps.len() {
                 let colour = match step.cmp(&view.step) {
@@ -197,36 +200,36 @@ impl LessonView {
                     core::cmp::Ordering::Equal => NOW,
                     core::cmp::Ordering::Greater => OPEN,
                 };
-                mark(ui, colour, step < view.step);
+                draw_mark(ui, colour, step < view.step);
             }
         });
         ui.add_space(6.0);
         let Some(step) = lesson.steps.get(view.step) else {
-            self.end(ui, language, lesson);
+            self.show_end(ui, language, lesson);
             return;
         };
         let number = say::lesson_step_of(view.step + 1, lesson.steps.len());
         ui.label(RichText::new(number.text(language)).color(NOW));
         ui.label(
-            RichText::new(step.text.of(language))
+            RichText::new(step.text.in_language(language))
                 .size(16.0)
                 .color(Color32::WHITE),
         );
         if !step.keys.is_empty() {
-            let keys = step.keys.iter().map(|key| printed(*key));
+            let keys = step.keys.iter().map(|key| format_key_legend(*key));
             let keys = keys.collect::<Vec<_>>().join("  ");
             ui.add_space(4.0);
             let words = say::lesson_keys(keys).text(language);
             ui.label(RichText::new(words).size(15.0).color(NOW));
         }
         if let Some(why) = &view.sent_back {
-            let said = say::lesson_back_here(why.clone()).text(language);
+            let reason = say::lesson_back_here(why.clone()).text(language);
             ui.add_space(6.0);
-            ui.label(RichText::new(said).size(15.0).color(WRONG));
+            ui.label(RichText::new(reason).size(15.0).color(WRONG));
         }
-        if let Some(said) = remark(step, view.remark, language) {
+        if let Some(remark_text) = describe_remark(step, view.remark, language) {
             ui.add_space(6.0);
-            ui.label(RichText::new(said).size(15.0).color(WRONG));
+            ui.label(RichText::new(remark_text).size(15.0).color(WRONG));
         }
         let note = match (view.showing, view.replaced) {
             (_, true) => Some(say::lesson_replaced()),
@@ -238,95 +241,100 @@ impl LessonView {
             ui.label(RichText::new(note.text(language)).color(Color32::from_gray(170)));
         }
         let now = ui.input(|input| input.time);
-        let since = *self.since.get_or_insert(now);
-        let late = now - since >= HINT_AFTER;
-        if !late {
-            let rest = core::time::Duration::from_secs_f64(HINT_AFTER - (now - since) + 0.05);
-            ui.ctx().request_repaint_after(rest);
+        let start_s = *self.step_start_s.get_or_insert(now);
+        let is_hint_due = now - start_s >= HINT_DELAY_S;
+        if !is_hint_due {
+            let remaining =
+                core::time::Duration::from_secs_f64(HINT_DELAY_S - (now - start_s) + 0.05);
+            ui.ctx().request_repaint_after(remaining);
         }
-        if self.hint || late {
+        if self.hint_requested || is_hint_due {
             ui.add_space(6.0);
-            let words = say::lesson_hint_is(step.hint.of(language)).text(language);
+            let words = say::lesson_hint_is(step.hint.in_language(language)).text(language);
             ui.label(RichText::new(words).size(15.0).color(HINT));
         }
     }
 
-    fn buttons(&mut self, ui: &mut Ui, language: Language, lesson: &Arc<Lesson>) {
+    fn show_buttons(&mut self, ui: &mut Ui, language: Language, lesson: &Arc<Lesson>) {
         let step = self.state.as_ref().map_or(0, |state| state.view.step);
-        let works = step < lesson.steps.len();
+        let has_step = step < lesson.steps.len();
         ui.horizontal_wrapped(|ui| {
             let hint = egui::Button::new(say::lesson_hint().text(language));
-            if ui.add_enabled(works, hint).clicked() {
-                self.hint = true;
+            if ui.add_enabled(has_step, hint).clicked() {
+                self.hint_requested = true;
             }
             let orders = [
                 (
-                    works,
+                    has_step,
                     say::lesson_show_me(),
                     say::lesson_show_me_hint(),
-                    LessonOrder::ShowMe,
+                    LessonAction::ShowMe,
                 ),
                 (
                     step > 0,
                     say::lesson_back(),
                     say::lesson_back_hint(),
-                    LessonOrder::Back,
+                    LessonAction::Back,
                 ),
                 (
                     true,
                     say::lesson_again(),
                     say::lesson_again_hint(),
-                    LessonOrder::Again,
+                    LessonAction::Restart,
                 ),
                 (
                     true,
                     say::lesson_leave(),
                     say::lesson_leave_hint(),
-                    LessonOrder::Leave,
+                    LessonAction::Leave,
                 ),
             ];
             for (enabled, name, hint, order) in orders {
                 let button = egui::Button::new(name.text(language));
                 let button = ui.add_enabled(enabled, button);
                 if button.on_hover_text(hint.text(language)).clicked() {
-                    self.order(order);
+                    self.send_order(order);
                 }
             }
         });
     }
 
     /// Draws the end of a lesson whose steps are all done, with a button for the next lesson.
-    fn end(&self, ui: &mut Ui, language: Language, lesson: &Arc<Lesson>) {
+    fn show_end(&self, ui: &mut Ui, language: Language, lesson: &Arc<Lesson>) {
         let done = RichText::new(say::lesson_done().text(language));
         ui.label(done.size(17.0).color(DONE));
-        ui.label(lesson.about.of(language));
+        ui.label(lesson.about.in_language(language));
         ui.add_space(10.0);
         let at = self.lessons.iter().position(|it| it.name == lesson.name);
         let next = at.and_then(|at| self.lessons.get(at + 1));
         if let Some(next) = next {
-            let words = say::lesson_next(next.title.of(language)).text(language);
+            let words = say::lesson_next(next.title.in_language(language)).text(language);
             if ui.button(words).clicked() {
-                self.order(LessonOrder::Begin(Arc::clone(next)));
+                self.send_order(LessonAction::Begin(Arc::clone(next)));
             }
         }
     }
 }
 
 /// The legend of a key in brackets, without its English words: `[X 手轮]`.
-fn printed(key: Key) -> String {
+fn format_key_legend(key: Key) -> String {
     let legend = key.row().legend;
     let english = |line: &str| line.len() > 1 && line.is_ascii();
-    let only = legend.iter().all(|line| line.is_ascii());
-    let lines = legend.iter().filter(|line| only || !english(line)).copied();
+    let is_ascii_only = legend.iter().all(|line| line.is_ascii());
+    let lines = legend
+        .iter()
+        .filter(|line| is_ascii_only || !english(line))
+        .copied();
     let lines: Vec<&str> = lines.collect();
-    let blank = lines.iter().any(|line| line.len() == 1);
-    format!("[{}]", lines.join(if blank { " " } else { "" }))
+    let needs_blank = lines.iter().any(|line| line.len() == 1);
+    format!("[{}]", lines.join(if needs_blank { " " } else { "" }))
 }
 
 /// Draws the mark of a step or lesson. `done` adds a tick.
-fn mark(ui: &mut Ui, colour: Color32, done: bool) {
-    let (place, _) = ui.allocate_exact_size(vec2(MARK + 2.0, MARK + 4.0), Sense::HOVER);
-    let (centre, radius) = (place.center(), MARK / 2.0);
+fn draw_mark(ui: &mut Ui, colour: Color32, done: bool) {
+    let (rect, _) =
+        ui.allocate_exact_size(vec2(MARK_DIAMETER + 2.0, MARK_DIAMETER + 4.0), Sense::HOVER);
+    let (centre, radius) = (rect.center(), MARK_DIAMETER / 2.0);
     let painter = ui.painter();
     painter.circle_stroke(centre, radius, Stroke::new(1.5, colour));
     if done {
@@ -338,18 +346,26 @@ fn mark(ui: &mut Ui, colour: Color32, done: bool) {
 }
 
 /// The remark about the state of the machine; `None` if there is none.
-fn remark(step: &Step, remark: Remark, language: Language) -> Option<String> {
-    let said = match remark {
-        Remark::None => return None,
-        Remark::Wrong(index) => return Some(step.wrong.get(index)?.say.of(language).to_owned()),
-        Remark::PowerOff => say::lesson_power_off(),
-        Remark::EmergencyStop => say::lesson_emergency_stop(),
-        Remark::Alarm(number) => {
+fn describe_remark(step: &LessonStep, remark: LessonRemark, language: Language) -> Option<String> {
+    let message = match remark {
+        LessonRemark::None => return None,
+        LessonRemark::Mistake(index) => {
+            return Some(
+                step.mistakes
+                    .get(index)?
+                    .text
+                    .in_language(language)
+                    .to_owned(),
+            );
+        }
+        LessonRemark::PowerOff => say::lesson_power_off(),
+        LessonRemark::EmergencyStop => say::lesson_emergency_stop(),
+        LessonRemark::Alarm(number) => {
             let about = topic(Subject::Alarm(number));
             let about = about.map(|topic| article(topic, language).heading);
             say::lesson_alarm(about.unwrap_or_else(|| number.to_string()))
         }
-        Remark::Stuck => say::lesson_stuck(),
+        LessonRemark::Stuck => say::lesson_stuck(),
     };
-    Some(said.text(language))
+    Some(message.text(language))
 }

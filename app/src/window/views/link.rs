@@ -6,24 +6,24 @@ mod words;
 use egui::{Color32, Label, Panel, RichText, ScrollArea, Ui, vec2};
 use gsk_link::LinkState;
 
-use super::aside;
+use super::text_files;
 use crate::kernel::link_view::LinkView;
-use crate::kernel::{Command, Console, LinkOrder};
-use crate::saying::differs;
-use crate::window::badge::state_name;
-use crate::window::{at_end, focus, fonts};
+use crate::kernel::{Command, Console, LinkAction};
+use crate::message_format::describe_setting_difference;
+use crate::window::real_machine_bar::state_name;
+use crate::window::{focus, fonts, right_aligned};
 use gsk_messages::{Language, say};
 
 const GOOD: Color32 = Color32::from_rgb(110, 230, 120);
 const BUSY: Color32 = Color32::from_rgb(120, 190, 255);
-const WAITS: Color32 = Color32::from_rgb(255, 196, 90);
+const WAITING: Color32 = Color32::from_rgb(255, 196, 90);
 const BAD: Color32 = Color32::from_rgb(255, 120, 96);
 
 /// The state of the link page.
 pub struct LinkPage {
     console: Console,
     view: Option<LinkView>,
-    rates: figures::Rates,
+    rates: figures::TrafficRates,
 }
 
 impl LinkPage {
@@ -32,7 +32,7 @@ impl LinkPage {
         Self {
             console,
             view: None,
-            rates: figures::Rates::default(),
+            rates: figures::TrafficRates::default(),
         }
     }
 
@@ -49,17 +49,18 @@ impl LinkPage {
 
     pub fn show(&mut self, ui: &mut Ui, language: Language) {
         if let Some(view) = self.console.link.pop() {
-            self.rates.take(&view.traffic, ui.input(|input| input.time));
+            self.rates
+                .update(&view.traffic, ui.input(|input| input.time));
             self.view = Some(view);
         }
         let Some(view) = self.view.take() else {
             egui::CentralPanel::default()
                 .frame(super::side_frame())
-                .show(ui, |ui| nothing(ui, language));
+                .show(ui, |ui| show_no_board(ui, language));
             return;
         };
         let bar = Panel::top("link bar").frame(super::bar_frame());
-        bar.show(ui, |ui| self.bar(ui, language, &view));
+        bar.show(ui, |ui| self.show_bar(ui, language, &view));
         let side = Panel::left("link figures")
             .exact_size((ui.available_width() * 0.55).clamp(340.0, 400.0))
             .resizable(false)
@@ -71,43 +72,47 @@ impl LinkPage {
                     // The figures are right-aligned beside the scroll bar.
                     ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
                     figures::show(ui, language, &view, &self.rates);
-                    focus::follow(ui);
+                    focus::scroll_to_focus(ui);
                 });
         });
         egui::CentralPanel::default()
             .frame(super::side_frame())
-            .show(ui, |ui| self.wire(ui, language, &view));
+            .show(ui, |ui| self.show_traffic(ui, language, &view));
         self.view = Some(view);
     }
 
-    fn bar(&self, ui: &mut Ui, language: Language, view: &LinkView) {
+    fn show_bar(&self, ui: &mut Ui, language: Language, view: &LinkView) {
         ui.horizontal_wrapped(|ui| {
             let state = RichText::new(state_name(view.state).text(language));
-            ui.label(state.color(colour(view.state)).strong());
+            ui.label(state.color(state_colour(view.state)).strong());
             let board = match view.board.firmware.as_str() {
                 "" => say::link_page_board_not_known().text(language),
                 firmware => firmware.to_owned(),
             };
             ui.label(board);
             ui.label(RichText::new(&view.port).monospace().weak());
-            at_end::show(ui, "link orders", 320.0, |ui| {
+            right_aligned::show(ui, "link orders", 320.0, |ui| {
                 let words = say::link_page_reconnect().text(language);
-                let still = view.state != LinkState::Moving;
-                let button = ui.add_enabled(still, egui::Button::new(words));
-                self.order(&button, LinkOrder::Reconnect);
+                let is_stopped = view.state != LinkState::Moving;
+                let button = ui.add_enabled(is_stopped, egui::Button::new(words));
+                self.send_order_if_clicked(&button, LinkAction::Reconnect);
                 let words = say::link_page_check_position().text(language);
                 let hint = say::link_page_check_position_hint().text(language);
                 let ready = view.state == LinkState::Ready;
                 let button = ui.add_enabled(ready, egui::Button::new(words));
-                self.order(&button.on_hover_text(hint), LinkOrder::Check);
+                self.send_order_if_clicked(&button.on_hover_text(hint), LinkAction::Check);
                 let words = say::link_page_save_report().text(language);
                 if ui.button(words).clicked() {
                     let view = view.clone();
-                    let kind = ("link.txt", "txt");
+                    let name_and_extension = ("link.txt", "txt");
                     let context = ui.ctx().clone();
-                    aside::save(&self.console, &context, language, kind, move || {
-                        report(&view)
-                    });
+                    text_files::save(
+                        &self.console,
+                        &context,
+                        language,
+                        name_and_extension,
+                        move || format_report(&view),
+                    );
                 }
             });
         });
@@ -116,26 +121,26 @@ impl LinkPage {
         }
     }
 
-    fn order(&self, button: &egui::Response, order: LinkOrder) {
+    fn send_order_if_clicked(&self, button: &egui::Response, order: LinkAction) {
         if button.clicked() {
             self.console.send(Command::Link(order));
         }
     }
 
     /// Draws the traffic with the board, below the differing settings and position checks.
-    fn wire(&self, ui: &mut Ui, language: Language, view: &LinkView) {
+    fn show_traffic(&self, ui: &mut Ui, language: Language, view: &LinkView) {
         if !view.differences.is_empty() {
-            self.differences(ui, language, view);
+            self.show_differences(ui, language, view);
             ui.separator();
         }
-        if !view.log.is_empty() {
+        if !view.position_checks.is_empty() {
             ui.heading(say::link_page_position_checks().text(language));
-            for line in view.log.iter().rev().take(4).rev() {
+            for line in view.position_checks.iter().rev().take(4).rev() {
                 let ink = match line.agrees {
                     true => Color32::from_gray(190),
                     false => BAD,
                 };
-                let text = RichText::new(line.said.text(language));
+                let text = RichText::new(line.message.text(language));
                 ui.add(Label::new(text.monospace().color(ink)).wrap());
             }
             ui.separator();
@@ -145,9 +150,9 @@ impl LinkPage {
         ScrollArea::vertical()
             .auto_shrink([false, false])
             .stick_to_bottom(true)
-            .show_rows(ui, height, view.exchanges.len(), |ui, rows| {
-                for line in view.exchanges.get(rows).unwrap_or_default() {
-                    let (arrow, ink) = match line.outward {
+            .show_rows(ui, height, view.traffic_lines.len(), |ui, rows| {
+                for line in view.traffic_lines.get(rows).unwrap_or_default() {
+                    let (arrow, ink) = match line.is_outward {
                         true => ('>', BUSY),
                         false => ('<', Color32::from_gray(200)),
                     };
@@ -156,26 +161,26 @@ impl LinkPage {
                     let text = RichText::new(text).monospace().color(ink);
                     ui.add(Label::new(text).truncate());
                 }
-                focus::follow(ui);
+                focus::scroll_to_focus(ui);
             });
     }
 
     /// Draws the settings of the board that differ from the required ones.
-    fn differences(&self, ui: &mut Ui, language: Language, view: &LinkView) {
+    fn show_differences(&self, ui: &mut Ui, language: Language, view: &LinkView) {
         ui.heading(say::link_page_settings_differ().text(language));
         ui.add_space(2.0);
         // Every setting may differ: the button must stay visible below a long table.
-        let most = ui.available_height() * 0.6;
+        let max_height = ui.available_height() * 0.6;
         ScrollArea::both()
             .id_salt("differences")
-            .max_height(most)
+            .max_height(max_height)
             .show(ui, |ui| {
-                differences(ui, language, view);
-                focus::follow(ui);
+                draw_difference_table(ui, language, view);
+                focus::scroll_to_focus(ui);
             });
         ui.add_space(4.0);
         let words = say::link_page_write_settings().text(language);
-        self.order(&ui.button(words), LinkOrder::WriteSettings);
+        self.send_order_if_clicked(&ui.button(words), LinkAction::WriteSettings);
         if view.board.forgets {
             ui.label(say::link_page_board_forgets().text(language));
         }
@@ -183,7 +188,7 @@ impl LinkPage {
 }
 
 /// Draws a row for each setting that differs.
-fn differences(ui: &mut Ui, language: Language, view: &LinkView) {
+fn draw_difference_table(ui: &mut Ui, language: Language, view: &LinkView) {
     egui::Grid::new("differences")
         .num_columns(4)
         .spacing(vec2(24.0, 4.0))
@@ -202,7 +207,7 @@ fn differences(ui: &mut Ui, language: Language, view: &LinkView) {
                 ui.monospace(&difference.name);
                 ui.monospace(difference.board.as_deref().unwrap_or("-"));
                 ui.monospace(&difference.wanted);
-                let meaning = words::setting(difference.number);
+                let meaning = words::setting_name(difference.number);
                 ui.label(meaning.map_or_else(String::new, |it| it.text(language)));
                 ui.end_row();
             }
@@ -210,41 +215,41 @@ fn differences(ui: &mut Ui, language: Language, view: &LinkView) {
 }
 
 /// Draws a sentence that contains command line options.
-fn sentence(ui: &mut Ui, text: &str) {
+fn draw_sentence(ui: &mut Ui, text: &str) {
     let font = egui::TextStyle::Body.resolve(ui.style());
-    ui.label(fonts::words(text, font, ui.visuals().text_color()));
+    ui.label(fonts::layout_text(text, font, ui.visuals().text_color()));
 }
 
-fn nothing(ui: &mut Ui, language: Language) {
+fn show_no_board(ui: &mut Ui, language: Language) {
     // A page wider than its pane does not scroll here: the text wraps at the pane.
     ui.set_max_width(ui.max_rect().intersect(ui.clip_rect()).width() - 8.0);
     ui.add_space(12.0);
     ui.heading(say::link_page_no_board().text(language));
-    sentence(ui, &say::link_page_no_board_how_to_link().text(language));
+    draw_sentence(ui, &say::link_page_no_board_how_to_link().text(language));
     ui.add_space(6.0);
-    sentence(ui, &say::link_page_no_board_twin().text(language));
+    draw_sentence(ui, &say::link_page_no_board_twin().text(language));
 }
 
-const fn colour(state: LinkState) -> Color32 {
+const fn state_colour(state: LinkState) -> Color32 {
     match state {
         LinkState::Ready => GOOD,
         LinkState::Moving | LinkState::Homing | LinkState::Verify => BUSY,
         LinkState::Opening | LinkState::Identify | LinkState::Configure | LinkState::Locked => {
-            WAITS
+            WAITING
         }
         LinkState::Off | LinkState::Tripped | LinkState::Fault | LinkState::Lost => BAD,
     }
 }
 
 /// The contents of the page as English text.
-fn report(view: &LinkView) -> String {
+fn format_report(view: &LinkView) -> String {
     let mut out = format!(
         "{}  {}  {}\n\n",
         state_name(view.state).text(Language::En),
         view.board.firmware,
         view.port
     );
-    for section in figures::sections(Language::En, view, &figures::Rates::default()) {
+    for section in figures::build_sections(Language::En, view, &figures::TrafficRates::default()) {
         out.push_str(&format!("{}\n", section.title));
         for (name, value) in section.rows {
             out.push_str(&format!("  {name:<24}{value}\n"));
@@ -252,14 +257,14 @@ fn report(view: &LinkView) -> String {
         out.push('\n');
     }
     for difference in &view.differences {
-        out.push_str(&format!("{}\n", differs(difference)));
+        out.push_str(&format!("{}\n", describe_setting_difference(difference)));
     }
-    for line in &view.log {
-        out.push_str(&format!("{}\n", line.said));
+    for line in &view.position_checks {
+        out.push_str(&format!("{}\n", line.message));
     }
     out.push('\n');
-    for line in &view.exchanges {
-        let arrow = if line.outward { '>' } else { '<' };
+    for line in &view.traffic_lines {
+        let arrow = if line.is_outward { '>' } else { '<' };
         out.push_str(&format!(
             "{:9.3} {arrow} {}\n",
             line.at.as_secs_f64(),

@@ -2,7 +2,6 @@
 //! lessons, commissioning, transfer, parameters and offsets, project. Each is drawn in a pane
 //! of the window or in a separate window. A closed view costs no time.
 
-mod aside;
 mod bench;
 mod commission;
 mod data;
@@ -14,8 +13,9 @@ mod machine;
 pub mod program;
 pub mod project;
 mod scope;
+mod text_files;
 mod transfer;
-mod written;
+mod undo_panel;
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -26,14 +26,14 @@ use egui::{
 };
 use gsk_link::LinkState;
 
-use super::badge;
-use super::layout::floating::{self, Screen};
-use super::layout::{self, Layout, Layouts, Place};
+use super::layout::floating::{self, WindowScreen};
+use super::layout::{self, Layouts, WindowGeometry, WindowLayout};
 use super::questions::Unsaved;
-use super::view::{VIEWS, View, ViewRow, toggled};
+use super::real_machine_bar;
+use super::view::{VIEWS, ViewId, ViewRow, view_of_pressed_key};
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
-use crate::pc::Remembered;
+use crate::pc::TransferSettings;
 use crate::platform;
 use crate::window::samples::SampleRequest;
 use crate::window::{focus, keyboard};
@@ -44,18 +44,18 @@ use gsk_messages::Language;
 use ladder::LadderView;
 use lesson::LessonView;
 use link::LinkPage;
-use machine::{LatheView, Wish};
+use machine::{LatheView, ProgramViewRequest};
 use program::ProgramView;
-use project::{ProjectView, Projects};
+use project::{ProjectSettings, ProjectView};
 use scope::Scope;
 use transfer::TransferView;
 
 /// All views, and which of them are open.
 pub struct Views {
     /// The views that were open in the last frame.
-    shown: Vec<View>,
+    open_views: Vec<ViewId>,
     /// Initial corner and size of the open separate windows, points.
-    opened: Vec<(View, Option<Pos2>, Vec2)>,
+    window_geometry: Vec<(ViewId, Option<Pos2>, Vec2)>,
     scope: Scope,
     bench: Bench,
     ladder: LadderView,
@@ -70,7 +70,7 @@ pub struct Views {
     console: Console,
     machine: Option<Arc<MachineView>>,
     /// The view that another view requests to open.
-    wanted: Option<View>,
+    view_to_open: Option<ViewId>,
 }
 
 impl Views {
@@ -81,12 +81,12 @@ impl Views {
         console: &Console,
         solid: bool,
         finished: BTreeSet<String>,
-        transfer: Remembered,
-        projects: Projects,
+        transfer: TransferSettings,
+        projects: ProjectSettings,
     ) -> Self {
         Self {
-            shown: Vec::new(),
-            opened: Vec::new(),
+            open_views: Vec::new(),
+            window_geometry: Vec::new(),
             scope: Scope::new(console.clone()),
             bench: Bench::new(console.clone()),
             ladder: LadderView::new(console.clone()),
@@ -100,7 +100,7 @@ impl Views {
             project: ProjectView::new(console.clone(), projects),
             console: console.clone(),
             machine: None,
-            wanted: None,
+            view_to_open: None,
         }
     }
 
@@ -108,44 +108,44 @@ impl Views {
     /// machine in the kernel and receives the newest machine state.
     pub fn follow(&mut self, context: &Context, layouts: &Layouts) {
         self.lathe.receive(context);
-        let before = self.monitors();
+        let was_monitoring = self.needs_machine_state();
         for row in &VIEWS {
             let view = row.view;
             let open = layouts.is_open(view);
-            if open == self.shown.contains(&view) {
+            if open == self.open_views.contains(&view) {
                 continue;
             }
             if open {
-                self.shown.push(view);
+                self.open_views.push(view);
             } else {
-                self.shown.retain(|shown| *shown != view);
+                self.open_views.retain(|shown| *shown != view);
             }
             match (view, open) {
-                (View::Scope, true) => self.scope.open(),
-                (View::Scope, false) => self.scope.close(),
-                (View::Ladder, false) => self.ladder.close(),
-                (View::Link, true) => self.link.open(),
-                (View::Link, false) => self.link.close(),
-                (View::Machine, true) => self.lathe.open(),
-                (View::Machine, false) => self.lathe.close(),
-                (View::Transfer, false) => self.transfer.close(),
+                (ViewId::Scope, true) => self.scope.open(),
+                (ViewId::Scope, false) => self.scope.close(),
+                (ViewId::Ladder, false) => self.ladder.close(),
+                (ViewId::Link, true) => self.link.open(),
+                (ViewId::Link, false) => self.link.close(),
+                (ViewId::Machine, true) => self.lathe.open(),
+                (ViewId::Machine, false) => self.lathe.close(),
+                (ViewId::Transfer, false) => self.transfer.close(),
                 (
-                    View::Bench
-                    | View::Ladder
-                    | View::Program
-                    | View::Lesson
-                    | View::Transfer
-                    | View::Commission
-                    | View::Data
-                    | View::Project,
+                    ViewId::Bench
+                    | ViewId::Ladder
+                    | ViewId::Program
+                    | ViewId::Lesson
+                    | ViewId::Transfer
+                    | ViewId::Commission
+                    | ViewId::Data
+                    | ViewId::Project,
                     _,
                 ) => {}
             }
         }
-        let after = self.monitors();
-        if after != before {
+        let is_monitoring = self.needs_machine_state();
+        if is_monitoring != was_monitoring {
             self.machine = None;
-            self.console.send(Command::Monitor(after));
+            self.console.send(Command::Monitor(is_monitoring));
         }
         if let Some(machine) = self.console.machine.pop() {
             self.machine = Some(Arc::new(machine));
@@ -181,7 +181,7 @@ impl Views {
 
     /// The first item that closing the window would lose: program text, then job, then
     /// project.
-    pub fn unsaved(&self) -> Option<Unsaved> {
+    pub fn first_unsaved(&self) -> Option<Unsaved> {
         let text = self.program.is_unsaved().then_some(Unsaved::Text);
         let job = || self.lathe.is_unsaved().then_some(Unsaved::Job);
         let project = || self.project.is_unsaved().then_some(Unsaved::Project);
@@ -189,44 +189,45 @@ impl Views {
     }
 
     /// Whether an open view needs the state of the machine and the PLC.
-    fn monitors(&self) -> bool {
-        self.shown.iter().any(|view| view.monitors())
+    fn needs_machine_state(&self) -> bool {
+        self.open_views.iter().any(|view| view.is_monitor())
     }
 
     /// Draws a view. `native`: it is in a separate window and receives all keys.
-    fn content(&mut self, ui: &mut Ui, view: View, language: Language, native: bool) {
+    fn draw_content(&mut self, ui: &mut Ui, view: ViewId, language: Language, native: bool) {
         match view {
-            View::Scope => self.scope.show(ui, language, native),
-            View::Link => self.link.show(ui, language),
-            View::Program => {
+            ViewId::Scope => self.scope.show(ui, language, native),
+            ViewId::Link => self.link.show(ui, language),
+            ViewId::Program => {
                 self.program.show(ui, language, native);
-                if let Some(document) = self.program.newly_typed() {
-                    self.lathe.typed(document);
+                if let Some(document) = self.program.take_changed_document() {
+                    self.lathe.try_typed_text(document);
                 }
             }
-            View::Machine => {
+            ViewId::Machine => {
                 self.lathe.show(ui, language);
-                self.carry_out_wish();
+                self.handle_program_request();
             }
-            View::Lesson => self.lessons.show(ui, language),
+            ViewId::Lesson => self.lessons.show(ui, language),
             // The web page has no ports: this arm lets the compiler drop the transfer view's
             // code.
-            View::Transfer if !platform::has_ports() => {}
-            View::Transfer => self.transfer.show(ui, language),
-            View::Commission => {
+            ViewId::Transfer if !platform::has_ports() => {}
+            ViewId::Transfer => self.transfer.show(ui, language),
+            ViewId::Commission => {
                 let machine = self.machine.as_ref();
-                if self.commission.show(ui, language, machine) && !self.shown.contains(&View::Scope)
+                if self.commission.show(ui, language, machine)
+                    && !self.open_views.contains(&ViewId::Scope)
                 {
-                    self.wanted = Some(View::Scope);
+                    self.view_to_open = Some(ViewId::Scope);
                 }
             }
             // The web page has no folders: this arm lets the compiler drop the project view's
             // code.
-            View::Project if !platform::has_folders() => {}
-            View::Project => self.project.show(ui, language),
-            View::Data => self.data.show(ui, language, self.machine.as_ref()),
-            View::Bench => self.bench.show(ui, language, self.machine.as_ref()),
-            View::Ladder => {
+            ViewId::Project if !platform::has_folders() => {}
+            ViewId::Project => self.project.show(ui, language),
+            ViewId::Data => self.data.show(ui, language, self.machine.as_ref()),
+            ViewId::Bench => self.bench.show(ui, language, self.machine.as_ref()),
+            ViewId::Ladder => {
                 let machine = self.machine.as_ref();
                 self.ladder.show(ui, language, machine, native);
             }
@@ -234,60 +235,68 @@ impl Views {
     }
 
     /// Passes a request of the machine view to the program view.
-    fn carry_out_wish(&mut self) {
-        let Some(wish) = self.lathe.take_wish() else {
+    fn handle_program_request(&mut self) {
+        let Some(request) = self.lathe.take_program_request() else {
             return;
         };
-        let is_open = self.shown.contains(&View::Program);
-        match wish {
-            Wish::Show { open: false, .. } if !is_open => return,
-            Wish::Show {
+        let is_open = self.open_views.contains(&ViewId::Program);
+        match request {
+            ProgramViewRequest::ShowBlock {
+                open_view: false, ..
+            } if !is_open => return,
+            ProgramViewRequest::ShowBlock {
                 program,
                 line,
                 text,
                 ..
             } => self.program.show_block(program, line, text),
-            Wish::Take { program, own, text } => self.program.take_over(program, own, text),
+            ProgramViewRequest::ReplaceText {
+                program,
+                control_text: own,
+                new_text: text,
+            } => self.program.replace_text(program, own, text),
         }
         if !is_open {
-            self.wanted = Some(View::Program);
+            self.view_to_open = Some(ViewId::Program);
         }
     }
 
     /// Takes the view that another view requests to open.
-    pub const fn take_wanted(&mut self) -> Option<View> {
-        self.wanted.take()
+    pub const fn take_view_to_open(&mut self) -> Option<ViewId> {
+        self.view_to_open.take()
     }
 
     /// Draws a docked view into its pane, with scroll bars if it is larger than the pane.
     pub fn show_docked(
         &mut self,
         ui: &mut Ui,
-        view: View,
+        view: ViewId,
         language: Language,
-    ) -> Option<header::Asked> {
+    ) -> Option<header::HeaderAction> {
         let row = view.row();
-        let place = match ui.ctx().embed_viewports() {
-            true => header::Place::Only,
-            false => header::Place::Docked,
+        let placement = match ui.ctx().embed_viewports() {
+            true => header::ViewPlacement::SingleWindow,
+            false => header::ViewPlacement::Docked,
         };
-        let asked = header::show(ui, row, language, place);
-        let mut room = ui.max_rect();
-        room.min.y = room.bottom().min(room.top() + header::HEIGHT);
-        let size = room.size().max(Vec2::from(row.least));
-        ui.scope_builder(UiBuilder::new().max_rect(room), |ui| {
+        let action = header::show(ui, row, language, placement);
+        let mut content_rect = ui.max_rect();
+        content_rect.min.y = content_rect
+            .bottom()
+            .min(content_rect.top() + header::HEIGHT);
+        let size = content_rect.size().max(Vec2::from(row.min_size));
+        ui.scope_builder(UiBuilder::new().max_rect(content_rect), |ui| {
             ScrollArea::both()
                 .id_salt(("docked", row.view))
                 .auto_shrink([false, false])
                 .show(ui, |ui| {
-                    let (place, _) = ui.allocate_exact_size(size, Sense::HOVER);
-                    let mut inside = ui.new_child(UiBuilder::new().max_rect(place));
-                    inside.set_clip_rect(inside.clip_rect().intersect(place));
-                    self.content(&mut inside, view, language, false);
-                    focus::follow(ui);
+                    let (rect, _) = ui.allocate_exact_size(size, Sense::HOVER);
+                    let mut inside = ui.new_child(UiBuilder::new().max_rect(rect));
+                    inside.set_clip_rect(inside.clip_rect().intersect(rect));
+                    self.draw_content(&mut inside, view, language, false);
+                    focus::scroll_to_focus(ui);
                 });
         });
-        asked
+        action
     }
 
     /// Draws the views in separate windows. Returns the keyboard input that they leave to the
@@ -299,70 +308,72 @@ impl Views {
         board: Option<LinkState>,
         lcd: Option<Rect>,
         layouts: &mut Layouts,
-    ) -> Typed {
+    ) -> PanelInput {
         self.follow(context, layouts);
-        let mut typed = Typed::default();
+        let mut panel_input = PanelInput::default();
         let floating = layouts.floating();
-        self.opened.retain(|(view, ..)| floating.contains(view));
+        self.window_geometry
+            .retain(|(view, ..)| floating.contains(view));
         for view in floating {
             let row = view.row();
-            let opened = self.opened.iter().find(|(open, ..)| *open == view);
+            let opened = self.window_geometry.iter().find(|(open, ..)| *open == view);
             let opened = opened.map(|(_, corner, size)| (*corner, *size));
             let (corner, size) = opened.unwrap_or_else(|| {
-                let screen = Screen::of(context, lcd);
+                let screen = WindowScreen::of_main_window(context, lcd);
                 let header = Vec2::new(0.0, header::HEIGHT);
-                let [wanted, least] = [row.size, row.least].map(|it| Vec2::from(it) + header);
-                let (corner, size) = screen.open(layouts.place(view), wanted, least);
-                self.opened.push((view, corner, size));
+                let [wanted, least] = [row.size, row.min_size].map(|it| Vec2::from(it) + header);
+                let (corner, size) =
+                    screen.place_window(layouts.stored_geometry(view), wanted, least);
+                self.window_geometry.push((view, corner, size));
                 (corner, size)
             });
-            let window = OwnWindow {
+            let window = ViewWindow {
                 row,
                 language,
                 board,
                 corner,
                 size,
             };
-            let left = window.show(context, &mut typed, |ui| {
-                let asked = header::show(ui, row, language, header::Place::Floating);
-                self.content(ui, view, language, true);
-                asked
+            let report = window.show(context, &mut panel_input, |ui| {
+                let action = header::show(ui, row, language, header::ViewPlacement::Floating);
+                self.draw_content(ui, view, language, true);
+                action
             });
-            if let Some(place) = left.place {
-                layouts.remember(view, place);
+            if let Some(geometry) = report.geometry {
+                layouts.store_geometry(view, geometry);
             }
-            match left.asked {
-                Some(header::Asked::Dock) => layouts.dock(view),
-                Some(header::Asked::Close) => layouts.toggle(view),
-                Some(header::Asked::Float) | None => {}
+            match report.header_action {
+                Some(header::HeaderAction::Dock) => layouts.dock(view),
+                Some(header::HeaderAction::Close) => layouts.toggle(view),
+                Some(header::HeaderAction::Float) | None => {}
             }
         }
-        if let Some(view) = typed.toggled {
+        if let Some(view) = panel_input.toggled_view {
             layouts.toggle(view);
         }
-        if let Some(layout) = typed.chosen {
+        if let Some(layout) = panel_input.chosen_layout {
             layouts.choose(layout);
         }
-        typed
+        panel_input
     }
 }
 
 /// Keyboard input in the windows of views that is meant for the panel.
 #[derive(Debug, Default)]
-pub struct Typed {
+pub struct PanelInput {
     /// A window of a view has the focus.
-    pub focused: bool,
+    pub has_focus: bool,
     pub events: Vec<Event>,
     /// A jog key was suppressed because a list uses the cursor keys.
     pub jogs_in_list: bool,
     /// The view whose key was pressed in the window of another view.
-    toggled: Option<View>,
+    toggled_view: Option<ViewId>,
     /// The layout whose key was pressed.
-    chosen: Option<Layout>,
+    chosen_layout: Option<WindowLayout>,
 }
 
 /// A separate window of one view.
-struct OwnWindow {
+struct ViewWindow {
     row: &'static ViewRow,
     language: Language,
     board: Option<LinkState>,
@@ -373,73 +384,78 @@ struct OwnWindow {
 
 /// What a view's window reports after a frame.
 #[derive(Debug, Default)]
-struct Left {
-    asked: Option<header::Asked>,
+struct ViewWindowReport {
+    header_action: Option<header::HeaderAction>,
     /// The current position and size of the window.
-    place: Option<Place>,
+    geometry: Option<WindowGeometry>,
 }
 
-impl OwnWindow {
+impl ViewWindow {
     fn show(
         &self,
         context: &Context,
-        typed: &mut Typed,
-        mut add: impl FnMut(&mut Ui) -> Option<header::Asked>,
-    ) -> Left {
+        panel_input: &mut PanelInput,
+        mut add: impl FnMut(&mut Ui) -> Option<header::HeaderAction>,
+    ) -> ViewWindowReport {
         let row = self.row;
         let title = (row.name)().text(self.language);
         let id = format!("{:?}", row.view);
-        let mut left = Left::default();
+        let mut report = ViewWindowReport::default();
         let mut builder = ViewportBuilder::default()
-            .with_title(badge::title(&format!("{title} - GSK980TD"), self.board))
+            .with_title(real_machine_bar::window_title(
+                &format!("{title} - GSK980TD"),
+                self.board,
+            ))
             .with_app_id("gsk980td")
             .with_inner_size(self.size)
-            .with_min_inner_size(Vec2::from(row.least).min(self.size));
+            .with_min_inner_size(Vec2::from(row.min_size).min(self.size));
         if let Some(corner) = self.corner {
             builder = builder.with_position(corner);
         }
         let viewport = ViewportId::from_hash_of(&id);
         context.show_viewport_immediate(viewport, builder, |ui, _| {
-            badge::show(ui, &id, self.board, self.language);
-            left.asked = add(ui);
+            real_machine_bar::show(ui, &id, self.board, self.language);
+            report.header_action = add(ui);
             let typing = ui.ctx().egui_wants_keyboard_input();
-            let mut all = ui.input(|input| input.events.clone());
-            typed.jogs_in_list |= keyboard::beside_keeper(ui.ctx(), &mut all);
+            let mut events = ui.input(|input| input.events.clone());
+            panel_input.jogs_in_list |= keyboard::remove_axis_keys_in_list(ui.ctx(), &mut events);
             ui.input(|input| {
-                typed.focused |= input.focused;
-                let toggled = toggled(&input.events);
-                let again = toggled == Some(row.view);
-                if again || input.viewport().close_requested() {
-                    left.asked = Some(header::Asked::Close);
+                panel_input.has_focus |= input.focused;
+                let toggled = view_of_pressed_key(&input.events);
+                let closes_itself = toggled == Some(row.view);
+                if closes_itself || input.viewport().close_requested() {
+                    report.header_action = Some(header::HeaderAction::Close);
                 }
-                if !again {
-                    typed.toggled = typed.toggled.or(toggled);
+                if !closes_itself {
+                    panel_input.toggled_view = panel_input.toggled_view.or(toggled);
                 }
-                typed.chosen = typed.chosen.or(layout::chosen(&input.events));
-                left.place = floating::place(input.viewport());
+                panel_input.chosen_layout = panel_input
+                    .chosen_layout
+                    .or(layout::layout_of_pressed_key(&input.events));
+                report.geometry = floating::normal_geometry(input.viewport());
             });
-            all.retain(|event| for_panel(event, row.view, typing));
-            typed.events.extend(all);
+            events.retain(|event| is_for_panel(event, row.view, typing));
+            panel_input.events.extend(events);
         });
-        left
+        report
     }
 }
 
 /// Whether a key pressed in a view's window is meant for the panel. Feed hold, emergency stop
 /// and every release always are. Function keys and combinations with Ctrl or Alt are, unless
 /// the view uses these keys itself or a text field is being filled.
-fn for_panel(event: &Event, view: View, typing: bool) -> bool {
+fn is_for_panel(event: &Event, view: ViewId, typing: bool) -> bool {
     let Event::Key { key, modifiers, .. } = event else {
         return false;
     };
-    if keyboard::stops(event) {
+    if keyboard::is_stop_or_release(event) {
         return true;
     }
     let number = key.name().strip_prefix('F');
-    let function = number.is_some_and(|number| !number.is_empty());
-    let combined = modifiers.ctrl || modifiers.alt;
-    let own_keys = matches!(view, View::Ladder | View::Program);
-    !own_keys && !typing && !modifiers.shift && (function || combined)
+    let is_function_key = number.is_some_and(|number| !number.is_empty());
+    let has_ctrl_or_alt = modifiers.ctrl || modifiers.alt;
+    let view_uses_keys = matches!(view, ViewId::Ladder | ViewId::Program);
+    !view_uses_keys && !typing && !modifiers.shift && (is_function_key || has_ctrl_or_alt)
 }
 
 fn bar_frame() -> Frame {
@@ -476,27 +492,27 @@ mod tests {
     #[test]
     fn stops_reach_the_panel_from_everywhere_and_a_start_never_by_mistake() {
         let plain = Modifiers::NONE;
-        for view in [View::Scope, View::Bench, View::Ladder, View::Link] {
+        for view in [ViewId::Scope, ViewId::Bench, ViewId::Ladder, ViewId::Link] {
             for typing in [false, true] {
                 for key in [Key::F10, Key::F12] {
-                    assert!(for_panel(&press(key, plain), view, typing));
-                    assert!(for_panel(&press(key, Modifiers::SHIFT), view, typing));
+                    assert!(is_for_panel(&press(key, plain), view, typing));
+                    assert!(is_for_panel(&press(key, Modifiers::SHIFT), view, typing));
                 }
-                assert!(!for_panel(&press(Key::X, plain), view, typing));
+                assert!(!is_for_panel(&press(Key::X, plain), view, typing));
             }
-            assert!(!for_panel(&press(Key::F9, plain), view, true));
+            assert!(!is_for_panel(&press(Key::F9, plain), view, true));
         }
         // F9 saves in the ladder view, Ctrl+Z undoes.
-        assert!(!for_panel(&press(Key::F9, plain), View::Ladder, false));
-        assert!(!for_panel(
+        assert!(!is_for_panel(&press(Key::F9, plain), ViewId::Ladder, false));
+        assert!(!is_for_panel(
             &press(Key::Z, Modifiers::CTRL),
-            View::Ladder,
+            ViewId::Ladder,
             false
         ));
-        assert!(for_panel(&press(Key::F9, plain), View::Scope, false));
-        assert!(for_panel(
+        assert!(is_for_panel(&press(Key::F9, plain), ViewId::Scope, false));
+        assert!(is_for_panel(
             &press(Key::ArrowLeft, Modifiers::CTRL),
-            View::Scope,
+            ViewId::Scope,
             false
         ));
     }

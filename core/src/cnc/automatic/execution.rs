@@ -7,15 +7,17 @@ use std::collections::VecDeque;
 
 use crate::alarm::{Alarm, number};
 use crate::cnc::{Cnc, Event};
-use crate::command::{Action, Command, Conditions, ExecutedMove, MoveKind, SpindleCommand};
+use crate::command::{
+    Action, ControlCommand, ExecutedMove, MoveConditions, MoveKind, SpindleCommand,
+};
 use crate::memory::SwitchedOff;
 use crate::motion::ThreadMove;
 use crate::operation::{
-    AfterThread, Current, Protection, RunState, Stage, Strobe, TapStage, is_cut,
+    AfterThread, CommandStage, CurrentCommand, HoldProtection, RunState, Strobe, TapStage, is_cut,
 };
 use crate::units::{Axis, Feed, PerAxis, Point, TICK_MS};
 
-use super::LEVEL_MS;
+use super::INPUT_LEVEL_MS;
 use gsk_messages::say;
 
 /// Whether the M code has a decode signal and is output under the auxiliary lock, as M00
@@ -26,12 +28,12 @@ const fn is_decoded(code: u8) -> bool {
 
 impl Cnc {
     /// Starts a command.
-    pub(crate) fn begin(&mut self, command: Command) {
-        let command = self.run.automatic.cycle_shift.begin(command);
+    pub(crate) fn start_command(&mut self, command: ControlCommand) {
+        let command = self.run.automatic.cycle_shift.shift_command(command);
         self.run.modal = command.modal;
         if !self.run.automatic.within_block {
             self.events
-                .push(Event::BlockBegan(command.source, command.modal));
+                .push(Event::BlockStarted(command.source, command.modal));
         }
         let explanation = self
             .run
@@ -40,46 +42,46 @@ impl Cnc {
             .and_then(VecDeque::pop_front)
             .flatten();
         self.events.extend(explanation.map(Event::Explained));
-        self.run.automatic.protect(&command.action);
-        self.await_speed(&command.action);
-        self.run.automatic.last = Some(command.source);
+        self.run.automatic.update_protection(&command.action);
+        self.update_speed_arrival(&command.action);
+        self.run.automatic.last_source = Some(command.source);
         let from = self.drives.interpolator.commanded();
-        let started = self.now();
-        let stage = match self.act(&command) {
+        let start_s = self.machine_time_s();
+        let stage = match self.execute(&command) {
             Ok(stage) => stage,
-            Err(alarm) => return self.raise(alarm.at(command.source)),
+            Err(alarm) => return self.raise(alarm.with_source(command.source)),
         };
-        self.run.automatic.waiting = false;
-        self.run.automatic.current = Some(Current {
+        self.run.automatic.waits_for_standstill = false;
+        self.run.automatic.current = Some(CurrentCommand {
             command,
             stage,
             from,
-            started,
+            start_s,
         });
-        let over =
-            !self.drives.limits.exact_corners() && self.run.automatic.action().is_some_and(is_cut);
-        if self.run.automatic.threading() || over {
+        let is_rounded_cut = !self.drives.limits.has_exact_corners()
+            && self.run.automatic.current_action().is_some_and(is_cut);
+        if self.run.automatic.is_threading() || is_rounded_cut {
             // Whether it slows down at its end depends on the next command.
             self.read_ahead();
             self.check_thread_ahead();
         }
     }
 
-    fn act(&mut self, command: &Command) -> Result<Stage, Alarm> {
+    fn execute(&mut self, command: &ControlCommand) -> Result<CommandStage, Alarm> {
         self.check_for_board(&command.action)?;
         match &command.action {
             Action::Rapid { to } => {
-                self.check_gear_before(MoveKind::Rapid, *to, Feed::PerMinute(0.0))?;
+                self.check_gear_before_move(MoveKind::Rapid, *to, Feed::PerMinute(0.0))?;
                 self.drives
                     .interpolator
                     .start_rapid(*to, &self.drives.limits);
-                Ok(Stage::Acting)
+                Ok(CommandStage::Acting)
             }
             Action::Line { to, feed } => {
                 self.check_feed(*feed)?;
-                self.check_gear_before(MoveKind::Feed, *to, *feed)?;
+                self.check_gear_before_move(MoveKind::Feed, *to, *feed)?;
                 self.drives.interpolator.start_line(*to, *feed);
-                Ok(Stage::Acting)
+                Ok(CommandStage::Acting)
             }
             Action::Arc {
                 to,
@@ -88,53 +90,53 @@ impl Cnc {
                 feed,
             } => {
                 self.check_feed(*feed)?;
-                self.check_gear_before(MoveKind::arc(*clockwise), *to, *feed)?;
+                self.check_gear_before_move(MoveKind::arc(*clockwise), *to, *feed)?;
                 self.drives
                     .interpolator
                     .start_arc(*to, *center, *clockwise, *feed);
-                Ok(Stage::Acting)
+                Ok(CommandStage::Acting)
             }
             thread @ Action::Thread { .. } => {
-                if let Some(thread) = ThreadMove::of(thread) {
-                    self.begin_thread(&thread)?;
+                if let Some(thread) = ThreadMove::from_action(thread) {
+                    self.start_thread(&thread)?;
                 }
-                Ok(Stage::Acting)
+                Ok(CommandStage::Acting)
             }
             Action::ThreadCycle { per_revolution, .. } => {
                 self.check_thread_cycle(*per_revolution)?;
-                Ok(Stage::Acting)
+                Ok(CommandStage::Acting)
             }
             Action::Tap { to, lead, .. } => {
-                self.begin_tap(*to, *lead)?;
-                Ok(Stage::Acting)
+                self.start_tap(*to, *lead)?;
+                Ok(CommandStage::Acting)
             }
             Action::Dwell { ms } => {
-                self.run.automatic.dwell_left = *ms;
-                Ok(Stage::Acting)
+                self.run.automatic.dwell_left_ms = *ms;
+                Ok(CommandStage::Acting)
             }
             Action::ZeroReturn { x, z } => {
-                self.begin_zero_return(*x, *z)?;
-                Ok(Stage::Acting)
+                self.start_zero_return(*x, *z)?;
+                Ok(CommandStage::Acting)
             }
             Action::Referenced { x, z } => {
                 // Under machine lock the slides are not at the reference point (manual
                 // I-3.2.7).
                 let locked = self.plc.signals.machine_lock;
-                for (axis, taken) in [(Axis::X, *x), (Axis::Z, *z)] {
-                    if taken && !locked.get(axis) {
+                for (axis, takes_part) in [(Axis::X, *x), (Axis::Z, *z)] {
+                    if takes_part && !locked.get(axis) {
                         *self.coordinates.referenced.get_mut(axis) = true;
                         let at = self.position().get(axis);
                         *self.coordinates.at_reference.get_mut(axis) = Some(at);
                     }
                 }
-                Ok(Stage::Acting)
+                Ok(CommandStage::Acting)
             }
             Action::Frame {
                 frame,
                 program_zero,
                 relative,
             } => {
-                let shown_before = self.relative_base();
+                let relative_before = self.relative_base();
                 let moved = frame.zero != self.coordinates.frame.zero;
                 self.coordinates.frame = *frame;
                 if let Some(point) = program_zero {
@@ -143,56 +145,56 @@ impl Cnc {
                 }
                 // The relative display follows an offset by PROD, a G50 by PPD.
                 if moved {
-                    let shown = self.relative_base();
+                    let relative_after = self.relative_base();
                     self.coordinates.relative_zero = if *relative {
                         Point::default()
                     } else {
-                        self.coordinates.relative_zero + shown - shown_before
+                        self.coordinates.relative_zero + relative_after - relative_before
                     };
                 }
-                Ok(Stage::Acting)
+                Ok(CommandStage::Acting)
             }
             Action::Miscellaneous { code } => {
                 self.output_m(*code);
-                Ok(Stage::Acting)
+                Ok(CommandStage::Acting)
             }
             Action::Outputs { on, off, ms } => {
                 if !self.plc.signals.auxiliary_lock {
                     self.switch_outputs(*on, *off, *ms);
                 }
-                Ok(Stage::Acting)
+                Ok(CommandStage::Acting)
             }
             Action::InputWait { .. } => {
-                self.run.automatic.dwell_left = LEVEL_MS;
-                Ok(Stage::Acting)
+                self.run.automatic.dwell_left_ms = INPUT_LEVEL_MS;
+                Ok(CommandStage::Acting)
             }
             Action::Spindle(spindle) => {
                 self.output_s(*spindle);
-                Ok(Stage::Acting)
+                Ok(CommandStage::Acting)
             }
             Action::Tool { tool, offset, .. } => {
                 self.run.tool = (*tool, *offset);
                 // An M of the same block does not delay the motion when no tool is changed.
                 Ok(match self.output_t(*tool) {
-                    true => Stage::Handshake,
-                    false => Stage::Acting,
+                    true => CommandStage::Handshake,
+                    false => CommandStage::Acting,
                 })
             }
             Action::ProgramStop => {
-                self.run.automatic.decoded = Some(0);
+                self.run.automatic.decoded_m = Some(0);
                 self.run.handshake.start(Strobe::M, 0);
-                Ok(Stage::Handshake)
+                Ok(CommandStage::Handshake)
             }
             Action::End { m30: true, .. } => {
-                self.run.automatic.decoded = Some(30);
+                self.run.automatic.decoded_m = Some(30);
                 self.run.handshake.start(Strobe::M, 30);
-                Ok(Stage::Handshake)
+                Ok(CommandStage::Handshake)
             }
             Action::Macro => {
-                self.run.automatic.dwell_left = TICK_MS;
-                Ok(Stage::Acting)
+                self.run.automatic.dwell_left_ms = TICK_MS;
+                Ok(CommandStage::Acting)
             }
-            Action::End { .. } | Action::Repeat | Action::Nothing => Ok(Stage::Acting),
+            Action::End { .. } | Action::Repeat | Action::Nothing => Ok(CommandStage::Acting),
         }
     }
 
@@ -201,11 +203,11 @@ impl Cnc {
         if matches!(feed, Feed::PerRevolution(_)) && !self.plc.signals.dry_run {
             self.check_encoder()?;
         }
-        let standing = matches!(feed, Feed::PerRevolution(_))
+        let spindle_stands_still = matches!(feed, Feed::PerRevolution(_))
             && !self.plc.signals.dry_run
             && self.spindle.control.actual_rpm().abs() < 1.0;
-        if standing {
-            return Err(Alarm::new(number::NO_FEED).because(say::spindle_stands_at_feed()));
+        if spindle_stands_still {
+            return Err(Alarm::new(number::NO_FEED).with_detail(say::spindle_stands_at_feed()));
         }
         Ok(())
     }
@@ -244,25 +246,25 @@ impl Cnc {
     /// Outputs T for a tool that is not in position, if there is a turret. Returns whether
     /// it did.
     fn output_t(&mut self, tool: u8) -> bool {
-        let turns = tool != 0
+        let needs_change = tool != 0
             && tool != self.plc.signals.current_tool
-            && self.memory.parameters.stations() > 0
+            && self.memory.parameters.station_count() > 0
             && !self.plc.signals.auxiliary_lock;
-        if turns {
+        if needs_change {
             self.run.handshake.start(Strobe::T, tool);
         }
-        turns
+        needs_change
     }
 
     /// Ends the command under way if it is finished. Returns whether it ended.
     pub(crate) fn finish_current(&mut self) -> bool {
-        let board_behind = self.is_board_behind();
+        let board_lags = self.is_board_lagging();
         let Some(current) = &mut self.run.automatic.current else {
             return false;
         };
-        if current.stage == Stage::Acting {
+        if current.stage == CommandStage::Acting {
             // Motion suspended for manual motion is not finished.
-            let moving = !self.drives.interpolator.finished() || self.run.held.is_some();
+            let moving = !self.drives.interpolator.is_finished() || self.run.held_motion.is_some();
             let motion = match current.command.action {
                 Action::Rapid { .. }
                 | Action::Line { .. }
@@ -274,25 +276,25 @@ impl Cnc {
                 }
                 _ => false,
             };
-            let comes_to_rest = current.command.stop_point
+            let stops_after = current.command.stop_point
                 && self.plc.signals.single_block
-                && !self.run.registers.off.single_block();
-            if self.run.automatic.dwell_left > 0 || motion || (comes_to_rest && board_behind) {
+                && !self.run.registers.off.is_single_block_off();
+            if self.run.automatic.dwell_left_ms > 0 || motion || (stops_after && board_lags) {
                 return false;
             }
             if current.command.block_end {
-                current.stage = Stage::Handshake;
+                current.stage = CommandStage::Handshake;
             }
         }
-        let waits = !self.run.registers.off.completion();
-        if current.stage == Stage::Handshake && waits && self.run.handshake.busy() {
+        let waits = !self.run.registers.off.is_completion_wait_off();
+        if current.stage == CommandStage::Handshake && waits && self.run.handshake.is_busy() {
             return false;
         }
         let Some(current) = self.run.automatic.current.take() else {
             return false;
         };
-        self.report(&current);
-        self.run.automatic.decoded = None;
+        self.report_move(&current);
+        self.run.automatic.decoded_m = None;
         if current.command.block_end && current.command.modal.offset == 0 {
             // A return to the reference point has ended the offset.
             self.run.tool.1 = 0;
@@ -304,63 +306,66 @@ impl Cnc {
             self.events.push(Event::BlockEnded(current.command.source));
         }
         let at = self.position();
-        self.run.automatic.cycle_shift.ended(&current.command, at);
-        self.after(&current.command);
+        self.run
+            .automatic
+            .cycle_shift
+            .note_end(&current.command, at);
+        self.decide_next(&current.command);
         true
     }
 
     /// Decides what follows a finished command: stop, end, part count.
-    fn after(&mut self, command: &Command) {
+    fn decide_next(&mut self, command: &ControlCommand) {
         match command.action {
             Action::ProgramStop => return self.run.automatic.state = RunState::Stop,
             Action::End { counts, m30, m02 } => {
-                self.program_end(counts);
+                self.finish_program(counts);
                 return self.events.push(Event::ProgramEnded { m30, m02 });
             }
             Action::Repeat => self.count_part(),
             _ => {}
         }
-        let single_block = command.stop_point && self.single_block();
+        let single_block = command.stop_point && self.is_single_block();
         match self.run.automatic.after_thread(command, single_block) {
-            Some(AfterThread::GoesOn) => return,
-            Some(AfterThread::Stops) => return self.stop_after_command(command),
+            Some(AfterThread::Continue) => return,
+            Some(AfterThread::Stop) => return self.stop_after_command(command),
             // The motion goes no farther: the hold takes effect here.
-            Some(AfterThread::Stands) => return self.run.automatic.protection = Protection::None,
+            Some(AfterThread::Hold) => return self.run.automatic.protection = HoldProtection::None,
             None => {}
         }
         let held = self.run.automatic.state == RunState::Hold;
-        let stops = single_block
-            || command.block_end && self.takes_up_hold()
+        let stops_here = single_block
+            || command.block_end && self.apply_deferred_hold()
             || command.block_end
-                && (self.run.automatic.stop_requested || held && self.ends_hold(command));
-        if stops {
+                && (self.run.automatic.stop_requested || held && self.is_hold_ended_by(command));
+        if stops_here {
             self.stop_after_command(command);
         } else if held && (command.block_end || matches!(command.action, Action::Tap { .. })) {
-            self.run.automatic.protection = Protection::None;
+            self.run.automatic.protection = HoldProtection::None;
         }
     }
 
     /// Handles a feed hold that #3004 has deferred. At the end of a block the run stops as
     /// in single block while the button is held. Once #3004 permits it, the hold begins.
     /// Returns whether the run stops.
-    fn takes_up_hold(&mut self) -> bool {
-        if !self.run.automatic.hold_put_off {
+    fn apply_deferred_hold(&mut self) -> bool {
+        if !self.run.automatic.hold_deferred {
             return false;
         }
         let off = self.run.registers.off;
-        if !off.feed_hold() {
-            self.run.automatic.hold_put_off = false;
-            self.feed_hold();
+        if !off.is_feed_hold_off() {
+            self.run.automatic.hold_deferred = false;
+            self.start_feed_hold();
             return false;
         }
-        let stops = self.plc.signals.feed_hold && !off.single_block();
-        self.run.automatic.hold_put_off &= !stops;
-        stops
+        let stops_here = self.plc.signals.feed_hold && !off.is_single_block_off();
+        self.run.automatic.hold_deferred &= !stops_here;
+        stops_here
     }
 
     /// Whether a hold ends with its block: a block of M, S and T alone becomes a stop
     /// (manual PLC-II 6.1), and after the MDI block there is nothing to hold.
-    fn ends_hold(&self, command: &Command) -> bool {
+    fn is_hold_ended_by(&self, command: &ControlCommand) -> bool {
         let functions = matches!(
             command.action,
             Action::Miscellaneous { .. }
@@ -372,17 +377,17 @@ impl Cnc {
                     ..
                 }
         );
-        functions || self.run.automatic.mdi
+        functions || self.run.automatic.is_mdi
     }
 
     /// Stops the run: an MDI block ends with its last command, a program stays at its next
     /// block.
-    fn stop_after_command(&mut self, command: &Command) {
-        if self.run.automatic.mdi && command.block_end {
+    fn stop_after_command(&mut self, command: &ControlCommand) {
+        if self.run.automatic.is_mdi && command.block_end {
             self.run.interpreter.leave_mdi();
-            return self.end_of_program();
+            return self.end_program();
         }
-        self.run.automatic.stop();
+        self.run.automatic.stop_at_block_end();
     }
 
     fn count_part(&mut self) {
@@ -390,18 +395,18 @@ impl Cnc {
         self.events.push(Event::PartFinished);
     }
 
-    fn program_end(&mut self, counts: bool) {
+    fn finish_program(&mut self, counts: bool) {
         if counts {
             self.count_part();
         }
         let rewind = self.memory.parameters.m30_rewinds();
-        let end = self.run.automatic.last.map(|source| source.line);
+        let end = self.run.automatic.last_source.map(|source| source.line);
         self.run.automatic.clear();
         self.run.registers.off = SwitchedOff::default();
         let (interpreter, world) = self.interpreter_and_world(true);
         interpreter.reset(&world);
         self.run.modal = *self.run.interpreter.modal();
-        if self.memory.programs.inflow().is_some() {
+        if self.memory.programs.dnc_buffer().is_some() {
             // The selected program is not the one that ran.
         } else if rewind {
             self.run.cursor_line = 1;
@@ -412,7 +417,7 @@ impl Cnc {
     }
 
     /// Reports an executed or interrupted move.
-    fn report(&mut self, current: &Current) {
+    fn report_move(&mut self, current: &CurrentCommand) {
         let (kind, center, feed) = match current.command.action {
             Action::Rapid { .. } | Action::ZeroReturn { .. } => (MoveKind::Rapid, None, None),
             Action::Line { feed, .. } => (MoveKind::Feed, None, Some(feed)),
@@ -425,7 +430,7 @@ impl Cnc {
                 let kind = MoveKind::arc(clockwise);
                 (
                     kind,
-                    Some(self.coordinates.frame.program(center)),
+                    Some(self.coordinates.frame.to_program(center)),
                     Some(feed),
                 )
             }
@@ -441,19 +446,19 @@ impl Cnc {
             Action::Dwell { ms: 1.. } => (MoveKind::Dwell, None, None),
             _ => return,
         };
-        self.events.push(Event::Moved(ExecutedMove {
+        self.events.push(Event::MoveEnded(ExecutedMove {
             source: current.command.source,
             kind,
-            from: self.coordinates.frame.program(current.from),
+            from: self.coordinates.frame.to_program(current.from),
             to: self
                 .coordinates
                 .frame
-                .program(self.drives.interpolator.commanded()),
+                .to_program(self.drives.interpolator.commanded()),
             center,
             feed,
-            start_s: current.started,
-            duration_s: (self.now() - current.started).max(0.0),
-            conditions: Conditions::of(
+            start_s: current.start_s,
+            duration_s: (self.machine_time_s() - current.start_s).max(0.0),
+            conditions: MoveConditions::from_command(
                 &current.command,
                 &self.coordinates.frame,
                 self.spindle.control.actual_rpm(),
@@ -462,14 +467,14 @@ impl Cnc {
     }
 
     /// Reports the way in of a tap. Returns its start point; the next report begins here.
-    pub(crate) fn report_half(&mut self) -> Point {
+    pub(crate) fn report_tap_half(&mut self) -> Point {
         let position = self.drives.interpolator.position();
         let Some(mut current) = self.run.automatic.current.take() else {
             return position;
         };
-        self.report(&current);
+        self.report_move(&current);
         let from = core::mem::replace(&mut current.from, position);
-        current.started = self.now();
+        current.start_s = self.machine_time_s();
         self.run.automatic.current = Some(current);
         from
     }
@@ -477,7 +482,7 @@ impl Cnc {
     /// Reports the executed part of an interrupted motion.
     pub(crate) fn abandon_current(&mut self) {
         if let Some(current) = self.run.automatic.current.take() {
-            self.report(&current);
+            self.report_move(&current);
         }
     }
 }

@@ -17,31 +17,34 @@ use crate::operation::RunState;
 impl Cnc {
     /// Suspends the rest of a held motion once the axes stand still, so that they can be
     /// moved manually.
-    pub(crate) fn set_aside_held_motion(&mut self) {
-        let seeking = matches!(self.run.automatic.action(), Some(Action::ZeroReturn { .. }));
-        if seeking
+    pub(crate) fn suspend_held_motion(&mut self) {
+        let seeks_reference = matches!(
+            self.run.automatic.current_action(),
+            Some(Action::ZeroReturn { .. })
+        );
+        if seeks_reference
             && self.run.automatic.state == RunState::Hold
             && !self.drives.interpolator.is_moving()
         {
             // The rest of a search for the reference point cannot be kept.
             return self.stop_run(RunState::Stop);
         }
-        let at_rest = self.run.automatic.state == RunState::Hold
-            && self.run.held.is_none()
-            && !self.drives.interpolator.finished()
-            && !self.run.automatic.protected()
+        let can_suspend = self.run.automatic.state == RunState::Hold
+            && self.run.held_motion.is_none()
+            && !self.drives.interpolator.is_finished()
+            && !self.run.automatic.is_hold_protected()
             && !self.drives.interpolator.is_moving();
-        if !at_rest {
+        if !can_suspend {
             return;
         }
-        self.run.held = Some(self.drives.interpolator.clone());
+        self.run.held_motion = Some(self.drives.interpolator.clone());
         self.drives.interpolator.cancel();
     }
 
     /// Resumes an interrupted block after manual motion: it moves its remaining distance
     /// from the present position. The next block moves to its programmed coordinates.
-    pub(crate) fn absorb_manual_motion(&mut self) {
-        let Some(mut held) = self.run.held.take() else {
+    pub(crate) fn resume_held_motion(&mut self) {
+        let Some(mut held) = self.run.held_motion.take() else {
             return;
         };
         held.translate(self.drives.interpolator.position() - held.position());
@@ -54,7 +57,7 @@ impl Cnc {
         let now = self.position();
         let shift = &mut self.run.automatic.cycle_shift;
         if let Some(before) = shift.ended_at.take() {
-            shift.by = shift.by + now - before;
+            shift.shift = shift.shift + now - before;
         }
     }
 }

@@ -8,12 +8,13 @@
 //! ```
 
 use crate::alarm::{Alarm, number};
-use crate::board::SpindleTrouble;
+use crate::board::SpindleFault;
 use crate::cnc::Cnc;
 use crate::command::{Action, ThreadStart};
 use crate::motion::ThreadMove;
 use crate::operation::{
-    RunState, STANDING_RPM, Strobe, TapStage, check_encoder, check_standing, check_thread_speed,
+    RunState, STANDSTILL_RPM, Strobe, TapStage, check_encoder, check_spindle_turns,
+    check_thread_speed,
 };
 use crate::units::{Feed, Point};
 use gsk_messages::say;
@@ -29,23 +30,23 @@ const SPINDLE_STOP: u8 = 5;
 
 impl Cnc {
     /// Starts a thread: synchronised with the spindle, or in dry run as a cut.
-    pub(crate) fn begin_thread(&mut self, thread: &ThreadMove) -> Result<(), Alarm> {
+    pub(crate) fn start_thread(&mut self, thread: &ThreadMove) -> Result<(), Alarm> {
         if self.dry_run().is_some() {
             let feed = Feed::PerRevolution(thread.lead);
             self.drives.interpolator.start_line(thread.to, feed);
             return Ok(());
         }
         self.check_encoder()?;
-        check_standing(self.spindle.control.actual_rpm())?;
+        check_spindle_turns(self.spindle.control.actual_rpm())?;
         let (from, rpm) = (self.drives.interpolator.position(), self.thread_rpm());
         check_thread_speed(
             thread.top_speed(from, rpm, &self.drives.limits),
             rpm,
             &self.drives.limits,
         )?;
-        if self.board_cuts() {
+        if self.is_cutting_by_board() {
             self.check_pass_end(thread.to)?;
-            self.ask_pass(thread);
+            self.request_pass(thread);
             return Ok(());
         }
         self.drives
@@ -61,7 +62,7 @@ impl Cnc {
             return Ok(());
         }
         self.check_encoder()?;
-        check_standing(self.spindle.control.actual_rpm())?;
+        check_spindle_turns(self.spindle.control.actual_rpm())?;
         let rpm = self.thread_rpm();
         check_thread_speed(per_revolution * rpm, rpm, &self.drives.limits)
     }
@@ -85,34 +86,36 @@ impl Cnc {
     /// Checks the run-out or thread that continues the thread about to begin, before
     /// anything is cut.
     pub(crate) fn check_thread_ahead(&mut self) {
-        let (Some(current), Some(ahead)) = (&self.run.automatic.current, &self.run.automatic.ahead)
-        else {
-            return;
-        };
-        let (Some(first), Some(next)) = (
-            ThreadMove::of(&current.command.action),
-            ThreadMove::of(&ahead.action),
+        let (Some(current), Some(ahead)) = (
+            &self.run.automatic.current,
+            &self.run.automatic.next_command,
         ) else {
             return;
         };
-        let begins = matches!(first.start, ThreadStart::AtIndex { .. });
-        if !begins || next.start != ThreadStart::Continued || self.dry_run().is_some() {
+        let (Some(first), Some(next)) = (
+            ThreadMove::from_action(&current.command.action),
+            ThreadMove::from_action(&ahead.action),
+        ) else {
+            return;
+        };
+        let is_first = matches!(first.start, ThreadStart::AtIndex { .. });
+        if !is_first || next.start != ThreadStart::Continued || self.dry_run().is_some() {
             return;
         }
         let rpm = self.thread_rpm();
         let source = ahead.source;
-        if let Some(alarm) = self.refuse_ahead(&next) {
-            return self.raise(alarm.at(source));
+        if let Some(alarm) = self.continuation_alarm(&next) {
+            return self.raise(alarm.with_source(source));
         }
         let top = next.top_speed(first.to, rpm, &self.drives.limits);
         if let Err(alarm) = check_thread_speed(top, rpm, &self.drives.limits) {
-            self.raise(alarm.at(source));
+            self.raise(alarm.with_source(source));
         }
     }
 
     /// Starts tapping. Without control of the spindle (dry run, M locked) it is two cuts.
-    pub(crate) fn begin_tap(&mut self, to: Point, lead: f64) -> Result<(), Alarm> {
-        if self.tap_is_dry() {
+    pub(crate) fn start_tap(&mut self, to: Point, lead: f64) -> Result<(), Alarm> {
+        if self.is_dry_tap() {
             self.run.automatic.tap = Some(TapStage::In);
             self.drives
                 .interpolator
@@ -124,14 +127,14 @@ impl Cnc {
             self.run.automatic.tap = Some(TapStage::Restart);
             return Ok(());
         }
-        check_standing(self.spindle.control.actual_rpm())?;
+        check_spindle_turns(self.spindle.control.actual_rpm())?;
         let rpm = self.thread_rpm();
         check_thread_speed(Point::new(0.0, lead.abs() * rpm), rpm, &self.drives.limits)?;
         self.run.automatic.tap = Some(TapStage::Ready);
         Ok(())
     }
 
-    fn tap_is_dry(&self) -> bool {
+    fn is_dry_tap(&self) -> bool {
         self.dry_run().is_some() || self.plc.signals.auxiliary_lock
     }
 
@@ -142,7 +145,7 @@ impl Cnc {
 
     /// Advances a tap by one tick: starts the M functions that stop and reverse the
     /// spindle.
-    pub(crate) fn tap_tick(&mut self) {
+    pub(crate) fn advance_tap(&mut self) {
         let Some(stage) = self.run.automatic.tap else {
             return;
         };
@@ -150,14 +153,14 @@ impl Cnc {
             to,
             lead,
             start_degrees,
-        }) = self.run.automatic.action()
+        }) = self.run.automatic.current_action()
         else {
             self.run.automatic.tap = None;
             return;
         };
         let (to, lead, degrees) = (*to, *lead, *start_degrees);
-        let busy = self.run.handshake.busy();
-        let stands = self.spindle.control.actual_rpm().abs() < STANDING_RPM;
+        let busy = self.run.handshake.is_busy();
+        let stands_still = self.spindle.control.actual_rpm().abs() < STANDSTILL_RPM;
         let next = match stage {
             TapStage::Restart if !busy => {
                 let forward = self.run.automatic.tap_reverse != SPINDLE_FORWARD;
@@ -169,20 +172,20 @@ impl Cnc {
                 self.run.handshake.start(Strobe::M, code);
                 TapStage::Ready
             }
-            TapStage::Ready if !busy && self.spindle_steady() => {
+            TapStage::Ready if !busy && self.is_spindle_steady() => {
                 self.drives.interpolator.start_tap(to, lead, degrees);
                 TapStage::In
             }
             // In dry run the tap is a cut, which ends at the bottom.
-            TapStage::In if self.drives.interpolator.finished() => {
-                let start = self.report_half();
+            TapStage::In if self.drives.interpolator.is_finished() => {
+                let start = self.report_tap_half();
                 self.drives
                     .interpolator
                     .start_line(start, Feed::PerRevolution(lead.abs()));
                 TapStage::Done
             }
-            TapStage::In if self.drives.interpolator.tap_at_bottom() => {
-                self.run.automatic.tap_reverse = if self.turns_in_reverse() {
+            TapStage::In if self.drives.interpolator.is_tap_at_bottom() => {
+                self.run.automatic.tap_reverse = if self.is_turning_in_reverse() {
                     SPINDLE_FORWARD
                 } else {
                     SPINDLE_REVERSE
@@ -190,19 +193,19 @@ impl Cnc {
                 self.run.handshake.start(Strobe::M, SPINDLE_STOP);
                 TapStage::Stopping
             }
-            TapStage::Stopping if !busy && stands => {
-                self.report_half();
-                self.drives.interpolator.turn_back();
+            TapStage::Stopping if !busy && stands_still => {
+                self.report_tap_half();
+                self.drives.interpolator.reverse_tap();
                 self.run
                     .handshake
                     .start(Strobe::M, self.run.automatic.tap_reverse);
                 TapStage::Out
             }
-            TapStage::Out if self.drives.interpolator.finished() && !busy => {
+            TapStage::Out if self.drives.interpolator.is_finished() && !busy => {
                 self.run.handshake.start(Strobe::M, SPINDLE_STOP);
                 TapStage::Ending
             }
-            TapStage::Ending if !busy && stands => TapStage::Done,
+            TapStage::Ending if !busy && stands_still => TapStage::Done,
             same => same,
         };
         self.run.automatic.tap = Some(next);
@@ -210,15 +213,15 @@ impl Cnc {
 
     /// Whether a spindle that was started for this tap has reached its speed. A spindle
     /// that turned before is accepted at its speed.
-    fn spindle_steady(&mut self) -> bool {
+    fn is_spindle_steady(&mut self) -> bool {
         let rpm = self.spindle.control.actual_rpm().abs();
         self.run.automatic.tap_reverse == 0
-            || (rpm >= STANDING_RPM && self.run.automatic.watch.steady(rpm))
+            || (rpm >= STANDSTILL_RPM && self.run.automatic.watch.check_steady(rpm))
     }
 
     /// Whether the spindle turns in reverse: as the ladder reports (SRVB, SFRB), or else as
     /// measured.
-    fn turns_in_reverse(&self) -> bool {
+    fn is_turning_in_reverse(&self) -> bool {
         match (
             self.plc.signals.spindle_forward,
             self.plc.signals.spindle_reverse,
@@ -231,9 +234,9 @@ impl Cnc {
 
     /// Checks the spindle during a cut: alarm 091 when its speed fluctuates in a thread
     /// (106), 094 when it is too fast for an axis, 098 when it has stopped (175.2).
-    pub(crate) fn watch_spindle(&mut self) {
-        let thread = match self.run.automatic.action() {
-            Some(Action::Thread { .. }) => self.drives.interpolator.in_thread(),
+    pub(crate) fn check_spindle(&mut self) {
+        let thread = match self.run.automatic.current_action() {
+            Some(Action::Thread { .. }) => self.drives.interpolator.is_in_thread(),
             Some(Action::Line { .. } | Action::Arc { .. }) => false,
             _ => return,
         };
@@ -242,49 +245,51 @@ impl Cnc {
         }
         let rpm = self.spindle.control.actual_rpm();
         let watch = &mut self.run.automatic.watch;
-        let stands = rpm.abs() < STANDING_RPM;
-        watch.turned |= !stands;
-        let number = if stands && watch.turned && self.memory.parameters.watches_spindle() {
+        let stands_still = rpm.abs() < STANDSTILL_RPM;
+        watch.has_turned |= !stands_still;
+        let number = if stands_still && watch.has_turned && self.memory.parameters.watches_spindle()
+        {
             number::SPINDLE_STOPPED
-        } else if thread && watch.fluctuates(rpm.abs(), self.memory.parameters.fluctuation_limit())
+        } else if thread
+            && watch.check_fluctuation(rpm.abs(), self.memory.parameters.speed_fluctuation_limit())
         {
             if self
                 .drives
                 .board
                 .is_some_and(|board| board.spindle.is_some())
             {
-                watch.spoilt = Some(SpindleTrouble::Fluctuates(rpm.abs()));
+                watch.fault = Some(SpindleFault::Fluctuates(rpm.abs()));
                 return;
             }
             number::SPEED_FLUCTUATES
         } else {
             if thread {
-                self.watch_thread_speed(rpm);
+                self.recheck_thread_speed(rpm);
             }
             return;
         };
-        let alarm = Alarm::new(number).because(say::spindle_at_speed(rpm.abs()));
-        self.raise_at_last(alarm);
+        let alarm = Alarm::new(number).with_detail(say::spindle_at_speed(rpm.abs()));
+        self.raise_at_last_block(alarm);
     }
 
     /// Checks whether the spindle has become too fast since the start of the thread.
-    fn watch_thread_speed(&mut self, rpm: f64) {
+    fn recheck_thread_speed(&mut self, rpm: f64) {
         let current = self.run.automatic.current.as_ref();
         let thread = current.and_then(|current| {
-            let thread = ThreadMove::of(&current.command.action)?;
+            let thread = ThreadMove::from_action(&current.command.action)?;
             Some(thread.top_speed(current.from, rpm * WITHIN_MEASUREMENT, &self.drives.limits))
         });
-        let found = thread.map_or(Ok(()), |top| {
+        let result = thread.map_or(Ok(()), |top| {
             check_thread_speed(top, rpm, &self.drives.limits)
         });
-        if let Err(alarm) = found {
-            self.raise_at_last(alarm);
+        if let Err(alarm) = result {
+            self.raise_at_last_block(alarm);
         }
     }
 
-    pub(crate) fn raise_at_last(&mut self, alarm: Alarm) {
-        self.raise(match self.run.automatic.last {
-            Some(source) => alarm.at(source),
+    pub(crate) fn raise_at_last_block(&mut self, alarm: Alarm) {
+        self.raise(match self.run.automatic.last_source {
+            Some(source) => alarm.with_source(source),
             None => alarm,
         });
     }

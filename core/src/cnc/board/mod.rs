@@ -6,25 +6,25 @@
 
 mod pass;
 mod preflight;
+mod rate_preflight;
 mod rates;
 mod reports;
 mod spindle;
-mod walk;
 mod zero;
 
 use crate::alarm::{Alarm, AlarmClass, number};
-use crate::board::needs_spindle;
+use crate::board::spindle_required_message;
 use crate::cnc::Cnc;
 use crate::command::{Action, SpindleCommand};
 use crate::motion::ThreadMove;
-use crate::operation::{Return, RunState};
+use crate::operation::{RunState, ZeroReturnStage};
 use crate::units::{Axis, Feed, PerAxis, Point, Pulses};
 use gsk_link::ThreadCapability;
 use gsk_messages::{Message, say};
 use gsk_plc::address::BitAddress;
 
 /// Why constant surface speed is refused; `timed`: the board has timed outputs.
-fn without_surface(timed: bool) -> Message {
+fn surface_speed_refusal(timed: bool) -> Message {
     if timed {
         say::cannot_surface_unwired()
     } else {
@@ -34,7 +34,7 @@ fn without_surface(timed: bool) -> Message {
 
 /// Whether an action needs the slides at a standstill on a board whose spindle and coolant
 /// switch with the motion.
-const fn needs_rest(action: &Action) -> bool {
+const fn needs_standstill(action: &Action) -> bool {
     match action {
         // M03, M04, M05, M08, M09.
         Action::Miscellaneous { code } => !matches!(*code, 3..=5 | 8 | 9),
@@ -51,65 +51,70 @@ const fn needs_rest(action: &Action) -> bool {
 
 impl Cnc {
     /// Whether the board has not yet executed all commanded motion.
-    pub(crate) fn is_board_behind(&self) -> bool {
-        self.drives.board.is_some_and(|board| board.behind)
+    pub(crate) fn is_board_lagging(&self) -> bool {
+        self.drives
+            .board
+            .is_some_and(|board| board.has_pending_motion)
     }
 
     /// Whether blocks that act on the machine are read only at a standstill of the slides.
     /// With a board whose outputs switch with the motion, each command decides it
     /// separately.
-    pub(crate) fn board_holds_reading(&self) -> bool {
+    pub(crate) fn board_delays_reading(&self) -> bool {
         self.drives
             .board
-            .is_some_and(|board| board.behind && !board.timed)
+            .is_some_and(|board| board.has_pending_motion && !board.has_timed_outputs)
     }
 
     /// Whether a command must not begin yet. If the board switches only at a standstill, M
     /// and S that start with a motion finish before it. If it switches with the motion,
     /// spindle and coolant do not wait, and all else waits for the slides.
-    pub(crate) fn board_delays(&mut self, action: &Action) -> bool {
+    pub(crate) fn board_delays_command(&mut self, action: &Action) -> bool {
         let delays = self.drives.board.is_some_and(|board| {
             if action.is_motion() {
-                let switches = board.switching || self.run.handshake.busy();
-                return !board.prepared || (switches && !board.timed);
+                let is_switching = board.outputs_switching || self.run.handshake.is_busy();
+                return !board.is_prepared || (is_switching && !board.has_timed_outputs);
             }
-            board.timed && board.behind && needs_rest(action)
+            board.has_timed_outputs && board.has_pending_motion && needs_standstill(action)
         });
         delays || self.board_spindle_delays(action)
     }
 
     /// Whether an axis can be moved manually.
-    pub(crate) fn board_takes_motion(&self) -> bool {
+    pub(crate) fn can_board_move(&self) -> bool {
         self.drives.board.is_none_or(|board| {
-            board.takes_motion && (board.prepared || self.drives.interpolator.is_moving())
+            board.takes_motion && (board.is_prepared || self.drives.interpolator.is_moving())
         })
     }
 
     /// Whether the slides are being stopped: their final position is not known yet.
-    pub(crate) fn board_is_stopping(&self) -> bool {
+    pub(crate) fn is_board_stopping(&self) -> bool {
         self.drives
             .board
-            .is_some_and(|board| board.known && !board.takes_motion)
+            .is_some_and(|board| board.position_known && !board.takes_motion)
     }
 
     /// The alarm that forbids the start of a program; `None`: it may start.
-    pub(crate) fn board_refuses_start(&mut self, mdi: bool) -> Option<Alarm> {
+    pub(crate) fn board_start_alarm(&mut self, mdi: bool) -> Option<Alarm> {
         let board = self.drives.board?;
-        let outgrown = board
-            .checked
-            .and_then(|checked| checked.alarm(&self.memory.parameters));
-        if outgrown.is_some() {
-            return outgrown;
+        let changed_parameter = board
+            .checked_parameters
+            .and_then(|checked| checked.to_alarm(&self.memory.parameters));
+        if changed_parameter.is_some() {
+            return changed_parameter;
         }
-        if !(board.known && self.coordinates.referenced.x && self.coordinates.referenced.z) {
-            return Some(Alarm::new(number::NO_REFERENCE).because(say::reference_return_needed()));
+        if !(board.position_known && self.coordinates.referenced.x && self.coordinates.referenced.z)
+        {
+            return Some(
+                Alarm::new(number::NO_REFERENCE).with_detail(say::reference_return_needed()),
+            );
         }
-        self.rapids_too_fast(&board).or_else(|| {
+        self.rapid_rate_alarm(&board).or_else(|| {
             // A resumed program was checked when it began.
-            let begins = !mdi && self.run.automatic.state == RunState::Reset;
-            let program = self.memory.programs.current().filter(|_| begins)?;
-            self.scan_for_board(program)
-                .or_else(|| self.walk_for_board(&board, program))
+            let is_new_run = !mdi && self.run.automatic.state == RunState::Reset;
+            let program = self.memory.programs.selected().filter(|_| is_new_run)?;
+            self.scan_program_for_board(program)
+                .or_else(|| self.check_rates_for_board(&board, program))
         })
     }
 
@@ -125,32 +130,32 @@ impl Cnc {
         let from = self.drives.interpolator.commanded();
         let rpm = board
             .spindle
-            .map_or(self.spindle.control.actual_rpm(), |real| real.rpm);
-        if let Some(alarm) = self.too_fast_for_board(&board, action, from, Some(rpm)) {
+            .map_or(self.spindle.control.actual_rpm(), |measured| measured.rpm);
+        if let Some(alarm) = self.pulse_rate_alarm(&board, action, from, Some(rpm)) {
             return Err(alarm);
         }
         if let (Action::Thread { .. } | Action::ThreadCycle { .. }, ThreadCapability::None(lacks)) =
             (action, board.threads)
         {
-            return Err(
-                Alarm::new(number::BOARD_CANNOT).because(say::board_cannot_thread(lacks.text()))
-            );
+            return Err(Alarm::new(number::BOARD_CANNOT)
+                .with_detail(say::board_cannot_thread(lacks.text())));
         }
-        if self.board_cuts() {
+        if self.is_cutting_by_board() {
             if let Action::ThreadCycle {
                 per_revolution,
-                beyond,
+                extra_feature: beyond,
             } = action
             {
                 self.check_passes(*per_revolution, *beyond)?;
-            } else if let Some(thread) = ThreadMove::of(action) {
+            } else if let Some(thread) = ThreadMove::from_action(action) {
                 self.check_pass(&thread)?;
             }
         }
         let tapping = match action {
             Action::Tap { .. } => true,
-            Action::Spindle(SpindleCommand::Surface(_)) if !board.surface => {
-                return Err(Alarm::new(number::BOARD_CANNOT).because(without_surface(board.timed)));
+            Action::Spindle(SpindleCommand::Surface(_)) if !board.speed_follows_motion => {
+                return Err(Alarm::new(number::BOARD_CANNOT)
+                    .with_detail(surface_speed_refusal(board.has_timed_outputs)));
             }
             Action::Line {
                 feed: Feed::PerRevolution(_),
@@ -162,33 +167,34 @@ impl Cnc {
             } if board.spindle.is_none() => false,
             _ => return self.check_board_spindle(action),
         };
-        Err(Alarm::new(number::BOARD_CANNOT).because(needs_spindle(&board, tapping)))
+        Err(Alarm::new(number::BOARD_CANNOT).with_detail(spindle_required_message(&board, tapping)))
     }
 
     /// Lets the board home this axis.
-    pub(crate) const fn board_makes_return(&mut self, axis: Axis) {
+    pub(crate) const fn start_board_homing(&mut self, axis: Axis) {
         *self.coordinates.referenced.get_mut(axis) = false;
         *self.coordinates.at_reference.get_mut(axis) = None;
-        *self.coordinates.returns.get_mut(axis) = Some(Return::Board);
+        *self.coordinates.returns.get_mut(axis) = Some(ZeroReturnStage::BoardHoming);
     }
 
     /// Axes whose homing the board makes or is to make.
-    pub(crate) fn board_returns(&self) -> PerAxis<bool> {
-        let by_board = |axis| *self.coordinates.returns.get(axis) == Some(Return::Board);
-        PerAxis::new(by_board(Axis::X), by_board(Axis::Z))
+    pub(crate) fn board_homing_axes(&self) -> PerAxis<bool> {
+        let is_homing =
+            |axis| *self.coordinates.returns.get(axis) == Some(ZeroReturnStage::BoardHoming);
+        PerAxis::new(is_homing(Axis::X), is_homing(Axis::Z))
     }
 
     /// Takes the coordinates `at` of the axes that the board has homed.
-    pub(crate) fn board_returned(&mut self, axes: PerAxis<bool>, at: Point) {
+    pub(crate) fn finish_board_homing(&mut self, axes: PerAxis<bool>, at: Point) {
         self.settle_coordinates();
         for axis in [Axis::X, Axis::Z] {
             if *axes.get(axis) {
                 let mut shift = Point::default();
                 *shift.get_mut(axis) = at.get(axis) - self.position().get(axis);
                 self.drives.interpolator.translate(shift);
-                self.drives.chain.preset(axis, at.get(axis));
+                self.drives.axis_chain.preset(axis, at.get(axis));
                 self.shift_frame(shift);
-                self.arrive(axis, true);
+                self.finish_return(axis, true);
             }
         }
     }
@@ -202,21 +208,21 @@ impl Cnc {
     /// Clears outputs of the ladder that the board has switched off on its own, as a reset
     /// output module would. The ladder continues from that state, and the M code shown
     /// becomes the matching one.
-    pub(crate) fn drop_outputs(&mut self, outputs: &[BitAddress]) {
+    pub(crate) fn clear_dropped_outputs(&mut self, outputs: &[BitAddress]) {
         let memory = self.plc.engine.memory_mut();
-        let mut fell = false;
+        let mut any_cleared = false;
         for &output in outputs {
-            fell |= memory.bit(output);
+            any_cleared |= memory.bit(output);
             memory.set_bit(output, false);
         }
-        if fell {
-            self.run.interpreter.machine_stopped();
+        if any_cleared {
+            self.run.interpreter.record_machine_stop();
             self.run.modal.m = self.run.interpreter.modal().m;
         }
     }
 
     /// Ends all motion at the present position, returns included.
-    pub(crate) fn halt_for_board(&mut self) {
+    pub(crate) fn end_motion_for_board(&mut self) {
         self.abandon_returns();
         self.drives.interpolator.stop_now();
         self.hand.jog = PerAxis::default();
@@ -224,22 +230,22 @@ impl Cnc {
     }
 
     /// Ends all motion and the program run. The alarm that names the reason follows.
-    pub(crate) fn stop_for_board(&mut self) {
-        if self.run.automatic.operating() {
+    pub(crate) fn stop_run_for_board(&mut self) {
+        if self.run.automatic.is_operating() {
             self.stop_run(RunState::Stop);
         }
-        self.halt_for_board();
+        self.end_motion_for_board();
     }
 
     /// Takes the count at which the slides stopped, which differs from the control's. An
     /// axis that stood still keeps its coordinate exactly.
-    pub(crate) fn stand_at(&mut self, pulses: PerAxis<Pulses>) {
+    pub(crate) fn set_count(&mut self, pulses: PerAxis<Pulses>) {
         let mut shift = Point::default();
         for axis in [Axis::X, Axis::Z] {
             let count = *pulses.get(axis);
             if count != *self.pulses().get(axis) {
-                let place = self.drives.chain.stand_at(axis, count);
-                *shift.get_mut(axis) = place - self.position().get(axis);
+                let coordinate = self.drives.axis_chain.set_count(axis, count);
+                *shift.get_mut(axis) = coordinate - self.position().get(axis);
             }
         }
         self.drives.interpolator.translate(shift);
@@ -250,7 +256,7 @@ impl Cnc {
 
     /// Whether an alarm of the board waits for RESET.
     pub(crate) fn has_board_alarm(&self) -> bool {
-        let mut standing = self.alarms.list().iter();
-        standing.any(|alarm| alarm.class() == AlarmClass::Link)
+        let mut active = self.alarms.list().iter();
+        active.any(|alarm| alarm.class() == AlarmClass::Link)
     }
 }

@@ -2,23 +2,24 @@
 
 use crate::alarm::{Alarm, number};
 use crate::cnc::Cnc;
-use crate::command::{BeyondPass, ThreadStart};
+use crate::command::{ThreadPassFeature, ThreadStart};
 use crate::motion::ThreadMove;
 use crate::units::{PerAxis, Point, Pulses};
 use gsk_link::{ThreadCapability, ThreadPass};
 use gsk_messages::say;
 
 /// Alarm for a thread that the board cannot cut as a pass.
-fn refuse(beyond: BeyondPass) -> Alarm {
-    Alarm::new(number::BOARD_CANNOT).because(say::pass_one_at_a_time(beyond.text()))
+fn pass_alarm(feature: ThreadPassFeature) -> Alarm {
+    Alarm::new(number::BOARD_CANNOT).with_detail(say::pass_one_at_a_time(feature.to_message()))
 }
 
 impl Cnc {
     /// Whether threads are passes of the board. Under machine lock no pass is sent.
-    pub(crate) fn board_cuts(&self) -> bool {
+    pub(crate) fn is_cutting_by_board(&self) -> bool {
         let locked = self.plc.signals.machine_lock;
-        let passes = |board: crate::board::BoardDrives| board.threads == ThreadCapability::Passes;
-        self.drives.board.is_some_and(passes) && !(locked.x && locked.z)
+        let cuts_passes =
+            |board: crate::board::BoardDrives| board.threads == ThreadCapability::Passes;
+        self.drives.board.is_some_and(cuts_passes) && !(locked.x && locked.z)
     }
 
     /// Checks, before a thread cycle feeds in, that its cuts are single passes and not
@@ -26,101 +27,102 @@ impl Cnc {
     pub(crate) fn check_passes(
         &self,
         per_revolution: Point,
-        beyond: Option<BeyondPass>,
+        extra_feature: Option<ThreadPassFeature>,
     ) -> Result<(), Alarm> {
-        if let Some(beyond) = beyond {
-            return Err(refuse(beyond));
+        if let Some(feature) = extra_feature {
+            return Err(pass_alarm(feature));
         }
         self.check_pass_speed(per_revolution.length())
     }
 
     /// Checks that a thread is a single pass.
     pub(crate) fn check_pass(&self, thread: &ThreadMove) -> Result<(), Alarm> {
-        let beyond = match thread.start {
-            _ if thread.run_out => Some(BeyondPass::RunOut),
-            _ if thread.increase != 0.0 => Some(BeyondPass::LeadChange),
-            ThreadStart::Continued => Some(BeyondPass::GoesOn),
-            ThreadStart::AtIndex { degrees } if degrees != 0.0 => Some(BeyondPass::Start),
+        let feature = match thread.start {
+            _ if thread.run_out => Some(ThreadPassFeature::RunOut),
+            _ if thread.increase != 0.0 => Some(ThreadPassFeature::LeadChange),
+            ThreadStart::Continued => Some(ThreadPassFeature::Continued),
+            ThreadStart::AtIndex { degrees } if degrees != 0.0 => {
+                Some(ThreadPassFeature::StartAngle)
+            }
             ThreadStart::AtIndex { .. } => None,
         };
-        if let Some(beyond) = beyond {
-            return Err(refuse(beyond));
+        if let Some(feature) = feature {
+            return Err(pass_alarm(feature));
         }
         let locked = self.plc.signals.machine_lock;
         if locked.x || locked.z {
-            return Err(Alarm::new(number::BOARD_CANNOT).because(say::pass_with_locked_axis()));
+            return Err(Alarm::new(number::BOARD_CANNOT).with_detail(say::pass_with_locked_axis()));
         }
-        self.check_pass_speed(thread.lead_along(self.drives.interpolator.commanded()))
+        self.check_pass_speed(thread.lead_along_path(self.drives.interpolator.commanded()))
     }
 
     fn check_pass_speed(&self, lead: f64) -> Result<(), Alarm> {
-        let most = self
+        let max_speed = self
             .drives
             .board
-            .map_or(f64::INFINITY, |board| board.pass_speed);
+            .map_or(f64::INFINITY, |board| board.pass_speed_mm_per_min);
         let speed = lead * self.thread_rpm();
-        if speed > most {
-            return Err(
-                Alarm::new(number::BOARD_CANNOT).because(say::pass_speed_too_high(speed, most))
-            );
+        if speed > max_speed {
+            return Err(Alarm::new(number::BOARD_CANNOT)
+                .with_detail(say::pass_speed_too_high(speed, max_speed)));
         }
         Ok(())
     }
 
     /// The alarm for a thread that continues a pass of the board.
-    pub(crate) fn refuse_ahead(&self, next: &ThreadMove) -> Option<Alarm> {
-        let beyond = if next.run_out {
-            BeyondPass::RunOut
+    pub(crate) fn continuation_alarm(&self, next: &ThreadMove) -> Option<Alarm> {
+        let feature = if next.run_out {
+            ThreadPassFeature::RunOut
         } else {
-            BeyondPass::GoesOn
+            ThreadPassFeature::Continued
         };
-        self.board_cuts().then(|| refuse(beyond))
+        self.is_cutting_by_board().then(|| pass_alarm(feature))
     }
 
     /// Starts a thread that the board cuts. The backlash of the screws is taken up first.
-    pub(crate) fn ask_pass(&mut self, thread: &ThreadMove) {
-        let way = thread.to - self.drives.interpolator.position();
-        self.drives.interpolator.start_driven(thread.to);
-        self.drives.chain.lean(way);
+    pub(crate) fn request_pass(&mut self, thread: &ThreadMove) {
+        let displacement = thread.to - self.drives.interpolator.position();
+        self.drives.interpolator.start_external_cut(thread.to);
+        self.drives.axis_chain.take_up_backlash(displacement);
     }
 
     /// The pass that waits for the board; `None` while backlash is being taken up.
-    pub(crate) fn pass_waiting(&self) -> Option<ThreadPass> {
-        let to = self.drives.interpolator.waits_for_drives()?;
+    pub(crate) fn pending_pass(&self) -> Option<ThreadPass> {
+        let to = self.drives.interpolator.pending_external_cut()?;
         let current = self.run.automatic.current.as_ref()?;
-        let thread = ThreadMove::of(&current.command.action)?;
-        if self.drives.chain.is_settling() {
+        let thread = ThreadMove::from_action(&current.command.action)?;
+        if self.drives.axis_chain.is_settling() {
             return None;
         }
-        let mut at_end = self.drives.chain.clone();
+        let mut at_end = self.drives.axis_chain.clone();
         at_end.advance(to, PerAxis::default());
         Some(ThreadPass {
-            from: self.drives.chain.pulses(),
+            from: self.drives.axis_chain.pulses(),
             end: at_end.pulses(),
-            lead: thread.lead_along(self.drives.interpolator.position()),
+            lead: thread.lead_along_path(self.drives.interpolator.position()),
         })
     }
 
     /// Notes that the board has taken the pass.
-    pub(crate) const fn begin_pass(&mut self) {
-        self.drives.interpolator.begin_driven();
+    pub(crate) const fn start_pass(&mut self) {
+        self.drives.interpolator.begin_external_cut();
     }
 
     /// Takes the fraction of the pass that the board has made.
-    pub(crate) fn pass_progress(&mut self, share: f64) {
-        self.drives.interpolator.driven_progress(share);
+    pub(crate) fn report_pass_progress(&mut self, fraction: f64) {
+        self.drives.interpolator.report_external_progress(fraction);
     }
 
     /// Takes the end of the pass that the board reports.
-    pub(crate) fn end_pass(&mut self, end: PerAxis<Pulses>) {
-        if self.drives.interpolator.end_driven() {
+    pub(crate) fn finish_pass(&mut self, end: PerAxis<Pulses>) {
+        if self.drives.interpolator.end_external_cut() {
             let locked = self.plc.signals.machine_lock;
-            self.drives.chain.advance(self.position(), locked);
-            if self.drives.chain.pulses() == end {
+            self.drives.axis_chain.advance(self.position(), locked);
+            if self.drives.axis_chain.pulses() == end {
                 return;
             }
         }
         // The control's motion has changed meanwhile; the slides are at `end`.
-        self.stand_at(end);
+        self.set_count(end);
     }
 }

@@ -6,66 +6,74 @@ use std::collections::BTreeSet;
 
 use crate::alarm::{Alarm, number};
 use crate::cnc::Cnc;
-use crate::command::{BeyondPass, BlockNumber, ProgramId, Source};
+use crate::command::{ProgramId, SequenceNumber, SourcePosition, ThreadPassFeature};
 use crate::program::Program;
 use gsk_link::{MissingForThreads, ThreadCapability};
 use gsk_messages::{Message, say};
-use passes::Threads;
+use passes::ThreadScan;
 
 /// Requirements of one block.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-struct Asks {
+struct BlockNeeds {
     /// Function that the board cannot execute, if any.
-    refused: Option<Refused>,
+    refused_function: Option<RefusedFunction>,
     /// Whether the spindle speed follows X (G96).
-    surface: bool,
+    surface_speed: bool,
     /// O number of the program that the block calls.
-    calls: Option<u16>,
+    called_program: Option<u16>,
 }
 
 /// A function that the board cannot execute.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Refused {
+enum RefusedFunction {
     /// A thread, with the equipment that the board lacks.
-    Thread(MissingForThreads),
+    ThreadLacks(MissingForThreads),
     /// A thread that is not a single straight pass.
-    Beyond(BeyondPass),
+    BeyondPass(ThreadPassFeature),
     /// A function that no board of this kind has.
-    Never(Message),
+    Unsupported(Message),
 }
 
 impl Cnc {
     /// Scans a program and the programs it calls. Returns the alarm for the first block
     /// that the board cannot execute. In dry run a thread is only feed.
-    pub(crate) fn scan_for_board(&self, main: ProgramId) -> Option<Alarm> {
-        let rights = self
+    pub(crate) fn scan_program_for_board(&self, main: ProgramId) -> Option<Alarm> {
+        let thread_capability = self
             .drives
             .board
             .map_or_else(Default::default, |board| board.threads);
-        let mut threads = Threads::new(self.memory.parameters.run_out_tenths());
-        let passes = rights == ThreadCapability::Passes && !self.plc.signals.dry_run;
+        let mut threads = ThreadScan::new(self.memory.parameters.run_out_tenths());
+        let passes = thread_capability == ThreadCapability::Passes && !self.plc.signals.dry_run;
         let without_surface = self
             .drives
             .board
-            .filter(|board| !board.surface)
-            .map(|board| super::without_surface(board.timed));
-        let mut seen = BTreeSet::new();
+            .filter(|board| !board.speed_follows_motion)
+            .map(|board| super::surface_speed_refusal(board.has_timed_outputs));
+        let mut scanned = BTreeSet::new();
         let mut next = vec![main];
         while let Some(id) = next.pop() {
             let Some(program) = self.memory.programs.get(id) else {
                 continue;
             };
             for index in 0..program.block_count() {
-                let asks = asks(program.block(index), rights, self.plc.signals.dry_run);
-                let beyond = || threads.look(program.block(index)).map(Refused::Beyond);
-                let beyond = passes.then(beyond).flatten();
-                let surface = without_surface.clone().filter(|_| asks.surface);
-                let surface = surface.map(Refused::Never);
-                if let Some(refused) = asks.refused.or(surface).or(beyond) {
-                    return Some(alarm(id, program, index, refused));
+                let needs = block_needs(
+                    program.block(index),
+                    thread_capability,
+                    self.plc.signals.dry_run,
+                );
+                let pass_refusal = || {
+                    threads
+                        .read_block(program.block(index))
+                        .map(RefusedFunction::BeyondPass)
+                };
+                let pass_refusal = passes.then(pass_refusal).flatten();
+                let surface = without_surface.clone().filter(|_| needs.surface_speed);
+                let surface = surface.map(RefusedFunction::Unsupported);
+                if let Some(refused) = needs.refused_function.or(surface).or(pass_refusal) {
+                    return Some(refusal_alarm(id, program, index, refused));
                 }
-                if let Some(number) = asks.calls
-                    && seen.insert(number)
+                if let Some(number) = needs.called_program
+                    && scanned.insert(number)
                 {
                     next.push(ProgramId::Stored(number));
                 }
@@ -75,25 +83,25 @@ impl Cnc {
     }
 }
 
-fn alarm(id: ProgramId, program: &Program, index: u32, refused: Refused) -> Alarm {
-    let what = match refused {
-        Refused::Thread(lacks) => say::cannot_thread(lacks.text()),
-        Refused::Beyond(beyond) => say::cannot_beyond_passes(beyond.text()),
-        Refused::Never(what) => what,
+fn refusal_alarm(id: ProgramId, program: &Program, index: u32, refused: RefusedFunction) -> Alarm {
+    let function = match refused {
+        RefusedFunction::ThreadLacks(lacks) => say::cannot_thread(lacks.text()),
+        RefusedFunction::BeyondPass(beyond) => say::cannot_beyond_passes(beyond.to_message()),
+        RefusedFunction::Unsupported(what) => what,
     };
     Alarm::new(number::BOARD_CANNOT)
-        .because(say::board_cannot_do(what))
-        .at(Source {
+        .with_detail(say::board_cannot_do(function))
+        .with_source(SourcePosition {
             program: id,
             line: program.block_line(index),
-            sequence: program.sequence(index).map(BlockNumber::from),
+            sequence: program.sequence(index).map(SequenceNumber::from),
         })
 }
 
 /// Reads the words of a block that matter to a board.
-fn asks(block: &str, threads: ThreadCapability, dry_run: bool) -> Asks {
-    let mut asks = Asks::default();
-    let (mut call, mut place) = (false, None);
+fn block_needs(block: &str, threads: ThreadCapability, dry_run: bool) -> BlockNeeds {
+    let mut needs = BlockNeeds::default();
+    let (mut call, mut called) = (false, None);
     let mut comment = false;
     for (at, letter) in block.char_indices() {
         match letter {
@@ -101,32 +109,36 @@ fn asks(block: &str, threads: ThreadCapability, dry_run: bool) -> Asks {
             ')' => comment = false,
             _ if comment => {}
             'G' | 'g' | 'M' | 'm' | 'P' | 'p' => {
-                let number = number(&block[at + 1..]);
+                let number = parse_number(&block[at + 1..]);
                 match (letter.to_ascii_uppercase(), number) {
                     // In dry run all motion is feed.
-                    ('G', Some(96)) if !dry_run => asks.surface = true,
-                    ('G', Some(number)) if !dry_run => asks.refused = refused(number, threads),
+                    ('G', Some(96)) if !dry_run => needs.surface_speed = true,
+                    ('G', Some(number)) if !dry_run => {
+                        needs.refused_function = g_code_refusal(number, threads)
+                    }
                     ('M', Some(98)) => call = true,
-                    ('P', number) => place = number,
+                    ('P', number) => called = number,
                     _ => {}
                 }
             }
             _ => {}
         }
-        if asks.refused.is_some() {
-            return asks;
+        if needs.refused_function.is_some() {
+            return needs;
         }
     }
     if call {
-        asks.calls = place.map(|number| (number % 10_000) as u16);
+        needs.called_program = called.map(|number| (number % 10_000) as u16);
     }
-    asks
+    needs
 }
 
 /// The refusal of a G code; `None`: the board can execute it.
-fn refused(code: u32, threads: ThreadCapability) -> Option<Refused> {
-    let never = match (code, threads) {
-        (32 | 34 | 76 | 92, ThreadCapability::None(lacks)) => return Some(Refused::Thread(lacks)),
+fn g_code_refusal(code: u32, threads: ThreadCapability) -> Option<RefusedFunction> {
+    let reason = match (code, threads) {
+        (32 | 34 | 76 | 92, ThreadCapability::None(lacks)) => {
+            return Some(RefusedFunction::ThreadLacks(lacks));
+        }
         (33, ThreadCapability::Followed) => say::cannot_tap_by_index(),
         (33, _) => say::cannot_tap(),
         (99, ThreadCapability::Followed) => return None,
@@ -136,11 +148,11 @@ fn refused(code: u32, threads: ThreadCapability) -> Option<Refused> {
         (99, _) => say::cannot_feed_per_revolution(),
         _ => return None,
     };
-    Some(Refused::Never(never))
+    Some(RefusedFunction::Unsupported(reason))
 }
 
 /// The integer at the start of a text, after blanks.
-fn number(text: &str) -> Option<u32> {
+fn parse_number(text: &str) -> Option<u32> {
     let text = text.trim_start_matches([' ', '\t']);
     let end = text
         .find(|digit: char| !digit.is_ascii_digit())
@@ -162,33 +174,48 @@ mod tests {
     });
 
     #[test]
-    fn codes_are_found_however_they_are_written() {
+    fn codes_are_found_in_any_notation() {
         for block in [
             "N10 G92 X20 Z-30 F2",
             "g32z-5f1",
             "G 076 P010060 Q50",
             "G97 G34 Z-1",
         ] {
-            assert!(asks(block, NONE, false).refused.is_some(), "{block}");
+            assert!(
+                block_needs(block, NONE, false).refused_function.is_some(),
+                "{block}"
+            );
             assert_eq!(
-                asks(block, ThreadCapability::Followed, false).refused,
+                block_needs(block, ThreadCapability::Followed, false).refused_function,
                 None,
                 "{block}"
             );
         }
-        assert!(asks("G96 S120", NONE, false).surface && !asks("G96 S120", NONE, true).surface);
-        assert!(asks("G99", NONE, false).refused.is_some());
-        assert_eq!(asks("G99", ThreadCapability::Followed, false).refused, None);
-        let tap = asks("X1 G33 Z-5 F1", ThreadCapability::Followed, false);
-        assert!(tap.refused.is_some());
+        assert!(
+            block_needs("G96 S120", NONE, false).surface_speed
+                && !block_needs("G96 S120", NONE, true).surface_speed
+        );
+        assert!(block_needs("G99", NONE, false).refused_function.is_some());
+        assert_eq!(
+            block_needs("G99", ThreadCapability::Followed, false).refused_function,
+            None
+        );
+        let tap = block_needs("X1 G33 Z-5 F1", ThreadCapability::Followed, false);
+        assert!(tap.refused_function.is_some());
         for block in ["(G92) G01 X1", "G98", "G9", "G920", "G0 X32", "N92 G01"] {
-            assert_eq!(asks(block, NONE, false), Asks::default(), "{block}");
+            assert_eq!(
+                block_needs(block, NONE, false),
+                BlockNeeds::default(),
+                "{block}"
+            );
         }
     }
 
     #[test]
-    fn what_is_lacking_is_named() {
-        let Some(Refused::Thread(lacks)) = asks("G92 X1 Z1 F1", NONE, false).refused else {
+    fn lacking_equipment_is_named() {
+        let Some(RefusedFunction::ThreadLacks(lacks)) =
+            block_needs("G92 X1 Z1 F1", NONE, false).refused_function
+        else {
             panic!("not refused");
         };
         let text = lacks.text().to_string();
@@ -196,13 +223,23 @@ mod tests {
             text.contains("SS") && text.contains("line.thread_proved"),
             "{text}"
         );
-        assert_eq!(asks("G92 X1 Z1 F1", NONE, true).refused, None, "dry run");
+        assert_eq!(
+            block_needs("G92 X1 Z1 F1", NONE, true).refused_function,
+            None,
+            "dry run"
+        );
     }
 
     #[test]
     fn calls_name_their_program() {
-        assert_eq!(asks("N130 M98 P41031", NONE, false).calls, Some(1031));
-        assert_eq!(asks("M98P7", NONE, false).calls, Some(7));
-        assert_eq!(asks("G65 H01 P#100", NONE, false).calls, None);
+        assert_eq!(
+            block_needs("N130 M98 P41031", NONE, false).called_program,
+            Some(1031)
+        );
+        assert_eq!(block_needs("M98P7", NONE, false).called_program, Some(7));
+        assert_eq!(
+            block_needs("G65 H01 P#100", NONE, false).called_program,
+            None
+        );
     }
 }

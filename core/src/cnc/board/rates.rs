@@ -1,7 +1,7 @@
 //! Compares the pulse rates of motion with the limits of the board.
 
 use crate::alarm::{Alarm, number};
-use crate::board::{BoardDrives, Exceeding};
+use crate::board::{BoardDrives, ExceededAxes};
 use crate::cnc::Cnc;
 use crate::command::{Action, MoveKind};
 use crate::memory::parameter;
@@ -11,41 +11,41 @@ use gsk_messages::say;
 
 impl Cnc {
     /// The alarm for rapids that exceed the pulse rate of the board.
-    pub(crate) fn rapids_too_fast(&self, board: &BoardDrives) -> Option<Alarm> {
+    pub(crate) fn rapid_rate_alarm(&self, board: &BoardDrives) -> Option<Alarm> {
         let [x, z] = [Axis::X, Axis::Z].map(|axis| self.memory.parameters.rapid_rate(axis));
-        let (axes, needed, made) = board.exceeded(Point::new(x, z), false)?;
-        Some(Alarm::new(number::BOARD_CANNOT).because(match axes {
-            Exceeding::One(Axis::X) => {
+        let (axes, needed, made) = board.exceeded_rate(Point::new(x, z), false)?;
+        Some(Alarm::new(number::BOARD_CANNOT).with_detail(match axes {
+            ExceededAxes::One(Axis::X) => {
                 say::rapid_pulses_too_many(parameter::X_RAPID, x, needed, "X", made)
             }
-            Exceeding::One(Axis::Z) => {
+            ExceededAxes::One(Axis::Z) => {
                 say::rapid_pulses_too_many(parameter::Z_RAPID, z, needed, "Z", made)
             }
-            Exceeding::Both => say::rapids_pulses_too_many(x, z, needed, made),
+            ExceededAxes::Both => say::rapids_pulses_too_many(x, z, needed, made),
         }))
     }
 
     /// Limits manual motion to the speed of the board, and to No.033 while the position of
     /// the slides is unknown.
-    pub(crate) fn board_slows(&self, axis: Axis, rate: JogRate) -> JogRate {
+    pub(crate) fn limit_manual_rate(&self, axis: Axis, rate: JogRate) -> JogRate {
         let Some(board) = self.drives.board else {
             return rate;
         };
-        let mut most = board.by_hand(axis);
-        if !board.known {
-            most = most.min(self.memory.parameters.zero_low_rate());
+        let mut max_rate = board.manual_speed_limit(axis);
+        if !board.position_known {
+            max_rate = max_rate.min(self.memory.parameters.zero_low_rate());
         }
         match rate {
-            JogRate::Feed(feed) => JogRate::Feed(feed.min(most)),
-            JogRate::Rapid if self.memory.parameters.rapid_rate(axis) <= most => rate,
-            JogRate::Approach(speed) if speed <= most => rate,
-            JogRate::Rapid | JogRate::Approach(_) => JogRate::Feed(most),
+            JogRate::Feed(feed) => JogRate::Feed(feed.min(max_rate)),
+            JogRate::Rapid if self.memory.parameters.rapid_rate(axis) <= max_rate => rate,
+            JogRate::Approach(speed) if speed <= max_rate => rate,
+            JogRate::Rapid | JogRate::Approach(_) => JogRate::Feed(max_rate),
         }
     }
 
     /// The alarm for a motion from `from` that exceeds the pulse rate of the board; `rpm`
     /// is the spindle speed, if known.
-    pub(crate) fn too_fast_for_board(
+    pub(crate) fn pulse_rate_alarm(
         &self,
         board: &BoardDrives,
         action: &Action,
@@ -74,16 +74,16 @@ impl Cnc {
                 (top_speed(kind, *to - from, feed, limits), true)
             }
             thread @ Action::Thread { .. } => {
-                let thread = ThreadMove::of(thread)?;
+                let thread = ThreadMove::from_action(thread)?;
                 (thread.top_speed(from, rpm?, limits), false)
             }
             Action::ThreadCycle { per_revolution, .. } => (*per_revolution * rpm?.abs(), false),
             _ => return None,
         };
-        let (axes, needed, made) = board.exceeded(speed, on_arc)?;
-        let axes = axes.text();
+        let (axes, needed, made) = board.exceeded_rate(speed, on_arc)?;
+        let axes = axes.to_message();
         Some(
-            Alarm::new(number::BOARD_CANNOT).because(match (action, rpm) {
+            Alarm::new(number::BOARD_CANNOT).with_detail(match (action, rpm) {
                 (Action::Thread { .. } | Action::ThreadCycle { .. }, Some(rpm)) => {
                     say::thread_pulses_too_many(rpm.abs(), axes, needed, made)
                 }

@@ -3,7 +3,7 @@
 
 use crate::alarm::{Alarm, groups, number};
 use crate::board::{
-    BoardInputs, BoardOrders, BoardReport, ReturnOrders, RunOrders, Settled, SpindleOrders,
+    BoardInputs, BoardOrders, BoardReport, ReturnOrders, RunOrders, SpindleOrders, Standstill,
 };
 use crate::cnc::{Cnc, Event};
 use crate::machine::pins;
@@ -16,7 +16,10 @@ const MM_PER_INCH: f64 = 25.4;
 impl Cnc {
     /// Handles the board's reports since the last tick. Returns the axis counts after them,
     /// if there is a board.
-    pub(crate) fn hear_board(&mut self, board: Option<&BoardInputs>) -> Option<PerAxis<Pulses>> {
+    pub(crate) fn handle_board_reports(
+        &mut self,
+        board: Option<&BoardInputs>,
+    ) -> Option<PerAxis<Pulses>> {
         let Some(board) = board else {
             if self.drives.board.is_some() {
                 self.detach_board();
@@ -25,19 +28,19 @@ impl Cnc {
         };
         self.drives.board = Some(board.drives);
         for report in &board.reports {
-            self.react(report);
+            self.handle_report(report);
         }
-        self.drop_outputs(&board.dropped);
-        if let Some(share) = board.pass_made {
-            self.pass_progress(share);
+        self.clear_dropped_outputs(&board.dropped);
+        if let Some(fraction) = board.pass_fraction {
+            self.report_pass_progress(fraction);
         }
-        if let Some(alarm) = &self.drives.board_alarms.standing
-            && !self.resetting()
+        if let Some(alarm) = &self.drives.board_alarms.persistent
+            && !self.is_resetting()
         {
             self.raise(alarm.clone());
         }
-        if let Some(settled) = board.settled {
-            self.complete_alarms(settled);
+        if let Some(standstill) = board.standstill {
+            self.add_position_to_alarms(standstill);
         }
         Some(self.pulses())
     }
@@ -49,124 +52,127 @@ impl Cnc {
 
     /// Disconnects the board: all motion ends, and the position of the slides is unknown.
     pub(crate) fn detach_board(&mut self) {
-        self.halt_for_board();
+        self.end_motion_for_board();
         self.drop_reference();
         self.drives.board = None;
         self.drives.board_alarms = Default::default();
     }
 
-    fn react(&mut self, report: &BoardReport) {
+    fn handle_report(&mut self, report: &BoardReport) {
         match report {
-            BoardReport::Halted => self.halt_for_board(),
-            BoardReport::Stopped => self.stop_for_board(),
-            BoardReport::Paused => self.pause_for_board(),
-            BoardReport::StandsAt(pulses) | BoardReport::NotTaken(pulses) => {
-                self.stand_at(*pulses);
+            BoardReport::MotionEnded => self.end_motion_for_board(),
+            BoardReport::RunStopped => self.stop_run_for_board(),
+            BoardReport::StoppedAtSwitch => self.stop_for_switch(),
+            BoardReport::StoppedAt(pulses) | BoardReport::MotionRejected(pulses) => {
+                self.set_count(*pulses);
             }
-            BoardReport::Alarm { alarm, in_pass } => self.raise_of_board(alarm.clone(), *in_pass),
-            BoardReport::Failed(alarm) => self.raise(alarm.clone()),
-            BoardReport::Standing(alarm) => {
-                self.drives.board_alarms.standing = Some(alarm.clone());
+            BoardReport::Alarm { alarm, in_pass } => {
+                self.raise_board_alarm(alarm.clone(), *in_pass)
             }
-            BoardReport::CauseGone => self.drives.board_alarms.standing = None,
-            BoardReport::Opened => {
-                self.halt_for_board();
-                for number in groups::OF_OPENING {
+            BoardReport::PositionlessFault(alarm) => self.raise(alarm.clone()),
+            BoardReport::PersistentAlarm(alarm) => {
+                self.drives.board_alarms.persistent = Some(alarm.clone());
+            }
+            BoardReport::CauseRecheck => self.drives.board_alarms.persistent = None,
+            BoardReport::BoardReady => {
+                self.end_motion_for_board();
+                for number in groups::CONNECTION_ALARMS {
                     self.alarms.remove(number);
                 }
             }
-            BoardReport::ReferenceLost { told } => {
+            BoardReport::ReferenceLost { raise_alarm: told } => {
                 let referenced = self.coordinates.referenced;
-                self.drives.board_alarms.fell |= *told && (referenced.x || referenced.z);
+                self.drives.board_alarms.reference_dropped |=
+                    *told && (referenced.x || referenced.z);
                 self.drop_reference();
             }
-            BoardReport::Reached(axis) => self.board_reached(*axis),
-            BoardReport::Returned { axes, at } => self.board_returned(*axes, *at),
+            BoardReport::SwitchReached(axis) => self.handle_switch_reached(*axis),
+            BoardReport::Homed { axes, at } => self.finish_board_homing(*axes, *at),
             BoardReport::ReturnsAbandoned => self.abandon_returns(),
-            BoardReport::PassRefused(alarm) => self.raise_at_last(alarm.clone()),
-            BoardReport::PassBegan => self.begin_pass(),
-            BoardReport::PassEnded(end) => self.end_pass(*end),
+            BoardReport::PassRefused(alarm) => self.raise_at_last_block(alarm.clone()),
+            BoardReport::PassStarted => self.start_pass(),
+            BoardReport::PassEnded(end) => self.finish_pass(*end),
         }
     }
 
     /// Raises an alarm whose detail will name the position of the slides.
-    fn raise_of_board(&mut self, alarm: Alarm, in_pass: bool) {
+    fn raise_board_alarm(&mut self, alarm: Alarm, in_pass: bool) {
         if !self.alarms.contains(alarm.number) {
             self.drives.board_alarms.incomplete.push(alarm.clone());
         }
         if in_pass {
-            self.raise_at_last(alarm);
+            self.raise_at_last_block(alarm);
         } else {
             self.raise(alarm);
         }
     }
 
     /// Adds the position of the slides to the alarms raised since the last standstill.
-    fn complete_alarms(&mut self, settled: Settled) {
+    fn add_position_to_alarms(&mut self, standstill: Standstill) {
         let board_alarms = &mut self.drives.board_alarms;
-        if board_alarms.fell && !self.emergency_stop && self.reset_left == 0 {
-            board_alarms.fell = false;
+        if board_alarms.reference_dropped && !self.emergency_stop && self.reset_left_ms == 0 {
+            board_alarms.reference_dropped = false;
             if self.alarms.is_empty() {
-                let alarm = Alarm::new(number::NO_REFERENCE).because(say::reference_dropped());
-                self.raise_of_board(alarm, false);
+                let alarm = Alarm::new(number::NO_REFERENCE).with_detail(say::reference_dropped());
+                self.raise_board_alarm(alarm, false);
             }
         }
         let mut incomplete = core::mem::take(&mut self.drives.board_alarms.incomplete);
-        if !settled.reported {
+        if !standstill.position_reported {
             // A board that is not identified yet has moved nothing.
-            incomplete.retain(|alarm| !groups::comes_before_motion(alarm.number));
+            incomplete.retain(|alarm| !groups::can_precede_motion(alarm.number));
             for Alarm { number, detail, .. } in incomplete {
                 let detail = detail.unwrap_or_else(|| say::as_written(""));
                 self.alarms
-                    .restate(number, say::position_unknown_after(detail));
+                    .set_detail(number, say::position_unknown_after(detail));
             }
             return;
         }
         // The control's own emergency stop stops the board too.
-        let mut standing = self.alarms.list().iter();
+        let mut active = self.alarms.list().iter();
         incomplete.extend(
-            standing
+            active
                 .find(|alarm| alarm.number == number::EMERGENCY_STOP && alarm.detail.is_none())
                 .cloned(),
         );
         if incomplete.is_empty() {
             return;
         }
-        let sure = settled
+        let certainty = standstill
             .uncertainty
             .map_or_else(say::position_certain, |reason| {
                 say::position_uncertain(reason.text())
             });
-        let [x, z] = self.machine_coordinates_in_text();
-        let position = if settled.uncertainty.is_none_or(Uncertainty::is_counted) {
-            say::position_counted(x, z, sure)
+        let [x, z] = self.machine_coordinate_texts();
+        let position = if standstill.uncertainty.is_none_or(Uncertainty::is_counted) {
+            say::position_counted(x, z, certainty)
         } else {
-            say::position_sent(x, z, sure)
+            say::position_sent(x, z, certainty)
         };
         for alarm in incomplete {
             let detail = match alarm.detail {
                 Some(detail) => say::several([detail, position.clone()]),
                 None => position.clone(),
             };
-            if let Some(standing) = &mut self.drives.board_alarms.standing
-                && standing.number == alarm.number
+            if let Some(persistent) = &mut self.drives.board_alarms.persistent
+                && persistent.number == alarm.number
             {
-                standing.detail = Some(detail.clone());
+                persistent.detail = Some(detail.clone());
             }
-            self.alarms.restate(alarm.number, detail);
+            self.alarms.set_detail(alarm.number, detail);
         }
     }
 
     /// Machine coordinates as the pages show them.
-    fn machine_coordinates_in_text(&self) -> [String; 2] {
+    fn machine_coordinate_texts(&self) -> [String; 2] {
         let (at, parameters) = (self.position_machine(), &self.memory.parameters);
-        let x = if parameters.radius_programming() {
+        let x = if parameters.is_radius_programming() {
             at.x
         } else {
             at.diameter().0
         };
         [x, at.z].map(|value| {
-            let (unit, decimals) = if parameters.inch_machine() {
+            let (unit, decimals) = if parameters.is_inch_machine() {
                 (MM_PER_INCH, 4)
             } else {
                 (1.0, 3)
@@ -180,51 +186,53 @@ impl Cnc {
     }
 
     /// Prevents motion from starting with parameters that differ from those of the
-    /// connection; `stood_at` is the count before the tick.
-    pub(crate) fn check_outgrown(&mut self, stood_at: PerAxis<Pulses>) {
+    /// connection; `pulses_before` is the count before the tick.
+    pub(crate) fn check_changed_parameters(&mut self, pulses_before: PerAxis<Pulses>) {
         let Some(board) = self.drives.board else {
             return;
         };
-        if board.moving || self.pulses() == stood_at {
+        if board.is_moving || self.pulses() == pulses_before {
             return;
         }
-        let checked = board.checked;
-        let outgrown = checked.and_then(|checked| checked.alarm(&self.memory.parameters));
-        if let Some(alarm) = outgrown {
+        let checked = board.checked_parameters;
+        let changed_parameter =
+            checked.and_then(|checked| checked.to_alarm(&self.memory.parameters));
+        if let Some(alarm) = changed_parameter {
             self.raise(alarm);
-            self.halt_for_board();
-            self.stand_at(stood_at);
+            self.end_motion_for_board();
+            self.set_count(pulses_before);
         }
     }
 
     /// The orders for the board after a tick.
     pub(crate) fn board_orders(&self) -> BoardOrders {
         let parameters = &self.memory.parameters;
-        let both = |axis| (self.board_awaits(axis), parameters.backlash(axis) != 0.0);
-        let (x, z) = (both(Axis::X), both(Axis::Z));
-        let ended = |event: &Event| matches!(event, Event::ProgramEnded { .. });
+        let awaited_and_backlash =
+            |axis| (self.awaited_input(axis), parameters.backlash(axis) != 0.0);
+        let (x, z) = (awaited_and_backlash(Axis::X), awaited_and_backlash(Axis::Z));
+        let is_end = |event: &Event| matches!(event, Event::ProgramEnded { .. });
         BoardOrders {
-            outputs: self.switched_by_board(),
-            fine: self.drives.chain.fine(),
-            moving: self.is_moving(),
-            feeding: self.feed_actual() > 0.0,
+            outputs: self.commanded_outputs(),
+            fraction: self.drives.axis_chain.fine_pulses(),
+            is_moving: self.is_moving(),
+            is_feeding: self.feed_actual() > 0.0,
             spindle: SpindleOrders {
-                waits: self.waits_for_spindle(),
-                lead: self.lead_followed(),
+                waits_for_angle: self.is_waiting_for_spindle(),
+                lead_mm: self.followed_lead(),
             },
-            pass: self.pass_waiting(),
+            pass: self.pending_pass(),
             returns: ReturnOrders {
-                by_board: self.board_returns(),
+                by_board: self.board_homing_axes(),
                 awaited: PerAxis::new(x.0, z.0),
                 referenced: self.coordinates.referenced,
             },
-            emergency_stop: self.emergency_stop,
-            resetting: self.resetting(),
-            board_alarm: self.has_board_alarm(),
-            backlash: x.1 || z.1,
+            is_emergency_stop: self.emergency_stop,
+            is_resetting: self.is_resetting(),
+            has_board_alarm: self.has_board_alarm(),
+            compensates_backlash: x.1 || z.1,
             run: RunOrders {
-                state: self.run.automatic.state,
-                ended: (self.events.iter().any(ended))
+                run_state: self.run.automatic.state,
+                ended: (self.events.iter().any(is_end))
                     .then(|| self.cursor().program)
                     .flatten(),
             },
@@ -232,7 +240,7 @@ impl Cnc {
     }
 
     /// Outputs that the ladder and the spindle control command.
-    fn switched_by_board(&self) -> BoardOutputs {
+    fn commanded_outputs(&self) -> BoardOutputs {
         let memory = self.plc.engine.memory();
         let (coolant, bit) = pins::COOLANT;
         let spindle = pins::spindle_direction(memory);

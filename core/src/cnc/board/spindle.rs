@@ -6,49 +6,53 @@
 //! ```
 
 use crate::alarm::{Alarm, number};
-use crate::board::{BoardSpindle, SpindleTrouble};
+use crate::board::{BoardSpindle, SpindleFault};
 use crate::cnc::Cnc;
 use crate::command::{Action, ThreadStart};
-use crate::machine::Inputs;
+use crate::machine::MachineInputs;
 use crate::spindle::Encoder;
 use crate::units::Feed;
 use gsk_messages::say;
 
 /// Greatest variation of the spindle speed in a thread, %.
-const VARIATION: f64 = 0.2;
+const MAX_VARIATION_PERCENT: f64 = 0.2;
 
 /// Time budget of a spindle to become steady: in ms, plus a number of turns.
-const PATIENCE_MS: f64 = 10_000.0;
+const STEADY_BUDGET_MS: f64 = 10_000.0;
 
-const PATIENCE_TURNS: f64 = 40.0;
+const STEADY_BUDGET_TURNS: f64 = 40.0;
 
 /// Below this speed the spindle counts as stopped, r/min.
-const STANDING_RPM: f64 = 1.0;
+const STANDSTILL_RPM: f64 = 1.0;
 
 impl Cnc {
     /// Replaces the encoder inputs by those of the spindle that the board measures.
-    pub(crate) fn with_board_spindle(&self, inputs: &Inputs, spindle: &BoardSpindle) -> Inputs {
+    pub(crate) fn with_board_spindle(
+        &self,
+        inputs: &MachineInputs,
+        spindle: &BoardSpindle,
+    ) -> MachineInputs {
         let counts = Encoder::counts_per_spindle_turn(&self.memory.parameters).unwrap_or(0.0);
         let count = |turns: f64| (turns * counts).floor() as i64;
-        Inputs {
+        MachineInputs {
             encoder: count(spindle.turn.now),
             encoder_index: count(spindle.turn.index),
-            spindle_index: spindle.passed,
+            spindle_index: spindle.index_passed,
             ..inputs.clone()
         }
     }
 
     /// Whether a thread waits for its spindle angle.
-    pub(crate) fn waits_for_spindle(&self) -> bool {
-        self.drives.interpolator.waits_for_spindle()
+    pub(crate) fn is_waiting_for_spindle(&self) -> bool {
+        self.drives.interpolator.is_waiting_for_spindle()
     }
 
     /// Lead of the thread under way, mm; `None` outside threads.
-    pub(crate) fn lead_followed(&self) -> Option<f64> {
-        if !self.drives.interpolator.in_thread() {
+    pub(crate) fn followed_lead(&self) -> Option<f64> {
+        if !self.drives.interpolator.is_in_thread() {
             return None;
         }
-        match self.run.automatic.action() {
+        match self.run.automatic.current_action() {
             Some(Action::Thread { lead, .. }) => Some(lead.abs().max(1e-3)),
             _ => None,
         }
@@ -60,13 +64,13 @@ impl Cnc {
         let Some(spindle) = self.drives.board.and_then(|board| board.spindle) else {
             return false;
         };
-        let stands = spindle.rpm.abs() < STANDING_RPM;
-        let ready = match action {
+        let stands_still = spindle.rpm.abs() < STANDSTILL_RPM;
+        let is_ready = match action {
             Action::Thread {
                 start: ThreadStart::AtIndex { .. },
                 ..
             }
-            | Action::ThreadCycle { .. } => self.steady(&spindle),
+            | Action::ThreadCycle { .. } => self.is_steady(&spindle),
             Action::Line {
                 feed: Feed::PerRevolution(_),
                 ..
@@ -74,31 +78,31 @@ impl Cnc {
             | Action::Arc {
                 feed: Feed::PerRevolution(_),
                 ..
-            } => !stands,
+            } => !stands_still,
             _ => true,
         };
-        if ready || (stands && !spindle.commanded) || self.dry_run().is_some() {
+        if is_ready || (stands_still && !spindle.is_commanded) || self.dry_run().is_some() {
             return false;
         }
-        let turns = PATIENCE_TURNS * 60_000.0 / spindle.rpm.abs().max(STANDING_RPM);
-        let patience = PATIENCE_MS + if stands { 0.0 } else { turns };
-        let waited = &mut self.run.automatic.watch.waited;
+        let turns = STEADY_BUDGET_TURNS * 60_000.0 / spindle.rpm.abs().max(STANDSTILL_RPM);
+        let time_budget_ms = STEADY_BUDGET_MS + if stands_still { 0.0 } else { turns };
+        let waited = &mut self.run.automatic.watch.waited_ticks;
         *waited += 1;
-        f64::from(*waited) < patience
+        f64::from(*waited) < time_budget_ms
     }
 
-    fn steady(&self, spindle: &BoardSpindle) -> bool {
+    fn is_steady(&self, spindle: &BoardSpindle) -> bool {
         let variation = spindle.variation.unwrap_or(f64::INFINITY) * 100.0;
-        variation <= self.variation_allowed() && spindle.turn.now != spindle.turn.before
+        variation <= self.max_variation_percent() && spindle.turn.now != spindle.turn.before
     }
 
     /// Permitted variation, %: the smaller of No.106 and the board's limit.
-    fn variation_allowed(&self) -> f64 {
-        let limit = self.memory.parameters.fluctuation_limit();
+    fn max_variation_percent(&self) -> f64 {
+        let limit = self.memory.parameters.speed_fluctuation_limit();
         if limit > 0.0 {
-            limit.min(VARIATION)
+            limit.min(MAX_VARIATION_PERCENT)
         } else {
-            VARIATION
+            MAX_VARIATION_PERCENT
         }
     }
 
@@ -109,18 +113,18 @@ impl Cnc {
             return Ok(());
         };
         let rpm = spindle.rpm.abs();
-        let begins = match action {
+        let is_start = match action {
             Action::ThreadCycle { .. } => true,
             Action::Thread { start, .. } => matches!(start, ThreadStart::AtIndex { .. }),
             _ => return Ok(()),
         };
-        if !begins || rpm < STANDING_RPM || self.steady(&spindle) {
+        if !is_start || rpm < STANDSTILL_RPM || self.is_steady(&spindle) {
             return Ok(());
         }
         Err(
-            Alarm::new(number::SPEED_FLUCTUATES).because(match spindle.variation {
+            Alarm::new(number::SPEED_FLUCTUATES).with_detail(match spindle.variation {
                 Some(variation) => {
-                    say::spindle_varies(variation * 100.0, rpm, self.variation_allowed())
+                    say::spindle_varies(variation * 100.0, rpm, self.max_variation_percent())
                 }
                 None => say::spindle_not_steady(rpm),
             }),
@@ -129,35 +133,35 @@ impl Cnc {
 
     /// Handles a spindle fault that the board reports during a thread. A spoilt thread
     /// continues to its end with its run-out; without an index it ends at once.
-    pub(crate) fn watch_board_spindle(&mut self) {
+    pub(crate) fn check_board_spindle_fault(&mut self) {
         let spindle = self.drives.board.and_then(|board| board.spindle);
-        let Some(trouble) = spindle.and_then(|spindle| spindle.trouble) else {
+        let Some(fault) = spindle.and_then(|spindle| spindle.fault) else {
             return;
         };
-        let waits = self.drives.interpolator.waits_for_spindle();
-        if waits || trouble == SpindleTrouble::Lost {
-            self.raise_at_last(trouble.alarm());
+        let is_waiting = self.drives.interpolator.is_waiting_for_spindle();
+        if is_waiting || fault == SpindleFault::Lost {
+            self.raise_at_last_block(fault.to_alarm());
         } else {
-            self.run.automatic.watch.spoilt.get_or_insert(trouble);
+            self.run.automatic.watch.fault.get_or_insert(fault);
         }
     }
 
     /// Raises the alarm of a spoilt thread before the next command. Returns whether it did.
-    pub(crate) fn ends_spoilt(&mut self, next: &Action) -> bool {
-        let goes_on = matches!(
+    pub(crate) fn end_spoilt_thread(&mut self, next: &Action) -> bool {
+        let continues = matches!(
             next,
             Action::Thread {
                 start: ThreadStart::Continued,
                 ..
             }
         );
-        if goes_on {
+        if continues {
             return false;
         }
-        let spoilt = self.run.automatic.watch.spoilt.take();
-        if let Some(trouble) = spoilt {
-            self.raise_at_last(trouble.alarm());
+        let spindle_fault = self.run.automatic.watch.fault.take();
+        if let Some(fault) = spindle_fault {
+            self.raise_at_last_block(fault.to_alarm());
         }
-        spoilt.is_some()
+        spindle_fault.is_some()
     }
 }

@@ -22,23 +22,27 @@ use crate::alarm::{Alarm, number};
 use crate::board::BoardDrives;
 use crate::cnc::Cnc;
 use crate::motion::JogRate;
-use crate::operation::{Direction, Return};
+use crate::operation::{AxisDirection, ZeroReturnStage};
 use crate::units::{Axis, PerAxis, Point};
 use gsk_link::{AwaitedInput, Input, InputCondition};
 use gsk_messages::say;
 
 impl Cnc {
     /// Starts the return of an axis whose switch is wired to the board.
-    pub(crate) fn seek_with_board(&mut self, axis: Axis, board: &BoardDrives) -> Result<(), Alarm> {
-        let outgrown = board
-            .checked
-            .and_then(|checked| checked.alarm(&self.memory.parameters));
-        if let Some(alarm) = outgrown {
+    pub(crate) fn start_return_with_board(
+        &mut self,
+        axis: Axis,
+        board: &BoardDrives,
+    ) -> Result<(), Alarm> {
+        let changed_parameter = board
+            .checked_parameters
+            .and_then(|checked| checked.to_alarm(&self.memory.parameters));
+        if let Some(alarm) = changed_parameter {
             return Err(alarm);
         }
-        let Some(wiring) = board.zero.map(|zero| *zero.get(axis)) else {
+        let Some(wiring) = board.zero_wiring.map(|zero| *zero.get(axis)) else {
             self.check_other_switch(axis, board)?;
-            self.board_makes_return(axis);
+            self.start_board_homing(axis);
             return Ok(());
         };
         if self.coordinates.at_reference.get(axis).is_some()
@@ -50,38 +54,41 @@ impl Cnc {
             Axis::X => ('x', 0),
             Axis::Z => ('z', 1),
         };
-        if !(wiring.switch || wiring.limit) {
+        if !(wiring.has_deceleration_switch || wiring.has_limit_switch) {
             return Err(
-                Alarm::new(number::BOARD_ZERO_RETURN).because(say::zero_switch_not_wired(name))
+                Alarm::new(number::BOARD_ZERO_RETURN).with_detail(say::zero_switch_not_wired(name))
             );
         }
-        if wiring.switch && !wiring.signal && !self.memory.parameters.one_zero_switch(axis) {
+        if wiring.has_deceleration_switch
+            && !wiring.has_zero_signal
+            && !self.memory.parameters.has_one_zero_switch(axis)
+        {
             return Err(Alarm::new(number::BOARD_ZERO_RETURN)
-                .because(say::zero_signal_not_wired(bit, name)));
+                .with_detail(say::zero_signal_not_wired(bit, name)));
         }
-        if wiring.switch && self.on_zero_switch(axis) {
-            return Err(self.begins_on_switch(axis));
+        if wiring.has_deceleration_switch && self.is_on_zero_switch(axis) {
+            return Err(self.on_switch_alarm(axis));
         }
         let rate = self.memory.parameters.zero_approach_rate(axis);
         let pulses = rate / 60.0 * board.pulses_per_mm[axis as usize];
-        let most = board.rates.each[axis as usize];
-        if pulses > most {
+        let max_rate = board.rates.each[axis as usize];
+        if pulses > max_rate {
             return Err(
-                Alarm::new(number::BOARD_CANNOT).because(say::zero_approach_too_fast(
+                Alarm::new(number::BOARD_CANNOT).with_detail(say::zero_approach_too_fast(
                     pulses,
                     format!("{axis:?}"),
-                    most,
+                    max_rate,
                 )),
             );
         }
-        let leaves = !wiring.switch && wiring.on_limit;
+        let is_on_limit = !wiring.has_deceleration_switch && wiring.is_on_limit;
         // A fast stepper may lose steps at the dead stop on its switch.
         *self.coordinates.referenced.get_mut(axis) = false;
         *self.coordinates.at_reference.get_mut(axis) = None;
-        *self.coordinates.returns.get_mut(axis) = Some(if leaves {
-            Return::Leave
+        *self.coordinates.returns.get_mut(axis) = Some(if is_on_limit {
+            ZeroReturnStage::LeaveLimit
         } else {
-            Return::Approach
+            ZeroReturnStage::Approach
         });
         Ok(())
     }
@@ -93,33 +100,39 @@ impl Cnc {
             Axis::X => (Axis::Z, 1),
             Axis::Z => (Axis::X, 0),
         };
-        if board.alone || self.memory.parameters.has_zero_switch(other) {
+        if board.homes_axes_separately || self.memory.parameters.has_zero_switch(other) {
             return Ok(());
         }
         Err(Alarm::new(number::BOARD_ZERO_RETURN)
-            .because(say::zero_switch_of_other_axis(bit, format!("{other:?}"))))
+            .with_detail(say::zero_switch_of_other_axis(bit, format!("{other:?}"))))
     }
 
     /// Whether returns to a switch are under way. The board must not stop other motion for
     /// them.
-    pub(crate) fn board_seeks(&self) -> bool {
-        let seeks = |stage: Option<Return>| stage.is_some_and(|stage| stage != Return::Straight);
-        self.drives.board.is_some_and(|board| board.zero.is_some())
-            && (seeks(self.coordinates.returns.x) || seeks(self.coordinates.returns.z))
+    pub(crate) fn is_board_seeking(&self) -> bool {
+        let is_seeking = |stage: Option<ZeroReturnStage>| {
+            stage.is_some_and(|stage| stage != ZeroReturnStage::Straight)
+        };
+        self.drives
+            .board
+            .is_some_and(|board| board.zero_wiring.is_some())
+            && (is_seeking(self.coordinates.returns.x) || is_seeking(self.coordinates.returns.z))
     }
 
     /// Whether the board homes on its own.
-    pub(crate) fn board_homes(&self) -> bool {
-        self.drives.board.is_some_and(|board| board.zero.is_none())
+    pub(crate) fn can_board_home(&self) -> bool {
+        self.drives
+            .board
+            .is_some_and(|board| board.zero_wiring.is_none())
     }
 
     /// The input that the return of an axis waits for at the board; `None`: none.
-    pub(crate) fn board_awaits(&self, axis: Axis) -> Option<AwaitedInput> {
+    pub(crate) fn awaited_input(&self, axis: Axis) -> Option<AwaitedInput> {
         let board = self.drives.board?;
-        let wiring = *board.zero?.get(axis);
+        let wiring = *board.zero_wiring?.get(axis);
         let stage = (*self.coordinates.returns.get(axis))?;
         if [self.coordinates.returns.x, self.coordinates.returns.z]
-            .contains(&Some(Return::Straight))
+            .contains(&Some(ZeroReturnStage::Straight))
         {
             // A rapid to a known position does not end with a dead stop.
             return None;
@@ -128,22 +141,26 @@ impl Cnc {
             Axis::X => [Input::DecelerationX, Input::ZeroX, Input::LimitX],
             Axis::Z => [Input::DecelerationZ, Input::ZeroZ, Input::LimitZ],
         };
-        let reference = if wiring.switch { switch } else { limit };
+        let reference = if wiring.has_deceleration_switch {
+            switch
+        } else {
+            limit
+        };
         let low = self.memory.parameters.zero_low_rate();
         let (input, until, rate) = match stage {
-            Return::Approach => {
+            ZeroReturnStage::Approach => {
                 let rate = self.memory.parameters.zero_approach_rate(axis);
                 (reference, InputCondition::Operated, rate)
             }
-            Return::OnSwitch => (switch, InputCondition::Free, low),
-            Return::Leave => (limit, InputCondition::Free, low),
-            Return::Search => (signal, InputCondition::Changed, low),
-            Return::Back => (switch, InputCondition::Operated, low),
-            Return::Straight
-            | Return::Turning
-            | Return::Past(_)
-            | Return::Board
-            | Return::Rest { .. } => return None,
+            ZeroReturnStage::OnSwitch => (switch, InputCondition::Free, low),
+            ZeroReturnStage::LeaveLimit => (limit, InputCondition::Free, low),
+            ZeroReturnStage::Search => (signal, InputCondition::Changed, low),
+            ZeroReturnStage::Back => (switch, InputCondition::Operated, low),
+            ZeroReturnStage::Straight
+            | ZeroReturnStage::Stopping
+            | ZeroReturnStage::PastEdge(_)
+            | ZeroReturnStage::BoardHoming
+            | ZeroReturnStage::MotorWait { .. } => return None,
         };
         Some(AwaitedInput {
             input,
@@ -153,44 +170,52 @@ impl Cnc {
     }
 
     /// Whether the board is armed for the switch that the return of an axis waits for.
-    pub(crate) fn board_lets_return(&self, axis: Axis) -> bool {
+    pub(crate) fn is_board_armed(&self, axis: Axis) -> bool {
         self.drives.board.is_none_or(|board| {
-            board.zero.is_none()
-                || (board.armed.get(axis).is_some()
-                    && *board.armed.get(axis) == self.board_awaits(axis)
-                    && board.prepared
+            board.zero_wiring.is_none()
+                || (board.armed_inputs.get(axis).is_some()
+                    && *board.armed_inputs.get(axis) == self.awaited_input(axis)
+                    && board.is_prepared
                     && board.takes_motion)
         })
     }
 
     /// Stops the motion because the board stopped at a switch. The position follows.
-    pub(crate) fn pause_for_board(&mut self) {
+    pub(crate) fn stop_for_switch(&mut self) {
         self.drives.interpolator.stop_now();
         self.hand.jog = PerAxis::default();
     }
 
     /// Continues the return of an axis that the board stopped at its switch.
-    pub(crate) fn board_reached(&mut self, axis: Axis) {
-        let Some(wiring) = self.drives.board.and_then(|board| board.zero) else {
+    pub(crate) fn handle_switch_reached(&mut self, axis: Axis) {
+        let Some(wiring) = self.drives.board.and_then(|board| board.zero_wiring) else {
             return;
         };
         let wiring = *wiring.get(axis);
-        let toward = if self.memory.parameters.zero_is_negative(axis) {
+        let towards_zero = if self.memory.parameters.is_zero_negative(axis) {
             -1.0
         } else {
             1.0
         };
         let here = self.position().get(axis);
-        let past = |way: f64| Return::Past(libm::round((here + way * wiring.off) * 1000.0) as i64);
+        let past_position = |direction: f64| {
+            ZeroReturnStage::PastEdge(
+                libm::round((here + direction * wiring.pull_off_mm) * 1000.0) as i64,
+            )
+        };
         let next = match *self.coordinates.returns.get(axis) {
-            Some(Return::Approach) if !wiring.switch => Return::Leave,
-            Some(Return::Approach) => Return::OnSwitch,
-            Some(Return::OnSwitch) if self.memory.parameters.one_zero_switch(axis) => past(toward),
-            Some(Return::OnSwitch) => Return::Search,
-            Some(Return::Leave) => past(-toward),
-            Some(Return::Search | Return::Back) => {
+            Some(ZeroReturnStage::Approach) if !wiring.has_deceleration_switch => {
+                ZeroReturnStage::LeaveLimit
+            }
+            Some(ZeroReturnStage::Approach) => ZeroReturnStage::OnSwitch,
+            Some(ZeroReturnStage::OnSwitch) if self.memory.parameters.has_one_zero_switch(axis) => {
+                past_position(towards_zero)
+            }
+            Some(ZeroReturnStage::OnSwitch) => ZeroReturnStage::Search,
+            Some(ZeroReturnStage::LeaveLimit) => past_position(-towards_zero),
+            Some(ZeroReturnStage::Search | ZeroReturnStage::Back) => {
                 let count = *self.pulses().get(axis);
-                return self.meet_zero(axis, Some(count));
+                return self.set_machine_zero_at(axis, Some(count));
             }
             _ => return,
         };
@@ -198,32 +223,33 @@ impl Cnc {
     }
 
     /// Advances a return at the board. Returns whether the board handles it.
-    pub(crate) fn return_with_board(&mut self, axis: Axis, stage: Return) -> bool {
+    pub(crate) fn advance_board_return(&mut self, axis: Axis, stage: ZeroReturnStage) -> bool {
         let Some(board) = self.drives.board else {
             return false;
         };
-        let (Some(zero), false) = (board.zero, stage == Return::Straight) else {
+        let (Some(zero), false) = (board.zero_wiring, stage == ZeroReturnStage::Straight) else {
             return false;
         };
-        if let Return::Past(target) = stage {
+        if let ZeroReturnStage::PastEdge(target) = stage {
             let target = target as f64 / 1000.0;
-            let way = Direction::of(target - self.position().get(axis));
-            let waits = self.return_held(axis) || !(board.prepared && board.takes_motion);
-            match way {
-                None if zero.get(axis).switch => {
-                    self.drives.interpolator.release(axis);
-                    *self.coordinates.returns.get_mut(axis) = Some(Return::Back);
+            let direction = AxisDirection::from_distance(target - self.position().get(axis));
+            let is_waiting =
+                self.is_return_held(axis) || !(board.is_prepared && board.takes_motion);
+            match direction {
+                None if zero.get(axis).has_deceleration_switch => {
+                    self.drives.interpolator.release_axis(axis);
+                    *self.coordinates.returns.get_mut(axis) = Some(ZeroReturnStage::Back);
                 }
                 None => {
-                    let mut place = Point::default();
-                    *place.get_mut(axis) = zero.get(axis).at;
+                    let mut home = Point::default();
+                    *home.get_mut(axis) = zero.get(axis).home_mm;
                     let axes = PerAxis::new(axis == Axis::X, axis == Axis::Z);
-                    self.board_returned(axes, place);
+                    self.finish_board_homing(axes, home);
                 }
-                Some(way) if waits || !self.may_go(axis, way) => {
-                    self.drives.interpolator.release(axis);
+                Some(direction) if is_waiting || !self.can_move(axis, direction) => {
+                    self.drives.interpolator.release_axis(axis);
                 }
-                Some(_) if !self.drives.interpolator.stepping(axis) => {
+                Some(_) if !self.drives.interpolator.is_stepping(axis) => {
                     let rate = JogRate::Approach(self.memory.parameters.zero_low_rate());
                     self.drives.interpolator.go_to(axis, target, rate);
                 }

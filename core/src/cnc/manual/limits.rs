@@ -3,100 +3,101 @@
 
 use crate::alarm::Alarm;
 use crate::cnc::Cnc;
-use crate::machine::{Inputs, OverLimit};
-use crate::operation::{Direction, travel_alarm};
+use crate::machine::{MachineInputs, TrippedLimit};
+use crate::operation::{AxisDirection, travel_alarm};
 use crate::units::{Axis, PerAxis, Point, TICK_S};
 use gsk_messages::{Message, say};
 
 /// Both directions of both axes.
-const SIDES: [(Axis, Direction); 4] = [
-    (Axis::X, Direction::Plus),
-    (Axis::X, Direction::Minus),
-    (Axis::Z, Direction::Plus),
-    (Axis::Z, Direction::Minus),
+const SIDES: [(Axis, AxisDirection); 4] = [
+    (Axis::X, AxisDirection::Plus),
+    (Axis::X, AxisDirection::Minus),
+    (Axis::Z, AxisDirection::Plus),
+    (Axis::Z, AxisDirection::Minus),
 ];
 
 impl Cnc {
     /// Whether an axis may be moved manually in this direction. Beyond a limit only the
     /// opposite direction is permitted, until the axis is inside again and the alarm is
     /// cleared.
-    pub(crate) fn may_go(&mut self, axis: Axis, way: Direction) -> bool {
-        if self.direction_locked(axis, way) {
+    pub(crate) fn can_move(&mut self, axis: Axis, direction: AxisDirection) -> bool {
+        if self.is_direction_locked(axis, direction) {
             return false;
         }
-        let beyond = !self.machine_locked() && self.is_outside(axis, way);
-        if beyond {
+        let is_beyond = !self.is_machine_locked() && self.is_outside(axis, direction);
+        if is_beyond {
             // The limit has been moved inside the axis position: only the way back is
             // permitted.
-            self.raise(Alarm::new(travel_alarm(axis, way)));
+            self.raise(Alarm::new(travel_alarm(axis, direction)));
         }
-        !beyond
+        !is_beyond
     }
 
     /// Whether the slide is beyond a software limit that is checked.
-    fn is_outside(&self, axis: Axis, way: Direction) -> bool {
-        let place = self.slide().get(axis);
-        *self.watched().get(axis)
+    fn is_outside(&self, axis: Axis, direction: AxisDirection) -> bool {
+        let position = self.slide_position().get(axis);
+        *self.checked_axes().get(axis)
             && self
                 .drives
                 .soft_limits
-                .is_beyond(axis, way == Direction::Plus, place)
+                .is_beyond(axis, direction == AxisDirection::Plus, position)
     }
 
     /// The overtravel alarms that RESET cannot clear yet: the axis must first be moved back
     /// manually (manual III-3.5.3), or off the limit of the ladder.
-    pub(crate) fn still_outside(&self) -> [Option<u16>; 4] {
-        SIDES.map(|(axis, way)| {
-            let outside = self.limit_reached(axis, way) || self.is_outside(axis, way);
-            outside.then(|| travel_alarm(axis, way))
+    pub(crate) fn overtravel_alarms(&self) -> [Option<u16>; 4] {
+        SIDES.map(|(axis, direction)| {
+            let outside =
+                self.is_limit_reached(axis, direction) || self.is_outside(axis, direction);
+            outside.then(|| travel_alarm(axis, direction))
         })
     }
 
     /// Axes whose software limits are checked: with 172.4 MOT = 0, those whose machine
     /// coordinates are valid.
-    fn watched(&self) -> PerAxis<bool> {
-        if self.memory.parameters.soft_limits_masked() {
+    fn checked_axes(&self) -> PerAxis<bool> {
+        if self.memory.parameters.are_soft_limits_masked() {
             return PerAxis::default();
         }
-        let known = |axis| {
+        let has_coordinates = |axis| {
             *self.coordinates.referenced.get(axis) || !self.memory.parameters.has_zero_switch(axis)
         };
-        PerAxis::new(known(Axis::X), known(Axis::Z))
+        PerAxis::new(has_coordinates(Axis::X), has_coordinates(Axis::Z))
     }
 
     /// Checks the software travel limits; once per tick.
-    pub(crate) fn watch_travel(&mut self) {
+    pub(crate) fn check_travel(&mut self) {
         let drives = &self.drives;
         // The most frequent case, and cheap to check.
-        if let Some(way) = drives.interpolator.stops_within(&drives.limits) {
-            let (slide, commanded) = (self.slide(), drives.interpolator.commanded());
-            let far = |point, way| drives.soft_limits.are_far(point, way);
-            if far(commanded, way) && (slide == commanded || far(slide, 0.0)) {
+        if let Some(distance) = drives.interpolator.max_stopping_distance(&drives.limits) {
+            let (slide, commanded) = (self.slide_position(), drives.interpolator.commanded());
+            let is_far = |point, distance| drives.soft_limits.are_farther_than(point, distance);
+            if is_far(commanded, distance) && (slide == commanded || is_far(slide, 0.0)) {
                 return;
             }
         }
-        if self.machine_locked() || !drives.interpolator.is_moving() {
+        if self.is_machine_locked() || !drives.interpolator.is_moving() {
             return;
         }
-        let watched = self.watched();
-        if !watched.x && !watched.z {
+        let checked = self.checked_axes();
+        if !checked.x && !checked.z {
             return;
         }
-        let over = self.overrun_soon(watched);
-        if over.into_iter().any(|over| over) {
-            for ((axis, way), over) in SIDES.into_iter().zip(over) {
-                if over {
-                    self.raise_travel(axis, way);
+        let overrun = self.overrun_next_tick(checked);
+        if overrun.into_iter().any(|over| over) {
+            for ((axis, direction), is_overrun) in SIDES.into_iter().zip(overrun) {
+                if is_overrun {
+                    self.raise_overtravel(axis, direction);
                 }
             }
         }
     }
 
     /// The limits that the axes overrun, or would overrun if they braked one tick later.
-    fn overrun_soon(&self, watched: PerAxis<bool>) -> [bool; 4] {
+    fn overrun_next_tick(&self, checked: PerAxis<bool>) -> [bool; 4] {
         let drives = &self.drives;
-        let (slide, stop) = (self.slide(), self.stopping_point());
-        let overrun = |stop| drives.soft_limits.overrun(slide, stop, watched);
+        let (slide, stop) = (self.slide_position(), self.stopping_point());
+        let overrun = |stop| drives.soft_limits.overrun_limits(slide, stop, checked);
         // While the axes accelerate they stop up to two ticks of motion farther.
         let farthest = stop + drives.interpolator.velocity() * (2.0 * TICK_S);
         let now = overrun(stop);
@@ -110,52 +111,53 @@ impl Cnc {
 
     /// Checks that a cut which the control cannot stop ends within the limits.
     pub(crate) fn check_pass_end(&self, to: Point) -> Result<(), Alarm> {
-        let over = self
-            .drives
-            .soft_limits
-            .overrun(self.slide(), to, self.watched());
-        let found = SIDES.into_iter().zip(over).find(|(_, over)| *over);
-        match found {
-            Some(((axis, way), _)) => Err(Alarm::new(travel_alarm(axis, way))),
+        let overrun =
+            self.drives
+                .soft_limits
+                .overrun_limits(self.slide_position(), to, self.checked_axes());
+        let hit = SIDES.into_iter().zip(overrun).find(|(_, over)| *over);
+        match hit {
+            Some(((axis, direction), _)) => Err(Alarm::new(travel_alarm(axis, direction))),
             None => Ok(()),
         }
     }
 
     /// Names the limit switches that opened the emergency-stop loop: axis, side, and the
     /// direction off the switch.
-    pub(crate) fn over_limit_detail(&self, inputs: &Inputs) -> Option<Message> {
-        let mut said = Vec::new();
+    pub(crate) fn tripped_limit_detail(&self, inputs: &MachineInputs) -> Option<Message> {
+        let mut messages = Vec::new();
         for axis in [Axis::X, Axis::Z] {
-            let told = (*inputs.over_limit.get(axis)).or_else(|| self.wired_limit(axis));
-            let Some(tripped) = told else {
+            let reported =
+                (*inputs.over_limit.get(axis)).or_else(|| self.limit_reported_by_input(axis));
+            let Some(tripped) = reported else {
                 continue;
             };
             let (at, back) = match tripped {
-                OverLimit::Minus => ('-', '+'),
-                OverLimit::Plus => ('+', '-'),
-                OverLimit::Stuck => {
-                    said.push(say::limit_switch_stuck(axis));
+                TrippedLimit::Minus => ('-', '+'),
+                TrippedLimit::Plus => ('+', '-'),
+                TrippedLimit::Stuck => {
+                    messages.push(say::limit_switch_stuck(axis));
                     continue;
                 }
             };
-            said.push(say::limit_switch_tripped(
+            messages.push(say::limit_switch_tripped(
                 format_args!("{axis}{at}"),
                 format_args!("{axis}{back}"),
             ));
-            said.extend(self.unmet_switch(axis));
+            messages.extend(self.missed_switch_message(axis));
         }
-        (!said.is_empty()).then(|| say::several(said))
+        (!messages.is_empty()).then(|| say::several(messages))
     }
 
     /// Raises the alarm of a limit, with the block that caused it.
-    pub(crate) fn raise_travel(&mut self, axis: Axis, way: Direction) {
-        let alarm = Alarm::new(travel_alarm(axis, way));
+    pub(crate) fn raise_overtravel(&mut self, axis: Axis, direction: AxisDirection) {
+        let alarm = Alarm::new(travel_alarm(axis, direction));
         let source = self
             .run
             .automatic
             .current
             .as_ref()
             .map(|current| current.command.source);
-        self.raise(source.map_or(alarm.clone(), |source| alarm.at(source)));
+        self.raise(source.map_or(alarm.clone(), |source| alarm.with_source(source)));
     }
 }

@@ -7,16 +7,16 @@ mod zero_return;
 
 use crate::axis::least_increment;
 use crate::cnc::Cnc;
-use crate::machine::Inputs;
-use crate::mode::Mode;
+use crate::machine::MachineInputs;
+use crate::mode::OperatingMode;
 use crate::motion::JogRate;
-use crate::operation::{Direction, RunState, jog_rate};
+use crate::operation::{AxisDirection, RunState, jog_rate};
 use crate::units::{Axis, PerAxis, Point};
 
 impl Cnc {
     /// Advances manual motion by one tick.
-    pub(crate) fn manual_tick(&mut self, inputs: &Inputs) {
-        let counts = self.hand.wheel.counts(inputs.handwheel);
+    pub(crate) fn advance_manual_motion(&mut self, inputs: &MachineInputs) {
+        let counts = self.hand.wheel.count_tick(inputs.handwheel);
         // A key held since before a mode change must be released first.
         let plus = self.plc.signals.jog_plus;
         let minus = self.plc.signals.jog_minus;
@@ -27,51 +27,51 @@ impl Cnc {
         if self.run.automatic.state == RunState::Run {
             return;
         }
-        let allowed = self.run.mode.is_manual()
+        let is_allowed = self.run.mode.is_manual()
             && !self.emergency_stop
-            && !self.resetting()
+            && !self.is_resetting()
             && !self.is_not_ready();
-        let asked = match self.run.mode.motion() {
-            Mode::Handwheel => counts != 0 && self.plc.signals.wheel_axis.is_some(),
+        let is_requested = match self.run.mode.motion_mode() {
+            OperatingMode::Handwheel => counts != 0 && self.plc.signals.wheel_axis.is_some(),
             _ => down.x || down.z,
         };
-        if allowed && asked {
-            self.set_aside_held_motion();
+        if is_allowed && is_requested {
+            self.suspend_held_motion();
         }
-        if !self.manual_possible() {
+        if !self.is_manual_possible() {
             return;
         }
         for axis in [Axis::X, Axis::Z] {
             let key = match (*plus.get(axis), *minus.get(axis)) {
-                (true, false) => Some(Direction::Plus),
-                (false, true) => Some(Direction::Minus),
+                (true, false) => Some(AxisDirection::Plus),
+                (false, true) => Some(AxisDirection::Minus),
                 _ => None,
             };
-            let key = key.filter(|_| allowed && !*self.hand.jog_blocked.get(axis));
+            let key = key.filter(|_| is_allowed && !*self.hand.jog_blocked.get(axis));
             let pressed = key.filter(|_| !*before.get(axis));
-            let by_hand = self.board_takes_motion();
-            match self.run.mode.motion() {
-                Mode::Step => self.step(axis, pressed.filter(|_| by_hand)),
-                Mode::Handwheel => {
-                    self.follow_wheel(axis, if allowed && by_hand { counts } else { 0 });
+            let can_move = self.can_board_move();
+            match self.run.mode.motion_mode() {
+                OperatingMode::Step => self.step_axis(axis, pressed.filter(|_| can_move)),
+                OperatingMode::Handwheel => {
+                    self.follow_wheel(axis, if is_allowed && can_move { counts } else { 0 });
                 }
-                Mode::MachineZero => {
+                OperatingMode::MachineZero => {
                     // A board that homes on its own starts when it is ready.
-                    let begins = by_hand || self.board_seeks() || self.board_homes();
-                    self.return_keys(axis, key.is_some(), pressed.is_some() && begins);
+                    let can_start = can_move || self.is_board_seeking() || self.can_board_home();
+                    self.handle_return_keys(axis, key.is_some(), pressed.is_some() && can_start);
                 }
-                Mode::ProgramZero => {
-                    self.return_keys(axis, key.is_some(), pressed.is_some() && by_hand);
+                OperatingMode::ProgramZero => {
+                    self.handle_return_keys(axis, key.is_some(), pressed.is_some() && can_move);
                 }
-                _ => self.jog(axis, key.filter(|_| by_hand)),
+                _ => self.jog_axis(axis, key.filter(|_| can_move)),
             }
         }
     }
 
     /// Jog: moves the axis while its key is held.
-    fn jog(&mut self, axis: Axis, key: Option<Direction>) {
-        let way = key.filter(|way| !self.interlocked(axis) && self.may_go(axis, *way));
-        let command = way.map(|way| (way == Direction::Plus, self.manual_rate(axis)));
+    fn jog_axis(&mut self, axis: Axis, key: Option<AxisDirection>) {
+        let direction = key.filter(|way| !self.is_interlocked(axis) && self.can_move(axis, *way));
+        let command = direction.map(|way| (way == AxisDirection::Plus, self.manual_rate(axis)));
         self.command_axis(axis, command);
     }
 
@@ -85,33 +85,33 @@ impl Cnc {
 
     /// Step: each press moves the axis by one increment, to its end even when the key is
     /// released (manual III-6.1).
-    fn step(&mut self, axis: Axis, pressed: Option<Direction>) {
-        if let Some(way) = pressed
-            && !self.drives.interpolator.stepping(axis)
-            && !self.interlocked(axis)
-            && self.may_go(axis, way)
+    fn step_axis(&mut self, axis: Axis, pressed: Option<AxisDirection>) {
+        if let Some(direction) = pressed
+            && !self.drives.interpolator.is_stepping(axis)
+            && !self.is_interlocked(axis)
+            && self.can_move(axis, direction)
         {
-            let distance = way.signed(self.step_distance(axis));
+            let distance = direction.apply_sign(self.step_distance(axis));
             let rate = self.manual_rate(axis);
             self.drives.interpolator.start_step(axis, distance, rate);
         }
         let rate = self.manual_rate(axis);
-        self.guide_step(axis, rate);
+        self.control_step(axis, rate);
     }
 
     /// Applies the rate, the interlocks and the limits to a step under way.
-    pub(crate) fn guide_step(&mut self, axis: Axis, rate: JogRate) {
-        let Some(way) = self
+    pub(crate) fn control_step(&mut self, axis: Axis, rate: JogRate) {
+        let Some(direction) = self
             .drives
             .interpolator
-            .step_rest(axis)
-            .and_then(Direction::of)
+            .step_distance_to_go(axis)
+            .and_then(AxisDirection::from_distance)
         else {
             return;
         };
-        if !self.may_go(axis, way) {
-            self.drives.interpolator.release(axis);
-        } else if self.interlocked(axis) {
+        if !self.can_move(axis, direction) {
+            self.drives.interpolator.release_axis(axis);
+        } else if self.is_interlocked(axis) {
             self.drives
                 .interpolator
                 .set_step_rate(axis, JogRate::Feed(0.0));
@@ -124,18 +124,18 @@ impl Cnc {
     /// diameter. 173.1 SINC = 1 permits only the small ones.
     pub(crate) fn step_distance(&self, axis: Axis) -> f64 {
         let increments = self.plc.signals.step_increments;
-        if increments >= 100 && self.memory.parameters.small_steps_only() {
+        if increments >= 100 && self.memory.parameters.has_small_steps_only() {
             return 0.0;
         }
         f64::from(increments) * least_increment(axis, &self.memory.parameters)
     }
 
     /// Whether manual motion is possible: the program's motion is at rest or suspended.
-    fn manual_possible(&self) -> bool {
+    fn is_manual_possible(&self) -> bool {
         match self.run.automatic.state {
             RunState::Run => false,
             RunState::Hold | RunState::Reset | RunState::Stop => {
-                self.drives.interpolator.finished()
+                self.drives.interpolator.is_finished()
             }
         }
     }
@@ -144,22 +144,22 @@ impl Cnc {
     pub(crate) fn manual_rate(&self, axis: Axis) -> JogRate {
         let referenced = *self.coordinates.referenced.get(axis);
         let rapid = self.plc.signals.rapid
-            && (referenced || self.memory.parameters.rapid_without_reference());
+            && (referenced || self.memory.parameters.can_rapid_without_reference());
         let rate = if rapid {
             JogRate::Rapid
         } else {
             JogRate::Feed(jog_rate(self.plc.signals.jog_code))
         };
-        self.board_slows(axis, rate)
+        self.limit_manual_rate(axis, rate)
     }
 
     /// Handles a mode change: manual motion stops, and keys that are down count only after
     /// their release.
-    pub(crate) fn manual_mode_left(&mut self) {
+    pub(crate) fn leave_manual_mode(&mut self) {
         self.abandon_returns();
         for axis in [Axis::X, Axis::Z] {
             *self.hand.jog.get_mut(axis) = None;
-            self.drives.interpolator.release(axis);
+            self.drives.interpolator.release_axis(axis);
         }
         self.hand.jog_blocked = PerAxis::new(true, true);
     }

@@ -25,16 +25,16 @@
 use crate::alarm::{Alarm, number};
 use crate::cnc::{Cnc, Event};
 use crate::command::Action;
-use crate::machine::Inputs;
-use crate::mode::Mode;
+use crate::machine::MachineInputs;
+use crate::mode::OperatingMode;
 use crate::motion::{JogRate, RapidOverride};
-use crate::operation::{Return, RunState};
+use crate::operation::{RunState, ZeroReturnStage};
 use crate::units::{Axis, PerAxis, Point, Pulses};
 use gsk_messages::{Message, say};
 
 /// Wait for a motor, ms. Of the following error of a servo with a gain of 20/s or more,
 /// less than 0.1 % is left.
-const REST_TICKS: u16 = 400;
+const MOTOR_WAIT_TICKS: u16 = 400;
 
 /// Deceleration switches, X0.3 and X1.3.
 const SWITCH_MASK: u8 = 1 << 3;
@@ -43,118 +43,120 @@ impl Cnc {
     /// Handles the keys of one axis in the zero modes: either key starts the return, and
     /// its release stops it. With 011.2 ZNIK one press is enough, because the ladder keeps
     /// the signal.
-    pub(crate) fn return_keys(&mut self, axis: Axis, held: bool, pressed: bool) {
+    pub(crate) fn handle_return_keys(&mut self, axis: Axis, held: bool, pressed: bool) {
         if pressed && self.coordinates.returns.get(axis).is_none() {
-            if let Err(alarm) = self.begin_return(axis) {
+            if let Err(alarm) = self.start_return(axis) {
                 self.raise(alarm);
             }
         } else if !held
             && !matches!(
                 self.coordinates.returns.get(axis),
-                None | Some(Return::Board)
+                None | Some(ZeroReturnStage::BoardHoming)
             )
         {
             let stage = self.coordinates.returns.get_mut(axis).take();
             self.command_axis(axis, None);
-            self.drives.interpolator.release(axis);
-            self.advise_to_hold(axis, stage);
+            self.drives.interpolator.release_axis(axis);
+            self.advise_on_released_key(axis, stage);
         }
     }
 
     /// Advises the operator when a return ended because its key was released. With 011.2
     /// ZNIK = 1 a key was pressed to stop it. Past the switch, a second try would find no
     /// switch and run to the end of the travel.
-    fn advise_to_hold(&mut self, axis: Axis, stage: Option<Return>) {
-        if *self.hand.axis_keys.get(axis) || self.memory.parameters.zero_keys_latch() {
+    fn advise_on_released_key(&mut self, axis: Axis, stage: Option<ZeroReturnStage>) {
+        if *self.hand.axis_keys.get(axis) || self.memory.parameters.are_zero_keys_latched() {
             return;
         }
         let advice = match stage {
-            Some(Return::Approach | Return::Straight) => say::return_broken_off(axis),
-            _ => say::return_broken_off_late(axis, self.way_off_switch(axis)),
+            Some(ZeroReturnStage::Approach | ZeroReturnStage::Straight) => {
+                say::return_broken_off(axis)
+            }
+            _ => say::return_broken_off_late(axis, self.direction_off_switch(axis)),
         };
         self.events.push(Event::Advised(advice));
     }
 
-    fn begin_return(&mut self, axis: Axis) -> Result<(), Alarm> {
-        if self.run.mode == Mode::ProgramZero {
+    fn start_return(&mut self, axis: Axis) -> Result<(), Alarm> {
+        if self.run.mode == OperatingMode::ProgramZero {
             let zero = self.coordinates.program_zero.ok_or_else(|| {
-                Alarm::new(number::ZERO_UNDEFINED).because(say::zero_of_program_never_set())
+                Alarm::new(number::ZERO_UNDEFINED).with_detail(say::zero_of_program_never_set())
             })?;
             self.drives
                 .interpolator
                 .go_to(axis, zero.get(axis), JogRate::Rapid);
-            *self.coordinates.returns.get_mut(axis) = Some(Return::Straight);
+            *self.coordinates.returns.get_mut(axis) = Some(ZeroReturnStage::Straight);
             return Ok(());
         }
-        self.seek_reference(axis)
+        self.start_reference_return(axis)
     }
 
     /// Starts the return of an axis to its machine zero.
-    fn seek_reference(&mut self, axis: Axis) -> Result<(), Alarm> {
+    fn start_reference_return(&mut self, axis: Axis) -> Result<(), Alarm> {
         if let Some(board) = self.drives.board
             && self.memory.parameters.has_zero_switch(axis)
         {
-            return self.seek_with_board(axis, &board);
+            return self.start_return_with_board(axis, &board);
         }
-        if self.board_seeks() {
+        if self.is_board_seeking() {
             // The switch of the other axis would stop this one dead.
             return Ok(());
         }
         let stage = if !self.memory.parameters.has_zero_switch(axis) {
             if !*self.coordinates.referenced.get(axis) {
-                return Err(Alarm::new(number::ZERO_UNDEFINED).because(say::zero_never_set()));
+                return Err(Alarm::new(number::ZERO_UNDEFINED).with_detail(say::zero_never_set()));
             }
             self.drives.interpolator.go_to(axis, 0.0, JogRate::Rapid);
-            Return::Straight
+            ZeroReturnStage::Straight
         } else if self.coordinates.at_reference.get(axis).is_some()
             || *self.plc.signals.machine_lock.get(axis)
         {
             return Ok(());
-        } else if self.on_zero_switch(axis) {
-            return Err(self.begins_on_switch(axis));
+        } else if self.is_on_zero_switch(axis) {
+            return Err(self.on_switch_alarm(axis));
         } else {
-            Return::Approach
+            ZeroReturnStage::Approach
         };
         *self.coordinates.returns.get_mut(axis) = Some(stage);
         Ok(())
     }
 
     /// The alarm for a return that begins on its switch; it names the direction off it.
-    pub(crate) fn begins_on_switch(&self, axis: Axis) -> Alarm {
-        let way = self.way_off_switch(axis);
-        Alarm::new(number::ZERO_RETURN).because(say::return_on_switch(axis, way))
+    pub(crate) fn on_switch_alarm(&self, axis: Axis) -> Alarm {
+        let direction = self.direction_off_switch(axis);
+        Alarm::new(number::ZERO_RETURN).with_detail(say::return_on_switch(axis, direction))
     }
 
     /// The direction away from the machine zero, such as `X-`.
-    fn way_off_switch(&self, axis: Axis) -> String {
-        let negative = self.memory.parameters.zero_is_negative(axis);
+    fn direction_off_switch(&self, axis: Axis) -> String {
+        let negative = self.memory.parameters.is_zero_negative(axis);
         format!("{axis}{}", if negative { '+' } else { '-' })
     }
 
     /// The reason of a stop during an approach: the switch was not reached.
-    pub(crate) fn unmet_switch(&self, axis: Axis) -> Option<Message> {
-        let approaches = *self.coordinates.returns.get(axis) == Some(Return::Approach);
-        approaches.then(|| say::return_before_switch(axis))
+    pub(crate) fn missed_switch_message(&self, axis: Axis) -> Option<Message> {
+        let is_approaching = *self.coordinates.returns.get(axis) == Some(ZeroReturnStage::Approach);
+        is_approaching.then(|| say::return_before_switch(axis))
     }
 
     /// G28: starts the search for the reference points of axes without one. Axes that have
     /// one are already there.
-    pub(crate) fn begin_zero_return(&mut self, x: bool, z: bool) -> Result<(), Alarm> {
+    pub(crate) fn start_zero_return(&mut self, x: bool, z: bool) -> Result<(), Alarm> {
         let mut axes = [(Axis::X, x), (Axis::Z, z)];
         // Axes without a switch first.
         axes.sort_by_key(|(axis, _)| self.memory.parameters.has_zero_switch(*axis));
-        for (axis, taken) in axes {
-            if taken && *self.coordinates.referenced.get(axis) {
-                self.stand_on_reference(axis);
-            } else if taken {
-                self.seek_reference(axis)?;
+        for (axis, takes_part) in axes {
+            if takes_part && *self.coordinates.referenced.get(axis) {
+                self.set_at_reference(axis);
+            } else if takes_part {
+                self.start_reference_return(axis)?;
             }
         }
         Ok(())
     }
 
     /// Whether a return of any axis is under way.
-    pub(crate) const fn returning(&self) -> bool {
+    pub(crate) const fn is_returning(&self) -> bool {
         self.coordinates.returns.x.is_some() || self.coordinates.returns.z.is_some()
     }
 
@@ -163,51 +165,56 @@ impl Cnc {
         for axis in [Axis::X, Axis::Z] {
             if self.coordinates.returns.get_mut(axis).take().is_some() {
                 *self.hand.jog.get_mut(axis) = None;
-                self.drives.interpolator.release(axis);
+                self.drives.interpolator.release_axis(axis);
             }
         }
     }
 
     /// Advances the returns under way by one tick.
-    pub(crate) fn return_tick(&mut self, inputs: &Inputs) {
-        if !self.returning() {
+    pub(crate) fn advance_returns(&mut self, inputs: &MachineInputs) {
+        if !self.is_returning() {
             return;
         }
-        if self.emergency_stop || self.resetting() || self.is_not_ready() {
+        if self.emergency_stop || self.is_resetting() || self.is_not_ready() {
             return self.abandon_returns();
         }
         for axis in [Axis::X, Axis::Z] {
             if let Some(stage) = *self.coordinates.returns.get(axis) {
-                self.go_on(axis, stage, *inputs.index_latch.get(axis));
+                self.advance_return(axis, stage, *inputs.index_latch.get(axis));
             }
         }
     }
 
-    fn go_on(&mut self, axis: Axis, stage: Return, latch: Option<Pulses>) {
-        if let Return::Rest { ticks, shifted } = stage {
-            return self.rest(axis, ticks, shifted);
+    fn advance_return(&mut self, axis: Axis, stage: ZeroReturnStage, latch: Option<Pulses>) {
+        if let ZeroReturnStage::MotorWait { ticks, shifted } = stage {
+            return self.wait_for_motor(axis, ticks, shifted);
         }
-        if self.return_with_board(axis, stage) {
+        if self.advance_board_return(axis, stage) {
             return;
         }
         let low = self.memory.parameters.zero_low_rate();
         // The deceleration switch may be too short to brake on: the signal counts only at
         // the low rate.
-        let slow = self.drives.interpolator.manual_speed(axis) <= low * 1.001;
+        let is_slow = self.drives.interpolator.manual_speed(axis) <= low * 1.001;
         let next = match stage {
-            Return::Straight => return self.go_straight(axis),
-            Return::Board | Return::Leave | Return::Past(_) | Return::Rest { .. } => return,
-            Return::Approach if self.on_zero_switch(axis) => Return::OnSwitch,
-            Return::OnSwitch if !self.on_zero_switch(axis) => {
-                if self.memory.parameters.one_zero_switch(axis) {
-                    Return::Turning
+            ZeroReturnStage::Straight => return self.advance_straight(axis),
+            ZeroReturnStage::BoardHoming
+            | ZeroReturnStage::LeaveLimit
+            | ZeroReturnStage::PastEdge(_)
+            | ZeroReturnStage::MotorWait { .. } => return,
+            ZeroReturnStage::Approach if self.is_on_zero_switch(axis) => ZeroReturnStage::OnSwitch,
+            ZeroReturnStage::OnSwitch if !self.is_on_zero_switch(axis) => {
+                if self.memory.parameters.has_one_zero_switch(axis) {
+                    ZeroReturnStage::Stopping
                 } else {
-                    Return::Search
+                    ZeroReturnStage::Search
                 }
             }
-            Return::Turning if self.drives.interpolator.manual_speed(axis) <= 0.0 => Return::Back,
-            Return::Search | Return::Back if slow && latch.is_some() => {
-                return self.meet_zero(axis, latch);
+            ZeroReturnStage::Stopping if self.drives.interpolator.manual_speed(axis) <= 0.0 => {
+                ZeroReturnStage::Back
+            }
+            ZeroReturnStage::Search | ZeroReturnStage::Back if is_slow && latch.is_some() => {
+                return self.set_machine_zero_at(axis, latch);
             }
             stage => stage,
         };
@@ -215,16 +222,16 @@ impl Cnc {
         self.drive_return(axis, next);
     }
 
-    fn go_straight(&mut self, axis: Axis) {
-        if self.drives.interpolator.stepping(axis) {
-            return self.guide_step(axis, JogRate::Rapid);
+    fn advance_straight(&mut self, axis: Axis) {
+        if self.drives.interpolator.is_stepping(axis) {
+            return self.control_step(axis, JogRate::Rapid);
         }
         let zero = match self.run.mode {
-            Mode::ProgramZero => self.coordinates.program_zero.map(|zero| zero.get(axis)),
+            OperatingMode::ProgramZero => self.coordinates.program_zero.map(|zero| zero.get(axis)),
             _ => Some(0.0),
         };
         if zero == Some(self.position().get(axis)) {
-            self.arrive(axis, false);
+            self.finish_return(axis, false);
         } else {
             // A limit has stopped the axis.
             *self.coordinates.returns.get_mut(axis) = None;
@@ -232,101 +239,112 @@ impl Cnc {
     }
 
     /// Sets speed and direction of a return, as far as the interlocks permit.
-    pub(crate) fn drive_return(&mut self, axis: Axis, stage: Return) {
-        let back = matches!(stage, Return::Back | Return::Leave);
-        let negative = self.memory.parameters.zero_is_negative(axis) != back;
-        let way = if negative {
-            crate::operation::Direction::Minus
+    pub(crate) fn drive_return(&mut self, axis: Axis, stage: ZeroReturnStage) {
+        let back = matches!(stage, ZeroReturnStage::Back | ZeroReturnStage::LeaveLimit);
+        let negative = self.memory.parameters.is_zero_negative(axis) != back;
+        let direction = if negative {
+            crate::operation::AxisDirection::Minus
         } else {
-            crate::operation::Direction::Plus
+            crate::operation::AxisDirection::Plus
         };
-        let held = self.return_held(axis) || !self.board_lets_return(axis);
+        let is_held = self.is_return_held(axis) || !self.is_board_armed(axis);
         let rate = match stage {
-            Return::Approach => self.approach_rate(axis),
+            ZeroReturnStage::Approach => self.approach_rate(axis),
             _ => self.memory.parameters.zero_low_rate(),
         };
-        let stands = stage == Return::Turning || held || !self.may_go(axis, way);
-        let command = (!stands).then_some((!negative, JogRate::Approach(rate)));
+        let is_stopped =
+            stage == ZeroReturnStage::Stopping || is_held || !self.can_move(axis, direction);
+        let command = (!is_stopped).then_some((!negative, JogRate::Approach(rate)));
         self.command_axis(axis, command);
     }
 
     /// Whether something prevents a return from continuing.
-    pub(crate) fn return_held(&self, axis: Axis) -> bool {
+    pub(crate) fn is_return_held(&self, axis: Axis) -> bool {
         let by_program = self.run.automatic.state == RunState::Run && self.plc.signals.start_lock;
-        by_program || self.run.automatic.state == RunState::Hold || self.interlocked(axis)
+        by_program || self.run.automatic.state == RunState::Hold || self.is_interlocked(axis)
     }
 
     fn approach_rate(&self, axis: Axis) -> f64 {
         let rate = self.memory.parameters.zero_approach_rate(axis);
         match RapidOverride::from_percent(self.plc.signals.rapid_override) {
-            RapidOverride::F0 => self.memory.parameters.rapid_lowest().min(rate),
+            RapidOverride::F0 => self.memory.parameters.lowest_rapid_rate().min(rate),
             RapidOverride::Percent(percent) => rate * f64::from(percent.min(100)) / 100.0,
         }
     }
 
     /// Whether the deceleration switch is pressed (004.5 DECI).
-    pub(crate) fn on_zero_switch(&self, axis: Axis) -> bool {
+    pub(crate) fn is_on_zero_switch(&self, axis: Axis) -> bool {
         let byte = match axis {
             Axis::X => 0,
             Axis::Z => 1,
         };
         let closed = self.plc.filter.accepted()[byte] & SWITCH_MASK != 0;
-        closed == self.memory.parameters.closed_means_deceleration()
+        closed == self.memory.parameters.is_deceleration_closed()
     }
 
     /// Makes the position of the zero signal's pulse the machine zero.
-    pub(crate) fn meet_zero(&mut self, axis: Axis, latch: Option<Pulses>) {
+    pub(crate) fn set_machine_zero_at(&mut self, axis: Axis, latch: Option<Pulses>) {
         let Some(count) = latch else { return };
-        let here = self.drives.chain.zero_at(axis, count);
+        let here = self.drives.axis_chain.set_zero_at(axis, count);
         let mut shift = Point::default();
         *shift.get_mut(axis) = here - self.position().get(axis);
         self.drives.interpolator.translate(shift);
         self.command_axis(axis, None);
         self.shift_frame(shift);
         let shifted = shift.get(axis).abs() > 1e-9;
-        let turns_round = here.abs() > 1e-9 && self.memory.parameters.backlash(axis) != 0.0;
-        if turns_round {
-            self.drives.interpolator.stop_on(axis, here);
-            let ticks = REST_TICKS;
-            *self.coordinates.returns.get_mut(axis) = Some(Return::Rest { ticks, shifted });
+        let reverses = here.abs() > 1e-9 && self.memory.parameters.backlash(axis) != 0.0;
+        if reverses {
+            self.drives.interpolator.stop_at(axis, here);
+            let ticks = MOTOR_WAIT_TICKS;
+            *self.coordinates.returns.get_mut(axis) =
+                Some(ZeroReturnStage::MotorWait { ticks, shifted });
             return;
         }
-        self.drives.interpolator.stop_on(axis, 0.0);
-        self.arrive(axis, shifted);
+        self.drives.interpolator.stop_at(axis, 0.0);
+        self.finish_return(axis, shifted);
     }
 
     /// Waits until the motor has stopped, then moves back to the pulse of the zero signal.
-    fn rest(&mut self, axis: Axis, ticks: u16, shifted: bool) {
+    fn wait_for_motor(&mut self, axis: Axis, ticks: u16, shifted: bool) {
         if let Some(left) = ticks.checked_sub(1) {
             let ticks = left;
-            *self.coordinates.returns.get_mut(axis) = Some(Return::Rest { ticks, shifted });
+            *self.coordinates.returns.get_mut(axis) =
+                Some(ZeroReturnStage::MotorWait { ticks, shifted });
             return;
         }
-        self.drives.interpolator.stop_on(axis, 0.0);
-        self.arrive(axis, shifted);
+        self.drives.interpolator.stop_at(axis, 0.0);
+        self.finish_return(axis, shifted);
     }
 
     /// Whether an axis waits for its motor within a return.
-    pub(crate) const fn rests(&self) -> bool {
-        matches!(self.coordinates.returns.x, Some(Return::Rest { .. }))
-            || matches!(self.coordinates.returns.z, Some(Return::Rest { .. }))
+    pub(crate) const fn is_waiting_for_motor(&self) -> bool {
+        matches!(
+            self.coordinates.returns.x,
+            Some(ZeroReturnStage::MotorWait { .. })
+        ) || matches!(
+            self.coordinates.returns.z,
+            Some(ZeroReturnStage::MotorWait { .. })
+        )
     }
 
     /// Ends a return; `shifted`: the machine coordinates have changed.
-    pub(crate) fn arrive(&mut self, axis: Axis, shifted: bool) {
+    pub(crate) fn finish_return(&mut self, axis: Axis, shifted: bool) {
         *self.coordinates.returns.get_mut(axis) = None;
         let before = self.coordinates.frame;
-        if self.run.mode == Mode::ProgramZero {
+        if self.run.mode == OperatingMode::ProgramZero {
             *self.coordinates.frame.offset.get_mut(axis) = 0.0;
             *self.coordinates.program_zero_ended.get_mut(axis) = false;
-            self.tell_frame();
+            self.send_frame();
         } else {
-            self.stand_on_reference(axis);
+            self.set_at_reference(axis);
         }
-        let by_program = matches!(self.run.automatic.action(), Some(Action::ZeroReturn { .. }));
+        let by_program = matches!(
+            self.run.automatic.current_action(),
+            Some(Action::ZeroReturn { .. })
+        );
         if !by_program && (shifted || before != self.coordinates.frame) {
             // The rest of a stopped program was read for the old coordinates.
-            self.forget_stopped_program();
+            self.drop_stopped_program();
         }
         if !by_program {
             let (interpreter, world) = self.interpreter_and_world(true);
@@ -339,16 +357,16 @@ impl Cnc {
 
     /// Sets the state of an axis at its reference point: lamp, coordinates of 049 and 050
     /// (012.7 APRS), end of the tool offset.
-    fn stand_on_reference(&mut self, axis: Axis) {
+    fn set_at_reference(&mut self, axis: Axis) {
         let at = self.position().get(axis);
         *self.coordinates.referenced.get_mut(axis) = true;
         *self.coordinates.at_reference.get_mut(axis) = Some(at);
         *self.coordinates.frame.offset.get_mut(axis) = 0.0;
         if self.memory.parameters.reference_sets_coordinates() {
-            let shown = self.coordinates.frame.program(self.position()).get(axis);
+            let shown = self.coordinates.frame.to_program(self.position()).get(axis);
             let coordinate = self.memory.parameters.reference_coordinate(axis);
             *self.coordinates.frame.zero.get_mut(axis) = at - coordinate;
-            self.coordinates.frame.zero_offset.clear(axis);
+            self.coordinates.frame.zero_offset.clear_axis(axis);
             let relative = self.coordinates.relative_zero.get_mut(axis);
             if self.memory.parameters.g50_sets_relative() {
                 *relative = 0.0;
@@ -356,33 +374,33 @@ impl Cnc {
                 *relative += coordinate - shown;
             }
         }
-        self.tell_frame();
+        self.send_frame();
     }
 
     /// Method A: makes the present position of an axis its machine zero (取消 and the letter
     /// of the axis on the page of all positions). Axes with a zero switch are not changed.
     pub(crate) fn set_machine_zero(&mut self, axis: Axis) {
-        let at_rest = !self.is_moving() && !self.run.automatic.operating();
+        let at_rest = !self.is_moving() && !self.run.automatic.is_operating();
         if self.memory.parameters.has_zero_switch(axis) || !at_rest {
             return;
         }
-        self.forget_stopped_program();
+        self.drop_stopped_program();
         self.settle_coordinates();
         let mut shift = Point::default();
         *shift.get_mut(axis) = -self.position().get(axis);
         self.drives.interpolator.translate(shift);
-        self.drives.chain.preset(axis, 0.0);
+        self.drives.axis_chain.preset(axis, 0.0);
         self.shift_frame(shift);
         *self.coordinates.referenced.get_mut(axis) = true;
-        self.tell_frame();
+        self.send_frame();
     }
 
     /// Axes that keep their reference when pulses were lost: those of method A.
     pub fn reference_without_switch(&self) -> PerAxis<bool> {
-        let kept = |axis| {
+        let is_kept = |axis| {
             *self.coordinates.referenced.get(axis) && !self.memory.parameters.has_zero_switch(axis)
         };
-        PerAxis::new(kept(Axis::X), kept(Axis::Z))
+        PerAxis::new(is_kept(Axis::X), is_kept(Axis::Z))
     }
 
     /// Shifts the machine coordinates; the program coordinates stay.
@@ -393,19 +411,19 @@ impl Cnc {
         }
     }
 
-    fn tell_frame(&mut self) {
+    fn send_frame(&mut self) {
         let frame = self.coordinates.frame;
         let (interpreter, world) = self.interpreter_and_world(true);
         interpreter.set_frame(frame, &world);
     }
 
-    fn forget_stopped_program(&mut self) {
+    fn drop_stopped_program(&mut self) {
         if self.run.automatic.state == RunState::Reset {
             return;
         }
         self.abandon_current();
-        self.run.held = None;
-        if let Some(last) = self.run.automatic.last {
+        self.run.held_motion = None;
+        if let Some(last) = self.run.automatic.last_source {
             self.run.cursor_line = last.line;
         }
         self.run.automatic.clear();

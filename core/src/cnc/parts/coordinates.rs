@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::command::Frame;
-use crate::operation::Return;
+use crate::operation::ZeroReturnStage;
 use crate::units::{PerAxis, Point};
 
 /// Frames and references.
@@ -17,7 +17,7 @@ pub(crate) struct Coordinates {
     pub program_zero: Option<Point>,
     /// Programmed X minus X of the tip at the end of the last move, mm.
     #[serde(rename = "programmed_ahead")]
-    pub programmed_ahead: f64,
+    pub programmed_x_lead: f64,
     /// Axes whose PRO an emergency stop or a drive alarm ended, and which have not left the
     /// program zero since.
     #[serde(default)]
@@ -27,5 +27,5 @@ pub(crate) struct Coordinates {
     /// Machine coordinate of the reference point at which an axis is; `None`: elsewhere.
     pub at_reference: PerAxis<Option<f64>>,
     /// Stage of the return under way of each axis.
-    pub returns: PerAxis<Option<Return>>,
+    pub returns: PerAxis<Option<ZeroReturnStage>>,
 }

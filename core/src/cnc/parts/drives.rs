@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::alarm::Alarm;
 use crate::axis::{AxisChain, SoftLimits};
-use crate::battery::Memory;
+use crate::battery::BatteryMemory;
 use crate::board::BoardDrives;
 use crate::motion::{Interpolator, MotionLimits};
 use crate::operation::{DriveWatch, Sensors};
@@ -12,14 +12,14 @@ use crate::units::{Axis, Point};
 
 /// Interpolator, axes and drives.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Drives {
+pub(crate) struct DriveUnit {
     /// Produces the path of the motion under way.
     pub interpolator: Interpolator,
     /// Rates and accelerations from the parameters.
     pub limits: MotionLimits,
     /// Converts positions to pulses: pitch errors, backlash, gear.
     #[serde(rename = "chain")]
-    pub chain: AxisChain,
+    pub axis_chain: AxisChain,
     /// Software travel limits.
     pub soft_limits: SoftLimits,
     /// Signals of drives and encoder.
@@ -39,24 +39,24 @@ pub(crate) struct Drives {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct BoardAlarms {
     /// An alarm that stays in force as long as its cause, regardless of RESET.
-    pub standing: Option<Alarm>,
+    pub persistent: Option<Alarm>,
     /// Alarms whose detail does not name the position of the slides yet.
     pub incomplete: Vec<Alarm>,
     /// Whether the reference was dropped while the axes could have continued.
-    pub fell: bool,
+    pub reference_dropped: bool,
 }
 
-impl Drives {
+impl DriveUnit {
     /// State at power-on with the slides at `start`.
-    pub(crate) fn new(memory: &Memory, start: Point) -> Self {
+    pub(crate) fn new(memory: &BatteryMemory, start: Point) -> Self {
         let (parameters, pitch) = (&memory.parameters, &memory.pitch);
-        let mut chain = AxisChain::new(parameters, pitch);
-        chain.preset(Axis::X, start.x);
-        chain.preset(Axis::Z, start.z);
+        let mut axis_chain = AxisChain::new(parameters, pitch);
+        axis_chain.preset(Axis::X, start.x);
+        axis_chain.preset(Axis::Z, start.z);
         Self {
             interpolator: Interpolator::new(start),
-            limits: MotionLimits::of(parameters, &memory.model),
-            chain,
+            limits: MotionLimits::from_model(parameters, &memory.model),
+            axis_chain,
             soft_limits: SoftLimits::new(parameters),
             sensors: Sensors::default(),
             watch: DriveWatch::default(),

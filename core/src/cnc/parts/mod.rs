@@ -2,16 +2,16 @@
 
 mod coordinates;
 mod drives;
-mod hand;
+mod manual_motion;
 mod plc_port;
 mod run;
 mod spindle_unit;
 mod switches;
 
 pub(crate) use coordinates::Coordinates;
-pub(crate) use drives::Drives;
-pub(crate) use hand::HandMotion;
+pub(crate) use drives::DriveUnit;
+pub(crate) use manual_motion::ManualMotion;
 pub(crate) use plc_port::PlcPort;
-pub(crate) use run::Run;
+pub(crate) use run::CncRun;
 pub(crate) use spindle_unit::SpindleUnit;
-pub(crate) use switches::Switches;
+pub(crate) use switches::WriteSwitches;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use gsk_plc::{Ladder, Plc};
 use serde::{Deserialize, Serialize};
 
-use crate::operation::{FromPlc, InputFilter, OutputTimers, Turning, X_BYTES};
+use crate::operation::{FromPlc, InputFilter, OutputTimers, SoftSwitchChange, X_BYTES};
 use crate::units::PerAxis;
 
 /// Number of output bytes.
@@ -24,7 +24,7 @@ pub(crate) struct PlcPort {
     pub panel_keys: [u8; X_BYTES],
     /// A soft switch that is changing to a new state.
     #[serde(rename = "turning")]
-    pub turning: Option<Turning>,
+    pub switch_change: Option<SoftSwitchChange>,
     /// Whether the OUTPUT key is down.
     pub output_key: bool,
     /// Switches of the soft machine panel, as the bits of F75.
@@ -46,7 +46,7 @@ pub(crate) struct PlcPort {
     /// Levels of the ladder outputs that outputs of the model follow, at their last sample.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[serde(rename = "followed")]
-    pub followed: u32,
+    pub followed_levels: u32,
     /// Axes whose last motion was in the negative direction.
     pub negative: PerAxis<bool>,
     /// Whether the last motion was a rapid.
@@ -69,7 +69,7 @@ impl PlcPort {
             engine,
             filter: InputFilter::default(),
             panel_keys: [0; X_BYTES],
-            turning: None,
+            switch_change: None,
             output_key: false,
             soft_switches: 0,
             halted: false,
@@ -78,7 +78,7 @@ impl PlcPort {
             y: vec![0; Y_BYTES],
             output_timers: OutputTimers::default(),
             input_levels: 0,
-            followed: 0,
+            followed_levels: 0,
             negative: PerAxis::default(),
             last_rapid: false,
         }

@@ -6,19 +6,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::interpreter::Explanation;
 use crate::interpreter::Interpreter;
-use crate::interpreter::Modal;
+use crate::interpreter::ModalState;
 use crate::memory::Registers;
 use crate::motion::Interpolator;
-use crate::operation::{Automatic, Handshake, Mode};
+use crate::operation::{AutomaticRun, Handshake, OperatingMode};
 use crate::program::MdiBlock;
 
 /// State of the program run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Run {
+pub(crate) struct CncRun {
     /// Operating mode.
-    pub mode: Mode,
+    pub mode: OperatingMode,
     /// State of automatic operation.
-    pub automatic: Automatic,
+    pub automatic: AutomaticRun,
     /// Handshakes of M, S and T functions.
     pub handshake: Handshake,
     /// Reads the blocks of the program.
@@ -29,15 +29,15 @@ pub(crate) struct Run {
     /// The block keyed in on the MDI page.
     pub mdi: MdiBlock,
     /// Modal state of the block in execution.
-    pub modal: Modal,
+    pub modal: ModalState,
     /// The rest of a held block while the axes are moved manually.
     #[serde(rename = "held")]
-    pub held: Option<Interpolator>,
+    pub held_motion: Option<Interpolator>,
     /// Tool number and offset number on the T display.
     pub tool: (u8, u8),
     /// Whether the tool-change key turns the tool post.
     #[serde(rename = "indexing_by_hand")]
-    pub indexing_by_hand: bool,
+    pub indexing_by_key: bool,
     /// Line at which the next cycle start begins, from 1.
     pub cursor_line: u32,
     /// Whether the next cycle start begins at the head, because the program ended.
@@ -47,20 +47,20 @@ pub(crate) struct Run {
     pub explanations: Option<VecDeque<Option<Explanation>>>,
 }
 
-impl Run {
+impl CncRun {
     /// State at power-on: no program runs.
     pub(crate) fn new(interpreter: Interpreter, tool: u8, registers: Registers) -> Self {
         Self {
-            mode: Mode::Mdi,
-            automatic: Automatic::default(),
+            mode: OperatingMode::Mdi,
+            automatic: AutomaticRun::default(),
             handshake: Handshake::default(),
             modal: *interpreter.modal(),
             interpreter,
             registers,
             mdi: MdiBlock::default(),
-            held: None,
+            held_motion: None,
             tool: (tool, 0),
-            indexing_by_hand: false,
+            indexing_by_key: false,
             cursor_line: 1,
             rewind_at_start: false,
             explanations: None,

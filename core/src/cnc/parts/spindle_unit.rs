@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::memory::Parameters;
+use crate::memory::ControlParameters;
 use crate::spindle::{SpindleAngle, SpindleControl};
 
 /// State and commands of the spindle.
@@ -18,7 +18,7 @@ pub(crate) struct SpindleUnit {
 
 impl SpindleUnit {
     /// State at power-on: standstill.
-    pub(crate) fn new(parameters: &Parameters) -> Self {
+    pub(crate) fn new(parameters: &ControlParameters) -> Self {
         Self {
             control: SpindleControl::new(parameters),
             angle: SpindleAngle::new(parameters),

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// 参数开关 and 程序开关: while one is on, its memory may be written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Switches {
+pub(crate) struct WriteSwitches {
     /// 参数开关: parameters may be written.
     pub parameters: bool,
     /// 程序开关: programs may be written.

@@ -9,7 +9,8 @@ use crate::alarm::{Alarm, number};
 use crate::axis::SoftLimits;
 use crate::cnc::{Cnc, TIMER_PRESETS};
 use crate::memory::{
-    Disk, DiskContent, ParameterError, Parameters, Setting, ToolOffset, Variables, parameter,
+    ControlParameters, DiskContent, ElectronicDisk, ParameterError, SettingRow, ToolOffset,
+    Variables, parameter,
 };
 use crate::motion::MotionLimits;
 use crate::setup::TOOL_IN_POSITION;
@@ -25,19 +26,19 @@ const ENCODER: [u16; 3] = [
     parameter::ENCODER_TEETH,
 ];
 /// Millimetres per inch.
-const INCH: f64 = 25.4;
+const MM_PER_INCH: f64 = 25.4;
 
 impl Cnc {
     /// Sets a value of the offset page (manual III-7): stored, measured, added, or the
     /// relative coordinate.
     pub(super) fn set_offset(&mut self, number: u8, entry: OffsetEntry) -> Result<(), Alarm> {
-        if self.rights().offsets().is_err() {
+        if self.rights().check_offsets().is_err() {
             return Ok(());
         }
         let mut offset = self.memory.offsets.get(number);
         let (axis, value) = match entry {
             OffsetEntry::NoseRadius(r) => {
-                offset.r = self.in_mm(r);
+                offset.r = self.to_mm(r);
                 return self.store_offset(number, offset);
             }
             OffsetEntry::StoredRadius(r) => {
@@ -48,24 +49,28 @@ impl Cnc {
                 offset.t = t;
                 return self.store_offset(number, offset);
             }
-            OffsetEntry::Counter(_) if self.memory.parameters.counter_input_locked() => {
+            OffsetEntry::RelativeCoordinate(_)
+                if self.memory.parameters.is_counter_input_locked() =>
+            {
                 return Ok(());
             }
-            OffsetEntry::Counter(axis) => (
+            OffsetEntry::RelativeCoordinate(axis) => (
                 axis,
-                self.as_offset(axis, self.position_relative().get(axis)),
+                self.to_offset(axis, self.position_relative().get(axis)),
             ),
-            OffsetEntry::Change(axis, by) => {
+            OffsetEntry::Change(axis, change) => {
                 let old = match axis {
                     Axis::X => offset.x,
                     Axis::Z => offset.z,
                 };
-                (axis, old + self.in_mm(by))
+                (axis, old + self.to_mm(change))
             }
-            OffsetEntry::Length(axis, value) if self.memory.parameters.takes_measured_offsets() => {
-                (axis, self.measured(axis, self.in_mm(value)))
+            OffsetEntry::Length(axis, value)
+                if self.memory.parameters.can_type_measured_offsets() =>
+            {
+                (axis, self.measured_offset(axis, self.to_mm(value)))
             }
-            OffsetEntry::Length(axis, value) => (axis, self.in_mm(value)),
+            OffsetEntry::Length(axis, value) => (axis, self.to_mm(value)),
             OffsetEntry::Stored(axis, value) => (axis, value),
         };
         match axis {
@@ -77,7 +82,7 @@ impl Cnc {
 
     /// Stores an offset. Row 000 exists only for the work shift (012.6 WSFT).
     fn store_offset(&mut self, number: u8, offset: ToolOffset) -> Result<(), Alarm> {
-        if number == 0 && self.memory.parameters.work_shift() {
+        if number == 0 && self.memory.parameters.has_work_shift() {
             self.memory.offsets.set_work_shift(offset)
         } else {
             self.memory.offsets.set(number, offset)
@@ -86,31 +91,31 @@ impl Cnc {
 
     /// The offset of a tool at a measured coordinate: the displayed coordinate, plus the
     /// offset in force (005.1 PPD), minus the measured one.
-    fn measured(&self, axis: Axis, measured: f64) -> f64 {
+    fn measured_offset(&self, axis: Axis, coordinate: f64) -> f64 {
         let radius = match axis {
-            Axis::X if !self.memory.parameters.radius_programming() => measured / 2.0,
-            Axis::X | Axis::Z => measured,
+            Axis::X if !self.memory.parameters.is_radius_programming() => coordinate / 2.0,
+            Axis::X | Axis::Z => coordinate,
         };
         let in_force = if self.memory.parameters.g50_sets_relative() {
             self.coordinates.frame.offset.get(axis)
         } else {
             0.0
         };
-        self.as_offset(axis, self.position_absolute().get(axis) + in_force - radius)
+        self.to_offset(axis, self.position_absolute().get(axis) + in_force - radius)
     }
 
     /// Converts a distance of the slide to the offset page: X as a diameter unless 004.4
     /// ORC = 1.
-    fn as_offset(&self, axis: Axis, distance: f64) -> f64 {
+    fn to_offset(&self, axis: Axis, distance: f64) -> f64 {
         match axis {
-            Axis::X if !self.memory.parameters.offset_is_radius() => distance * 2.0,
+            Axis::X if !self.memory.parameters.is_offset_radius() => distance * 2.0,
             Axis::X | Axis::Z => distance,
         }
     }
 
-    fn in_mm(&self, value: f64) -> f64 {
-        if self.memory.parameters.inch_machine() {
-            value * INCH
+    fn to_mm(&self, value: f64) -> f64 {
+        if self.memory.parameters.is_inch_machine() {
+            value * MM_PER_INCH
         } else {
             value
         }
@@ -119,29 +124,31 @@ impl Cnc {
     /// Writes parameters and applies them.
     pub(super) fn change_parameters(
         &mut self,
-        change: impl FnOnce(&mut Parameters) -> Result<(), ParameterError>,
+        change: impl FnOnce(&mut ControlParameters) -> Result<(), ParameterError>,
     ) -> Result<(), Alarm> {
-        if self.rights().parameters().is_err() {
+        if self.rights().check_parameters().is_err() {
             return Ok(());
         }
         let mut changed = self.memory.parameters.clone();
         change(&mut changed)?;
-        self.take_parameters(changed);
+        self.apply_parameters(changed);
         Ok(())
     }
 
     /// Applies new values of all parameters, except those that wait for the next power-on
     /// (alarm 000).
-    pub(super) fn take_parameters(&mut self, changed: Parameters) {
+    pub(super) fn apply_parameters(&mut self, changed: ControlParameters) {
         let needs_power_cycle = changed.needs_power_cycle(&self.memory.parameters);
         let encoder = ENCODER
             .iter()
             .any(|&number| changed.value(number) != self.memory.parameters.value(number));
         self.memory.parameters = changed;
-        let in_force = self.memory.parameters.in_force(&self.at_power_on);
-        self.drives.limits = MotionLimits::of(&in_force, &self.memory.model);
+        let in_force = self.memory.parameters.active_values(&self.at_power_on);
+        self.drives.limits = MotionLimits::from_model(&in_force, &self.memory.model);
         self.drives.soft_limits = SoftLimits::new(&in_force);
-        self.drives.chain.reconfigure(&in_force, &self.memory.pitch);
+        self.drives
+            .axis_chain
+            .reconfigure(&in_force, &self.memory.pitch);
         self.spindle.control.reconfigure(&in_force);
         if encoder {
             self.spindle.angle = SpindleAngle::new(&in_force);
@@ -151,7 +158,7 @@ impl Cnc {
             self.plc.engine.memory_mut().set_dt(entry, time);
         }
         if needs_power_cycle {
-            self.raise(Alarm::new(number::POWER_CYCLE).because(say::parameter_at_power_on()));
+            self.raise(Alarm::new(number::POWER_CYCLE).with_detail(say::parameter_at_power_on()));
         }
     }
 
@@ -162,16 +169,18 @@ impl Cnc {
         number: u16,
         value: Option<f64>,
     ) -> Result<(), Alarm> {
-        if self.rights().variables().is_err() {
+        if self.rights().check_variables().is_err() {
             return Ok(());
         }
         if self.memory.model.record().own_variables {
-            return self.memory.variables.set_counted(number, value);
+            return self.memory.variables.set_huaxing_value(number, value);
         }
         match u8::try_from(number) {
-            Ok(local @ 1..=33) if !self.run.automatic.operating() => {
-                let value = value.map(|value| Variables::checked(number, value));
-                self.run.interpreter.set_local(local, value.transpose()?);
+            Ok(local @ 1..=33) if !self.run.automatic.is_operating() => {
+                let value = value.map(|value| Variables::check_real(number, value));
+                self.run
+                    .interpreter
+                    .set_local_variable(local, value.transpose()?);
                 Ok(())
             }
             Ok(1..=33) => Ok(()),
@@ -181,20 +190,22 @@ impl Cnc {
 
     /// Sets a point of the pitch error table.
     pub(super) fn set_pitch(&mut self, axis: Axis, point: u8, value: i16) -> Result<(), Alarm> {
-        if self.rights().parameters().is_ok() {
+        if self.rights().check_parameters().is_ok() {
             self.memory.pitch.set(axis, point, value)?;
-            let in_force = self.memory.parameters.in_force(&self.at_power_on);
-            self.drives.chain.reconfigure(&in_force, &self.memory.pitch);
+            let in_force = self.memory.parameters.active_values(&self.at_power_on);
+            self.drives
+                .axis_chain
+                .reconfigure(&in_force, &self.memory.pitch);
         }
         Ok(())
     }
 
-    pub(super) fn set_setting(&mut self, setting: Setting, on: bool) {
-        if self.rights().settings().is_err() {
+    pub(super) fn set_setting(&mut self, setting: SettingRow, on: bool) {
+        if self.rights().check_settings().is_err() {
             return;
         }
         self.memory.settings.set(setting, on);
-        if setting == Setting::Inch {
+        if setting == SettingRow::Inch {
             self.run.interpreter.set_inch_input(on);
             self.run.modal.inch = on;
         }
@@ -204,9 +215,9 @@ impl Cnc {
     pub(super) fn set_parameter_switch(&mut self, on: bool) {
         // Off is always the safe side: only a run in progress forbids it.
         let refused = if on {
-            self.rights().parameter_switch().is_err()
+            self.rights().check_parameter_switch().is_err()
         } else {
-            self.run.automatic.operating()
+            self.run.automatic.is_operating()
         };
         if refused || self.switches.parameters == on {
             return;
@@ -223,17 +234,17 @@ impl Cnc {
         self.alarms.remove(number::PARAMETER_SWITCH);
     }
 
-    pub(super) fn load_disk(&mut self, disk: Disk) {
-        if self.rights().disks().is_ok() {
+    pub(super) fn load_disk(&mut self, disk: ElectronicDisk) {
+        if self.rights().check_disks().is_ok() {
             let content = self.memory.disks.load(disk, self.memory.model.record());
             self.memory.offsets = content.offsets;
             self.memory.pitch = content.pitch;
-            self.take_parameters(content.parameters);
+            self.apply_parameters(content.parameters);
         }
     }
 
-    pub(super) fn save_disk(&mut self, disk: Disk) {
-        if self.rights().disks().is_ok() {
+    pub(super) fn save_disk(&mut self, disk: ElectronicDisk) {
+        if self.rights().check_disks().is_ok() {
             let content = DiskContent {
                 parameters: self.memory.parameters.clone(),
                 offsets: self.memory.offsets.clone(),
@@ -246,12 +257,12 @@ impl Cnc {
     /// DGN.075: sets the tool in position after the tool post was turned manually with the
     /// power off.
     pub(super) fn set_tool_in_position(&mut self, tool: u8) -> Result<(), Alarm> {
-        if self.rights().machine_data().is_err() || self.run.automatic.operating() {
+        if self.rights().check_machine_data().is_err() || self.run.automatic.is_operating() {
             return Ok(());
         }
         if tool > LAST_TOOL {
             let detail = say::tool_out_of_range(tool, LAST_TOOL);
-            return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));
+            return Err(Alarm::new(number::OUT_OF_RANGE).with_detail(detail));
         }
         self.plc.engine.memory_mut().set_k(TOOL_IN_POSITION, tool);
         self.run.tool = (tool, 0);
@@ -262,14 +273,15 @@ impl Cnc {
 
     /// Sets a preset of the PLC. Timers that a data parameter sets cannot be changed here.
     pub(super) fn set_preset(&mut self, address: ByteAddress, value: i32) -> Result<(), Alarm> {
-        let own = |entry: u16| TIMER_PRESETS.iter().any(|(preset, _)| *preset == entry);
-        let timer_of_parameter = address.area == Area::T && own(address.byte);
-        if self.rights().machine_data().is_err() || timer_of_parameter {
+        let is_timer_parameter =
+            |entry: u16| TIMER_PRESETS.iter().any(|(preset, _)| *preset == entry);
+        let timer_of_parameter = address.area == Area::T && is_timer_parameter(address.byte);
+        if self.rights().check_machine_data().is_err() || timer_of_parameter {
             return Ok(());
         }
         if value < 0 || address.area == Area::D && value > i32::from(u8::MAX) {
             let detail = say::preset_out_of_range(value, address);
-            return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));
+            return Err(Alarm::new(number::OUT_OF_RANGE).with_detail(detail));
         }
         let memory = self.plc.engine.memory_mut();
         match address.area {

@@ -1,32 +1,32 @@
 //! Requests about the program memory (manual III-5.1, III-8.1, III-8.2).
 
-use super::allowed;
+use super::check_allowed;
 use crate::alarm::{Alarm, number};
 use crate::cnc::Cnc;
 use crate::command::ProgramId;
-use crate::operation::{Mode, RunState};
+use crate::operation::{OperatingMode, RunState};
 use crate::program::Program;
 
 impl Cnc {
-    pub(super) fn select(&mut self, program: ProgramId) -> Result<(), Alarm> {
-        if self.run.automatic.operating() {
+    pub(super) fn select_program(&mut self, program: ProgramId) -> Result<(), Alarm> {
+        if self.run.automatic.is_operating() {
             return Ok(());
         }
         let hidden = match program {
-            ProgramId::Stored(number) => self.rights().hides(number),
+            ProgramId::Stored(number) => self.rights().is_hidden(number),
             _ => false,
         };
         if hidden || self.memory.programs.get(program).is_none() {
-            return Err(self.not_found_program());
+            return Err(self.program_missing_alarm());
         }
         self.memory.programs.select(program);
-        self.forget_run();
+        self.drop_stopped_run();
         self.run.cursor_line = 1;
         Ok(())
     }
 
-    fn not_found_program(&self) -> Alarm {
-        Alarm::new(if self.run.mode == Mode::Auto {
+    fn program_missing_alarm(&self) -> Alarm {
+        Alarm::new(if self.run.mode == OperatingMode::Auto {
             number::PROGRAM_MISSING
         } else {
             number::NOT_FOUND
@@ -34,8 +34,8 @@ impl Cnc {
     }
 
     /// The alarm for a search on the program page that found nothing.
-    pub(super) fn not_found(&self, sequence: bool) -> Alarm {
-        Alarm::new(if sequence && self.run.mode == Mode::Auto {
+    pub(super) fn search_alarm(&self, sequence: bool) -> Alarm {
+        Alarm::new(if sequence && self.run.mode == OperatingMode::Auto {
             number::SEQUENCE_MISSING
         } else {
             number::NOT_FOUND
@@ -43,9 +43,9 @@ impl Cnc {
     }
 
     pub(super) fn create_program(&mut self, number: u16) -> Result<(), Alarm> {
-        if allowed(self.rights().program(number))? {
+        if check_allowed(self.rights().check_program_edit(number))? {
             self.memory.programs.create(number)?;
-            self.show_changed(number);
+            self.select_changed_program(number);
             // After the name, where the first block goes.
             self.run.cursor_line = 2;
         }
@@ -53,36 +53,38 @@ impl Cnc {
     }
 
     pub(super) fn save_program_as(&mut self, number: u16) -> Result<(), Alarm> {
-        if allowed(self.rights().program(number))? {
+        if check_allowed(self.rights().check_program_edit(number))? {
             self.memory.programs.save_as(number)?;
         }
         Ok(())
     }
 
     pub(super) fn rename_program(&mut self, number: u16) -> Result<(), Alarm> {
-        let Some(ProgramId::Stored(from)) = self.memory.programs.current() else {
+        let Some(ProgramId::Stored(from)) = self.memory.programs.selected() else {
             return Ok(());
         };
-        if allowed(self.rights().program(from))? && allowed(self.rights().program(number))? {
+        if check_allowed(self.rights().check_program_edit(from))?
+            && check_allowed(self.rights().check_program_edit(number))?
+        {
             self.memory.programs.rename(from, number)?;
-            self.show_changed(number);
+            self.select_changed_program(number);
         }
         Ok(())
     }
 
     pub(super) fn delete_program(&mut self, number: u16) -> Result<(), Alarm> {
-        if allowed(self.rights().program(number))? {
-            let was_selected = self.memory.programs.current() == Some(ProgramId::Stored(number));
+        if check_allowed(self.rights().check_program_edit(number))? {
+            let was_selected = self.memory.programs.selected() == Some(ProgramId::Stored(number));
             self.memory.programs.delete(number)?;
             if was_selected {
-                self.void_run();
+                self.invalidate_run();
             }
         }
         Ok(())
     }
 
     pub(super) fn delete_all_programs(&mut self) -> Result<(), Alarm> {
-        if !allowed(self.rights().program(0))? {
+        if !check_allowed(self.rights().check_program_edit(0))? {
             return Ok(());
         }
         let numbers: Vec<u16> = self
@@ -92,11 +94,11 @@ impl Cnc {
             .map(|(number, _)| number)
             .collect();
         for number in numbers {
-            if self.rights().program(number).is_ok() {
+            if self.rights().check_program_edit(number).is_ok() {
                 self.memory.programs.delete(number)?;
             }
         }
-        self.void_run();
+        self.invalidate_run();
         Ok(())
     }
 
@@ -104,35 +106,35 @@ impl Cnc {
     /// since.
     pub(super) fn store_edited(&mut self, number: u16, program: Program) -> Result<(), Alarm> {
         if self.run.automatic.state == RunState::Run
-            || !allowed(self.rights().program_memory(number))?
+            || !check_allowed(self.rights().check_program_store(number))?
         {
             return Ok(());
         }
         self.memory.programs.replace(number, program)?;
-        if self.memory.programs.current() == Some(ProgramId::Stored(number)) {
+        if self.memory.programs.selected() == Some(ProgramId::Stored(number)) {
             let line = self.run.cursor_line;
-            self.void_run();
+            self.invalidate_run();
             self.run.cursor_line = line;
         }
         Ok(())
     }
 
-    fn show_changed(&mut self, number: u16) {
+    fn select_changed_program(&mut self, number: u16) {
         self.memory.programs.select(ProgramId::Stored(number));
-        self.void_run();
+        self.invalidate_run();
     }
 
     /// Ends a held run that cannot be resumed: the next start begins at the head.
-    pub(super) fn void_run(&mut self) {
-        if self.run.automatic.operating() {
+    pub(super) fn invalidate_run(&mut self) {
+        if self.run.automatic.is_operating() {
             self.stop_run(RunState::Reset);
         }
-        self.forget_run();
+        self.drop_stopped_run();
         self.run.cursor_line = 1;
     }
 
     /// Drops the rest of a stopped run, because the cursor has moved.
-    pub(super) fn forget_run(&mut self) {
+    pub(super) fn drop_stopped_run(&mut self) {
         self.run.automatic.clear();
     }
 }

@@ -1,6 +1,6 @@
 //! Stores data received through the serial port (manual III-9.4, III-9.6).
 
-use super::allowed;
+use super::check_allowed;
 use crate::alarm::Alarm;
 use crate::cnc::Cnc;
 use crate::command::ProgramId;
@@ -21,7 +21,7 @@ pub enum SerialPort {
 
 /// A complete transfer through the serial port.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Received {
+pub enum ReceivedData {
     /// A program for the memory; its number must be free.
     Program(String),
     /// A program that replaces the one with its number.
@@ -45,67 +45,71 @@ pub enum Received {
 
 impl Cnc {
     /// Stores received data completely, or changes nothing.
-    pub(super) fn take_received(&mut self, received: Received) -> Result<(), Alarm> {
+    pub(super) fn store_received(&mut self, received: ReceivedData) -> Result<(), Alarm> {
         match received {
-            Received::Program(text) => {
+            ReceivedData::Program(text) => {
                 let number = Program::new(text.as_str()).number();
-                if allowed(self.rights().receive_program(number.unwrap_or(0)))? {
+                if check_allowed(self.rights().check_receive_program(number.unwrap_or(0)))? {
                     self.memory.programs.receive(text)?;
                 }
                 return Ok(());
             }
-            Received::Replacement(text) => {
+            ReceivedData::Replacement(text) => {
                 let number = Program::new(text.as_str()).number();
-                if allowed(self.rights().receive_program(number.unwrap_or(0)))? {
+                if check_allowed(self.rights().check_receive_program(number.unwrap_or(0)))? {
                     let number = self.memory.programs.store(text)?;
-                    self.changed_from_outside(number);
+                    self.note_replaced_program(number);
                 }
                 return Ok(());
             }
-            Received::Deletion(number) => {
-                if allowed(self.rights().receive_program(number))? {
+            ReceivedData::Deletion(number) => {
+                if check_allowed(self.rights().check_receive_program(number))? {
                     let selected = self.is_selected(number);
                     self.memory.programs.delete(number)?;
                     if selected {
-                        self.void_run();
+                        self.invalidate_run();
                     }
                 }
                 return Ok(());
             }
-            Received::Renaming { from, to } => {
+            ReceivedData::Renaming { from, to } => {
                 let rights = self.rights();
-                if allowed(rights.receive_program(from))? && allowed(rights.receive_program(to))? {
+                if check_allowed(rights.check_receive_program(from))?
+                    && check_allowed(rights.check_receive_program(to))?
+                {
                     self.memory.programs.rename(from, to)?;
-                    self.changed_from_outside(to);
+                    self.note_replaced_program(to);
                 }
                 return Ok(());
             }
-            _ if self.rights().receive_data().is_err() => {}
-            Received::Offsets(offsets) => self.memory.offsets = offsets,
-            Received::Pitch(pitch) => {
+            _ if self.rights().check_receive_data().is_err() => {}
+            ReceivedData::Offsets(offsets) => self.memory.offsets = offsets,
+            ReceivedData::Pitch(pitch) => {
                 self.memory.pitch = pitch;
-                let in_force = self.memory.parameters.in_force(&self.at_power_on);
-                self.drives.chain.reconfigure(&in_force, &self.memory.pitch);
+                let in_force = self.memory.parameters.active_values(&self.at_power_on);
+                self.drives
+                    .axis_chain
+                    .reconfigure(&in_force, &self.memory.pitch);
             }
-            Received::Parameters(values) => {
+            ReceivedData::Parameters(values) => {
                 let mut changed = self.memory.parameters.clone();
                 for (number, value) in values {
                     changed.set(number, value)?;
                 }
-                self.take_parameters(changed);
+                self.apply_parameters(changed);
             }
         }
         Ok(())
     }
 
     fn is_selected(&self, number: u16) -> bool {
-        self.memory.programs.current() == Some(ProgramId::Stored(number))
+        self.memory.programs.selected() == Some(ProgramId::Stored(number))
     }
 
     /// Makes the next start of the program begin at its head, if it is selected.
-    fn changed_from_outside(&mut self, number: u16) {
+    fn note_replaced_program(&mut self, number: u16) {
         if self.is_selected(number) {
-            self.void_run();
+            self.invalidate_run();
         }
     }
 }

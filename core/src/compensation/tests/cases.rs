@@ -11,7 +11,7 @@ const CASES: &str = include_str!("cases.txt");
 const TOLERANCE: f64 = 0.001;
 
 /// One case of the file.
-struct Case {
+struct WorkedCase {
     name: &'static str,
     nose: ToolOffset,
     /// The text of the blocks.
@@ -22,7 +22,11 @@ struct Case {
 }
 
 /// Runs a program with a nose in row 01 from a start position.
-pub(super) fn run(text: &str, nose: ToolOffset, start: Point) -> (Vec<ExecutedMove>, Preview) {
+pub(super) fn run_with_nose(
+    text: &str,
+    nose: ToolOffset,
+    start: Point,
+) -> (Vec<ExecutedMove>, Preview) {
     let mut setup = Setup {
         start: Some(start),
         ..Setup::default()
@@ -37,7 +41,7 @@ pub(super) fn run(text: &str, nose: ToolOffset, start: Point) -> (Vec<ExecutedMo
 }
 
 /// Displacement from the nose centre to its tip, computed independently of the code.
-pub(super) fn tip_of(nose: &ToolOffset) -> Point {
+pub(super) fn tip_vector(nose: &ToolOffset) -> Point {
     let (z, x) = [
         (0, 0),
         (1, 1),
@@ -53,7 +57,7 @@ pub(super) fn tip_of(nose: &ToolOffset) -> Point {
     Point::new(f64::from(x), f64::from(z)) * nose.r.abs()
 }
 
-fn numbers(text: &str) -> Point {
+fn parse_point(text: &str) -> Point {
     let mut words = text
         .split_whitespace()
         .map(|word| word.parse::<f64>().unwrap());
@@ -63,7 +67,7 @@ fn numbers(text: &str) -> Point {
     point
 }
 
-fn parse(paragraph: &'static str) -> Case {
+fn parse_case(paragraph: &'static str) -> WorkedCase {
     let mut lines = paragraph.lines();
     let head = lines.next().unwrap();
     let mut words = head.split(':').next().unwrap().split(' ');
@@ -72,7 +76,7 @@ fn parse(paragraph: &'static str) -> Case {
         let word = words.next().unwrap();
         word.strip_prefix(letter).unwrap().parse::<f64>().unwrap()
     };
-    let mut case = Case {
+    let mut case = WorkedCase {
         name,
         nose: ToolOffset {
             r: value('R'),
@@ -92,14 +96,14 @@ fn parse(paragraph: &'static str) -> Case {
         }
         let (block, targets) = line.split_once(" -> ").unwrap_or((line, ""));
         let (targets, about) = match targets.split_once(" about ") {
-            Some((targets, about)) => (targets, Some(numbers(about) + tip_of(&case.nose))),
+            Some((targets, about)) => (targets, Some(parse_point(about) + tip_vector(&case.nose))),
             None => (targets, None),
         };
         for (index, target) in targets.split(", ").enumerate() {
             if !target.is_empty() {
                 let about = about.filter(|_| index == 0);
                 case.targets
-                    .push((case.blocks.len(), numbers(target), about));
+                    .push((case.blocks.len(), parse_point(target), about));
             }
         }
         case.blocks.push(block);
@@ -107,37 +111,37 @@ fn parse(paragraph: &'static str) -> Case {
     case
 }
 
-fn cases() -> Vec<Case> {
+fn worked_cases() -> Vec<WorkedCase> {
     CASES
         .split("\n\n")
         .filter(|paragraph| !paragraph.starts_with('#'))
-        .map(|paragraph| parse(paragraph.trim()))
+        .map(|paragraph| parse_case(paragraph.trim()))
         .collect()
 }
 
-fn near(a: Point, b: Point) -> bool {
+fn are_close(a: Point, b: Point) -> bool {
     // X counts as a diameter, as in the rows.
     (a.x - b.x).abs() * 2.0 <= TOLERANCE && (a.z - b.z).abs() <= TOLERANCE
 }
 
 #[test]
-fn the_worked_cases() {
-    let cases = cases();
+fn worked_cases_match() {
+    let cases = worked_cases();
     assert_eq!(cases.len(), 64);
     let mut wrong = Vec::new();
     for case in &cases {
-        if let Err(text) = check(case) {
+        if let Err(text) = check_case(case) {
             wrong.push(format!("{}: {text}", case.name));
         }
     }
     assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
 }
 
-fn check(case: &Case) -> Result<(), String> {
+fn check_case(case: &WorkedCase) -> Result<(), String> {
     // The first block is the start position.
-    let start = numbers(&case.blocks[0].replace("G00 X", "").replace('Z', ""));
+    let start = parse_point(&case.blocks[0].replace("G00 X", "").replace('Z', ""));
     let text = format!("T0101 F100\n{}", case.blocks[1..].join("\n"));
-    let (moves, preview) = run(&text, case.nose, start);
+    let (moves, preview) = run_with_nose(&text, case.nose, start);
     let alarm = preview.alarm.as_ref().map(|alarm| {
         let line = alarm.source.map_or(0, |source| source.line);
         (alarm.number, line)
@@ -152,7 +156,7 @@ fn check(case: &Case) -> Result<(), String> {
     let mut at = start;
     let mut expected = Vec::new();
     for target in &case.targets {
-        if !near(target.1, at) {
+        if !are_close(target.1, at) {
             expected.push(*target);
         }
         at = target.1;
@@ -175,13 +179,13 @@ fn check(case: &Case) -> Result<(), String> {
             return Err(format!("{made:?} belongs to block {block}"));
         }
         before = block;
-        if !near(made.to, target) {
+        if !are_close(made.to, target) {
             return Err(format!("block {block}: {:?}, not {target:?}", made.to));
         }
         let arc = matches!(made.kind, MoveKind::Clockwise | MoveKind::CounterClockwise);
         match (arc, about) {
             (false, None) => {}
-            (true, Some(about)) if near(made.center.unwrap_or_default(), about) => {}
+            (true, Some(about)) if are_close(made.center.unwrap_or_default(), about) => {}
             _ => return Err(format!("block {block}: {made:?}, not about {about:?}")),
         }
     }

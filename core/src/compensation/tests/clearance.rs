@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 
 use proptest::prelude::*;
 
-use super::cases::{run, tip_of};
+use super::cases::{run_with_nose, tip_vector};
 use crate::command::{ExecutedMove, MoveKind};
 use crate::memory::ToolOffset;
 use crate::units::Point;
@@ -18,7 +18,7 @@ const STEP: f64 = 0.02;
 
 /// One element of a profile in thousandths of a millimetre, X as a radius.
 #[derive(Clone, Copy, Debug)]
-struct Step {
+struct ProfileStep {
     dz: i64,
     dx: i64,
     /// Radius of an arc in excess of half the chord, in thousandths of a millimetre, and
@@ -28,44 +28,44 @@ struct Step {
 
 /// An element of the part's surface.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Surface {
+pub(super) struct ProfileSurface {
     pub(super) from: Point,
     pub(super) to: Point,
     /// Centre, and whether the arc is clockwise.
     pub(super) about: Option<(Point, bool)>,
 }
 
-fn angle(center: Point, point: Point) -> f64 {
+fn polar_angle(center: Point, point: Point) -> f64 {
     libm::atan2(point.x - center.x, point.z - center.z)
 }
 
 /// Angle swept from `from` to `to`, 0 to a full turn, rad.
 fn swept(center: Point, from: Point, to: Point, clockwise: bool) -> f64 {
     use core::f64::consts::TAU;
-    let way = angle(center, to) - angle(center, from);
-    (if clockwise { -way } else { way }).rem_euclid(TAU)
+    let difference = polar_angle(center, to) - polar_angle(center, from);
+    (if clockwise { -difference } else { difference }).rem_euclid(TAU)
 }
 
-impl Surface {
+impl ProfileSurface {
     fn distance(&self, point: Point) -> f64 {
         let ends = (point - self.from).length().min((point - self.to).length());
         let between = match self.about {
             None => {
                 let along = self.to - self.from;
-                let way = point - self.from;
+                let arm = point - self.from;
                 let length = along.length();
-                let part = (way.x * along.x + way.z * along.z) / (length * length);
+                let part = (arm.x * along.x + arm.z * along.z) / (length * length);
                 (0.0..=1.0)
                     .contains(&part)
-                    .then(|| (way - along * part).length())
+                    .then(|| (arm - along * part).length())
             }
             Some((center, clockwise)) => {
                 let whole = swept(center, self.from, self.to, clockwise);
                 let radius = (self.from - center).length();
                 let growth = (self.to - center).length() - radius;
-                let way = swept(center, self.from, point, clockwise);
-                (way <= whole).then(|| {
-                    let radius = radius + growth * (way / whole);
+                let angle = swept(center, self.from, point, clockwise);
+                (angle <= whole).then(|| {
+                    let radius = radius + growth * (angle / whole);
                     ((point - center).length() - radius).abs()
                 })
             }
@@ -93,7 +93,7 @@ fn points(made: &ExecutedMove) -> Vec<Point> {
         .map(|index| {
             let part = index as f64 / count as f64;
             let turn = if clockwise { -sweep } else { sweep } * part;
-            let at = angle(center, from) + turn;
+            let at = polar_angle(center, from) + turn;
             center + Point::new(libm::sin(at), libm::cos(at)) * (radius + growth * part)
         })
         .collect()
@@ -109,7 +109,7 @@ pub(super) fn mm(thousandths: i64) -> String {
 }
 
 /// Radius in thousandths of a millimetre and centre of an arc of at most half a turn.
-fn circle(from: Point, to: Point, more: i64, clockwise: bool) -> (i64, Point) {
+fn arc_circle(from: Point, to: Point, more: i64, clockwise: bool) -> (i64, Point) {
     let chord = (to - from).length();
     let thousandths = (chord * 500.0).ceil() as i64 + more;
     let radius = thousandths as f64 / 1000.0;
@@ -121,9 +121,9 @@ fn circle(from: Point, to: Point, more: i64, clockwise: bool) -> (i64, Point) {
 }
 
 /// Whether an arc never moves away from the chuck: the surface is a function of Z.
-fn never_back(from: Point, to: Point, (more, clockwise): (i64, bool), left: bool) -> bool {
+fn is_monotonic(from: Point, to: Point, (more, clockwise): (i64, bool), left: bool) -> bool {
     let clockwise = clockwise != left;
-    let (_, center) = circle(from, to, more, clockwise);
+    let (_, center) = arc_circle(from, to, more, clockwise);
     [from, to].iter().all(|end| {
         let arm = *end - center;
         if clockwise {
@@ -135,7 +135,7 @@ fn never_back(from: Point, to: Point, (more, clockwise): (i64, bool), left: bool
 }
 
 /// A program for the profile from the first point, and its surface.
-fn program(steps: &[Step], left: bool) -> (String, Vec<Surface>) {
+fn profile_program(steps: &[ProfileStep], left: bool) -> (String, Vec<ProfileSurface>) {
     let mut text = String::from("T0101 F100\n");
     let (mut x, mut z) = (20_000_i64, 0_i64);
     let point = |x: i64, z: i64| Point::new(x as f64 / 1000.0, z as f64 / 1000.0);
@@ -151,10 +151,10 @@ fn program(steps: &[Step], left: bool) -> (String, Vec<Surface>) {
         let chord = (to - from).length();
         let arc = step
             .arc
-            .filter(|arc| chord > 0.0 && never_back(from, to, *arc, left));
+            .filter(|arc| chord > 0.0 && is_monotonic(from, to, *arc, left));
         let Some((ratio, clockwise)) = arc else {
             writeln!(text, "G01 X{} Z{}", mm(2 * x), mm(z)).unwrap();
-            surface.push(Surface {
+            surface.push(ProfileSurface {
                 from,
                 to,
                 about: None,
@@ -162,8 +162,8 @@ fn program(steps: &[Step], left: bool) -> (String, Vec<Surface>) {
             continue;
         };
         let clockwise = clockwise != left;
-        let (radius, center) = circle(from, to, ratio, clockwise);
-        surface.push(Surface {
+        let (radius, center) = arc_circle(from, to, ratio, clockwise);
+        surface.push(ProfileSurface {
             from,
             to,
             about: Some((center, clockwise)),
@@ -177,26 +177,26 @@ fn program(steps: &[Step], left: bool) -> (String, Vec<Surface>) {
 }
 
 /// The result of running a profile.
-enum Outcome {
+enum ProfileResult {
     Alarm(u16),
     /// Depth of the nose in the part, mm, and where.
     Cut(f64, String),
 }
 
-fn outcome(steps: &[Step], nose: ToolOffset, left: bool) -> Outcome {
-    let (text, surface) = program(steps, left);
+fn run_profile(steps: &[ProfileStep], nose: ToolOffset, left: bool) -> ProfileResult {
+    let (text, surface) = profile_program(steps, left);
     let start = Point::new(20.0, 10.0);
-    let (moves, preview) = run(&text, nose, start);
+    let (moves, preview) = run_with_nose(&text, nose, start);
     if let Some(alarm) = preview.alarm {
-        return Outcome::Alarm(alarm.number);
+        return ProfileResult::Alarm(alarm.number);
     }
-    let (deep, place) = deepest(&surface, &moves, nose, 3..=steps.len() as u32 + 2);
-    Outcome::Cut(deep, format!("{place} in\n{text}"))
+    let (deep, position) = deepest_cut(&surface, &moves, nose, 3..=steps.len() as u32 + 2);
+    ProfileResult::Cut(deep, format!("{position} in\n{text}"))
 }
 
 /// Depth of the nose in the part on the moves of these lines, mm, and where.
-pub(super) fn deepest(
-    surface: &[Surface],
+pub(super) fn deepest_cut(
+    surface: &[ProfileSurface],
     moves: &[ExecutedMove],
     nose: ToolOffset,
     lines: RangeInclusive<u32>,
@@ -207,7 +207,7 @@ pub(super) fn deepest(
         .filter(|made| lines.contains(&made.source.line))
     {
         for point in points(made) {
-            let center = point - tip_of(&nose);
+            let center = point - tip_vector(&nose);
             let clear = surface
                 .iter()
                 .map(|piece| piece.distance(center))
@@ -222,21 +222,21 @@ pub(super) fn deepest(
 }
 
 /// Steps towards the chuck that never come back in Z.
-fn steps() -> impl Strategy<Value = Vec<Step>> {
+fn steps() -> impl Strategy<Value = Vec<ProfileStep>> {
     let long = (1_000_i64..8_000, -4_000_i64..4_000);
     let short = (0_i64..800, -600_i64..600);
     let square = prop_oneof![
         (500_i64..6_000).prop_map(|z| (z, 0)),
         (-4_000_i64..4_000).prop_map(|x| (0, x)),
     ];
-    let way = prop_oneof![3 => long, 2 => short, 3 => square];
+    let displacement = prop_oneof![3 => long, 2 => short, 3 => square];
     let arc = prop_oneof![
         3 => Just(None),
         2 => (0_i64..6_000, any::<bool>()).prop_map(Some),
     ];
-    let step = (way, arc).prop_map(|((dz, dx), arc)| Step { dz: -dz, dx, arc });
+    let step = (displacement, arc).prop_map(|((dz, dx), arc)| ProfileStep { dz: -dz, dx, arc });
     // Free length to approach and to leave, wherever the profile begins and ends.
-    let room = Step {
+    let clearance = ProfileStep {
         dz: -5_000,
         dx: 0,
         arc: None,
@@ -250,8 +250,8 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
             }
             down = step.dz == 0;
         }
-        steps.insert(0, room);
-        steps.push(room);
+        steps.insert(0, clearance);
+        steps.push(clearance);
         steps
     })
 }
@@ -271,10 +271,10 @@ proptest! {
     fn the_nose_stays_outside_or_there_is_an_alarm(
         steps in steps(), nose in noses(), left in any::<bool>(),
     ) {
-        match outcome(&steps, nose, left) {
-            Outcome::Alarm(number) => prop_assert!(matches!(number, 50..=59), "{}", number),
-            Outcome::Cut(deep, place) => {
-                prop_assert!(deep <= TOLERANCE, "{} deep, {:?} {}", deep, nose, place);
+        match run_profile(&steps, nose, left) {
+            ProfileResult::Alarm(number) => prop_assert!(matches!(number, 50..=59), "{}", number),
+            ProfileResult::Cut(deep, position) => {
+                prop_assert!(deep <= TOLERANCE, "{} deep, {:?} {}", deep, nose, position);
             }
         }
     }

@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 
-use crate::compensation::clearance::{Curve, cuts, distance};
-use crate::compensation::piece::Piece;
+use crate::compensation::clearance::{Curve, distance, is_closer_than};
+use crate::compensation::segment::ContourSegment;
 use crate::units::Point;
 
 fn coordinate() -> impl Strategy<Value = f64> {
@@ -15,9 +15,10 @@ fn point() -> impl Strategy<Value = Point> {
 }
 
 /// A line, or an arc about a centre that begins at a random angle.
-fn piece() -> impl Strategy<Value = Piece> {
-    let line =
-        (point(), point()).prop_filter_map("no length", |(from, to)| Piece::line(from, to).ok());
+fn piece() -> impl Strategy<Value = ContourSegment> {
+    let line = (point(), point()).prop_filter_map("no length", |(from, to)| {
+        ContourSegment::line(from, to).ok()
+    });
     let arc = (
         point(),
         0.1_f64..4.0,
@@ -32,12 +33,12 @@ fn piece() -> impl Strategy<Value = Piece> {
         } else {
             from + sweep
         };
-        Piece::arc(at(from), at(to), center, clockwise).unwrap()
+        ContourSegment::arc(at(from), at(to), center, clockwise).unwrap()
     });
     prop_oneof![line, arc]
 }
 
-fn points(piece: &Piece) -> Vec<Point> {
+fn points(piece: &ContourSegment) -> Vec<Point> {
     const COUNT: u32 = 400;
     let part = |index: u32| f64::from(index) / f64::from(COUNT);
     (0..=COUNT)
@@ -58,27 +59,27 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_nearest_points(a in piece(), b in piece()) {
+    fn distance_matches_sampled_points(a in piece(), b in piece()) {
         let exact = distance(&Curve::surface(&a), &Curve::surface(&b));
         let others = points(&b);
-        let counted = points(&a)
+        let sampled = points(&a)
             .iter()
             .flat_map(|one| others.iter().map(|other| (*one - *other).length()))
             .fold(f64::MAX, f64::min);
-        prop_assert!(exact <= counted + 1e-9, "{} {}", exact, counted);
+        prop_assert!(exact <= sampled + 1e-9, "{} {}", exact, sampled);
         // Half the distance of neighbouring points on either curve.
-        prop_assert!(counted - exact <= 0.08, "{} {}", exact, counted);
+        prop_assert!(sampled - exact <= 0.08, "{} {}", exact, sampled);
     }
 
     /// Curves that boxes and sides separate are as far apart as `distance` computes.
     #[test]
-    fn nearer_is_what_the_distance_says(a in piece(), b in piece(), least in 0.01_f64..3.0) {
+    fn closeness_agrees_with_the_distance(a in piece(), b in piece(), least in 0.01_f64..3.0) {
         let (a, b) = (Curve::surface(&a), Curve::surface(&b));
         let between = distance(&a, &b);
         prop_assume!((between - least).abs() > 1e-9);
-        prop_assert_eq!(cuts(&a, &b, least), between < least, "{}", between);
-        let near = cuts(&a, &b, between + 1e-9);
-        let far = cuts(&a, &b, between - 1e-9);
+        prop_assert_eq!(is_closer_than(&a, &b, least), between < least, "{}", between);
+        let near = is_closer_than(&a, &b, between + 1e-9);
+        let far = is_closer_than(&a, &b, between - 1e-9);
         prop_assert!(near && !far, "{} {} {}", between, near, far);
     }
 }

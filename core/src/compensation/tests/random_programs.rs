@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use proptest::prelude::*;
 
-use super::cases::run;
+use super::cases::run_with_nose;
 use crate::memory::ToolOffset;
 use crate::units::Point;
 
@@ -25,7 +25,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_program_ends(blocks in blocks(), r in -2_000_i32..2_000, t in 0_u8..10) {
+    fn every_program_ends(blocks in blocks(), r in -2_000_i32..2_000, t in 0_u8..10) {
         let mut text = String::from("T0101 F100\nG42\n");
         for (word, kind, x, z, arc) in blocks {
             let mm = |value: i32| f64::from(value) / 1000.0;
@@ -41,7 +41,7 @@ proptest! {
             text.push('\n');
         }
         let nose = ToolOffset { r: f64::from(r) / 1000.0, t, ..ToolOffset::default() };
-        let (moves, _) = run(&text, nose, Point::new(20.0, 10.0));
+        let (moves, _) = run_with_nose(&text, nose, Point::new(20.0, 10.0));
         for made in moves {
             prop_assert!(made.to.length().is_finite() && made.to.length() < 1e5, "{}", text);
         }

@@ -7,8 +7,8 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 
-use super::cases::run;
-use super::clearance::{Surface, deepest, mm};
+use super::cases::run_with_nose;
+use super::clearance::{ProfileSurface, deepest_cut, mm};
 use crate::memory::ToolOffset;
 use crate::units::Point;
 
@@ -22,30 +22,33 @@ const FIT: f64 = 0.002;
 
 /// A line of this length, or an arc to this heading: with a radius, or as large as the nose.
 #[derive(Clone, Copy, Debug)]
-enum Step {
+enum ContourStep {
     Line(f64),
     Arc { to: f64, radius: Option<f64> },
 }
 
 /// An element with its programmed end and centre, X as a radius.
 #[derive(Clone, Copy, Debug)]
-struct Written {
+struct ContourElement {
     to: Point,
     /// Centre from the rounded I and K, whether the arc is clockwise, R.
     arc: Option<(Point, bool, f64)>,
 }
 
-fn on(value: f64, grid: f64) -> f64 {
+fn round_to_grid(value: f64, grid: f64) -> f64 {
     (value / grid).round() * grid
 }
 
 /// Rounds a point to the grid of the axes.
-fn place(point: Point) -> Point {
-    Point::new(on(point.x, 0.0005), on(point.z, 0.001))
+fn round_point(point: Point) -> Point {
+    Point::new(
+        round_to_grid(point.x, 0.0005),
+        round_to_grid(point.z, 0.001),
+    )
 }
 
 /// The centre that the control uses for the programmed one.
-fn kept(from: Point, to: Point, center: Point) -> Point {
+fn used_center(from: Point, to: Point, center: Point) -> Point {
     let radius = (from - center).length();
     let chord = to - from;
     let square = radius * radius - chord.length() * chord.length() / 4.0;
@@ -63,19 +66,19 @@ fn kept(from: Point, to: Point, center: Point) -> Point {
 }
 
 /// The contour with centres on a grid.
-fn written(steps: &[Step], nose: f64, grid: f64) -> (Point, Vec<Written>) {
+fn contour_elements(steps: &[ContourStep], nose: f64, grid: f64) -> (Point, Vec<ContourElement>) {
     let first = Point::new(20.0, 0.0);
     let (mut at, mut heading, mut from) = (first, 0.0_f64, first);
     let mut pieces = Vec::new();
     for step in steps {
         let normal = |heading: f64| Point::new(libm::cos(heading), libm::sin(heading));
         let arc = match *step {
-            Step::Line(length) => {
+            ContourStep::Line(length) => {
                 at = at + Point::new(libm::sin(heading), -libm::cos(heading)) * length;
                 None
             }
-            Step::Arc { to, .. } if (to - heading).abs() < 0.05 => continue,
-            Step::Arc { to, radius } => {
+            ContourStep::Arc { to, .. } if (to - heading).abs() < 0.05 => continue,
+            ContourStep::Arc { to, radius } => {
                 // An inner arc turns towards the nose, an outer one away from it.
                 let inner = to > heading;
                 let radius = match radius {
@@ -90,18 +93,19 @@ fn written(steps: &[Step], nose: f64, grid: f64) -> (Point, Vec<Written>) {
                 let center = at + normal(heading) * arm;
                 at = center - normal(to) * arm;
                 heading = to;
-                let i_k = place(center) - from;
-                let center = from + Point::new(on(i_k.x, grid), on(i_k.z, grid));
-                Some((center, inner, on(radius, 0.001)))
+                let i_k = round_point(center) - from;
+                let center =
+                    from + Point::new(round_to_grid(i_k.x, grid), round_to_grid(i_k.z, grid));
+                Some((center, inner, round_to_grid(radius, 0.001)))
             }
         };
-        from = place(at);
-        pieces.push(Written { to: from, arc });
+        from = round_point(at);
+        pieces.push(ContourElement { to: from, arc });
     }
     (first, pieces)
 }
 
-fn program(first: Point, pieces: &[Written], with_r: bool) -> String {
+fn contour_program(first: Point, pieces: &[ContourElement], with_r: bool) -> String {
     let word = |value: f64| mm((value * 1000.0).round() as i64);
     let mut text = format!("T0101 F100\nG42 G00 X{} Z5\nZ0\n", word(2.0 * first.x));
     let mut from = first;
@@ -127,19 +131,19 @@ fn program(first: Point, pieces: &[Written], with_r: bool) -> String {
     text
 }
 
-fn steps() -> impl Strategy<Value = Vec<Step>> {
-    let line = (0.1_f64..8.0).prop_map(Step::Line);
+fn steps() -> impl Strategy<Value = Vec<ContourStep>> {
+    let line = (0.1_f64..8.0).prop_map(ContourStep::Line);
     let radius = prop_oneof![
         1 => Just(None),
         2 => (-1.6_f64..3.5).prop_map(|power| Some(libm::exp(power))),
     ];
-    let arc = (-1.3_f64..1.3, radius).prop_map(|(to, radius)| Step::Arc { to, radius });
+    let arc = (-1.3_f64..1.3, radius).prop_map(|(to, radius)| ContourStep::Arc { to, radius });
     prop::collection::vec((line, arc), 1..5).prop_map(|pairs| {
-        let mut steps: Vec<Step> = pairs
+        let mut steps: Vec<ContourStep> = pairs
             .into_iter()
             .flat_map(|(line, arc)| [line, arc])
             .collect();
-        steps.push(Step::Line(6.0));
+        steps.push(ContourStep::Line(6.0));
         steps
     })
 }
@@ -152,13 +156,17 @@ fn noses() -> impl Strategy<Value = ToolOffset> {
     })
 }
 
-fn runs_as_with_r(steps: &[Step], nose: ToolOffset, grid: f64) -> Result<(), TestCaseError> {
-    let (first, pieces) = written(steps, nose.r, grid);
+fn check_runs_as_with_r(
+    steps: &[ContourStep],
+    nose: ToolOffset,
+    grid: f64,
+) -> Result<(), TestCaseError> {
+    let (first, pieces) = contour_elements(steps, nose.r, grid);
     let start = Point::new(40.0, 15.0);
-    let text = program(first, &pieces, false);
-    let (moves, preview) = run(&text, nose, start);
+    let text = contour_program(first, &pieces, false);
+    let (moves, preview) = run_with_nose(&text, nose, start);
     if let Some(alarm) = &preview.alarm {
-        let fits = run(&program(first, &pieces, true), nose, start)
+        let fits = run_with_nose(&contour_program(first, &pieces, true), nose, start)
             .1
             .alarm
             .is_none();
@@ -172,26 +180,26 @@ fn runs_as_with_r(steps: &[Step], nose: ToolOffset, grid: f64) -> Result<(), Tes
         return Ok(());
     }
     let mut from = first;
-    let surface: Vec<Surface> = pieces
+    let surface: Vec<ProfileSurface> = pieces
         .iter()
         .map(|piece| {
             let (start, to) = (core::mem::replace(&mut from, piece.to), piece.to);
-            Surface {
+            ProfileSurface {
                 from: start,
                 to,
                 about: piece
                     .arc
-                    .map(|(center, clockwise, _)| (kept(start, to, center), clockwise)),
+                    .map(|(center, clockwise, _)| (used_center(start, to, center), clockwise)),
             }
         })
         .collect();
-    let (deep, place) = deepest(&surface, &moves, nose, 4..=3 + pieces.len() as u32);
+    let (deep, position) = deepest_cut(&surface, &moves, nose, 4..=3 + pieces.len() as u32);
     prop_assert!(
         deep <= TOLERANCE,
         "{} deep, {:?} {} {}",
         deep,
         nose,
-        place,
+        position,
         text
     );
     Ok(())
@@ -202,38 +210,38 @@ proptest! {
 
     #[test]
     fn centres_on_a_thousandth(steps in steps(), nose in noses()) {
-        runs_as_with_r(&steps, nose, 0.001)?;
+        check_runs_as_with_r(&steps, nose, 0.001)?;
     }
 
     #[test]
     fn centres_on_a_hundredth(steps in steps(), nose in noses()) {
         // Coarser centres need coarser contours: no arc that the nose barely fits into.
-        let steps: Vec<Step> = steps
+        let steps: Vec<ContourStep> = steps
             .into_iter()
             .map(|step| match step {
-                Step::Arc { to, radius } => Step::Arc { to, radius: radius.or(Some(0.1)) },
+                ContourStep::Arc { to, radius } => ContourStep::Arc { to, radius: radius.or(Some(0.1)) },
                 line => line,
             })
             .collect();
-        runs_as_with_r(&steps, nose, 0.01)?;
+        check_runs_as_with_r(&steps, nose, 0.01)?;
     }
 }
 
 /// Number of contours; `NOSE_CONTOURS=20000` runs the full test.
-fn contours() -> usize {
+fn contour_count() -> usize {
     std::env::var("NOSE_CONTOURS").map_or(300, |count| count.parse().unwrap())
 }
 
 /// The same contours on every run: each one that runs with R runs with rounded centres.
 #[test]
-fn what_runs_with_r_runs_with_rounded_centres() {
+fn contours_with_r_run_with_rounded_centres() {
     let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
     let mut runner = TestRunner::new_with_rng(ProptestConfig::default(), rng);
     let contour = (steps(), noses());
     let mut faults = Vec::new();
-    for _ in 0..contours() {
+    for _ in 0..contour_count() {
         let (steps, nose) = contour.new_tree(&mut runner).unwrap().current();
-        if let Err(fault) = runs_as_with_r(&steps, nose, 0.001) {
+        if let Err(fault) = check_runs_as_with_r(&steps, nose, 0.001) {
             faults.push(fault.to_string());
         }
     }
@@ -242,7 +250,7 @@ fn what_runs_with_r_runs_with_rounded_centres() {
         faults.is_empty(),
         "{} of {}: {}",
         faults.len(),
-        contours(),
+        contour_count(),
         first.join("\n")
     );
 }
@@ -259,7 +267,7 @@ fn a_short_line_between_inner_arcs_runs() {
         t: 3,
         ..ToolOffset::default()
     };
-    let (_, preview) = run(text, nose, Point::new(40.0, 15.0));
+    let (_, preview) = run_with_nose(text, nose, Point::new(40.0, 15.0));
     assert_eq!(preview.alarm.map(|alarm| alarm.line_text()), None);
 }
 
@@ -282,7 +290,7 @@ fn short_moves_beside_arcs_run() {
             t: 2,
             ..ToolOffset::default()
         };
-        let (_, preview) = run(&bore(lines), nose, Point::new(50.0, 20.0));
+        let (_, preview) = run_with_nose(&bore(lines), nose, Point::new(50.0, 20.0));
         let alarm = preview.alarm.map(|alarm| alarm.line_text());
         assert_eq!(alarm, None, "{lines}");
     }

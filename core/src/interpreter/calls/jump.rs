@@ -9,37 +9,42 @@ use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::{Alarm, number};
-use crate::interpreter::context::place::Place;
+use crate::interpreter::context::program_position::ProgramPosition;
 use crate::program::Program;
 
 /// Number of jumps that are remembered, so that a loop searches its target once.
-const KNOWN: usize = 8;
+const REMEMBERED_JUMPS: usize = 8;
 
 /// A remembered jump.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-struct Known {
-    from: Place,
+struct KnownJump {
+    from: ProgramPosition,
     p: i64,
     to: u32,
 }
 
 /// Finds targets of jumps and remembers the last ones.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Jumps {
-    known: [Option<Known>; KNOWN],
+pub(crate) struct JumpTargets {
+    known: [Option<KnownJump>; REMEMBERED_JUMPS],
     oldest: u8,
 }
 
-impl Jumps {
+impl JumpTargets {
     /// The index of the block that a jump with P `p` from `from` leads to. A negative `p`
     /// searches backward first.
     ///
     /// # Errors
     /// 128 if the number is out of range or missing in the program.
-    pub(crate) fn target(&mut self, program: &Program, from: Place, p: i64) -> Result<u32, Alarm> {
+    pub(crate) fn find_target(
+        &mut self,
+        program: &Program,
+        from: ProgramPosition,
+        p: i64,
+    ) -> Result<u32, Alarm> {
         let number = u32::try_from(p.unsigned_abs()).ok();
         let Some(number) = number.filter(|number| *number <= 9999) else {
-            return Err(Alarm::new(number::BAD_JUMP).because(say::jump_out_of_range(p)));
+            return Err(Alarm::new(number::BAD_JUMP).with_detail(say::jump_out_of_range(p)));
         };
         let known = self.known.iter().flatten();
         let mut known = known.filter(|known| known.from == from && known.p == p);
@@ -47,23 +52,25 @@ impl Jumps {
         if let Some(known) = known.find(|known| program.sequence(known.to) == Some(number)) {
             return Ok(known.to);
         }
-        let Some(to) = search(program, from.block, number, p < 0) else {
-            return Err(Alarm::new(number::BAD_JUMP).because(say::jump_target_missing(number)));
+        let Some(to) = search_sequence_block(program, from.block, number, p < 0) else {
+            return Err(Alarm::new(number::BAD_JUMP).with_detail(say::jump_target_missing(number)));
         };
-        let slot = usize::from(self.oldest) % KNOWN;
-        self.known[slot] = Some(Known { from, p, to });
+        let slot = usize::from(self.oldest) % REMEMBERED_JUMPS;
+        self.known[slot] = Some(KnownJump { from, p, to });
         self.oldest = (slot + 1) as u8;
         Ok(to)
     }
 }
 
-fn search(program: &Program, from: u32, number: u32, backward: bool) -> Option<u32> {
-    let found = |block: &u32| program.sequence(*block) == Some(number);
+fn search_sequence_block(program: &Program, from: u32, number: u32, backward: bool) -> Option<u32> {
+    let is_target = |block: &u32| program.sequence(*block) == Some(number);
     let count = program.block_count();
     if backward {
-        let mut before = (0..from).rev();
-        return before.find(found).or_else(|| (from..count).find(found));
+        let mut earlier = (0..from).rev();
+        return earlier
+            .find(is_target)
+            .or_else(|| (from..count).find(is_target));
     }
-    let mut after = from.saturating_add(1)..count;
-    after.find(found).or_else(|| (0..=from).find(found))
+    let mut later = from.saturating_add(1)..count;
+    later.find(is_target).or_else(|| (0..=from).find(is_target))
 }

@@ -11,12 +11,12 @@ use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
 use crate::interpreter::codes::miscellaneous;
-use crate::interpreter::context::Context;
+use crate::interpreter::context::BlockContext;
 use crate::interpreter::context::code_calls::PlainCall;
-use crate::interpreter::context::words::{OneShot, Words};
+use crate::interpreter::context::words::{OneShot, SortedWords};
 
 /// S and T codes that may call.
-const CODES: core::ops::RangeInclusive<i64> = 10..=99;
+const CALLING_CODES: core::ops::RangeInclusive<i64> = 10..=99;
 
 /// A subprogram call by an M, S or T word, with the word for messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,11 +31,11 @@ pub(crate) struct SpecialCall {
 }
 
 /// Number of runs that L of a call by a parameter may give.
-const RUNS: core::ops::RangeInclusive<i64> = 1..=9999;
+const RUN_RANGE: core::ops::RangeInclusive<i64> = 1..=9999;
 
 impl SpecialCall {
     /// A copy of the words of the block without the calling word (and its L).
-    pub(crate) const fn without(self, words: &Words) -> Words {
+    pub(crate) const fn without_calling_word(self, words: &SortedWords) -> SortedWords {
         let mut words = *words;
         match self.address {
             'M' => {
@@ -56,11 +56,14 @@ impl SpecialCall {
 /// # Errors
 /// 012 for two calls in a block, 043 for a wrong count of runs, or an alarm for a call from
 /// the MDI page.
-pub(crate) fn find(words: &Words, context: &Context<'_>) -> Result<Option<SpecialCall>, Alarm> {
+pub(crate) fn find(
+    words: &SortedWords,
+    context: &BlockContext<'_>,
+) -> Result<Option<SpecialCall>, Alarm> {
     if let Some(calls) = context.code_calls
-        && let Some(call) = calls.plain(words)
+        && let Some(call) = calls.find_subprogram(words)
     {
-        return by_parameter(call, words).map(Some);
+        return from_parameter_call(call, words).map(Some);
     }
     if !context.parameters.special_codes_call() {
         return Ok(None);
@@ -70,23 +73,24 @@ pub(crate) fn find(words: &Words, context: &Context<'_>) -> Result<Option<Specia
         .filter(|code| !miscellaneous::has_function(*code, context))
         .map(i64::from);
     // S of G50 is a speed limit.
-    let steps = !context.parameters.analog_spindle()
+    let is_stepped = !context.parameters.has_analog_spindle()
         && words.one_shot != Some(OneShot::Coordinates)
         && words.s_digits <= 2;
-    let s = words.s.filter(|s| steps && CODES.contains(s));
-    let t = words.t.filter(|t| words.t_digits <= 2 && CODES.contains(t));
-    if context.mdi {
-        return in_mdi(m, s, t).map_or(Ok(None), Err);
+    let s = words.s.filter(|s| is_stepped && CALLING_CODES.contains(s));
+    let t = words
+        .t
+        .filter(|t| words.t_digits <= 2 && CALLING_CODES.contains(t));
+    if context.is_mdi {
+        return mdi_alarm(m, s, t).map_or(Ok(None), Err);
     }
-    let mut found = None;
+    let mut call = None;
     for (address, first, code) in [('M', 9000, m), ('S', 9100, s), ('T', 9200, t)] {
         let Some(code) = code else { continue };
-        if found.is_some() || (address != 'M' && matches!(words.m, Some(30 | 98 | 99))) {
-            return Err(
-                Alarm::new(number::TOO_MANY_WORDS).because(say::call_twice_in_block(address, code))
-            );
+        if call.is_some() || (address != 'M' && matches!(words.m, Some(30 | 98 | 99))) {
+            return Err(Alarm::new(number::TOO_MANY_WORDS)
+                .with_detail(say::call_twice_in_block(address, code)));
         }
-        found = Some(SpecialCall {
+        call = Some(SpecialCall {
             program: first + code as u16,
             address,
             code,
@@ -94,11 +98,11 @@ pub(crate) fn find(words: &Words, context: &Context<'_>) -> Result<Option<Specia
             codes_ordinary: false,
         });
     }
-    Ok(found)
+    Ok(call)
 }
 
 /// The call by the parameters 240 to 243. L is the number of runs of a call by M.
-fn by_parameter(call: PlainCall, words: &Words) -> Result<SpecialCall, Alarm> {
+fn from_parameter_call(call: PlainCall, words: &SortedWords) -> Result<SpecialCall, Alarm> {
     let PlainCall {
         program,
         address,
@@ -108,9 +112,9 @@ fn by_parameter(call: PlainCall, words: &Words) -> Result<SpecialCall, Alarm> {
         Some(runs) if address == 'M' => runs,
         _ => 1,
     };
-    if !RUNS.contains(&runs) {
-        let detail = say::macro_runs_out_of_range(runs, *RUNS.end());
-        return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));
+    if !RUN_RANGE.contains(&runs) {
+        let detail = say::macro_runs_out_of_range(runs, *RUN_RANGE.end());
+        return Err(Alarm::new(number::OUT_OF_RANGE).with_detail(detail));
     }
     Ok(SpecialCall {
         program,
@@ -122,7 +126,7 @@ fn by_parameter(call: PlainCall, words: &Words) -> Result<SpecialCall, Alarm> {
 }
 
 /// The alarm of a call from the MDI page, which may call nothing.
-fn in_mdi(m: Option<i64>, s: Option<i64>, t: Option<i64>) -> Option<Alarm> {
+fn mdi_alarm(m: Option<i64>, s: Option<i64>, t: Option<i64>) -> Option<Alarm> {
     let (number, name, code) = match (m, s, t) {
         (Some(m), ..) => (number::BAD_M, 'M', m),
         (_, Some(s), _) => (number::BAD_VALUE, 'S', s),
@@ -130,5 +134,5 @@ fn in_mdi(m: Option<i64>, s: Option<i64>, t: Option<i64>) -> Option<Alarm> {
         _ => return None,
     };
     let detail = say::call_in_mdi(name, code);
-    Some(Alarm::new(number).because(detail))
+    Some(Alarm::new(number).with_detail(detail))
 }

@@ -12,31 +12,34 @@ use gsk_messages::say;
 use crate::alarm::{Alarm, number};
 use crate::command::ProgramId;
 use crate::interpreter::calls::special_call::SpecialCall;
-use crate::interpreter::context::Context;
+use crate::interpreter::context::BlockContext;
 use crate::interpreter::context::flow::Flow;
-use crate::interpreter::context::place::{Call, CallKind, Place};
+use crate::interpreter::context::program_position::{CallKind, ProgramCall, ProgramPosition};
 
 /// Greatest depth of nested calls.
-pub(crate) const LEVELS: usize = 4;
+pub(crate) const MAX_CALL_DEPTH: usize = 4;
 
 /// Plans an M98: P holds the count of runs (0 is one run) and the program number.
 ///
 /// # Errors
 /// 076 without P, 077 for calls that are too deep, 078 for a missing program.
-pub(crate) fn call(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
+pub(crate) fn plan_call(context: &BlockContext<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
     let Some(p) = p else {
-        return Err(Alarm::new(number::CALL_WITHOUT_P).because(say::call_without_program()));
+        return Err(Alarm::new(number::CALL_WITHOUT_P).with_detail(say::call_without_program()));
     };
     let (count, number) = (p / 10_000, p % 10_000);
     let runs = u16::try_from(count).unwrap_or(u16::MAX).max(1);
-    enter(context, number, runs, &format_args!("M98 P{p}"))
+    build_call_flow(context, number, runs, &format_args!("M98 P{p}"))
 }
 
 /// Plans a call by an M, S or T code (006.5 CM98, or parameters of macro B).
 ///
 /// # Errors
 /// As for [`call`].
-pub(crate) fn call_special(context: &Context<'_>, call: SpecialCall) -> Result<Flow, Alarm> {
+pub(crate) fn plan_special_call(
+    context: &BlockContext<'_>,
+    call: SpecialCall,
+) -> Result<Flow, Alarm> {
     let SpecialCall {
         program,
         address,
@@ -44,9 +47,9 @@ pub(crate) fn call_special(context: &Context<'_>, call: SpecialCall) -> Result<F
         ..
     } = call;
     let name = format_args!("{address}{code:02}");
-    let flow = enter(context, program.into(), call.runs, &name)?;
+    let flow = build_call_flow(context, program.into(), call.runs, &name)?;
     Ok(match flow {
-        Flow::Call(entered) => Flow::Call(Call {
+        Flow::Call(entered) => Flow::Call(ProgramCall {
             codes_ordinary: call.codes_ordinary,
             ..entered
         }),
@@ -54,31 +57,35 @@ pub(crate) fn call_special(context: &Context<'_>, call: SpecialCall) -> Result<F
     })
 }
 
-fn enter(
-    context: &Context<'_>,
+fn build_call_flow(
+    context: &BlockContext<'_>,
     number: i64,
     runs: u16,
     name: &core::fmt::Arguments<'_>,
 ) -> Result<Flow, Alarm> {
     let nested = context.calls.iter().filter(|it| it.kind.is_subprogram());
-    if nested.count() >= LEVELS {
+    if nested.count() >= MAX_CALL_DEPTH {
         return Err(
-            Alarm::new(number::CALL_TOO_DEEP).because(say::call_too_deep(name, LEVELS + 1, LEVELS)),
+            Alarm::new(number::CALL_TOO_DEEP).with_detail(say::call_too_deep(
+                name,
+                MAX_CALL_DEPTH + 1,
+                MAX_CALL_DEPTH,
+            )),
         );
     }
     let program = u16::try_from(number).ok();
-    let Some(program) = program.and_then(|it| context.programs.find(it)) else {
+    let Some(program) = program.and_then(|it| context.programs.find_called(it)) else {
         return Err(
-            Alarm::new(number::TARGET_MISSING).because(say::call_program_missing(name, number))
+            Alarm::new(number::TARGET_MISSING).with_detail(say::call_program_missing(name, number))
         );
     };
-    Ok(Flow::Call(Call {
+    Ok(Flow::Call(ProgramCall {
         program,
-        runs,
-        back: context.place.after(),
+        runs_left: runs,
+        return_position: context.position.next_block(),
         kind: CallKind::Subprogram,
-        first: 0,
-        blocks: None,
+        first_block: 0,
+        block_count: None,
         codes_ordinary: false,
     }))
 }
@@ -89,52 +96,54 @@ fn enter(
 ///
 /// # Errors
 /// 078 for a missing target.
-pub(crate) fn back(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
+pub(crate) fn plan_return(context: &BlockContext<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
     let Some(call) = context.calls.last() else {
-        return restart(context, p);
+        return plan_restart(context, p);
     };
-    if call.runs > 1 {
-        return Ok(Flow::Again);
+    if call.runs_left > 1 {
+        return Ok(Flow::RunAgain);
     }
     let Some(n) = p else {
-        return Ok(Flow::Return(call.back));
+        return Ok(Flow::Return(call.return_position));
     };
-    let block = find_block(context, call.back.program, n)?;
-    Ok(Flow::Return(Place {
-        program: call.back.program,
+    let block = find_block(context, call.return_position.program, n)?;
+    Ok(Flow::Return(ProgramPosition {
+        program: call.return_position.program,
         block,
     }))
 }
 
 /// Plans an M99 of the main program: a jump to its first block, or to N of P.
-fn restart(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
-    let program = context.place.program;
+fn plan_restart(context: &BlockContext<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
+    let program = context.position.program;
     if program == ProgramId::Dnc {
-        return Err(Alarm::new(number::TARGET_MISSING).because(say::jump_in_dnc()));
+        return Err(Alarm::new(number::TARGET_MISSING).with_detail(say::jump_in_dnc()));
     }
     let block = match p {
         None => 0,
         Some(n) => find_block(context, program, n)?,
     };
-    Ok(Flow::Jump(Place { program, block }))
+    Ok(Flow::Jump(ProgramPosition { program, block }))
 }
 
 /// Whether a jump restarts the main program, so that it counts a part. A jump forward (M99 P)
 /// does not.
-pub(crate) fn repeats(context: &Context<'_>, flow: &Flow) -> bool {
+pub(crate) fn is_restart(context: &BlockContext<'_>, flow: &Flow) -> bool {
     match flow {
-        Flow::Jump(place) => place.block <= context.place.block,
+        Flow::Jump(place) => place.block <= context.position.block,
         _ => false,
     }
 }
 
-fn find_block(context: &Context<'_>, program: ProgramId, n: i64) -> Result<u32, Alarm> {
+fn find_block(context: &BlockContext<'_>, program: ProgramId, n: i64) -> Result<u32, Alarm> {
     if program == ProgramId::Dnc {
-        return Err(Alarm::new(number::TARGET_MISSING).because(say::jump_in_dnc()));
+        return Err(Alarm::new(number::TARGET_MISSING).with_detail(say::jump_in_dnc()));
     }
     let block = u16::try_from(n).ok().and_then(|n| {
         let text = context.programs.get(program)?;
         text.find_sequence_block(n.into(), 0..text.block_count())
     });
-    block.ok_or_else(|| Alarm::new(number::TARGET_MISSING).because(say::return_target_missing(n)))
+    block.ok_or_else(|| {
+        Alarm::new(number::TARGET_MISSING).with_detail(say::return_target_missing(n))
+    })
 }

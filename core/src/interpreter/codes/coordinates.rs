@@ -16,7 +16,7 @@ use gsk_messages::say;
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, Target, Words};
+use crate::interpreter::context::words::{AxisTarget, AxisWords, SortedWords};
 use crate::units::Axis;
 
 /// Sets the work coordinates of a G50 block. Returns the new frame, or `None` for a block with
@@ -24,37 +24,38 @@ use crate::units::Axis;
 ///
 /// # Errors
 /// 014 for a G50 without a word.
-pub(crate) fn set(
+pub(crate) fn set_coordinates(
     state: &mut State,
-    words: &Words,
+    words: &SortedWords,
     axes: &AxisWords,
     relative_follows: bool,
 ) -> Result<Option<Action>, Alarm> {
-    if !axes.any() {
+    if !axes.has_any() {
         if words.s.is_some() {
             return Ok(None);
         }
-        return Err(Alarm::new(number::EMPTY_G50).because(say::coordinates_without_word()));
+        return Err(Alarm::new(number::EMPTY_G50).with_detail(say::coordinates_without_word()));
     }
-    let machine = state.machine(state.position);
+    let machine = state.to_machine(state.position);
     for axis in [Axis::X, Axis::Z] {
-        let here = state.position.get(axis);
-        let new = match axes.get(axis) {
-            Target::None => continue,
-            Target::Increment(difference) => here + difference,
-            Target::Absolute(value) if *state.untravelled.get(axis) => {
+        let current = state.position.get(axis);
+        let coordinate = match axes.get(axis) {
+            AxisTarget::None => continue,
+            AxisTarget::Increment(difference) => current + difference,
+            AxisTarget::Absolute(value) if *state.untravelled.get(axis) => {
                 value - state.offset.get(axis)
             }
-            Target::Absolute(value) => value,
+            AxisTarget::Absolute(value) => value,
         };
-        state.position.set(axis, new);
-        state
-            .zero
-            .set(axis, machine.get(axis) - state.offset.get(axis) - new);
+        state.position.set(axis, coordinate);
+        state.zero.set(
+            axis,
+            machine.get(axis) - state.offset.get(axis) - coordinate,
+        );
     }
     Ok(Some(Action::Frame {
         frame: state.frame(),
-        program_zero: Some(machine.point()),
+        program_zero: Some(machine.to_point()),
         relative: relative_follows,
     }))
 }

@@ -19,31 +19,31 @@ use gsk_messages::{Message, say};
 
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
-use crate::interpreter::Modal;
-use crate::interpreter::codes::positioning::{feed, line};
+use crate::interpreter::ModalState;
+use crate::interpreter::codes::positioning::{current_feed, plan_line};
 use crate::interpreter::codes::scale;
-use crate::interpreter::context::Context;
-use crate::interpreter::context::exact::along;
-use crate::interpreter::context::exact::{Exact, mm};
-use crate::interpreter::context::moves::{Shift, Two};
+use crate::interpreter::context::BlockContext;
+use crate::interpreter::context::exact::length_on_axis;
+use crate::interpreter::context::exact::{ExactPoint, to_mm};
+use crate::interpreter::context::moves::{FrameShift, MovePair};
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, Target, Words};
+use crate::interpreter::context::words::{AxisTarget, AxisWords, SortedWords};
 use crate::units::Axis;
 
 /// The shape of a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Join {
+enum CornerJoin {
     Chamfer,
     Arc,
 }
 
 /// Whether a block may have a corner, so that the reader must read the next block.
-pub(crate) fn is_possible(words: &Words, modal: &Modal) -> bool {
-    is_asked(words) && words.one_shot.is_none() && words.motion.unwrap_or(modal.motion) == 1
+pub(crate) fn can_be_corner(words: &SortedWords, modal: &ModalState) -> bool {
+    has_corner_words(words) && words.one_shot.is_none() && words.motion.unwrap_or(modal.motion) == 1
 }
 
 /// Whether a G01 block has a word of a corner (I, K or R) other than 0.
-pub(crate) fn is_asked(words: &Words) -> bool {
+pub(crate) fn has_corner_words(words: &SortedWords) -> bool {
     [words.i, words.k, words.r]
         .into_iter()
         .flatten()
@@ -58,104 +58,112 @@ pub(crate) fn is_asked(words: &Words) -> bool {
 /// 013 for a wrong sign or size, or a next block that does not fit.
 pub(crate) fn plan(
     state: &mut State,
-    context: &Context<'_>,
-    words: &Words,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
     axes: &AxisWords,
-    corner: Exact,
-) -> Result<Two, Alarm> {
-    let axis = match (axes.x != Target::None, axes.z != Target::None) {
+    corner: ExactPoint,
+) -> Result<MovePair, Alarm> {
+    let axis = match (axes.x != AxisTarget::None, axes.z != AxisTarget::None) {
         (true, false) => Axis::X,
         (false, true) => Axis::Z,
-        _ => return Err(fault(say::corner_block_moves_both_axes())),
+        _ => return Err(corner_alarm(say::corner_block_moves_both_axes())),
     };
-    let (join, size) = size(words, axis)?;
+    let (join, size) = find_join_and_size(words, axis)?;
     let next_axis = axis.other();
     let length = corner.get(axis) - state.position.get(axis);
-    let next_end = next_end(context, state, join, next_axis, corner)?;
+    let next_end = find_next_end(context, state, join, next_axis, corner)?;
     let next_length = next_end - corner.get(next_axis);
-    let (before, after) = (along(axis, size.abs()), along(next_axis, size.abs()));
+    let (cut_off_before, cut_off_after) = (
+        length_on_axis(axis, size.abs()),
+        length_on_axis(next_axis, size.abs()),
+    );
     if next_length.signum() != size.signum() {
-        return Err(fault(say::corner_sign_wrong()));
+        return Err(corner_alarm(say::corner_sign_wrong()));
     }
-    if length.abs() < before || next_length.abs() < after {
-        return Err(fault(say::corner_longer_than_move(mm(size.abs()))));
+    if length.abs() < cut_off_before || next_length.abs() < cut_off_after {
+        return Err(corner_alarm(say::corner_longer_than_move(to_mm(
+            size.abs(),
+        ))));
     }
     let mut begin = corner;
-    begin.set(axis, corner.get(axis) - length.signum() * before);
+    begin.set(axis, corner.get(axis) - length.signum() * cut_off_before);
     let mut end = corner;
-    end.set(next_axis, corner.get(next_axis) + size.signum() * after);
-    let joined = match join {
-        Join::Chamfer => line(state, end)?,
-        Join::Arc => {
+    end.set(
+        next_axis,
+        corner.get(next_axis) + size.signum() * cut_off_after,
+    );
+    let join_action = match join {
+        CornerJoin::Chamfer => plan_line(state, end)?,
+        CornerJoin::Arc => {
             let center = begin + end - corner;
             Action::Arc {
-                to: Shift::of(state).machine(end),
-                center: Shift::of(state).machine(center),
-                clockwise: clockwise(axis, length, size),
-                feed: feed(&state.modal)?,
+                to: FrameShift::from_state(state).to_machine(end),
+                center: FrameShift::from_state(state).to_machine(center),
+                clockwise: is_arc_clockwise(axis, length, size),
+                feed: current_feed(&state.modal)?,
             }
         }
     };
     let first = if begin == state.position {
         None
     } else {
-        Some(line(state, begin)?)
+        Some(plan_line(state, begin)?)
     };
-    let motion = Two {
+    let motion = MovePair {
         first,
-        second: Some(joined),
+        second: Some(join_action),
     };
-    state.arrive(axes, end);
-    state.ahead = state.ahead + corner - end;
+    state.move_to(axes, end);
+    state.increment_offset = state.increment_offset + corner - end;
     Ok(motion)
 }
 
 /// The shape and the signed size of the corner. Exactly one word fits.
-fn size(words: &Words, axis: Axis) -> Result<(Join, i64), Alarm> {
-    let given = |size: Option<i64>| size.filter(|&size| size != 0);
+fn find_join_and_size(words: &SortedWords, axis: Axis) -> Result<(CornerJoin, i64), Alarm> {
+    let nonzero = |size: Option<i64>| size.filter(|&size| size != 0);
     let chamfer = match axis {
-        Axis::Z => (given(words.i), given(words.k)),
-        Axis::X => (given(words.k), given(words.i)),
+        Axis::Z => (nonzero(words.i), nonzero(words.k)),
+        Axis::X => (nonzero(words.k), nonzero(words.i)),
     };
-    match (chamfer, given(words.r)) {
-        ((Some(size), None), None) => Ok((Join::Chamfer, size)),
-        ((None, None), Some(size)) => Ok((Join::Arc, size)),
-        _ => Err(fault(say::corner_size_word())),
+    match (chamfer, nonzero(words.r)) {
+        ((Some(size), None), None) => Ok((CornerJoin::Chamfer, size)),
+        ((None, None), Some(size)) => Ok((CornerJoin::Arc, size)),
+        _ => Err(corner_alarm(say::corner_size_word())),
     }
 }
 
 /// The coordinate that the next block commands on `axis`.
-fn next_end(
-    context: &Context<'_>,
+fn find_next_end(
+    context: &BlockContext<'_>,
     state: &State,
-    join: Join,
+    join: CornerJoin,
     axis: Axis,
-    corner: Exact,
+    corner: ExactPoint,
 ) -> Result<i64, Alarm> {
     let Some(next) = context.next else {
-        return Err(fault(say::corner_without_next_block()));
+        return Err(corner_alarm(say::corner_without_next_block()));
     };
-    let next = scale::applied(next, state.scale, context.model.record());
+    let next = scale::apply_scale(next, state.scale, context.model.record());
     let motion = next.motion.unwrap_or(state.modal.motion);
-    let thread = matches!(motion, 32 | 34);
+    let is_thread = matches!(motion, 32 | 34);
     let axes = next
-        .axes(context.x_factor, corner)
-        .under(next.incremental.unwrap_or(state.incremental));
-    let target = axes.get(axis).target(corner.get(axis));
-    let alone = axes.get(axis.other()) == Target::None;
+        .axis_words(context.x_factor, corner)
+        .with_incremental(next.incremental.unwrap_or(state.incremental));
+    let target = axes.get(axis).resolve(corner.get(axis));
+    let is_alone = axes.get(axis.other()) == AxisTarget::None;
     match target {
-        Some(end) if alone && next.one_shot.is_none() && (motion == 1 || thread) => {
-            if thread && join == Join::Arc {
-                return Err(fault(say::corner_arc_before_thread()));
+        Some(end) if is_alone && next.one_shot.is_none() && (motion == 1 || is_thread) => {
+            if is_thread && join == CornerJoin::Arc {
+                return Err(corner_alarm(say::corner_arc_before_thread()));
             }
             Ok(end)
         }
-        _ => Err(fault(say::corner_next_block_wrong())),
+        _ => Err(corner_alarm(say::corner_next_block_wrong())),
     }
 }
 
 /// Whether the corner arc from a move of signed `length` along `axis` turns clockwise.
-const fn clockwise(axis: Axis, length: i64, size: i64) -> bool {
+const fn is_arc_clockwise(axis: Axis, length: i64, size: i64) -> bool {
     // Seen with +Z to the right and +X up: from +Z to +X is counter-clockwise.
     match axis {
         Axis::Z => (length > 0) != (size > 0),
@@ -163,6 +171,6 @@ const fn clockwise(axis: Axis, length: i64, size: i64) -> bool {
     }
 }
 
-fn fault(detail: Message) -> Alarm {
-    Alarm::new(number::ARC_DATA).because(say::corner_reason(detail))
+fn corner_alarm(detail: Message) -> Alarm {
+    Alarm::new(number::ARC_DATA).with_detail(say::corner_reason(detail))
 }

@@ -3,38 +3,38 @@
 //! Lengths and the feed are inches. Times, counts, angles and threads per inch stay as they
 //! are. P and Q of cycles count in 0.0001 inch.
 
-use crate::program::{Block, Number};
+use crate::program::{ProgramBlock, WordNumber};
 
 /// Converts a block in inches to millimetres. `motion` is the code of group 01 in force before
 /// the block.
-pub(crate) fn to_metric(block: &mut Block, motion: u8) {
-    let dwell = block.has_g(4);
+pub(crate) fn convert_to_metric(block: &mut ProgramBlock, motion: u8) {
+    let is_dwell = block.has_g(4);
     let motion = block.g_codes().fold(motion, |motion, code| match code {
         0..=3 | 32..=34 | 90 | 92 | 94 => code,
         _ => motion,
     });
-    let counted = block.has_g(76) && block.number(b'R').is_some_and(|r| !r.has_point());
-    let thread = block.has_g(76) || matches!(motion, 32..=34 | 92);
+    let is_r_count = block.has_g(76) && block.number(b'R').is_some_and(|r| !r.has_point());
+    let is_thread = block.has_g(76) || matches!(motion, 32..=34 | 92);
     // R of G73 is the number of passes, in both of its blocks.
-    let passes = block.has_g(73);
-    let ends = block.has(b'X') || block.has(b'U') || block.has(b'Z') || block.has(b'W');
-    let steps = (block.has_g(74) || block.has_g(75) || block.has_g(76)) && ends;
+    let is_r_passes = block.has_g(73);
+    let has_end = block.has(b'X') || block.has(b'U') || block.has(b'Z') || block.has(b'W');
+    let has_steps = (block.has_g(74) || block.has_g(75) || block.has_g(76)) && has_end;
     // The first block of G76: P is no length, Q is the minimum infeed.
-    let least = block.has_g(76);
-    block.change(|address, number| match address {
-        b'X' | b'U' if dwell => number,
-        b'R' if passes => number,
-        b'R' if counted => increments(number),
-        b'I' if thread => number,
+    let has_minimum_infeed = block.has_g(76);
+    block.map_numbers(|address, number| match address {
+        b'X' | b'U' if is_dwell => number,
+        b'R' if is_r_passes => number,
+        b'R' if is_r_count => convert_increments(number),
+        b'I' if is_thread => number,
         b'X' | b'U' | b'Z' | b'W' | b'R' | b'I' | b'J' | b'K' | b'F' => number.inches_to_mm(),
-        b'P' if steps => increments(number),
-        b'Q' if steps || least => increments(number),
+        b'P' if has_steps => convert_increments(number),
+        b'Q' if has_steps || has_minimum_infeed => convert_increments(number),
         _ => number,
     });
 }
 
 /// A count of 0.0001 inch as a count of 0.001 mm.
-fn increments(number: Number) -> Number {
+fn convert_increments(number: WordNumber) -> WordNumber {
     let (count, half) = (number.integer() * 254, 50 * number.integer().signum());
-    Number::from_integer((count + half) / 100, number.digits())
+    WordNumber::from_integer((count + half) / 100, number.digits())
 }

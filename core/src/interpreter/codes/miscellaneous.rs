@@ -6,14 +6,14 @@ use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::dialect;
 use crate::interpreter::codes::tool::ToolWord;
-use crate::interpreter::context::Context;
-use crate::interpreter::context::exact::PER_MM;
-use crate::interpreter::context::words::Words;
-use crate::model::{MCode, MFunction, Record, hx31, ncb08};
+use crate::interpreter::context::BlockContext;
+use crate::interpreter::context::exact::UNITS_PER_MM;
+use crate::interpreter::context::words::SortedWords;
+use crate::model::{MCode, MFunction, ModelRecord, hx31, ncb08};
 
 /// What an M code commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Function {
+pub(crate) enum MCodeFunction {
     /// M00: program stop.
     Stop,
     /// M30: end of the program.
@@ -29,32 +29,40 @@ pub(crate) enum Function {
 }
 
 /// Whether the control or the machine's ladder has this M code.
-pub(crate) fn has_function(code: u8, context: &Context<'_>) -> bool {
-    context.machine_codes.has(code) || context.model.record().m_function(code).is_some()
+pub(crate) fn has_function(code: u8, context: &BlockContext<'_>) -> bool {
+    context.machine_codes.contains(code) || context.model.record().m_function(code).is_some()
 }
 
 /// What an M code commands.
 ///
 /// # Errors
 /// 019 for a code that the control does not have, or not in MDI or without gears.
-pub(crate) fn function(code: u8, context: &Context<'_>) -> Result<Function, Alarm> {
+pub(crate) fn classify_m_code(
+    code: u8,
+    context: &BlockContext<'_>,
+) -> Result<MCodeFunction, Alarm> {
     let Some(function) = context.model.record().m_function(code) else {
-        if context.machine_codes.has(code) {
-            return Ok(Function::Output(code));
+        if context.machine_codes.contains(code) {
+            return Ok(MCodeFunction::Output(code));
         }
-        let advice = dialect::instead_of_m(code);
-        return Err(fault(dialect::advised(say::m_unknown(code), advice)));
+        let advice = dialect::advice_for_m_code(code);
+        return Err(m_code_alarm(dialect::with_advice(
+            say::m_unknown(code),
+            advice,
+        )));
     };
-    match function.does {
-        MCode::Stop => Ok(Function::Stop),
-        MCode::End => Ok(Function::End),
-        MCode::Call | MCode::Return if context.mdi => Err(fault(say::m_call_in_mdi(code))),
-        MCode::Call => Ok(Function::Call),
-        MCode::Return => Ok(Function::Return),
+    match function.meaning {
+        MCode::Stop => Ok(MCodeFunction::Stop),
+        MCode::End => Ok(MCodeFunction::End),
+        MCode::Call | MCode::Return if context.is_mdi => {
+            Err(m_code_alarm(say::m_call_in_mdi(code)))
+        }
+        MCode::Call => Ok(MCodeFunction::Call),
+        MCode::Return => Ok(MCodeFunction::Return),
         MCode::Gear1 | MCode::Gear2 | MCode::Gear3 | MCode::Gear4
-            if !context.parameters.automatic_gears() =>
+            if !context.parameters.has_automatic_gears() =>
         {
-            Err(fault(say::m_needs_gear_change(code)))
+            Err(m_code_alarm(say::m_needs_gear_change(code)))
         }
         // This lathe has no relays for these codes, and its panel no switch for the optional
         // stop.
@@ -76,8 +84,8 @@ pub(crate) fn function(code: u8, context: &Context<'_>) -> Result<Function, Alar
         | MCode::ClampOff
         | MCode::OutputPair
         | MCode::TailstockOut
-        | MCode::TailstockIn => Ok(Function::Interface),
-        _ => Ok(Function::Output(code)),
+        | MCode::TailstockIn => Ok(MCodeFunction::Interface),
+        _ => Ok(MCodeFunction::Output(code)),
     }
 }
 
@@ -86,69 +94,74 @@ pub(crate) fn function(code: u8, context: &Context<'_>) -> Result<Function, Alar
 ///
 /// # Errors
 /// 043 for a wrong output, relay or input number.
-pub(crate) fn interface(
+pub(crate) fn plan_interface(
     code: u8,
-    words: &Words,
-    context: &Context<'_>,
+    words: &SortedWords,
+    context: &BlockContext<'_>,
 ) -> Result<Option<Action>, Alarm> {
-    let Some(MFunction { does, on, off }) = context.model.record().m_function(code) else {
+    let Some(MFunction {
+        meaning: does,
+        on,
+        off,
+    }) = context.model.record().m_function(code)
+    else {
         return Ok(None);
     };
     let bits = |numbers: &[u8]| numbers.iter().fold(0_u32, |bits, it| bits | 1 << it);
-    let switched = |on, off, ms| Ok(Some(Action::Outputs { on, off, ms }));
+    let outputs_action = |on, off, ms| Ok(Some(Action::Outputs { on, off, ms }));
     match does {
-        MCode::InputWait => input_wait(words).map(Some),
+        MCode::InputWait => plan_input_wait(words).map(Some),
         // D is a time in ms; 0 leaves the output on until another code switches it.
-        MCode::OutputOn => switched(1 << output(words)?, 0, milliseconds(words)),
-        MCode::OutputOff => switched(0, 1 << output(words)?, 0),
-        MCode::RelayOn => switched(1 << relay(words)?, 0, 0),
-        MCode::RelayOff => switched(0, 1 << relay(words)?, 0),
+        MCode::OutputOn => outputs_action(1 << read_output(words)?, 0, read_milliseconds(words)),
+        MCode::OutputOff => outputs_action(0, 1 << read_output(words)?, 0),
+        MCode::RelayOn => outputs_action(1 << read_relay(words)?, 0, 0),
+        MCode::RelayOff => outputs_action(0, 1 << read_relay(words)?, 0),
         MCode::PulseOutput => {
             let ms = context.model.parameter(hx31::PULSE_TIME);
             let output = u32::from(code.saturating_sub(hx31::FIRST_PULSE));
-            switched(1 << output.min(23), 0, ms.unsigned_abs())
+            outputs_action(1 << output.min(23), 0, ms.unsigned_abs())
         }
         MCode::Clamp => {
             let ms = context.model.parameter(ncb08::CLAMP_TIME);
-            switched(bits(on), bits(off), ms.unsigned_abs())
+            outputs_action(bits(on), bits(off), ms.unsigned_abs())
         }
         _ if on.is_empty() && off.is_empty() => Ok(None),
-        _ => switched(bits(on), bits(off), 0),
+        _ => outputs_action(bits(on), bits(off), 0),
     }
 }
 
 /// Whether K of a block is a relay or offset number and so no word of its motion.
-pub(crate) fn takes_k(words: &Words, record: &Record) -> bool {
+pub(crate) fn is_k_number(words: &SortedWords, record: &ModelRecord) -> bool {
     let function = words.m.and_then(|code| record.m_function(code));
     function.is_some_and(|it| {
         matches!(
-            it.does,
+            it.meaning,
             MCode::RelayOn | MCode::RelayOff | MCode::OffsetNumber
         )
     })
 }
 
 /// D of M10: ms.
-fn milliseconds(words: &Words) -> u32 {
-    let ms = words.d_exact.map_or(0, whole);
+fn read_milliseconds(words: &SortedWords) -> u32 {
+    let ms = words.d_exact.map_or(0, to_integer);
     u32::try_from(ms).unwrap_or(0)
 }
 
 /// P: output number, 0 to 15.
-fn output(words: &Words) -> Result<u8, Alarm> {
+fn read_output(words: &SortedWords) -> Result<u8, Alarm> {
     match words.p.map(u8::try_from) {
         Some(Ok(number @ 0..=15)) => Ok(number),
-        Some(_) => Err(out_of_range(say::output_number_wrong())),
-        None => Err(out_of_range(say::output_number_missing())),
+        Some(_) => Err(out_of_range_alarm(say::output_number_wrong())),
+        None => Err(out_of_range_alarm(say::output_number_missing())),
     }
 }
 
 /// K: relay number, 1 to 17. Returns the output number, which counts from 0.
-fn relay(words: &Words) -> Result<u8, Alarm> {
-    match words.k.map(whole).map(u8::try_from) {
+fn read_relay(words: &SortedWords) -> Result<u8, Alarm> {
+    match words.k.map(to_integer).map(u8::try_from) {
         Some(Ok(number @ 1..=17)) => Ok(number - 1),
-        Some(_) => Err(out_of_range(say::relay_number_wrong())),
-        None => Err(out_of_range(say::relay_number_missing())),
+        Some(_) => Err(out_of_range_alarm(say::relay_number_wrong())),
+        None => Err(out_of_range_alarm(say::relay_number_missing())),
     }
 }
 
@@ -156,41 +169,46 @@ fn relay(words: &Words) -> Result<u8, Alarm> {
 ///
 /// # Errors
 /// 043 for a wrong offset number.
-pub(crate) fn offset(words: &Words, context: &Context<'_>) -> Result<Option<ToolWord>, Alarm> {
+pub(crate) fn read_offset_word(
+    words: &SortedWords,
+    context: &BlockContext<'_>,
+) -> Result<Option<ToolWord>, Alarm> {
     let function = words
         .m
         .and_then(|code| context.model.record().m_function(code));
-    if function.is_none_or(|it| it.does != MCode::OffsetNumber) {
+    if function.is_none_or(|it| it.meaning != MCode::OffsetNumber) {
         return Ok(None);
     }
-    match words.k.map(whole).map(u8::try_from) {
+    match words.k.map(to_integer).map(u8::try_from) {
         Some(Ok(offset @ 0..=8)) => Ok(Some(ToolWord { tool: None, offset })),
-        _ => Err(out_of_range(say::offset_number_wrong())),
+        _ => Err(out_of_range_alarm(say::offset_number_wrong())),
     }
 }
 
 /// The integer of a word that was read in millionths.
-const fn whole(millionths: i64) -> i64 {
-    millionths / PER_MM
+const fn to_integer(millionths: i64) -> i64 {
+    millionths / UNITS_PER_MM
 }
 
 /// Waits for an input, 0 to 23: H until it is on, L until it is off.
-fn input_wait(words: &Words) -> Result<Action, Alarm> {
+fn plan_input_wait(words: &SortedWords) -> Result<Action, Alarm> {
     let (number, high) = match (words.h, words.l) {
-        (Some(_), Some(_)) | (None, None) => return Err(out_of_range(say::input_level_unclear())),
+        (Some(_), Some(_)) | (None, None) => {
+            return Err(out_of_range_alarm(say::input_level_unclear()));
+        }
         (Some(number), None) => (number.into(), true),
         (None, Some(number)) => (number, false),
     };
     match u8::try_from(number) {
         Ok(input @ 0..=23) => Ok(Action::InputWait { input, high }),
-        _ => Err(out_of_range(say::input_number_wrong())),
+        _ => Err(out_of_range_alarm(say::input_number_wrong())),
     }
 }
 
-fn out_of_range(detail: Message) -> Alarm {
-    Alarm::new(number::OUT_OF_RANGE).because(detail)
+fn out_of_range_alarm(detail: Message) -> Alarm {
+    Alarm::new(number::OUT_OF_RANGE).with_detail(detail)
 }
 
-fn fault(detail: Message) -> Alarm {
-    Alarm::new(number::BAD_M).because(detail)
+fn m_code_alarm(detail: Message) -> Alarm {
+    Alarm::new(number::BAD_M).with_detail(detail)
 }

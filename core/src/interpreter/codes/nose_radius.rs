@@ -4,22 +4,25 @@
 use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
-use crate::compensation::{Fault, check_arc};
-use crate::interpreter::context::exact::{Exact, PER_MM};
+use crate::compensation::{CompensationFault, check_arc};
+use crate::interpreter::context::exact::{ExactPoint, UNITS_PER_MM};
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{ArcWords, Words};
-use crate::interpreter::context::{Compensated, Context};
-use crate::memory::Parameters;
+use crate::interpreter::context::words::{ArcWords, SortedWords};
+use crate::interpreter::context::{BlockContext, CompensationMode};
+use crate::memory::ControlParameters;
 use crate::units::Point;
 
 /// Checks that the control has the option of G41 and G42 (002.1).
 ///
 /// # Errors
 /// 010 without it.
-pub(crate) fn check_option(words: &Words, parameters: &Parameters) -> Result<(), Alarm> {
+pub(crate) fn check_option(
+    words: &SortedWords,
+    parameters: &ControlParameters,
+) -> Result<(), Alarm> {
     match words.nose {
         Some(code @ (41 | 42)) if !parameters.has_nose_compensation() => {
-            Err(Alarm::new(number::BAD_G).because(say::nose_not_installed(code)))
+            Err(Alarm::new(number::BAD_G).with_detail(say::nose_not_installed(code)))
         }
         _ => Ok(()),
     }
@@ -29,47 +32,63 @@ pub(crate) fn check_option(words: &Words, parameters: &Parameters) -> Result<(),
 /// and their data must fit (048, 051, 052).
 pub(crate) fn check_arc_block(
     state: &State,
-    compensated: Compensated,
-    end: Exact,
+    compensation: CompensationMode,
+    end: ExactPoint,
     words: ArcWords,
 ) -> Result<(), Alarm> {
     let start = state.position;
-    let stands = words.r.is_some() && start == end;
-    let fault = match compensated {
-        _ if stands => None,
-        Compensated::Never => None,
-        Compensated::Off => state.compensates().then_some(Fault::StartOnArc),
-        Compensated::On if state.modal.nose_compensation == 40 => Some(Fault::CancelOnArc),
-        Compensated::On => check_center(start, end, words).err(),
+    let has_no_length = words.r.is_some() && start == end;
+    let fault = match compensation {
+        _ if has_no_length => None,
+        CompensationMode::Never => None,
+        CompensationMode::Off => state
+            .is_compensating()
+            .then_some(CompensationFault::StartOnArc),
+        CompensationMode::On if state.modal.nose_compensation == 40 => {
+            Some(CompensationFault::CancelOnArc)
+        }
+        CompensationMode::On => check_center(start, end, words).err(),
     };
     fault.map_or(Ok(()), |fault| Err(fault.alarm()))
 }
 
-fn check_center(start: Exact, end: Exact, words: ArcWords) -> Result<(), Fault> {
+fn check_center(
+    start: ExactPoint,
+    end: ExactPoint,
+    words: ArcWords,
+) -> Result<(), CompensationFault> {
     if words.r.is_some() || (words.i.is_none() && words.k.is_none()) {
         return Ok(());
     }
-    let mm = |units: Option<i64>| units.unwrap_or(0) as f64 / PER_MM as f64;
+    let mm = |units: Option<i64>| units.unwrap_or(0) as f64 / UNITS_PER_MM as f64;
     let center = Point::new(mm(words.i), mm(words.k));
-    let to_end = (end - start).point();
+    let to_end = (end - start).to_point();
     check_arc(center.length(), (to_end - center).length())
 }
 
-/// Checks a call (M98) or a return (M99) under nose radius compensation. `contour` is whether
+/// Checks a call (M98) or a return (M99) under nose radius compensation. `is_contour` is whether
 /// the block moves along a contour, where it could cancel the compensation.
 ///
 /// # Errors
 /// 036 in offset mode.
-pub(crate) fn check_call(state: &State, context: &Context<'_>, contour: bool) -> Result<(), Alarm> {
-    let on = match context.compensated {
-        Compensated::Never => false,
-        Compensated::Off => contour && state.compensates(),
-        Compensated::On => !(contour && state.modal.nose_compensation == 40),
+pub(crate) fn check_call(
+    state: &State,
+    context: &BlockContext<'_>,
+    is_contour: bool,
+) -> Result<(), Alarm> {
+    let is_compensating = match context.compensation {
+        CompensationMode::Never => false,
+        CompensationMode::Off => is_contour && state.is_compensating(),
+        CompensationMode::On => !(is_contour && state.modal.nose_compensation == 40),
     };
-    if on { Err(call_fault()) } else { Ok(()) }
+    if is_compensating {
+        Err(call_alarm())
+    } else {
+        Ok(())
+    }
 }
 
 /// Alarm 036: a call under nose radius compensation.
-pub(crate) fn call_fault() -> Alarm {
-    Fault::Call.alarm()
+pub(crate) fn call_alarm() -> Alarm {
+    CompensationFault::Call.alarm()
 }

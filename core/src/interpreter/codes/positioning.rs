@@ -13,15 +13,15 @@ use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
-use crate::interpreter::Modal;
-use crate::interpreter::context::exact::{Exact, Reach, mm};
+use crate::interpreter::ModalState;
+use crate::interpreter::context::exact::{CoordinateRange, ExactPoint, to_mm};
 use crate::interpreter::context::state::State;
 use crate::units::{Axis, Feed};
 
 /// The rapid to a programmed point.
-pub(crate) fn rapid(state: &State, to: Exact) -> Action {
+pub(crate) fn plan_rapid(state: &State, to: ExactPoint) -> Action {
     Action::Rapid {
-        to: state.machine(to).point(),
+        to: state.to_machine(to).to_point(),
     }
 }
 
@@ -29,10 +29,10 @@ pub(crate) fn rapid(state: &State, to: Exact) -> Action {
 ///
 /// # Errors
 /// 011 without a feed.
-pub(crate) fn line(state: &State, to: Exact) -> Result<Action, Alarm> {
+pub(crate) fn plan_line(state: &State, to: ExactPoint) -> Result<Action, Alarm> {
     Ok(Action::Line {
-        to: state.machine(to).point(),
-        feed: feed(&state.modal)?,
+        to: state.to_machine(to).to_point(),
+        feed: current_feed(&state.modal)?,
     })
 }
 
@@ -40,9 +40,9 @@ pub(crate) fn line(state: &State, to: Exact) -> Result<Action, Alarm> {
 ///
 /// # Errors
 /// 011 without a feed.
-pub(crate) fn feed(modal: &Modal) -> Result<Feed, Alarm> {
+pub(crate) fn current_feed(modal: &ModalState) -> Result<Feed, Alarm> {
     if modal.feed <= 0.0 {
-        return Err(Alarm::new(number::NO_FEED).because(say::feed_missing()));
+        return Err(Alarm::new(number::NO_FEED).with_detail(say::feed_missing()));
     }
     if modal.feed_per_revolution {
         return Ok(Feed::PerRevolution(modal.feed));
@@ -54,8 +54,11 @@ pub(crate) fn feed(modal: &Modal) -> Result<Feed, Alarm> {
 ///
 /// # Errors
 /// 043 outside the stroke.
-pub(crate) fn within_stroke(end: Exact, reach: Reach<'_>) -> Result<Exact, Alarm> {
-    let Some(axis) = end.beyond_stroke(reach) else {
+pub(crate) fn check_stroke(
+    end: ExactPoint,
+    reach: CoordinateRange<'_>,
+) -> Result<ExactPoint, Alarm> {
+    let Some(axis) = end.axis_beyond_stroke(reach) else {
         return Ok(end);
     };
     let (name, factor) = match axis {
@@ -63,10 +66,10 @@ pub(crate) fn within_stroke(end: Exact, reach: Reach<'_>) -> Result<Exact, Alarm
         Axis::Z => ("Z", 1),
     };
     Err(
-        Alarm::new(number::OUT_OF_RANGE).because(say::motion_end_out_of_range(
+        Alarm::new(number::OUT_OF_RANGE).with_detail(say::motion_end_out_of_range(
             name,
-            mm(end.get(axis) / factor),
-            mm(reach.stroke()),
+            to_mm(end.get(axis) / factor),
+            to_mm(reach.stroke()),
         )),
     )
 }

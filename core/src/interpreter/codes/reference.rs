@@ -20,46 +20,46 @@ use serde::{Deserialize, Serialize};
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::interpreter::codes::positioning;
-use crate::interpreter::context::Context;
-use crate::interpreter::context::emission::Emission;
-use crate::interpreter::context::exact::{Exact, PER_MM};
+use crate::interpreter::context::BlockContext;
+use crate::interpreter::context::exact::{ExactPoint, UNITS_PER_MM};
+use crate::interpreter::context::planned_action::PlannedAction;
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, Return, Target};
+use crate::interpreter::context::words::{AxisTarget, AxisWords, ReturnRoute};
 use crate::memory::parameter;
 use crate::model::{ControlModel, ncb08};
 use crate::units::{Axis, PerAxis, Point};
 
 /// The reference point that the parameters of a model set, machine coordinates in units of
-/// [`Exact`].
-fn reference_point(model: &ControlModel, axis: Axis) -> i64 {
+/// [`ExactPoint`].
+fn find_reference_point(model: &ControlModel, axis: Axis) -> i64 {
     let number = match axis {
         Axis::X => ncb08::REFERENCE_X,
         Axis::Z => ncb08::REFERENCE_Z,
     };
-    i64::from(model.parameter(number)) * (PER_MM / 1000)
+    i64::from(model.parameter(number)) * (UNITS_PER_MM / 1000)
 }
 
-impl Return {
+impl ReturnRoute {
     /// Whether the return leads to machine zero, so that an axis without a reference seeks it.
-    const fn seeks(self) -> bool {
-        matches!(self, Self::MachineZero | Self::Named)
+    const fn can_seek(self) -> bool {
+        matches!(self, Self::MachineZero | Self::NamedAxes)
     }
 }
 
 /// A running return to the reference point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Reference {
+pub(crate) struct ReferenceReturn {
     intermediate: Point,
     reference: Point,
     axes: PerAxis<bool>,
     /// Whether an axis seeks its reference point.
     #[serde(rename = "seeks")]
-    seeks: bool,
+    is_seeking: bool,
     frame: Option<Action>,
     step: u8,
 }
 
-impl Reference {
+impl ReferenceReturn {
     /// Plans the return of the programmed axes; `None` if the block names no axis.
     ///
     /// # Errors
@@ -67,63 +67,69 @@ impl Reference {
     /// 093 for an axis without a reference that cannot seek it.
     pub(crate) fn plan(
         state: &mut State,
-        context: &Context<'_>,
-        way: Return,
+        context: &BlockContext<'_>,
+        route: ReturnRoute,
         axes: &AxisWords,
     ) -> Result<Option<Self>, Alarm> {
-        let direct = way == Return::Direct;
-        if direct && axes.any() {
+        let is_direct = route == ReturnRoute::Direct;
+        if is_direct && axes.has_any() {
             let rule = say::return_with_axis_words();
-            return Err(Alarm::new(number::TOO_MANY_WORDS).because(rule));
+            return Err(Alarm::new(number::TOO_MANY_WORDS).with_detail(rule));
         }
-        if !matches!(way, Return::Direct | Return::Named) && !axes.any() {
+        if !matches!(route, ReturnRoute::Direct | ReturnRoute::NamedAxes) && !axes.has_any() {
             return Ok(None);
         }
-        let named = way == Return::Named;
-        let all = direct || (named && !axes.any());
-        let takes = |target| all || target != Target::None;
-        let moved = PerAxis::new(takes(axes.x), takes(axes.z));
+        let is_named = route == ReturnRoute::NamedAxes;
+        let moves_all_axes = is_direct || (is_named && !axes.has_any());
+        let is_moved = |target| moves_all_axes || target != AxisTarget::None;
+        let moved_axes = PerAxis::new(is_moved(axes.x), is_moved(axes.z));
         let referenced = context.referenced;
-        let sought = PerAxis::new(moved.x && !referenced.x, moved.z && !referenced.z);
+        let sought_axes =
+            PerAxis::new(moved_axes.x && !referenced.x, moved_axes.z && !referenced.z);
         for (axis, name) in [(Axis::X, "X"), (Axis::Z, "Z")] {
-            let cannot_seek = !way.seeks() || !context.parameters.has_zero_switch(axis);
-            if *sought.get(axis) && cannot_seek {
-                let number = match way {
-                    Return::MachineZero | Return::Named => number::ZERO_UNDEFINED,
-                    Return::Parameters | Return::Direct => number::ZERO_RETURN,
+            let cannot_seek = !route.can_seek() || !context.parameters.has_zero_switch(axis);
+            if *sought_axes.get(axis) && cannot_seek {
+                let number = match route {
+                    ReturnRoute::MachineZero | ReturnRoute::NamedAxes => number::ZERO_UNDEFINED,
+                    ReturnRoute::Parameters | ReturnRoute::Direct => number::ZERO_RETURN,
                 };
-                return Err(Alarm::new(number).because(say::zero_undefined_of_axis(name)));
+                return Err(Alarm::new(number).with_detail(say::zero_undefined_of_axis(name)));
             }
         }
-        let through = match named {
+        let via = match is_named {
             true => state.position,
-            false => positioning::within_stroke(axes.target(state.position), context.reach())?,
+            false => positioning::check_stroke(
+                axes.resolve_end(state.position),
+                context.coordinate_range(),
+            )?,
         };
-        let intermediate = state.machine(through);
+        let intermediate = state.to_machine(via);
         let mut reference = intermediate;
         let before = (state.zero, state.offset);
         for (axis, number) in [
             (Axis::X, parameter::X_AT_REFERENCE),
             (Axis::Z, parameter::Z_AT_REFERENCE),
         ] {
-            if !*moved.get(axis) {
+            if !*moved_axes.get(axis) {
                 continue;
             }
-            if !*sought.get(axis) {
-                let at = match way {
-                    Return::MachineZero | Return::Named => 0,
-                    Return::Parameters | Return::Direct => reference_point(context.model, axis),
+            if !*sought_axes.get(axis) {
+                let target = match route {
+                    ReturnRoute::MachineZero | ReturnRoute::NamedAxes => 0,
+                    ReturnRoute::Parameters | ReturnRoute::Direct => {
+                        find_reference_point(context.model, axis)
+                    }
                 };
-                reference.set(axis, at);
+                reference.set(axis, target);
             }
             state.offset.set(axis, 0);
             *state.untravelled.get_mut(axis) = false;
-            if way.seeks() && context.parameters.reference_sets_coordinates() {
+            if route.can_seek() && context.parameters.reference_sets_coordinates() {
                 // The parameters count in 0.001 mm, or in 0.0001 inch (004.0 SCW).
-                let increment = if context.parameters.inch_machine() {
-                    PER_MM * 254 / 100_000
+                let increment = if context.parameters.is_inch_machine() {
+                    UNITS_PER_MM * 254 / 100_000
                 } else {
-                    PER_MM / 1000
+                    UNITS_PER_MM / 1000
                 };
                 let coordinate = i64::from(context.parameters.value(number)) * increment;
                 let factor = if axis == Axis::X { context.x_factor } else { 1 };
@@ -131,53 +137,55 @@ impl Reference {
                 state.zero_offset.set(axis, 0);
             }
         }
-        if state.offset == Exact::default() {
+        if state.offset == ExactPoint::default() {
             // The nose radius stays in force: the compensation acts again with the next move.
             state.modal.offset = 0;
         }
-        state.stand_at(reference);
-        let seeks = sought.x || sought.z;
-        let changes = !seeks && before != (state.zero, state.offset);
-        let frame = changes.then(|| Action::Frame {
+        state.set_machine_position(reference);
+        let is_seeking = sought_axes.x || sought_axes.z;
+        let has_new_frame = !is_seeking && before != (state.zero, state.offset);
+        let frame = has_new_frame.then(|| Action::Frame {
             frame: state.frame(),
             program_zero: None,
-            relative: way.seeks()
+            relative: route.can_seek()
                 && context.parameters.reference_sets_coordinates()
                 && context.parameters.g50_sets_relative(),
         });
         Ok(Some(Self {
-            intermediate: intermediate.point(),
-            reference: reference.point(),
-            axes: moved,
-            seeks,
+            intermediate: intermediate.to_point(),
+            reference: reference.to_point(),
+            axes: moved_axes,
+            is_seeking,
             frame,
-            step: u8::from(direct || named),
+            step: u8::from(is_direct || is_named),
         }))
     }
 
-    pub(crate) fn next(&mut self) -> Option<Emission> {
+    pub(crate) fn next_action(&mut self) -> Option<PlannedAction> {
         let step = self.step;
         self.step = step.saturating_add(1);
         match step {
-            0 => Some(Emission::stopping(Action::Rapid {
+            0 => Some(PlannedAction::with_stop(Action::Rapid {
                 to: self.intermediate,
             })),
-            1 => Some(Emission::passing(Action::Rapid { to: self.reference })),
+            1 => Some(PlannedAction::without_stop(Action::Rapid {
+                to: self.reference,
+            })),
             2 => {
                 let PerAxis { x, z } = self.axes;
-                Some(Emission::passing(if self.seeks {
+                Some(PlannedAction::without_stop(if self.is_seeking {
                     Action::ZeroReturn { x, z }
                 } else {
                     Action::Referenced { x, z }
                 }))
             }
-            _ => self.frame.take().map(Emission::passing),
+            _ => self.frame.take().map(PlannedAction::without_stop),
         }
     }
 
     /// Whether the coordinates are known only when the return is finished.
-    pub(crate) const fn seeks(&self) -> bool {
-        self.seeks
+    pub(crate) const fn is_seeking(&self) -> bool {
+        self.is_seeking
     }
 
     pub(crate) fn is_done(&self) -> bool {

@@ -14,70 +14,78 @@ use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
 use crate::interpreter::codes::miscellaneous;
-use crate::interpreter::context::exact::{PER_MM, mm, scaled as times};
+use crate::interpreter::context::exact::{UNITS_PER_MM, scale_rounded as times, to_mm};
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{LeadUnit, OneShot, Words};
-use crate::model::Record;
+use crate::interpreter::context::words::{LeadUnit, OneShot, SortedWords};
+use crate::model::ModelRecord;
 
 /// Range of L, in millionths.
-const FACTORS: core::ops::RangeInclusive<i64> = 1_000..=99_999_000;
+const FACTOR_RANGE: core::ops::RangeInclusive<i64> = 1_000..=99_999_000;
 
 /// Applies a G31 (`on`) or a G30 to the state.
 ///
 /// # Errors
 /// 043 for a missing or wrong L of G31.
-pub(crate) fn set(state: &mut State, words: &Words, on: bool) -> Result<(), Alarm> {
+pub(crate) fn set_scale(state: &mut State, words: &SortedWords, on: bool) -> Result<(), Alarm> {
     if !on {
         state.scale = None;
         return Ok(());
     }
     let rule = match words.l_exact {
-        Some(factor) if FACTORS.contains(&factor) => {
+        Some(factor) if FACTOR_RANGE.contains(&factor) => {
             state.scale = Some(factor);
             return Ok(());
         }
-        Some(factor) => say::scale_out_of_range(mm(factor)),
+        Some(factor) => say::scale_out_of_range(to_mm(factor)),
         None => say::scale_missing(),
     };
-    Err(Alarm::new(number::OUT_OF_RANGE).because(say::dialect_decided(rule)))
+    Err(Alarm::new(number::OUT_OF_RANGE).with_detail(say::dialect_decided(rule)))
 }
 
 /// The words of a block, scaled by the factor in force, if any.
-pub(crate) fn applied(words: &Words, scale: Option<i64>, record: &Record) -> Words {
+pub(crate) fn apply_scale(
+    words: &SortedWords,
+    scale: Option<i64>,
+    record: &ModelRecord,
+) -> SortedWords {
     match scale {
-        Some(factor) => scaled(words, factor, record),
+        Some(factor) => scale_words(words, factor, record),
         None => *words,
     }
 }
 
 /// The words of a block, scaled by `factor` millionths.
-pub(crate) fn scaled(words: &Words, factor: i64, record: &Record) -> Words {
+pub(crate) fn scale_words(words: &SortedWords, factor: i64, record: &ModelRecord) -> SortedWords {
     if matches!(
         words.one_shot,
         Some(OneShot::Dwell | OneShot::Coordinates | OneShot::Scale { .. })
     ) {
         return *words;
     }
-    let length = |word: Option<i64>| word.map(|it| times(it, factor, PER_MM));
-    let per_inch = match words.one_shot {
+    let scale_length = |word: Option<i64>| word.map(|it| times(it, factor, UNITS_PER_MM));
+    let is_per_inch = match words.one_shot {
         Some(OneShot::ThreadPass(unit) | OneShot::CountedThread(unit)) => {
             (false, unit == LeadUnit::PerInch)
         }
         Some(OneShot::RigidTap(unit)) => (unit == LeadUnit::PerInch, unit == LeadUnit::PerInch),
         _ => (false, false),
     };
-    let unless = |is_count: bool, word: Option<i64>| if is_count { word } else { length(word) };
-    Words {
-        x: length(words.x),
-        u: length(words.u),
-        z: length(words.z),
-        w: length(words.w),
-        r: length(words.r),
-        i: unless(per_inch.0, words.i),
-        j: length(words.j),
-        k: unless(per_inch.1 || miscellaneous::takes_k(words, record), words.k),
-        p_exact: length(words.p_exact),
-        d_exact: length(words.d_exact),
+    let scale_unless_count =
+        |is_count: bool, word: Option<i64>| if is_count { word } else { scale_length(word) };
+    SortedWords {
+        x: scale_length(words.x),
+        u: scale_length(words.u),
+        z: scale_length(words.z),
+        w: scale_length(words.w),
+        r: scale_length(words.r),
+        i: scale_unless_count(is_per_inch.0, words.i),
+        j: scale_length(words.j),
+        k: scale_unless_count(
+            is_per_inch.1 || miscellaneous::is_k_number(words, record),
+            words.k,
+        ),
+        p_exact: scale_length(words.p_exact),
+        d_exact: scale_length(words.d_exact),
         ..*words
     }
 }

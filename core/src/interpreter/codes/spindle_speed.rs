@@ -9,43 +9,43 @@ use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
 use crate::command::SpindleCommand;
-use crate::interpreter::context::Context;
-use crate::interpreter::context::exact::mm;
+use crate::interpreter::context::BlockContext;
+use crate::interpreter::context::exact::to_mm;
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::Words;
+use crate::interpreter::context::words::SortedWords;
 
 /// Greatest spindle speed, r/min.
-const GREATEST_SPEED: f64 = 9999.0;
+const MAX_SPEED_RPM: f64 = 9999.0;
 
 /// The spindle command of the S, G96 and G97 of a block; `None` without a change.
 ///
 /// # Errors
 /// 002 for an unknown step of a stepped spindle.
-pub(crate) fn evaluate(
+pub(crate) fn plan_spindle(
     state: &mut State,
-    context: &Context<'_>,
-    words: &Words,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
 ) -> Result<Option<SpindleCommand>, Alarm> {
-    let was_surface = state.modal.surface_speed;
-    let surface = words.surface.unwrap_or(was_surface);
-    state.modal.surface_speed = surface;
-    if !context.parameters.analog_spindle() {
-        return stepped(state, words.s);
+    let was_surface_speed = state.modal.surface_speed;
+    let is_surface_speed = words.surface.unwrap_or(was_surface_speed);
+    state.modal.surface_speed = is_surface_speed;
+    if !context.parameters.has_analog_spindle() {
+        return plan_stepped_speed(state, words.s);
     }
     let command = match words.s.map(|speed| speed as f64) {
-        Some(speed) if surface => {
+        Some(speed) if is_surface_speed => {
             state.surface = speed;
             SpindleCommand::Surface(speed)
         }
         Some(speed) => SpindleCommand::Speed(speed),
-        None if surface == was_surface => return Ok(None),
-        None if surface => SpindleCommand::Surface(state.surface),
+        None if is_surface_speed == was_surface_speed => return Ok(None),
+        None if is_surface_speed => SpindleCommand::Surface(state.surface),
         // G97 without S keeps the last speed of G96, rounded to a whole number.
-        None => SpindleCommand::Speed(libm::round(speed_at(
+        None => SpindleCommand::Speed(libm::round(rpm_at_diameter(
             state.surface,
-            mm(state.position.x),
+            to_mm(state.position.x),
             state.spindle_limit,
-            context.parameters.surface_lowest(),
+            context.parameters.lowest_surface_speed_rpm(),
         ))),
     };
     if let SpindleCommand::Surface(speed) | SpindleCommand::Speed(speed) = command {
@@ -55,14 +55,14 @@ pub(crate) fn evaluate(
 }
 
 /// The command for a stepped spindle: the last two digits of S choose one of four outputs.
-fn stepped(state: &mut State, s: Option<i64>) -> Result<Option<SpindleCommand>, Alarm> {
+fn plan_stepped_speed(state: &mut State, s: Option<i64>) -> Result<Option<SpindleCommand>, Alarm> {
     let Some(s) = s else {
         return Ok(None);
     };
     let step = match u8::try_from(s % 100) {
         Ok(step) if step <= 4 => step,
         _ => {
-            return Err(Alarm::new(number::BAD_VALUE).because(say::spindle_step_unknown(s)));
+            return Err(Alarm::new(number::BAD_VALUE).with_detail(say::spindle_step_unknown(s)));
         }
     };
     state.modal.spindle = f64::from(step);
@@ -71,15 +71,15 @@ fn stepped(state: &mut State, s: Option<i64>) -> Result<Option<SpindleCommand>, 
 
 /// Spindle speed of G96 at a programmed diameter, r/min. `surface` is m/min, `diameter` mm,
 /// `limit` (G50 S) and `lowest` (043) r/min.
-pub(crate) fn speed_at(surface: f64, diameter: f64, limit: Option<f64>, lowest: f64) -> f64 {
-    let around = core::f64::consts::PI * diameter.abs();
-    let wanted = if around > 0.0 {
-        1000.0 * surface / around
+pub(crate) fn rpm_at_diameter(surface: f64, diameter: f64, limit: Option<f64>, lowest: f64) -> f64 {
+    let circumference = core::f64::consts::PI * diameter.abs();
+    let required_rpm = if circumference > 0.0 {
+        1000.0 * surface / circumference
     } else {
-        GREATEST_SPEED
+        MAX_SPEED_RPM
     };
     let speed = if surface > 0.0 {
-        wanted.max(lowest).min(GREATEST_SPEED)
+        required_rpm.max(lowest).min(MAX_SPEED_RPM)
     } else {
         0.0
     };

@@ -11,8 +11,8 @@ use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
-use crate::interpreter::codes::positioning::{self, within_stroke};
-use crate::interpreter::context::Context;
+use crate::interpreter::codes::positioning::{self, check_stroke};
+use crate::interpreter::context::BlockContext;
 use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{AxisWords, StartReturn};
 
@@ -22,33 +22,33 @@ use crate::interpreter::context::words::{AxisWords, StartReturn};
 /// 012 with axis words; 090 without a start or, for G75, without a reference point.
 pub(crate) fn plan(
     state: &mut State,
-    context: &Context<'_>,
+    context: &BlockContext<'_>,
     axes: &AxisWords,
-    by: StartReturn,
+    coordinate_system: StartReturn,
 ) -> Result<Action, Alarm> {
-    let code = match by {
+    let code = match coordinate_system {
         StartReturn::Machine => 75,
         StartReturn::Work => 76,
     };
-    if axes.any() {
+    if axes.has_any() {
         let rule = say::dialect_decided(say::start_return_with_axis_words(code));
-        return Err(Alarm::new(number::TOO_MANY_WORDS).because(rule));
+        return Err(Alarm::new(number::TOO_MANY_WORDS).with_detail(rule));
     }
-    let Some(begun) = state.begun else {
+    let Some(run_start) = state.run_start else {
         let rule = say::start_return_without_start(code);
-        return Err(Alarm::new(number::ZERO_RETURN).because(rule));
+        return Err(Alarm::new(number::ZERO_RETURN).with_detail(rule));
     };
-    let referenced = context.referenced.x && context.referenced.z;
-    if by == StartReturn::Machine && !referenced {
+    let is_referenced = context.referenced.x && context.referenced.z;
+    if coordinate_system == StartReturn::Machine && !is_referenced {
         let rule = say::dialect_decided(say::start_return_without_reference());
-        return Err(Alarm::new(number::ZERO_RETURN).because(rule));
+        return Err(Alarm::new(number::ZERO_RETURN).with_detail(rule));
     }
-    let to = match by {
-        StartReturn::Machine => begun.machine - state.zero - state.offset,
-        StartReturn::Work => begun.work,
+    let to = match coordinate_system {
+        StartReturn::Machine => run_start.machine - state.zero - state.offset,
+        StartReturn::Work => run_start.work,
     };
-    let to = within_stroke(to, context.reach())?;
+    let to = check_stroke(to, context.coordinate_range())?;
     state.position = to;
-    state.return_here();
-    Ok(positioning::rapid(state, to))
+    state.end_at_position();
+    Ok(positioning::plan_rapid(state, to))
 }

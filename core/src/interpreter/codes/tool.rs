@@ -12,25 +12,25 @@ use gsk_messages::say;
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::compensation::Nose;
-use crate::interpreter::context::Context;
-use crate::interpreter::context::exact::Exact;
+use crate::interpreter::context::BlockContext;
+use crate::interpreter::context::exact::ExactPoint;
 use crate::interpreter::context::state::State;
 use crate::units::PerAxis;
 
 /// Greatest offset number.
-const LAST_OFFSET: u8 = 32;
+const MAX_OFFSET_NUMBER: u8 = 32;
 /// Greatest tool number of a gang tool post (084 = 0).
-const LAST_TOOL: u8 = 32;
+const MAX_TOOL_NUMBER: u8 = 32;
 
 /// How the offset of a T word takes effect in its block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Execution {
+pub(crate) enum OffsetExecution {
     /// The coordinates shift, and programmed axes travel in the new coordinates.
     Shift,
     /// The slide travels the change of the offset.
     Travel,
     /// The offset stays, only the tool changes (G04, G02, G03).
-    Not,
+    ToolOnly,
 }
 
 /// Tool and offset number of a T word.
@@ -47,15 +47,15 @@ impl ToolWord {
     ///
     /// # Errors
     /// 032 or 029 for a wrong tool, 030 for a wrong offset.
-    pub(crate) fn of_block(value: i64, context: &Context<'_>) -> Result<Self, Alarm> {
-        let stations = context.parameters.stations().into();
+    pub(crate) fn from_block(value: i64, context: &BlockContext<'_>) -> Result<Self, Alarm> {
+        let stations = context.parameters.station_count().into();
         if context.model.record().tool_digits == 4 {
-            return Self::read(value, stations);
+            return Self::decode(value, stations);
         }
         match (value / 10, value % 10) {
-            (0, tool @ 1..=8) => Self::read(tool * 100 + tool, stations),
-            (tool @ 1..=8, offset @ 0..=8) => Self::read(tool * 100 + offset, stations),
-            _ => Err(Alarm::new(number::BAD_TOOL).because(say::tool_of_two_digits(value))),
+            (0, tool @ 1..=8) => Self::decode(tool * 100 + tool, stations),
+            (tool @ 1..=8, offset @ 0..=8) => Self::decode(tool * 100 + offset, stations),
+            _ => Err(Alarm::new(number::BAD_TOOL).with_detail(say::tool_of_two_digits(value))),
         }
     }
 
@@ -64,35 +64,36 @@ impl ToolWord {
     ///
     /// # Errors
     /// 032 or 029 for a wrong tool, 030 for a wrong offset.
-    pub(crate) fn read(value: i64, stations: i32) -> Result<Self, Alarm> {
+    pub(crate) fn decode(value: i64, stations: i32) -> Result<Self, Alarm> {
         let (tool, offset) = (value / 100, value % 100);
-        let gang = stations == 0;
-        let last = if gang {
-            i64::from(LAST_TOOL)
+        let is_gang_post = stations == 0;
+        let last_tool = if is_gang_post {
+            i64::from(MAX_TOOL_NUMBER)
         } else {
             i64::from(stations)
         };
-        let tool = match u8::try_from(tool) {
-            Ok(number) if tool <= last => number,
-            _ if gang => {
-                return Err(Alarm::new(number::TOOL_TOO_GREAT)
-                    .because(say::tool_too_great(value, tool, LAST_TOOL)));
-            }
-            _ => {
-                return Err(Alarm::new(number::BAD_TOOL)
-                    .because(say::tool_beyond_stations(value, tool, stations)));
-            }
-        };
+        let tool =
+            match u8::try_from(tool) {
+                Ok(number) if tool <= last_tool => number,
+                _ if is_gang_post => {
+                    return Err(Alarm::new(number::TOOL_TOO_GREAT)
+                        .with_detail(say::tool_too_great(value, tool, MAX_TOOL_NUMBER)));
+                }
+                _ => {
+                    return Err(Alarm::new(number::BAD_TOOL)
+                        .with_detail(say::tool_beyond_stations(value, tool, stations)));
+                }
+            };
         match u8::try_from(offset) {
-            Ok(offset) if offset <= LAST_OFFSET => Ok(Self {
+            Ok(offset) if offset <= MAX_OFFSET_NUMBER => Ok(Self {
                 tool: (tool != 0).then_some(tool),
                 offset,
             }),
             _ => Err(
-                Alarm::new(number::BAD_OFFSET).because(say::tool_offset_too_great(
+                Alarm::new(number::BAD_OFFSET).with_detail(say::tool_offset_too_great(
                     value,
                     offset,
-                    LAST_OFFSET,
+                    MAX_OFFSET_NUMBER,
                 )),
             ),
         }
@@ -101,35 +102,39 @@ impl ToolWord {
 
 /// Puts a T word into force: changes the state, and appends the tool change and a new frame to
 /// `actions`.
-pub(crate) fn select(
+pub(crate) fn apply_tool_word(
     state: &mut State,
-    context: &Context<'_>,
+    context: &BlockContext<'_>,
     word: ToolWord,
-    execution: Execution,
+    execution: OffsetExecution,
     actions: &mut impl Extend<Action>,
 ) {
     let tool = word.tool.unwrap_or(state.modal.tool);
     (state.modal.tool, state.modal.offset) = (tool, word.offset);
-    state.nose = Nose::of(&context.offsets.get(word.offset));
+    state.nose = Nose::from_offset(&context.offsets.get(word.offset));
     actions.extend([Action::Tool {
         tool,
         offset: word.offset,
         is_last: false,
     }]);
-    let vector = Exact::from_point(context.offsets.vector(word.offset, context.parameters));
-    let changed = vector != state.offset;
+    let vector = ExactPoint::from_point(
+        context
+            .offsets
+            .slide_displacement(word.offset, context.parameters),
+    );
+    let has_changed = vector != state.offset;
     match execution {
-        Execution::Not => return,
-        Execution::Travel => {
+        OffsetExecution::ToolOnly => return,
+        OffsetExecution::Travel => {
             state.offset = vector;
             state.untravelled = PerAxis::new(false, false);
         }
-        Execution::Shift => {
+        OffsetExecution::Shift => {
             state.shift_offset(vector);
             state.untravelled = PerAxis::new(true, true);
         }
     }
-    if changed {
+    if has_changed {
         actions.extend([Action::Frame {
             frame: state.frame(),
             program_zero: None,

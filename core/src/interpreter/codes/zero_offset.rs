@@ -9,33 +9,33 @@
 //! ```
 
 use crate::command::Action;
-use crate::interpreter::context::exact::Exact;
+use crate::interpreter::context::exact::ExactPoint;
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, Target, ZeroOffset};
+use crate::interpreter::context::words::{AxisTarget, AxisWords, ZeroOffsetCode};
 use crate::units::Axis;
 
 /// Moves the program zero by a zero offset. Returns the new frame; the axes do not move.
-pub(crate) fn set(state: &mut State, code: ZeroOffset, axes: &AxisWords) -> Action {
+pub(crate) fn set_zero_offset(state: &mut State, code: ZeroOffsetCode, axes: &AxisWords) -> Action {
     for axis in [Axis::X, Axis::Z] {
-        let (before, here) = (state.zero_offset.get(axis), state.position.get(axis));
+        let (before, current) = (state.zero_offset.get(axis), state.position.get(axis));
         let word = match axes.get(axis) {
-            Target::Absolute(value) | Target::Increment(value) => Some(value),
-            Target::None => None,
+            AxisTarget::Absolute(value) | AxisTarget::Increment(value) => Some(value),
+            AxisTarget::None => None,
         };
         let offset = match code {
-            ZeroOffset::Off => 0,
-            ZeroOffset::Absolute => word.unwrap_or(before),
-            ZeroOffset::Added => before.saturating_add(word.unwrap_or(0)),
-            ZeroOffset::Here => before
-                .saturating_add(here)
+            ZeroOffsetCode::Off => 0,
+            ZeroOffsetCode::Absolute => word.unwrap_or(before),
+            ZeroOffsetCode::Added => before.saturating_add(word.unwrap_or(0)),
+            ZeroOffsetCode::Here => before
+                .saturating_add(current)
                 .saturating_sub(word.unwrap_or(0)),
         };
-        let by = offset.saturating_sub(before);
+        let shift = offset.saturating_sub(before);
         state.zero_offset.set(axis, offset);
         state
             .zero
-            .set(axis, state.zero.get(axis).saturating_add(by));
-        state.position.set(axis, here.saturating_sub(by));
+            .set(axis, state.zero.get(axis).saturating_add(shift));
+        state.position.set(axis, current.saturating_sub(shift));
     }
     Action::Frame {
         frame: state.frame(),
@@ -45,6 +45,6 @@ pub(crate) fn set(state: &mut State, code: ZeroOffset, axes: &AxisWords) -> Acti
 }
 
 /// Forgets the zero offset: G92 defines the coordinates anew.
-pub(crate) fn forget(state: &mut State) {
-    state.zero_offset = Exact::default();
+pub(crate) fn clear_zero_offset(state: &mut State) {
+    state.zero_offset = ExactPoint::default();
 }

@@ -12,15 +12,17 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::interpreter::context::place::Call;
-use crate::interpreter::context::words::Words;
-use crate::model::code_calls::{OF_G, OF_M, OF_PLAIN_M, OF_T};
+use crate::interpreter::context::program_position::ProgramCall;
+use crate::interpreter::context::words::SortedWords;
+use crate::model::code_calls::{
+    FIRST_G_PROGRAM, FIRST_M_PROGRAM, FIRST_PLAIN_M_PROGRAM, T_PROGRAM,
+};
 use crate::model::{ControlModel, code_calls};
 
 /// Macro variable that holds T when T calls a program.
 pub const T_VARIABLE: u16 = 149;
 /// G codes of macro B that always call.
-const CALLS: core::ops::RangeInclusive<u16> = 65..=67;
+const MACRO_CALL_CODES: core::ops::RangeInclusive<u16> = 65..=67;
 
 /// The codes that call a program.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -44,39 +46,43 @@ pub struct PlainCall {
 
 impl CodeCalls {
     /// Reads the codes from the parameters of a model; `None` if no code calls.
-    pub(crate) fn of(model: &ControlModel) -> Option<Box<Self>> {
-        let codes = |first: u16, to: &mut [u16]| {
+    pub(crate) fn from_model(model: &ControlModel) -> Option<Box<Self>> {
+        let read_codes = |first: u16, to: &mut [u16]| {
             for (number, code) in (first..).zip(to) {
                 *code = u16::try_from(model.parameter(number)).unwrap_or(0);
             }
         };
         let mut calls = Self::default();
-        codes(code_calls::G, &mut calls.g);
-        codes(code_calls::M, &mut calls.m);
-        codes(code_calls::PLAIN_M, &mut calls.plain_m);
-        calls.t = model.calls_by_t();
+        read_codes(code_calls::FIRST_G_PARAMETER, &mut calls.g);
+        read_codes(code_calls::FIRST_M_PARAMETER, &mut calls.m);
+        read_codes(code_calls::FIRST_PLAIN_M_PARAMETER, &mut calls.plain_m);
+        calls.t = model.has_t_calls();
         (calls != Self::default()).then(|| Box::new(calls))
     }
 
     /// The number of the macro that a G or M code calls with arguments.
-    pub(crate) fn called(&self, letter: char, code: u16) -> Option<u16> {
+    pub(crate) fn find_macro(&self, letter: char, code: u16) -> Option<u16> {
         let (codes, first) = match letter {
-            'G' if CALLS.contains(&code) => return None,
-            'G' => (&self.g, OF_G),
-            _ => (&self.m, OF_M),
+            'G' if MACRO_CALL_CODES.contains(&code) => return None,
+            'G' => (&self.g, FIRST_G_PROGRAM),
+            _ => (&self.m, FIRST_M_PROGRAM),
         };
-        nth(codes, code, first)
+        find_program(codes, code, first)
     }
 
     /// The subprogram that a word of a block calls: its M, else its T.
-    pub(crate) fn plain(&self, words: &Words) -> Option<PlainCall> {
-        self.plain_by(words.m.map(u16::from), words.t)
+    pub(crate) fn find_subprogram(&self, words: &SortedWords) -> Option<PlainCall> {
+        self.find_subprogram_by_number(words.m.map(u16::from), words.t)
     }
 
     /// The subprogram that the numbers of an M or T call.
-    pub(crate) fn plain_by(&self, m: Option<u16>, t: Option<i64>) -> Option<PlainCall> {
+    pub(crate) fn find_subprogram_by_number(
+        &self,
+        m: Option<u16>,
+        t: Option<i64>,
+    ) -> Option<PlainCall> {
         let m = m.and_then(|code| {
-            let program = nth(&self.plain_m, code, OF_PLAIN_M)?;
+            let program = find_program(&self.plain_m, code, FIRST_PLAIN_M_PROGRAM)?;
             let (address, code) = ('M', code.into());
             Some(PlainCall {
                 program,
@@ -85,7 +91,7 @@ impl CodeCalls {
             })
         });
         let t = t.filter(|_| self.t).map(|code| PlainCall {
-            program: OF_T,
+            program: T_PROGRAM,
             address: 'T',
             code,
         });
@@ -93,13 +99,13 @@ impl CodeCalls {
     }
 }
 
-fn nth(codes: &[u16], code: u16, first: u16) -> Option<u16> {
+fn find_program(codes: &[u16], code: u16, first: u16) -> Option<u16> {
     // A parameter of 0 sets no call.
-    let place = (first..).zip(codes).find(|(_, it)| **it == code)?;
-    (code != 0).then_some(place.0)
+    let entry = (first..).zip(codes).find(|(_, it)| **it == code)?;
+    (code != 0).then_some(entry.0)
 }
 
 /// Whether the running calls make the codes ordinary ones.
-pub(crate) fn are_ordinary(calls: &[Call]) -> bool {
+pub(crate) fn are_ordinary(calls: &[ProgramCall]) -> bool {
     calls.iter().any(|call| call.codes_ordinary)
 }

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::interpreter::context::exact::Exact;
-use crate::interpreter::context::words::{AxisWords, Words};
+use crate::interpreter::context::exact::ExactPoint;
+use crate::interpreter::context::words::{AxisWords, SortedWords};
 
 /// Stored words. An increment is stored as its absolute end point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -11,7 +11,7 @@ pub(crate) struct CycleWords {
     x: Option<i64>,
     z: Option<i64>,
     r: i64,
-    /// Run-out of G92, height and length, in units of [`Exact`].
+    /// Run-out of G92, height and length, in units of [`ExactPoint`].
     j: Option<i64>,
     k: Option<i64>,
     /// Number of thread starts of G92.
@@ -22,7 +22,7 @@ pub(crate) struct CycleWords {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct CycleData {
     /// C, the end point of the cut.
-    pub(crate) end: Exact,
+    pub(crate) end: ExactPoint,
     /// R in millionths of a millimetre; a radius if it is along X.
     pub(crate) r: i64,
     /// J of G92, the height of the run-out; `None` if no block gave it.
@@ -56,28 +56,38 @@ impl CycleWords {
     }
 
     /// Stores the words of a G92 block (those of G90 and G94, and J, K and L) and returns the
-    /// data of the cycle. `at` is the current position.
-    pub(crate) fn take_thread(&mut self, words: &Words, axes: &AxisWords, at: Exact) -> CycleData {
+    /// data of the cycle. `position` is the current position.
+    pub(crate) fn store_thread_words(
+        &mut self,
+        words: &SortedWords,
+        axes: &AxisWords,
+        position: ExactPoint,
+    ) -> CycleData {
         self.j = words.j.or(self.j);
         self.k = words.k.or(self.k);
         self.l = words.l.or(self.l);
-        self.take(words, axes, at)
+        self.store_words(words, axes, position)
     }
 
     /// Stores the words of a G90 or G94 block and returns the data of the cycle. An axis that
-    /// no block gave ends at the current position `at`.
-    pub(crate) fn take(&mut self, words: &Words, axes: &AxisWords, at: Exact) -> CycleData {
-        if let Some(x) = axes.x.target(axes.base.x) {
+    /// no block gave ends at the current position `position`.
+    pub(crate) fn store_words(
+        &mut self,
+        words: &SortedWords,
+        axes: &AxisWords,
+        position: ExactPoint,
+    ) -> CycleData {
+        if let Some(x) = axes.x.resolve(axes.base.x) {
             self.x = Some(x);
         }
-        if let Some(z) = axes.z.target(axes.base.z) {
+        if let Some(z) = axes.z.resolve(axes.base.z) {
             self.z = Some(z);
         }
         if let Some(r) = words.r {
             self.r = r;
         }
         CycleData {
-            end: Exact::new(self.x.unwrap_or(at.x), self.z.unwrap_or(at.z)),
+            end: ExactPoint::new(self.x.unwrap_or(position.x), self.z.unwrap_or(position.z)),
             r: self.r,
             j: self.j,
             k: self.k,

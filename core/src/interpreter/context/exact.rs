@@ -2,28 +2,28 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::Record;
+use crate::model::ModelRecord;
 use crate::units::{Axis, Point};
 
-/// Units of [`Exact`] in a millimetre.
-pub(crate) const PER_MM: i64 = 1_000_000;
+/// Units of [`ExactPoint`] in a millimetre.
+pub(crate) const UNITS_PER_MM: i64 = 1_000_000;
 
 /// The smallest stroke of all models, `9999.999` mm: that of the GSK980TD (manual I-2.2.3).
-const STROKE: i64 = 9_999_999 * (PER_MM / 1000);
+const MIN_STROKE: i64 = 9_999_999 * (UNITS_PER_MM / 1000);
 
 /// The range of the coordinates of a program.
 #[derive(Clone, Copy)]
-pub(crate) struct Reach<'a> {
+pub(crate) struct CoordinateRange<'a> {
     /// Diameters per programmed X: 2 under radius programming (001.2), else 1.
     pub(crate) x_factor: i64,
     /// The model that the program is for.
-    pub(crate) record: &'a Record,
+    pub(crate) record: &'a ModelRecord,
 }
 
-impl Reach<'_> {
-    /// The greatest coordinate, units of [`Exact`].
+impl CoordinateRange<'_> {
+    /// The greatest coordinate, units of [`ExactPoint`].
     pub(crate) fn stroke(self) -> i64 {
-        self.record.greatest_coordinate * (PER_MM / 1000)
+        self.record.greatest_coordinate * (UNITS_PER_MM / 1000)
     }
 }
 
@@ -32,12 +32,12 @@ impl Reach<'_> {
 /// Every number that a program can contain is an integer here, and its radius an integer in
 /// half units. So end points are exactly the programmed ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Exact {
+pub(crate) struct ExactPoint {
     pub(crate) x: i64,
     pub(crate) z: i64,
 }
 
-impl Exact {
+impl ExactPoint {
     pub(crate) const fn new(x: i64, z: i64) -> Self {
         Self { x, z }
     }
@@ -45,16 +45,16 @@ impl Exact {
     /// The nearest exact point of a point in mm, X as a radius.
     pub(crate) fn from_point(point: Point) -> Self {
         Self::new(
-            to_units(point.x * (2 * PER_MM) as f64),
-            to_units(point.z * PER_MM as f64),
+            round_to_units(point.x * (2 * UNITS_PER_MM) as f64),
+            round_to_units(point.z * UNITS_PER_MM as f64),
         )
     }
 
     /// The point in mm, X as a radius.
-    pub(crate) fn point(self) -> Point {
+    pub(crate) fn to_point(self) -> Point {
         Point::new(
-            self.x as f64 / (2 * PER_MM) as f64,
-            self.z as f64 / PER_MM as f64,
+            self.x as f64 / (2 * UNITS_PER_MM) as f64,
+            self.z as f64 / UNITS_PER_MM as f64,
         )
     }
 
@@ -73,19 +73,19 @@ impl Exact {
     }
 
     /// The first axis whose programmed coordinate is outside the stroke of the control.
-    pub(crate) fn beyond_stroke(self, reach: Reach<'_>) -> Option<Axis> {
-        let beyond = |stroke: i64| {
-            if self.x.abs() > stroke * reach.x_factor {
+    pub(crate) fn axis_beyond_stroke(self, range: CoordinateRange<'_>) -> Option<Axis> {
+        let find_axis_beyond = |stroke: i64| {
+            if self.x.abs() > stroke * range.x_factor {
                 return Some(Axis::X);
             }
             (self.z.abs() > stroke).then_some(Axis::Z)
         };
         // Almost every end point lies within the smallest stroke.
-        beyond(STROKE).and_then(|_| beyond(reach.stroke()))
+        find_axis_beyond(MIN_STROKE).and_then(|_| find_axis_beyond(range.stroke()))
     }
 }
 
-impl core::ops::Add for Exact {
+impl core::ops::Add for ExactPoint {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         Self::new(
@@ -95,7 +95,7 @@ impl core::ops::Add for Exact {
     }
 }
 
-impl core::ops::Sub for Exact {
+impl core::ops::Sub for ExactPoint {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         Self::new(
@@ -106,31 +106,31 @@ impl core::ops::Sub for Exact {
 }
 
 /// `value * numerator / denominator`, rounded half away from zero; 0 for a denominator of 0.
-pub(crate) fn scaled(value: i64, numerator: i64, denominator: i64) -> i64 {
+pub(crate) fn scale_rounded(value: i64, numerator: i64, denominator: i64) -> i64 {
     if denominator == 0 {
         return 0;
     }
-    let (product, by) = (
+    let (product, divisor) = (
         i128::from(value) * i128::from(numerator),
         i128::from(denominator),
     );
-    let half = by.abs() / 2 * product.signum();
-    i64::try_from((product + half) / by).unwrap_or(i64::MAX)
+    let half = divisor.abs() / 2 * product.signum();
+    i64::try_from((product + half) / divisor).unwrap_or(i64::MAX)
 }
 
 /// Rounds half away from zero; NaN becomes 0.
-pub(crate) fn to_units(value: f64) -> i64 {
+pub(crate) fn round_to_units(value: f64) -> i64 {
     libm::round(value) as i64
 }
 
-/// A length in units of [`Exact`] as millimetres.
-pub(crate) fn mm(units: i64) -> f64 {
-    units as f64 / PER_MM as f64
+/// A length in units of [`ExactPoint`] as millimetres.
+pub(crate) fn to_mm(units: i64) -> f64 {
+    units as f64 / UNITS_PER_MM as f64
 }
 
-/// A length as a displacement along an axis in units of [`Exact`]: a length along X is a
+/// A length as a displacement along an axis in units of [`ExactPoint`]: a length along X is a
 /// radius and counts twice.
-pub(crate) const fn along(axis: Axis, length: i64) -> i64 {
+pub(crate) const fn length_on_axis(axis: Axis, length: i64) -> i64 {
     match axis {
         Axis::X => length.saturating_mul(2),
         Axis::Z => length,

@@ -3,7 +3,7 @@
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-use crate::interpreter::context::exact::{Exact, mm};
+use crate::interpreter::context::exact::{ExactPoint, to_mm};
 use crate::units::Axis;
 
 /// Why a pass of a cycle is at its depth or position.
@@ -41,17 +41,17 @@ pub(crate) enum DepthRule {
     Finish,
 }
 
-/// The numbers of an explanation, stored with each move. Lengths are in units of [`Exact`],
+/// The numbers of an explanation, stored with each move. Lengths are in units of [`ExactPoint`],
 /// diameters in X if not stated otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Note {
+pub(crate) enum PassNote {
     /// A move without an explanation.
     None,
     /// A box of G90 (levels in X) or G94 (levels in Z), from A through B and C.
     Box {
         axis: Axis,
-        a: Exact,
-        c: Exact,
+        a: ExactPoint,
+        c: ExactPoint,
         /// R, a radius in X.
         taper: i64,
     },
@@ -59,8 +59,8 @@ pub(crate) enum Note {
     Thread {
         start: u32,
         starts: u32,
-        a: Exact,
-        c: Exact,
+        a: ExactPoint,
+        c: ExactPoint,
         taper: i64,
         /// Height (a radius) and length of the run-out.
         run_out: (i64, i64),
@@ -101,16 +101,16 @@ pub(crate) enum Note {
     Contour {
         axis: Axis,
         levels: i64,
-        allowance: Exact,
+        allowance: ExactPoint,
     },
     /// A pass of G73.
     Shifted {
         number: i64,
         passes: i64,
-        shift: Exact,
-        allowance: Exact,
+        shift: ExactPoint,
+        allowance: ExactPoint,
         /// Δi and Δk, X as a diameter.
-        relief: Exact,
+        relief: ExactPoint,
     },
     /// A column of G74 (along Z) or G75 (along X).
     Column {
@@ -147,9 +147,9 @@ pub(crate) enum Note {
     /// G33 or G34 of the Huaxing lathes.
     SinglePass {
         code: u8,
-        a: Exact,
-        begin: Exact,
-        end: Exact,
+        a: ExactPoint,
+        begin: ExactPoint,
+        end: ExactPoint,
     },
     /// A pass of G86 or G87; depths are differences of diameters.
     CountedThread {
@@ -166,26 +166,26 @@ pub(crate) enum Note {
     },
 }
 
-/// A length in units of [`Exact`] as a depth in mm, a radius along X.
-fn depth_on(axis: Axis, units: i64) -> f64 {
+/// A length in units of [`ExactPoint`] as a depth in mm, a radius along X.
+fn depth_mm(axis: Axis, units: i64) -> f64 {
     match axis {
-        Axis::X => mm(units) / 2.0,
-        Axis::Z => mm(units),
+        Axis::X => to_mm(units) / 2.0,
+        Axis::Z => to_mm(units),
     }
 }
 
-const fn name(axis: Axis) -> char {
+const fn axis_letter(axis: Axis) -> char {
     match axis {
         Axis::X => 'X',
         Axis::Z => 'Z',
     }
 }
 
-impl Note {
-    pub(crate) fn explanation(self) -> Option<Explanation> {
+impl PassNote {
+    pub(crate) fn explain(self) -> Option<Explanation> {
         match self {
             Self::None => None,
-            Self::Box { axis, a, c, taper } => Some(box_of(axis, a, c, taper)),
+            Self::Box { axis, a, c, taper } => Some(explain_box(axis, a, c, taper)),
             Self::Thread {
                 start,
                 starts,
@@ -197,11 +197,15 @@ impl Note {
                 code: 92,
                 pass: start.into(),
                 passes: Some(starts.into()),
-                level: Some(mm(c.x)),
-                depth: depth_on(Axis::X, c.x - a.x).abs(),
+                level: Some(to_mm(c.x)),
+                depth: depth_mm(Axis::X, c.x - a.x).abs(),
                 remaining: 0.0,
                 formula: with_start_angle(
-                    say::explain_thread(corner_b(Axis::X, c, taper), mm(height), mm(length)),
+                    say::explain_thread(
+                        format_corner_b(Axis::X, c, taper),
+                        to_mm(height),
+                        to_mm(length),
+                    ),
                     start,
                     starts,
                 ),
@@ -218,9 +222,9 @@ impl Note {
                 pass: start.into(),
                 passes: Some(starts.into()),
                 level: None,
-                depth: mm(bottom - a).abs(),
+                depth: to_mm(bottom - a).abs(),
                 remaining: 0.0,
-                formula: with_start_angle(say::explain_tap(mm(a), mm(bottom)), start, starts),
+                formula: with_start_angle(say::explain_tap(to_mm(a), to_mm(bottom)), start, starts),
                 words: match code {
                     84 => "Z, K",
                     85 => "Z, I",
@@ -236,24 +240,24 @@ impl Note {
                 least,
                 rule,
             } => {
-                let shown = mm(depth);
+                let shown = to_mm(depth);
                 let formula = match rule {
-                    DepthRule::Root => plain(format!(
+                    DepthRule::Root => formula_message(format!(
                         "d{number} = √{number}·{:.3} = {shown:.3}",
-                        mm(first)
+                        to_mm(first)
                     )),
-                    DepthRule::Least => plain(format!(
+                    DepthRule::Least => formula_message(format!(
                         "d{number} = d{} + Δdmin = {:.3} + {:.3} = {shown:.3}",
                         number - 1,
-                        mm(previous),
-                        mm(least)
+                        to_mm(previous),
+                        to_mm(least)
                     )),
-                    DepthRule::Last => plain(format!(
+                    DepthRule::Last => formula_message(format!(
                         "d{number} = k - d = {:.3} - {:.3}",
-                        mm(height),
-                        mm(height - depth)
+                        to_mm(height),
+                        to_mm(height - depth)
                     )),
-                    DepthRule::Finish => say::explain_finish_pass(shown, mm(depth - previous)),
+                    DepthRule::Finish => say::explain_finish_pass(shown, to_mm(depth - previous)),
                 };
                 Some(Explanation {
                     code: 76,
@@ -261,7 +265,7 @@ impl Note {
                     passes: None,
                     level: None,
                     depth: shown,
-                    remaining: mm(height - depth),
+                    remaining: to_mm(height - depth),
                     formula,
                     words: match rule {
                         DepthRule::Root => "Q(Δd)",
@@ -280,19 +284,19 @@ impl Note {
                 last,
             } => {
                 let level = from + step * number;
-                let axis_name = name(axis);
+                let axis_name = axis_letter(axis);
                 Some(Explanation {
-                    code: rough_code(axis),
+                    code: roughing_code(axis),
                     pass: number.unsigned_abs(),
                     passes: Some(levels.unsigned_abs()),
-                    level: Some(mm(level)),
-                    depth: depth_on(axis, step * number).abs(),
-                    remaining: depth_on(axis, last - level).abs(),
-                    formula: plain(format!(
+                    level: Some(to_mm(level)),
+                    depth: depth_mm(axis, step * number).abs(),
+                    remaining: depth_mm(axis, last - level).abs(),
+                    formula: formula_message(format!(
                         "{axis_name}{number} = {:.3} {:+.3}·{number} = {:.3}",
-                        mm(from),
-                        mm(step),
-                        mm(level)
+                        to_mm(from),
+                        to_mm(step),
+                        to_mm(level)
                     )),
                     words: match axis {
                         Axis::X => "U(Δd), 051",
@@ -305,13 +309,13 @@ impl Note {
                 levels,
                 allowance,
             } => Some(Explanation {
-                code: rough_code(axis),
+                code: roughing_code(axis),
                 pass: levels.unsigned_abs(),
                 passes: Some(levels.unsigned_abs()),
                 level: None,
                 depth: 0.0,
                 remaining: 0.0,
-                formula: say::explain_contour(mm(allowance.x), mm(allowance.z)),
+                formula: say::explain_contour(to_mm(allowance.x), to_mm(allowance.z)),
                 words: "U(Δu), W(Δw)",
             }),
             Self::Shifted {
@@ -325,16 +329,16 @@ impl Note {
                 pass: number.unsigned_abs(),
                 passes: Some(passes.unsigned_abs()),
                 level: None,
-                depth: mm(relief.x + allowance.x - shift.x).abs() / 2.0,
-                remaining: mm(shift.x - allowance.x).abs() / 2.0,
-                formula: plain(format!(
+                depth: to_mm(relief.x + allowance.x - shift.x).abs() / 2.0,
+                remaining: to_mm(shift.x - allowance.x).abs() / 2.0,
+                formula: formula_message(format!(
                     "X{:+.3} = {:+.3} {:+.3}·{left}/{gaps}, Z{:+.3} = {:+.3} {:+.3}·{left}/{gaps}",
-                    mm(shift.x),
-                    mm(allowance.x),
-                    mm(relief.x),
-                    mm(shift.z),
-                    mm(allowance.z),
-                    mm(relief.z),
+                    to_mm(shift.x),
+                    to_mm(allowance.x),
+                    to_mm(relief.x),
+                    to_mm(shift.z),
+                    to_mm(allowance.z),
+                    to_mm(relief.z),
                     left = passes - number,
                     gaps = passes - 1,
                 )),
@@ -366,17 +370,17 @@ impl Note {
                     },
                     pass: number.unsigned_abs(),
                     passes: Some(columns.unsigned_abs()),
-                    level: Some(mm(at)),
-                    depth: depth_on(axis, reached - from).abs(),
-                    remaining: depth_on(axis, bottom - reached).abs(),
+                    level: Some(to_mm(at)),
+                    depth: depth_mm(axis, reached - from).abs(),
+                    remaining: depth_mm(axis, bottom - reached).abs(),
                     formula: say::explain_peck(
                         peck,
                         pecks,
-                        name(axis),
-                        mm(reached),
+                        axis_letter(axis),
+                        to_mm(reached),
                         number,
                         columns,
-                        mm(step),
+                        to_mm(step),
                     ),
                     words: match deep_hole {
                         true => "Z, I, K",
@@ -384,13 +388,13 @@ impl Note {
                     },
                 })
             }
-            Self::Stepped { .. } => self.stepped(),
-            Self::SinglePass { .. } | Self::CountedThread { .. } => self.thread_of_words(),
+            Self::Stepped { .. } => self.explain_stepped(),
+            Self::SinglePass { .. } | Self::CountedThread { .. } => self.explain_word_thread(),
         }
     }
 
     /// Explains a box of G81 or G82.
-    fn stepped(self) -> Option<Explanation> {
+    fn explain_stepped(self) -> Option<Explanation> {
         let Self::Stepped {
             axis,
             pass,
@@ -404,20 +408,20 @@ impl Note {
         else {
             return None;
         };
-        let (level, left, at) = (a + depth, whole - depth.abs(), name(axis));
+        let (level, remaining, at) = (a + depth, whole - depth.abs(), axis_letter(axis));
         let formula = match depth.abs() {
-            full if full == whole => format!("{at}{pass} = {:.3}", mm(level)),
+            full if full == whole => format!("{at}{pass} = {:.3}", to_mm(level)),
             rough if rough == whole - finish => format!(
                 "{at}{pass} = {:.3} {:+.3} = {:.3}",
-                mm(a + whole * depth.signum()),
-                mm(-finish * depth.signum()),
-                mm(level)
+                to_mm(a + whole * depth.signum()),
+                to_mm(-finish * depth.signum()),
+                to_mm(level)
             ),
             _ => format!(
                 "{at}{pass} = {:.3} {:+.3}·{pass} = {:.3}",
-                mm(a),
-                mm(step * depth.signum()),
-                mm(level)
+                to_mm(a),
+                to_mm(step * depth.signum()),
+                to_mm(level)
             ),
         };
         Some(Explanation {
@@ -427,16 +431,16 @@ impl Note {
             },
             pass: pass.unsigned_abs(),
             passes: Some(passes.unsigned_abs()),
-            level: Some(mm(level)),
-            depth: depth_on(axis, depth).abs(),
-            remaining: depth_on(axis, left).abs(),
-            formula: plain(formula),
+            level: Some(to_mm(level)),
+            depth: depth_mm(axis, depth).abs(),
+            remaining: depth_mm(axis, remaining).abs(),
+            formula: formula_message(formula),
             words: "X, Z, R, I, K",
         })
     }
 
     /// Explains a thread of the Huaxing lathes.
-    fn thread_of_words(self) -> Option<Explanation> {
+    fn explain_word_thread(self) -> Option<Explanation> {
         match self {
             Self::SinglePass {
                 code,
@@ -447,14 +451,14 @@ impl Note {
                 code,
                 pass: 1,
                 passes: Some(1),
-                level: Some(mm(end.x)),
-                depth: depth_on(Axis::X, begin.x - a.x).abs(),
+                level: Some(to_mm(end.x)),
+                depth: depth_mm(Axis::X, begin.x - a.x).abs(),
                 remaining: 0.0,
-                formula: plain(format!(
+                formula: formula_message(format!(
                     "X_B = {:.3} {:+.3} = {:.3}",
-                    mm(a.x),
-                    mm(begin.x - a.x),
-                    mm(begin.x)
+                    to_mm(a.x),
+                    to_mm(begin.x - a.x),
+                    to_mm(begin.x)
                 )),
                 words: "D, X, Z, K, I",
             }),
@@ -468,18 +472,18 @@ impl Note {
                 depth,
                 whole,
             } => {
-                let formula = plain(format!(
+                let formula = formula_message(format!(
                     "d{pass} = {:.3}·√({pass}/{passes}) = {:.3}",
-                    mm(whole),
-                    mm(depth)
+                    to_mm(whole),
+                    to_mm(depth)
                 ));
                 Some(Explanation {
                     code,
                     pass: pass.unsigned_abs(),
                     passes: Some(passes.unsigned_abs()),
-                    level: Some(mm(crest)),
-                    depth: depth_on(Axis::X, depth),
-                    remaining: depth_on(Axis::X, whole - depth),
+                    level: Some(to_mm(crest)),
+                    depth: depth_mm(Axis::X, depth),
+                    remaining: depth_mm(Axis::X, whole - depth),
                     formula: with_start_angle(formula, start + 1, starts),
                     words: "R, L, N, K, I, J",
                 })
@@ -490,7 +494,7 @@ impl Note {
 }
 
 /// Explains the box of G90 or G94.
-fn box_of(axis: Axis, a: Exact, c: Exact, taper: i64) -> Explanation {
+fn explain_box(axis: Axis, a: ExactPoint, c: ExactPoint, taper: i64) -> Explanation {
     let (code, words) = match axis {
         Axis::X => (90, "X(U), Z(W), R: a radius"),
         Axis::Z => (94, "X(U), Z(W), R"),
@@ -499,26 +503,26 @@ fn box_of(axis: Axis, a: Exact, c: Exact, taper: i64) -> Explanation {
         code,
         pass: 1,
         passes: Some(1),
-        level: Some(mm(c.get(axis))),
-        depth: depth_on(axis, c.get(axis) - a.get(axis)).abs(),
+        level: Some(to_mm(c.get(axis))),
+        depth: depth_mm(axis, c.get(axis) - a.get(axis)).abs(),
         remaining: 0.0,
-        formula: plain(corner_b(axis, c, taper)),
+        formula: formula_message(format_corner_b(axis, c, taper)),
         words,
     }
 }
 
 /// The formula of B, the first corner of the cut: `X_B = X_C + 2R` or `Z_B = Z_C + R`.
-fn corner_b(axis: Axis, c: Exact, taper: i64) -> String {
-    let (c, factor, by) = match axis {
+fn format_corner_b(axis: Axis, c: ExactPoint, taper: i64) -> String {
+    let (c, factor, taper_shift) = match axis {
         Axis::X => (c.x, "2·", 2 * taper),
         Axis::Z => (c.z, "", taper),
     };
-    let name = name(axis);
+    let name = axis_letter(axis);
     format!(
         "{name}_B = {name}_C + {factor}R = {:.3} {:+.3} = {:.3}",
-        mm(c),
-        mm(by),
-        mm(c + by)
+        to_mm(c),
+        to_mm(taper_shift),
+        to_mm(c + taper_shift)
     )
 }
 
@@ -531,11 +535,11 @@ fn with_start_angle(formula: Message, start: u32, starts: u32) -> Message {
 }
 
 /// A formula without words, the same in every language.
-fn plain(formula: String) -> Message {
+fn formula_message(formula: String) -> Message {
     say::as_written(formula)
 }
 
-const fn rough_code(axis: Axis) -> u8 {
+const fn roughing_code(axis: Axis) -> u8 {
     match axis {
         Axis::X => 71,
         Axis::Z => 72,

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::command::Source;
-use crate::interpreter::context::exact::Exact;
-use crate::interpreter::context::place::{Call, Place};
+use crate::command::SourcePosition;
+use crate::interpreter::context::exact::ExactPoint;
+use crate::interpreter::context::program_position::{ProgramCall, ProgramPosition};
 
 /// The flow of a run after a block.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -15,19 +15,19 @@ pub(crate) enum Flow {
     #[default]
     Next,
     /// Jumps to another block; the running calls stay.
-    Jump(Place),
+    Jump(ProgramPosition),
     /// Runs the profile of a G70, then returns.
     #[serde(rename = "Finish")]
-    Finish(Box<Finishing>),
+    RunProfile(Box<Finishing>),
     /// Starts the next run of the innermost call.
     #[serde(rename = "Again")]
-    Again,
+    RunAgain,
     /// Calls a subprogram (M98).
-    Call(Call),
+    Call(ProgramCall),
     /// Calls a macro: G65, or a move under G66.
     MacroCall(Box<MacroEntry>),
     /// Ends the innermost call and continues at this block.
-    Return(Place),
+    Return(ProgramPosition),
     /// Ends the run.
     End,
 }
@@ -35,7 +35,7 @@ pub(crate) enum Flow {
 /// A call of a macro with its arguments.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct MacroEntry {
-    pub(crate) call: Call,
+    pub(crate) call: ProgramCall,
     /// Arguments: local variables by number.
     pub(crate) arguments: BTreeMap<u8, f64>,
 }
@@ -44,16 +44,16 @@ pub(crate) struct MacroEntry {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Finishing {
     /// The first block of the profile.
-    pub(crate) first: Place,
+    pub(crate) first: ProgramPosition,
     /// Index of the last block of the profile.
     pub(crate) last: u32,
     /// The block after the G70.
     #[serde(rename = "back")]
-    pub(crate) back: Place,
+    pub(crate) return_position: ProgramPosition,
     /// Programmed position at the start of the G70.
-    pub(crate) start: Exact,
+    pub(crate) start: ExactPoint,
     /// Source position of the G70.
-    pub(crate) source: Source,
+    pub(crate) source: SourcePosition,
     /// Lines of the first and the last block of the profile.
     pub(crate) lines: (u32, u32),
 }

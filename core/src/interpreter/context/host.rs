@@ -1,8 +1,8 @@
 //! The interface between the interpreter and its host: the data it reads and the answers it
 //! gives.
 
-use crate::command::Command;
-use crate::memory::{Counters, Offsets, Parameters, Registers, Settings, Variables};
+use crate::command::ControlCommand;
+use crate::memory::{ControlParameters, ControlSettings, Counters, Offsets, Registers, Variables};
 use crate::program::ProgramMemory;
 use crate::units::{PerAxis, Point};
 
@@ -10,9 +10,9 @@ use crate::units::{PerAxis, Point};
 /// the preview implement it, so both run one interpreter.
 pub trait Host {
     /// The parameters.
-    fn parameters(&self) -> &Parameters;
+    fn parameters(&self) -> &ControlParameters;
     /// The parameters, mutable: cycles write 051–060.
-    fn parameters_mut(&mut self) -> &mut Parameters;
+    fn parameters_mut(&mut self) -> &mut ControlParameters;
     /// The tool offsets.
     fn offsets(&self) -> &Offsets;
     /// The tool offsets, mutable: macro B writes them.
@@ -25,11 +25,11 @@ pub trait Host {
     fn registers(&self) -> &Registers;
     /// Timer, date and switched-off stops, mutable.
     fn registers_mut(&mut self) -> &mut Registers;
-    /// Part counter and times. Valid while [`Host::settled`] holds.
+    /// Part counter and times. Valid while [`Host::is_settled`] holds.
     fn counters(&self) -> &Counters;
     /// Part counter and times, mutable.
     fn counters_mut(&mut self) -> &mut Counters;
-    /// Total time with cycle start on, ms. Valid while [`Host::settled`] holds.
+    /// Total time with cycle start on, ms. Valid while [`Host::is_settled`] holds.
     fn started_ms(&self) -> u64 {
         self.counters().started_ms
     }
@@ -38,13 +38,13 @@ pub trait Host {
         self.counters_mut().started_ms = ms;
     }
     /// The rows of the setting page.
-    fn settings(&self) -> &Settings;
+    fn settings(&self) -> &ControlSettings;
     /// The rows of the setting page, mutable.
-    fn settings_mut(&mut self) -> &mut Settings;
-    /// Time since power-on, ms. Valid while [`Host::settled`] holds.
+    fn settings_mut(&mut self) -> &mut ControlSettings;
+    /// Time since power-on, ms. Valid while [`Host::is_settled`] holds.
     fn now_ms(&self) -> u64;
     /// Signals from the ladder to macros, G54 and G55: #1000 in bit 0. Valid while
-    /// [`Host::settled`] holds.
+    /// [`Host::is_settled`] holds.
     fn interface_inputs(&self) -> u16;
     /// Signals from macros to the ladder, F54 (lowest byte) to F59.
     fn interface_outputs(&self) -> u64;
@@ -52,27 +52,27 @@ pub trait Host {
     fn set_interface_outputs(&mut self, outputs: u64);
     /// The stored programs and the external one.
     fn programs(&self) -> &ProgramMemory;
-    /// Commanded machine position, mm, X as a radius. Valid while [`Host::settled`] holds.
+    /// Commanded machine position, mm, X as a radius. Valid while [`Host::is_settled`] holds.
     fn machine_position(&self) -> Point;
     /// Whether each axis has a reference.
     fn referenced(&self) -> PerAxis<bool>;
     /// Whether block skip is on (F4.0).
-    fn block_skip(&self) -> bool;
+    fn is_block_skip_on(&self) -> bool;
     /// Whether every earlier command is finished, FIN included.
-    fn settled(&self) -> bool;
+    fn is_settled(&self) -> bool;
     /// Whether every earlier command is finished and the slides are at their commanded
     /// position.
-    fn slides_stand(&self) -> bool {
-        self.settled()
+    fn is_at_standstill(&self) -> bool {
+        self.is_settled()
     }
 }
 
 /// An answer of the interpreter to a query for the next command.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Step {
+pub enum InterpreterStep {
     /// The next command.
-    Command(Box<Command>),
-    /// The reader needs a finished machine: query again when [`Host::settled`] holds.
+    Command(Box<ControlCommand>),
+    /// The reader needs a finished machine: query again when [`Host::is_settled`] holds.
     Wait,
     /// The run has ended; no command follows.
     Ended,

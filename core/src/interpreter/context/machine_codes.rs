@@ -9,7 +9,7 @@ pub struct MachineCodes([u64; 2]);
 
 impl MachineCodes {
     /// The set of the codes that a ladder declares.
-    pub fn of(declared: &[gsk_plc::MCode]) -> Self {
+    pub fn from_declared(declared: &[gsk_plc::MCode]) -> Self {
         let mut codes = Self::default();
         for m in declared {
             if let Some(half) = codes.0.get_mut(usize::from(m.code / 64)) {
@@ -19,7 +19,7 @@ impl MachineCodes {
         codes
     }
 
-    pub(crate) const fn has(self, code: u8) -> bool {
+    pub(crate) const fn contains(self, code: u8) -> bool {
         code < 128 && self.0[(code / 64) as usize] >> (code % 64) & 1 == 1
     }
 }

@@ -2,45 +2,45 @@
 
 pub(super) mod code_calls;
 pub(super) mod cycle_words;
-pub(super) mod emission;
 pub(super) mod exact;
 pub(super) mod explanation;
 pub(super) mod flow;
 pub(super) mod host;
 pub(super) mod machine_codes;
 pub(super) mod moves;
-pub(super) mod place;
+pub(super) mod parameter_writes;
+pub(super) mod planned_action;
+pub(super) mod program_position;
 pub(super) mod state;
 pub(super) mod words;
-pub(super) mod writes;
 
 use crate::alarm::Alarm;
-use crate::command::Source;
+use crate::command::SourcePosition;
 use crate::interpreter::context::code_calls::CodeCalls;
-use crate::interpreter::context::exact::Reach;
+use crate::interpreter::context::exact::CoordinateRange;
 use crate::interpreter::context::machine_codes::MachineCodes;
-use crate::interpreter::context::place::{Call, Place};
-use crate::interpreter::context::words::Words;
-use crate::memory::{Offsets, Parameters};
+use crate::interpreter::context::program_position::{ProgramCall, ProgramPosition};
+use crate::interpreter::context::words::SortedWords;
+use crate::memory::{ControlParameters, Offsets};
 use crate::model::ControlModel;
 use crate::program::ProgramMemory;
 use crate::units::PerAxis;
 
 /// What the evaluation of a block reads besides its words and the state.
-pub(crate) struct Context<'a> {
-    pub(crate) parameters: &'a Parameters,
+pub(crate) struct BlockContext<'a> {
+    pub(crate) parameters: &'a ControlParameters,
     /// The model that the program is for.
     pub(crate) model: &'a ControlModel,
     pub(crate) offsets: &'a Offsets,
     pub(crate) programs: &'a ProgramMemory,
     pub(crate) referenced: PerAxis<bool>,
     /// The running calls, the innermost last.
-    pub(crate) calls: &'a [Call],
-    pub(crate) source: Source,
+    pub(crate) calls: &'a [ProgramCall],
+    pub(crate) source: SourcePosition,
     /// The program and index of the block.
-    pub(crate) place: Place,
+    pub(crate) position: ProgramPosition,
     /// Whether the block is from the MDI page.
-    pub(crate) mdi: bool,
+    pub(crate) is_mdi: bool,
     /// M codes of the machine's ladder.
     pub(crate) machine_codes: MachineCodes,
     /// Codes that call a program by parameters of macro B; `None` if they are ordinary codes
@@ -49,18 +49,18 @@ pub(crate) struct Context<'a> {
     /// Diameters per programmed X: 2 under radius programming (001.2), else 1.
     pub(crate) x_factor: i64,
     /// The mode of the nose radius compensation before the block.
-    pub(crate) compensated: Compensated,
+    pub(crate) compensation: CompensationMode,
     /// Reads the words of a block of this program, by its index and the code of group 01
     /// before it; `None` for a skipped block.
-    pub(crate) read: &'a dyn Fn(u32, u8) -> Result<Option<Words>, Alarm>,
+    pub(crate) read_words: &'a dyn Fn(u32, u8) -> Result<Option<SortedWords>, Alarm>,
     /// The words of the next block, if the block needs them for its corner.
-    pub(crate) next: Option<&'a Words>,
+    pub(crate) next: Option<&'a SortedWords>,
 }
 
-impl Context<'_> {
+impl BlockContext<'_> {
     /// The range of the coordinates of the block.
-    pub(crate) fn reach(&self) -> Reach<'_> {
-        Reach {
+    pub(crate) fn coordinate_range(&self) -> CoordinateRange<'_> {
+        CoordinateRange {
             x_factor: self.x_factor,
             record: self.model.record(),
         }
@@ -69,7 +69,7 @@ impl Context<'_> {
 
 /// The mode of the nose radius compensation before a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Compensated {
+pub(crate) enum CompensationMode {
     /// The compensation does not act: MDI, and the profile of a roughing cycle.
     Never,
     /// Cancel mode.

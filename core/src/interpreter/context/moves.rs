@@ -3,45 +3,45 @@
 use serde::{Deserialize, Serialize};
 
 use crate::command::Action;
-use crate::interpreter::context::emission::Emission;
-use crate::interpreter::context::exact::Exact;
-use crate::interpreter::context::explanation::Note;
+use crate::interpreter::context::exact::ExactPoint;
+use crate::interpreter::context::explanation::PassNote;
+use crate::interpreter::context::planned_action::PlannedAction;
 use crate::interpreter::context::state::State;
 use crate::units::{Feed, Point};
 
 /// Converts programmed to machine coordinates. It stays the same during a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Shift(Exact);
+pub(crate) struct FrameShift(ExactPoint);
 
-impl Shift {
+impl FrameShift {
     /// The conversion of the frame in force.
-    pub(crate) fn of(state: &State) -> Self {
+    pub(crate) fn from_state(state: &State) -> Self {
         Self(state.zero + state.offset)
     }
 
     /// The conversion with all points moved by a programmed distance.
-    pub(crate) fn moved(self, by: Exact) -> Self {
-        Self(self.0 + by)
+    pub(crate) fn moved(self, distance: ExactPoint) -> Self {
+        Self(self.0 + distance)
     }
 
     /// Machine coordinates of a programmed point, mm.
-    pub(crate) fn machine(self, program: Exact) -> Point {
-        (program + self.0).point()
+    pub(crate) fn to_machine(self, program: ExactPoint) -> Point {
+        (program + self.0).to_point()
     }
 
     /// Machine coordinates of a programmed centre, mm.
-    pub(crate) fn center(self, program: Point) -> Point {
-        program + self.0.point()
+    pub(crate) fn center_to_machine(self, program: Point) -> Point {
+        program + self.0.to_point()
     }
 
     /// The programmed point of machine coordinates.
-    pub(crate) fn program(self, machine: Point) -> Exact {
-        Exact::from_point(machine) - self.0
+    pub(crate) fn to_program(self, machine: Point) -> ExactPoint {
+        ExactPoint::from_point(machine) - self.0
     }
 
     /// The programmed centre of machine coordinates, mm.
-    pub(crate) fn program_center(self, machine: Point) -> Point {
-        machine - self.0.point()
+    pub(crate) fn center_to_program(self, machine: Point) -> Point {
+        machine - self.0.to_point()
     }
 }
 
@@ -51,20 +51,20 @@ pub(crate) struct Move {
     pub(crate) action: Action,
     /// Whether single block stops after it.
     pub(crate) stops: bool,
-    pub(crate) note: Note,
+    pub(crate) note: PassNote,
 }
 
 impl Move {
-    pub(crate) const fn rapid(to: Point, note: Note) -> Self {
-        Self::of(Action::Rapid { to }, note)
+    pub(crate) const fn rapid(to: Point, note: PassNote) -> Self {
+        Self::from_action(Action::Rapid { to }, note)
     }
 
-    pub(crate) const fn line(to: Point, feed: Feed, note: Note) -> Self {
-        Self::of(Action::Line { to, feed }, note)
+    pub(crate) const fn line(to: Point, feed: Feed, note: PassNote) -> Self {
+        Self::from_action(Action::Line { to, feed }, note)
     }
 
     /// An action with a stop of single block after it.
-    pub(crate) const fn of(action: Action, note: Note) -> Self {
+    pub(crate) const fn from_action(action: Action, note: PassNote) -> Self {
         Self {
             action,
             stops: true,
@@ -75,15 +75,15 @@ impl Move {
 
 /// One or two moves of a block: a cut, and the chamfer, corner arc or run-out at its end.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Two {
+pub(crate) struct MovePair {
     pub(crate) first: Option<Action>,
     pub(crate) second: Option<Action>,
 }
 
-impl Two {
+impl MovePair {
     /// Takes the next move.
-    pub(crate) fn next(&mut self) -> Option<Emission> {
+    pub(crate) fn next_action(&mut self) -> Option<PlannedAction> {
         let action = self.first.take().or_else(|| self.second.take());
-        action.map(Emission::passing)
+        action.map(PlannedAction::without_stop)
     }
 }

@@ -4,22 +4,22 @@ use serde::{Deserialize, Serialize};
 
 use crate::command::{Frame, ZeroOffset};
 use crate::compensation::Nose;
-use crate::interpreter::Modal;
+use crate::interpreter::ModalState;
 use crate::interpreter::context::cycle_words::CycleWords;
-use crate::interpreter::context::exact::Exact;
-use crate::interpreter::context::words::{AxisWords, Target};
+use crate::interpreter::context::exact::ExactPoint;
+use crate::interpreter::context::words::{AxisTarget, AxisWords};
 use crate::units::{Axis, PerAxis};
 
 /// Small and `Copy`, so that the reader can restore it when a block raises an alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct State {
-    pub(crate) modal: Modal,
+    pub(crate) modal: ModalState,
     /// Programmed position at the end of the motion read so far.
-    pub(crate) position: Exact,
+    pub(crate) position: ExactPoint,
     /// Machine coordinates of the program zero.
-    pub(crate) zero: Exact,
+    pub(crate) zero: ExactPoint,
     /// Tool offset in force.
-    pub(crate) offset: Exact,
+    pub(crate) offset: ExactPoint,
     /// Axes whose offset shifts the coordinates and has not been travelled yet.
     pub(crate) untravelled: PerAxis<bool>,
     /// The tool nose of the last T, from the offset table.
@@ -29,12 +29,12 @@ pub(crate) struct State {
     /// Programmed end point minus position: after a chamfer, a corner arc or a run-out,
     /// increments count from the programmed corner.
     #[serde(rename = "ahead")]
-    pub(crate) ahead: Exact,
+    pub(crate) increment_offset: ExactPoint,
     /// Thread lead in force, mm; 0 if unset. F and I of threads set it.
     pub(crate) lead: f64,
     /// Whether the previous block was a G32 or G34.
     #[serde(rename = "threading")]
-    pub(crate) threading: bool,
+    pub(crate) is_threading: bool,
     /// Last surface speed of G96, m/min.
     pub(crate) surface: f64,
     /// Greatest speed under G96 (G50 S), r/min; `None` for no limit.
@@ -44,84 +44,84 @@ pub(crate) struct State {
     pub(crate) incremental: bool,
     /// Offset of the zero by G55 to G57, included in `zero`.
     #[serde(default)]
-    pub(crate) zero_offset: Exact,
+    pub(crate) zero_offset: ExactPoint,
     /// Scale factor of G31, in millionths; `None` while scaling is off.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) scale: Option<i64>,
     /// Position at cycle start, for a model that can return there.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(rename = "begun")]
-    pub(crate) begun: Option<Begun>,
+    pub(crate) run_start: Option<RunStart>,
 }
 
 /// Position of the tool at cycle start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Begun {
+pub(crate) struct RunStart {
     /// Machine coordinates.
-    pub(crate) machine: Exact,
+    pub(crate) machine: ExactPoint,
     /// Work coordinates. G92 redefines them.
-    pub(crate) work: Exact,
+    pub(crate) work: ExactPoint,
 }
 
 impl State {
     /// The state at power-on.
-    pub(crate) fn new(modal: Modal) -> Self {
+    pub(crate) fn new(modal: ModalState) -> Self {
         Self {
             modal,
-            position: Exact::default(),
-            zero: Exact::default(),
-            offset: Exact::default(),
+            position: ExactPoint::default(),
+            zero: ExactPoint::default(),
+            offset: ExactPoint::default(),
             untravelled: PerAxis::new(false, false),
             nose: Nose::default(),
             cycle: CycleWords::default(),
-            ahead: Exact::default(),
+            increment_offset: ExactPoint::default(),
             lead: 0.0,
-            threading: false,
+            is_threading: false,
             surface: 0.0,
             spindle_limit: None,
             incremental: false,
-            zero_offset: Exact::default(),
+            zero_offset: ExactPoint::default(),
             scale: None,
-            begun: None,
+            run_start: None,
         }
     }
 
     pub(crate) fn frame(&self) -> Frame {
         Frame {
-            zero: self.zero.point(),
-            offset: self.offset.point(),
-            zero_offset: ZeroOffset::from_point(self.zero_offset.point()),
+            zero: self.zero.to_point(),
+            offset: self.offset.to_point(),
+            zero_offset: ZeroOffset::from_point(self.zero_offset.to_point()),
         }
     }
 
     /// Machine coordinates of a programmed point.
-    pub(crate) fn machine(&self, program: Exact) -> Exact {
+    pub(crate) fn to_machine(&self, program: ExactPoint) -> ExactPoint {
         program + self.zero + self.offset
     }
 
     /// Sets the programmed position to that of a machine position.
-    pub(crate) fn stand_at(&mut self, machine: Exact) {
+    pub(crate) fn set_machine_position(&mut self, machine: ExactPoint) {
         self.position = machine - self.zero - self.offset;
-        self.ahead = Exact::default();
-        self.threading = false;
+        self.increment_offset = ExactPoint::default();
+        self.is_threading = false;
     }
 
     /// Sets the position to the end of a motion. The programmed axes have travelled their
     /// offset, and their increments count from the end.
-    pub(crate) fn arrive(&mut self, axes: &AxisWords, end: Exact) {
+    pub(crate) fn move_to(&mut self, axes: &AxisWords, end: ExactPoint) {
         self.position = end;
         for axis in [Axis::X, Axis::Z] {
-            if axes.get(axis) != Target::None {
+            if axes.get(axis) != AxisTarget::None {
                 *self.untravelled.get_mut(axis) = false;
-                self.ahead.set(axis, 0);
+                self.increment_offset.set(axis, 0);
             }
         }
     }
 
     /// Records that moves of both axes end at the current position.
-    pub(crate) fn return_here(&mut self) {
+    pub(crate) fn end_at_position(&mut self) {
         self.untravelled = PerAxis::new(false, false);
-        self.ahead = Exact::default();
+        self.increment_offset = ExactPoint::default();
     }
 
     /// Sets the offset number to 00.
@@ -131,12 +131,12 @@ impl State {
     }
 
     /// Whether nose radius compensation is in force for the next move.
-    pub(crate) const fn compensates(&self) -> bool {
+    pub(crate) const fn is_compensating(&self) -> bool {
         self.modal.nose_compensation != 40 && self.modal.offset != 0
     }
 
     /// Sets another offset without motion: the coordinates shift.
-    pub(crate) fn shift_offset(&mut self, offset: Exact) {
+    pub(crate) fn shift_offset(&mut self, offset: ExactPoint) {
         self.position = self.position + self.offset - offset;
         self.offset = offset;
     }

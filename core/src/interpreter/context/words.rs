@@ -4,9 +4,9 @@ use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
 use crate::dialect;
-use crate::interpreter::context::exact::Exact;
-use crate::model::{GCode, Record};
-use crate::program::Block;
+use crate::interpreter::context::exact::ExactPoint;
+use crate::model::{GCode, ModelRecord};
+use crate::program::ProgramBlock;
 use crate::units::Axis;
 
 /// Codes of group 00, which act in their block only.
@@ -15,11 +15,11 @@ pub(crate) enum OneShot {
     /// G04: dwell.
     Dwell,
     /// G28, and G27 of the NC-B08: return to the reference point.
-    Reference(Return),
+    Reference(ReturnRoute),
     /// G50, and G92 of other models: work coordinates.
     Coordinates,
     /// G54 to G57 of the Huaxing lathes.
-    ZeroOffset(ZeroOffset),
+    ZeroOffset(ZeroOffsetCode),
     /// G31, and G30, which ends it.
     Scale {
         /// Whether the code switches scaling on.
@@ -46,18 +46,18 @@ pub(crate) enum OneShot {
     /// G25, and G26, which comes back: repeat blocks.
     Repeat {
         /// Whether the run continues after the code's block.
-        comes_back: bool,
+        returns: bool,
     },
     /// G27 of the Huaxing lathes: jump.
     EndlessLoop,
     /// G70: finish a profile.
     Finishing,
     /// G71: rough a profile by turning.
-    TurningRough(Contour),
+    TurningRough(ContourSource),
     /// G72: rough a profile by facing.
-    FacingRough(Contour),
+    FacingRough(ContourSource),
     /// G73: repeat a profile.
-    Pattern(Contour),
+    Pattern(ContourSource),
     /// G74: peck along Z.
     FacePecking,
     /// G75: peck along X.
@@ -84,7 +84,7 @@ impl OneShot {
 
 /// Which blocks form the contour of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Contour {
+pub(crate) enum ContourSource {
     /// The blocks from P to Q.
     Named,
     /// The next N blocks.
@@ -93,7 +93,7 @@ pub(crate) enum Contour {
 
 /// What a code does with the zero offset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum ZeroOffset {
+pub(crate) enum ZeroOffsetCode {
     /// G54: no offset.
     Off,
     /// G55: sets it.
@@ -124,7 +124,7 @@ pub(crate) enum StartReturn {
 
 /// The route and the target of a return to the reference point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Return {
+pub(crate) enum ReturnRoute {
     /// Through an intermediate point to machine zero.
     MachineZero,
     /// Through an intermediate point to the reference point of the model's parameters.
@@ -133,13 +133,13 @@ pub(crate) enum Return {
     Direct,
     /// Straight to machine zero, in the programmed axes or in both (G74 of the Huaxing
     /// lathes).
-    Named,
+    NamedAxes,
 }
 
 /// The words of a block. Lengths are in millionths of a millimetre, `x` and `u` as written
 /// (diameter or radius).
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Words {
+pub(crate) struct SortedWords {
     /// Group 00.
     pub(crate) one_shot: Option<OneShot>,
     /// Group 01, by code number.
@@ -185,14 +185,14 @@ pub(crate) struct Words {
     pub(crate) count: u8,
 }
 
-impl Words {
+impl SortedWords {
     /// Sorts the words of a block.
     ///
     /// # Errors
     /// 010 for an unknown G code, 024 for codes of two groups that exclude each other.
-    pub(crate) fn of(block: &Block, record: &Record) -> Result<Self, Alarm> {
+    pub(crate) fn from_block(block: &ProgramBlock, record: &ModelRecord) -> Result<Self, Alarm> {
         let mut words = Self::default();
-        words.take(block, record)?;
+        words.sort_block(block, record)?;
         Ok(words)
     }
 
@@ -200,13 +200,17 @@ impl Words {
     ///
     /// # Errors
     /// As for [`Self::of`].
-    pub(crate) fn take(&mut self, block: &Block, record: &Record) -> Result<(), Alarm> {
+    pub(crate) fn sort_block(
+        &mut self,
+        block: &ProgramBlock,
+        record: &ModelRecord,
+    ) -> Result<(), Alarm> {
         let words = self;
         for word in block.words() {
             words.count = words.count.saturating_add(1);
             let value = word.value;
             match word.address {
-                b'G' => words.take_g(value.integer(), record)?,
+                b'G' => words.sort_g_code(value.integer(), record)?,
                 b'M' => words.m = u8::try_from(value.integer()).ok(),
                 b'S' => {
                     words.s = Some(value.integer());
@@ -244,14 +248,14 @@ impl Words {
             }
         }
         if words.one_shot.is_some() && words.motion.is_some() {
-            return Err(Alarm::new(number::G_CONFLICT).because(say::codes_of_two_groups()));
+            return Err(Alarm::new(number::G_CONFLICT).with_detail(say::codes_of_two_groups()));
         }
         Ok(())
     }
 
-    fn take_g(&mut self, code: i64, record: &Record) -> Result<(), Alarm> {
+    fn sort_g_code(&mut self, code: i64, record: &ModelRecord) -> Result<(), Alarm> {
         let Some(meaning) = record.g_code(code) else {
-            return Err(unknown(code));
+            return Err(unknown_g_alarm(code));
         };
         match meaning {
             GCode::Rapid | GCode::StraightRapid => self.motion = Some(0),
@@ -271,17 +275,19 @@ impl Words {
             GCode::ExactStop => self.exact_stop = true,
             GCode::Absolute => self.incremental = Some(false),
             GCode::Incremental => self.incremental = Some(true),
-            GCode::ZeroOffsetOff => self.one_shot = Some(OneShot::ZeroOffset(ZeroOffset::Off)),
+            GCode::ZeroOffsetOff => self.one_shot = Some(OneShot::ZeroOffset(ZeroOffsetCode::Off)),
             GCode::ZeroOffsetAbsolute => {
-                self.one_shot = Some(OneShot::ZeroOffset(ZeroOffset::Absolute));
+                self.one_shot = Some(OneShot::ZeroOffset(ZeroOffsetCode::Absolute));
             }
             GCode::ZeroOffsetIncremental => {
-                self.one_shot = Some(OneShot::ZeroOffset(ZeroOffset::Added));
+                self.one_shot = Some(OneShot::ZeroOffset(ZeroOffsetCode::Added));
             }
-            GCode::ZeroOffsetHere => self.one_shot = Some(OneShot::ZeroOffset(ZeroOffset::Here)),
+            GCode::ZeroOffsetHere => {
+                self.one_shot = Some(OneShot::ZeroOffset(ZeroOffsetCode::Here))
+            }
             GCode::ScaleOff => self.one_shot = Some(OneShot::Scale { on: false }),
             GCode::ScaleOn => self.one_shot = Some(OneShot::Scale { on: true }),
-            GCode::MachineZero => self.one_shot = Some(OneShot::Reference(Return::Named)),
+            GCode::MachineZero => self.one_shot = Some(OneShot::Reference(ReturnRoute::NamedAxes)),
             GCode::StartByMachine => {
                 self.one_shot = Some(OneShot::StartReturn(StartReturn::Machine));
             }
@@ -307,30 +313,32 @@ impl Words {
             GCode::SubprogramBegin => self.one_shot = Some(OneShot::SubprogramBegin),
             GCode::SubprogramEnd => self.one_shot = Some(OneShot::SubprogramEnd),
             GCode::RepeatAndGoOnThere => {
-                self.one_shot = Some(OneShot::Repeat { comes_back: false });
+                self.one_shot = Some(OneShot::Repeat { returns: false });
             }
-            GCode::RepeatAndComeBack => self.one_shot = Some(OneShot::Repeat { comes_back: true }),
+            GCode::RepeatAndComeBack => self.one_shot = Some(OneShot::Repeat { returns: true }),
             GCode::EndlessLoop => self.one_shot = Some(OneShot::EndlessLoop),
             GCode::CountedTurningRough => {
-                self.one_shot = Some(OneShot::TurningRough(Contour::Counted));
+                self.one_shot = Some(OneShot::TurningRough(ContourSource::Counted));
             }
             GCode::CountedFacingRough => {
-                self.one_shot = Some(OneShot::FacingRough(Contour::Counted));
+                self.one_shot = Some(OneShot::FacingRough(ContourSource::Counted));
             }
-            GCode::CountedPattern => self.one_shot = Some(OneShot::Pattern(Contour::Counted)),
+            GCode::CountedPattern => self.one_shot = Some(OneShot::Pattern(ContourSource::Counted)),
             GCode::Dwell | GCode::DwellSecondsFirst | GCode::DwellByK => {
                 self.one_shot = Some(OneShot::Dwell);
             }
-            GCode::Reference => self.one_shot = Some(OneShot::Reference(Return::MachineZero)),
+            GCode::Reference => self.one_shot = Some(OneShot::Reference(ReturnRoute::MachineZero)),
             GCode::ReferenceByParameter => {
-                self.one_shot = Some(OneShot::Reference(Return::Parameters));
+                self.one_shot = Some(OneShot::Reference(ReturnRoute::Parameters));
             }
-            GCode::ReferenceDirect => self.one_shot = Some(OneShot::Reference(Return::Direct)),
+            GCode::ReferenceDirect => self.one_shot = Some(OneShot::Reference(ReturnRoute::Direct)),
             GCode::Coordinates => self.one_shot = Some(OneShot::Coordinates),
             GCode::Finishing => self.one_shot = Some(OneShot::Finishing),
-            GCode::TurningRough => self.one_shot = Some(OneShot::TurningRough(Contour::Named)),
-            GCode::FacingRough => self.one_shot = Some(OneShot::FacingRough(Contour::Named)),
-            GCode::Pattern => self.one_shot = Some(OneShot::Pattern(Contour::Named)),
+            GCode::TurningRough => {
+                self.one_shot = Some(OneShot::TurningRough(ContourSource::Named))
+            }
+            GCode::FacingRough => self.one_shot = Some(OneShot::FacingRough(ContourSource::Named)),
+            GCode::Pattern => self.one_shot = Some(OneShot::Pattern(ContourSource::Named)),
             GCode::FacePecking => self.one_shot = Some(OneShot::FacePecking),
             GCode::Grooving => self.one_shot = Some(OneShot::Grooving),
             GCode::CompoundThread => self.one_shot = Some(OneShot::CompoundThread),
@@ -343,13 +351,13 @@ impl Words {
             GCode::FeedPerRevolution => self.per_revolution = Some(true),
             // Codes of models whose programs are not carried out, and G65, which the reader
             // handles separately.
-            _ => return Err(not_carried_out(code)),
+            _ => return Err(unsupported_g_alarm(code)),
         }
         Ok(())
     }
 
     /// Whether the block must wait until every earlier command is finished.
-    pub(crate) fn waits(&self) -> bool {
+    pub(crate) fn needs_standstill(&self) -> bool {
         self.one_shot.is_some()
             || self.s.is_some()
             || self.t.is_some()
@@ -383,12 +391,12 @@ impl Words {
 
     /// Whether the block has nothing besides O, N and the words of a lone M98 or M99. Such a
     /// block is no stop of single block.
-    pub(crate) fn bare_call(&self) -> bool {
+    pub(crate) fn is_bare_call(&self) -> bool {
         matches!(self.m, Some(98 | 99)) && self.count == 1 + u8::from(self.p.is_some())
     }
 
     /// The words of an arc.
-    pub(crate) const fn arc(&self) -> ArcWords {
+    pub(crate) const fn arc_words(&self) -> ArcWords {
         ArcWords {
             r: self.r,
             i: self.i,
@@ -398,10 +406,10 @@ impl Words {
 
     /// The axis words: X before U, Z before W. X values are multiplied by `x_factor`, 2 under
     /// radius programming. Increments count from `base`.
-    pub(crate) fn axes(&self, x_factor: i64, base: Exact) -> AxisWords {
+    pub(crate) fn axis_words(&self, x_factor: i64, base: ExactPoint) -> AxisWords {
         AxisWords {
-            x: Target::of(self.x, self.u, x_factor),
-            z: Target::of(self.z, self.w, 1),
+            x: AxisTarget::from_words(self.x, self.u, x_factor),
+            z: AxisTarget::from_words(self.z, self.w, 1),
             base,
         }
     }
@@ -418,33 +426,33 @@ pub(crate) struct ArcWords {
 }
 
 #[cold]
-fn not_carried_out(code: i64) -> Alarm {
-    Alarm::new(number::BAD_G).because(say::g_not_carried_out(code))
+fn unsupported_g_alarm(code: i64) -> Alarm {
+    Alarm::new(number::BAD_G).with_detail(say::g_not_carried_out(code))
 }
 
 #[cold]
-fn unknown(code: i64) -> Alarm {
+fn unknown_g_alarm(code: i64) -> Alarm {
     let rule = say::g_unknown(code);
-    let detail = dialect::advised(rule, dialect::instead_of_g(code));
-    Alarm::new(number::BAD_G).because(detail)
+    let detail = dialect::with_advice(rule, dialect::advice_for_g_code(code));
+    Alarm::new(number::BAD_G).with_detail(detail)
 }
 
 /// The programmed target of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Target {
+pub(crate) enum AxisTarget {
     /// Not programmed.
     #[default]
     None,
-    /// An end point, units of [`Exact`].
+    /// An end point, units of [`ExactPoint`].
     Absolute(i64),
-    /// A distance, units of [`Exact`].
+    /// A distance, units of [`ExactPoint`].
     Increment(i64),
 }
 
-impl Target {
+impl AxisTarget {
     /// The target of an absolute and an incremental word as written; the absolute word wins.
     /// `factor` multiplies the value.
-    pub(crate) fn of(absolute: Option<i64>, increment: Option<i64>, factor: i64) -> Self {
+    pub(crate) fn from_words(absolute: Option<i64>, increment: Option<i64>, factor: i64) -> Self {
         match (absolute, increment) {
             (Some(value), _) => Self::Absolute(value * factor),
             (None, Some(value)) => Self::Increment(value * factor),
@@ -460,7 +468,7 @@ impl Target {
     }
 
     /// The end point, with increments counted from `base`; `None` if not programmed.
-    pub(crate) const fn target(self, base: i64) -> Option<i64> {
+    pub(crate) const fn resolve(self, base: i64) -> Option<i64> {
         match self {
             Self::None => None,
             Self::Absolute(value) => Some(value),
@@ -472,19 +480,19 @@ impl Target {
 /// The programmed targets of both axes, X as a diameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct AxisWords {
-    pub(crate) x: Target,
-    pub(crate) z: Target,
+    pub(crate) x: AxisTarget,
+    pub(crate) z: AxisTarget,
     /// The point from which increments count.
-    pub(crate) base: Exact,
+    pub(crate) base: ExactPoint,
 }
 
 impl AxisWords {
     /// Whether any axis is programmed.
-    pub(crate) fn any(&self) -> bool {
-        self.x != Target::None || self.z != Target::None
+    pub(crate) fn has_any(&self) -> bool {
+        self.x != AxisTarget::None || self.z != AxisTarget::None
     }
 
-    pub(crate) const fn get(&self, axis: Axis) -> Target {
+    pub(crate) const fn get(&self, axis: Axis) -> AxisTarget {
         match axis {
             Axis::X => self.x,
             Axis::Z => self.z,
@@ -492,7 +500,7 @@ impl AxisWords {
     }
 
     /// The targets under G91 (`incremental`), where all words are increments.
-    pub(crate) const fn under(self, incremental: bool) -> Self {
+    pub(crate) const fn with_incremental(self, incremental: bool) -> Self {
         match incremental {
             true => Self {
                 x: self.x.as_increment(),
@@ -503,11 +511,11 @@ impl AxisWords {
         }
     }
 
-    /// The end point. An axis that is not programmed stays at `rest`.
-    pub(crate) fn target(&self, rest: Exact) -> Exact {
-        Exact::new(
-            self.x.target(self.base.x).unwrap_or(rest.x),
-            self.z.target(self.base.z).unwrap_or(rest.z),
+    /// The end point. An axis that is not programmed stays at `current`.
+    pub(crate) fn resolve_end(&self, current: ExactPoint) -> ExactPoint {
+        ExactPoint::new(
+            self.x.resolve(self.base.x).unwrap_or(current.x),
+            self.z.resolve(self.base.z).unwrap_or(current.z),
         )
     }
 }

@@ -7,9 +7,9 @@ use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::compensation::{Nose, box_corners};
 use crate::interpreter::codes::positioning;
-use crate::interpreter::context::emission::Emission;
-use crate::interpreter::context::exact::{Exact, Reach, mm};
-use crate::interpreter::context::explanation::Note;
+use crate::interpreter::context::exact::{CoordinateRange, ExactPoint, to_mm};
+use crate::interpreter::context::explanation::PassNote;
+use crate::interpreter::context::planned_action::PlannedAction;
 use crate::interpreter::context::state::State;
 use crate::units::{Feed, Point};
 
@@ -20,7 +20,7 @@ pub(crate) struct BoxCycle {
     corners: [Point; 4],
     feed: Feed,
     step: u8,
-    note: Note,
+    note: PassNote,
 }
 
 impl BoxCycle {
@@ -28,18 +28,18 @@ impl BoxCycle {
     ///
     /// # Errors
     /// 043 for a corner outside the stroke, 011 without a feed.
-    pub(crate) fn over(
+    pub(crate) fn new(
         state: &State,
-        corners: [Exact; 4],
-        reach: Reach<'_>,
-        note: Note,
+        corners: [ExactPoint; 4],
+        range: CoordinateRange<'_>,
+        note: PassNote,
     ) -> Result<Self, Alarm> {
         for corner in corners {
-            positioning::within_stroke(corner, reach)?;
+            positioning::check_stroke(corner, range)?;
         }
         Ok(Self {
-            corners: corners.map(|corner| state.machine(corner).point()),
-            feed: positioning::feed(&state.modal)?,
+            corners: corners.map(|corner| state.to_machine(corner).to_point()),
+            feed: positioning::current_feed(&state.modal)?,
             step: 0,
             note,
         })
@@ -47,15 +47,15 @@ impl BoxCycle {
 
     /// Shifts the legs for the tool nose under G41 and G42. The box begins and ends at the
     /// machine point `start`.
-    pub(crate) fn follow_nose(&mut self, start: Point, nose: Nose) {
+    pub(crate) fn shift_for_nose(&mut self, start: Point, nose: Nose) {
         self.corners = box_corners(start, self.corners, nose);
     }
 
-    pub(crate) fn next(&mut self) -> Option<Emission> {
+    pub(crate) fn next_action(&mut self) -> Option<PlannedAction> {
         let to = *self.corners.get(usize::from(self.step))?;
-        let cuts = matches!(self.step, 1 | 2);
+        let is_cut = matches!(self.step, 1 | 2);
         self.step += 1;
-        let action = if cuts {
+        let action = if is_cut {
             Action::Line {
                 to,
                 feed: self.feed,
@@ -63,7 +63,7 @@ impl BoxCycle {
         } else {
             Action::Rapid { to }
         };
-        Some(Emission::stopping(action))
+        Some(PlannedAction::with_stop(action))
     }
 
     pub(crate) const fn is_done(&self) -> bool {
@@ -71,29 +71,29 @@ impl BoxCycle {
     }
 
     /// The explanation data of the move taken last.
-    pub(crate) fn note(&self) -> Option<Note> {
+    pub(crate) fn pass_note(&self) -> Option<PassNote> {
         (self.step > 0).then_some(self.note)
     }
 }
 
 /// Checks that the taper R does not reach beyond the start: against the infeed, R is at most
-/// as long as the infeed. Both are in units of [`Exact`]. `names` are the cycle's code and its
+/// as long as the infeed. Both are in units of [`ExactPoint`]. `names` are the cycle's code and its
 /// infeed word, for the message.
 ///
 /// # Errors
 /// 015.
 pub(crate) fn check_taper(r: i64, infeed: i64, names: (&str, &str)) -> Result<(), Alarm> {
-    let against = r != 0 && r.signum() != infeed.signum();
-    if !against || (infeed != 0 && r.abs() <= infeed.abs()) {
+    let is_against = r != 0 && r.signum() != infeed.signum();
+    if !is_against || (infeed != 0 && r.abs() <= infeed.abs()) {
         return Ok(());
     }
     let (cycle, infeed_name) = names;
     Err(
-        Alarm::new(number::CYCLE_TAPER).because(say::cycle_taper_longer_than_infeed(
+        Alarm::new(number::CYCLE_TAPER).with_detail(say::cycle_taper_longer_than_infeed(
             cycle,
-            mm(r),
+            to_mm(r),
             infeed_name,
-            mm(infeed),
+            to_mm(infeed),
         )),
     )
 }

@@ -13,34 +13,34 @@ use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::Alarm;
-use crate::interpreter::context::exact::{Exact, PER_MM, scaled, to_units};
-use crate::interpreter::profile::{Profile, Shape, Step, bad_start};
+use crate::interpreter::context::exact::{ExactPoint, UNITS_PER_MM, round_to_units, scale_rounded};
+use crate::interpreter::profile::{Profile, ProfileSegment, StepShape, start_alarm};
 use crate::units::{Axis, Point};
 
-/// Half units of [`Exact`] in a millimetre.
-const PER_MM_HALF: i64 = 2 * PER_MM;
+/// Half units of [`ExactPoint`] in a millimetre.
+const HALF_UNITS_PER_MM: i64 = 2 * UNITS_PER_MM;
 
 /// How far an arc may turn back before it counts as a reversal, mm: the least increment, to
 /// which its end points are rounded.
-const ROUNDING: f64 = 0.001;
+const ARC_TOLERANCE_MM: f64 = 0.001;
 
-/// A point in the plane of the cut, in half units of [`Exact`].
+/// A point in the plane of the cut, in half units of [`ExactPoint`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Flat {
+pub(crate) struct ContourPoint {
     pub(crate) depth: i64,
     pub(crate) along: i64,
 }
 
 /// Which axis is the depth of a roughing cycle and which is along the cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum View {
+pub(crate) enum CutPlane {
     /// G71: levels in X, cuts along Z.
     Turning,
     /// G72: levels in Z, cuts along X.
     Facing,
 }
 
-impl View {
+impl CutPlane {
     /// The axis of the levels.
     pub(crate) const fn depth_axis(self) -> Axis {
         match self {
@@ -49,32 +49,35 @@ impl View {
         }
     }
 
-    pub(crate) const fn flat(self, point: Exact) -> Flat {
+    pub(crate) const fn to_plane(self, point: ExactPoint) -> ContourPoint {
         let (x, z) = (point.x, point.z.saturating_mul(2));
         match self {
-            Self::Turning => Flat { depth: x, along: z },
-            Self::Facing => Flat { depth: z, along: x },
+            Self::Turning => ContourPoint { depth: x, along: z },
+            Self::Facing => ContourPoint { depth: z, along: x },
         }
     }
 
-    pub(crate) const fn exact(self, point: Flat) -> Exact {
+    pub(crate) const fn to_exact(self, point: ContourPoint) -> ExactPoint {
         match self {
-            Self::Turning => Exact::new(point.depth, point.along / 2),
-            Self::Facing => Exact::new(point.along, point.depth / 2),
+            Self::Turning => ExactPoint::new(point.depth, point.along / 2),
+            Self::Facing => ExactPoint::new(point.along, point.depth / 2),
         }
     }
 
     /// The least increment along the cut in half units: Z 0.001 mm, X 0.001 mm of diameter.
-    const fn grid(self) -> i64 {
+    const fn least_increment(self) -> i64 {
         match self {
-            Self::Turning => PER_MM_HALF / 1000,
-            Self::Facing => PER_MM / 1000,
+            Self::Turning => HALF_UNITS_PER_MM / 1000,
+            Self::Facing => UNITS_PER_MM / 1000,
         }
     }
 
     /// Depth and position along the cut of a centre, in half units.
-    fn center(self, center: Point) -> (f64, f64) {
-        let (x, z) = (center.x * PER_MM_HALF as f64, center.z * PER_MM_HALF as f64);
+    fn center_in_plane(self, center: Point) -> (f64, f64) {
+        let (x, z) = (
+            center.x * HALF_UNITS_PER_MM as f64,
+            center.z * HALF_UNITS_PER_MM as f64,
+        );
         match self {
             Self::Turning => (x, z),
             Self::Facing => (z, x),
@@ -84,47 +87,52 @@ impl View {
 
 /// Directions of a cut as signs, 1 or -1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Signs {
+pub(crate) struct CutDirections {
     /// From A to B, along the depth.
     pub(crate) depth: i64,
     /// From B to C, along the cut.
     pub(crate) along: i64,
 }
 
-impl Signs {
+impl CutDirections {
     /// The directions of a profile. From B on each of its steps must go back in depth and on
     /// along the cut, without reversal.
     ///
     /// # Errors
     /// 065 for a step that does not.
-    pub(crate) fn of(view: View, profile: &Profile) -> Result<Self, Alarm> {
+    pub(crate) fn from_profile(plane: CutPlane, profile: &Profile) -> Result<Self, Alarm> {
         let (a, b, c) = (
-            view.flat(profile.start),
-            view.flat(profile.begin()),
-            view.flat(profile.end()),
+            plane.to_plane(profile.start),
+            plane.to_plane(profile.begin_point()),
+            plane.to_plane(profile.end_point()),
         );
-        let signs = Self {
+        let directions = Self {
             depth: (b.depth - a.depth).signum(),
             along: (c.along - b.along).signum(),
         };
-        if signs.depth == 0 {
-            return Err(bad_start(say::profile_begin_stands()));
+        if directions.depth == 0 {
+            return Err(start_alarm(say::profile_begin_stands()));
         }
-        if signs.along == 0 {
-            return Err(bad_start(say::profile_end_at_begin()));
+        if directions.along == 0 {
+            return Err(start_alarm(say::profile_end_at_begin()));
         }
-        let mut from = profile.begin();
+        let mut from = profile.begin_point();
         for step in &profile.steps {
-            if let Some(fault) = signs.broken_by(view, from, step) {
-                return Err(bad_start(say::profile_not_monotonous(step.line, fault)));
+            if let Some(fault) = directions.find_violation(plane, from, step) {
+                return Err(start_alarm(say::profile_not_monotonous(step.line, fault)));
             }
             from = step.to;
         }
-        Ok(signs)
+        Ok(directions)
     }
 
-    fn broken_by(self, view: View, from: Exact, step: &Step) -> Option<Message> {
-        let (start, end) = (view.flat(from), view.flat(step.to));
+    fn find_violation(
+        self,
+        plane: CutPlane,
+        from: ExactPoint,
+        step: &ProfileSegment,
+    ) -> Option<Message> {
+        let (start, end) = (plane.to_plane(from), plane.to_plane(step.to));
         if (end.along - start.along).signum() == -self.along {
             return Some(say::profile_turns_back());
         }
@@ -132,7 +140,9 @@ impl Signs {
             return Some(say::profile_goes_deeper());
         }
         match step.shape {
-            Shape::Arc { center, clockwise } if !one_way(from, step.to, center, clockwise) => {
+            StepShape::Arc { center, clockwise }
+                if !is_one_way(from, step.to, center, clockwise) =>
+            {
                 Some(say::profile_arc_turns_back())
             }
             _ => None,
@@ -141,54 +151,57 @@ impl Signs {
 }
 
 /// Whether an arc keeps its direction in both axes, that is, stays within a quadrant.
-fn one_way(from: Exact, to: Exact, center: Point, clockwise: bool) -> bool {
-    let (start, end) = (from.point() - center, to.point() - center);
+fn is_one_way(from: ExactPoint, to: ExactPoint, center: Point, clockwise: bool) -> bool {
+    let (start, end) = (from.to_point() - center, to.to_point() - center);
     let cross = start.z * end.x - start.x * end.z;
-    let turned = if clockwise { -cross } else { cross };
-    if turned <= 0.0 {
+    let turn = if clockwise { -cross } else { cross };
+    if turn <= 0.0 {
         // Half a turn or more.
         return false;
     }
     let radius = start.length();
     // An arc passes the extreme of one axis where the other coordinate changes its sign.
-    let passes = |a: f64, b: f64, reach_a: f64, reach_b: f64| {
-        a * b < 0.0 && radius - reach_a.abs().max(reach_b.abs()) > ROUNDING
+    let passes_extreme = |a: f64, b: f64, reach_a: f64, reach_b: f64| {
+        a * b < 0.0 && radius - reach_a.abs().max(reach_b.abs()) > ARC_TOLERANCE_MM
     };
-    !passes(start.x, end.x, start.z, end.z) && !passes(start.z, end.z, start.x, end.x)
+    !passes_extreme(start.x, end.x, start.z, end.z)
+        && !passes_extreme(start.z, end.z, start.x, end.x)
 }
 
 /// The end of the cut of a level, along the cut: the first point of the contour at or beyond
 /// the level, seen in the direction of the cut. If the level is beyond the contour, it is the
 /// end of the contour. All values are in half units.
-pub(crate) fn end_of_cut(
-    view: View,
-    signs: Signs,
-    begin: Exact,
-    steps: &[Step],
+pub(crate) fn find_cut_end(
+    plane: CutPlane,
+    directions: CutDirections,
+    begin: ExactPoint,
+    steps: &[ProfileSegment],
     level: i64,
 ) -> i64 {
-    let beyond = |depth: i64| (level - depth).signum() != -signs.depth;
+    let is_beyond = |depth: i64| (level - depth).signum() != -directions.depth;
     let mut from = begin;
     for step in steps {
-        let (start, end) = (view.flat(from), view.flat(step.to));
-        if beyond(end.depth) {
-            if beyond(start.depth) {
+        let (start, end) = (plane.to_plane(from), plane.to_plane(step.to));
+        if is_beyond(end.depth) {
+            if is_beyond(start.depth) {
                 return start.along;
             }
             let along = match step.shape {
-                Shape::Arc { center, .. } => on_arc(view, start, end, center, level),
-                Shape::Straight { .. } | Shape::Dwell { .. } => on_line(start, end, level),
+                StepShape::Arc { center, .. } => intersect_arc(plane, start, end, center, level),
+                StepShape::Straight { .. } | StepShape::Dwell { .. } => {
+                    intersect_line(start, end, level)
+                }
             };
-            return on_grid(along, view.grid(), start.along, end.along);
+            return round_to_increment(along, plane.least_increment(), start.along, end.along);
         }
         from = step.to;
     }
-    view.flat(from).along
+    plane.to_plane(from).along
 }
 
-fn on_line(start: Flat, end: Flat, level: i64) -> i64 {
+fn intersect_line(start: ContourPoint, end: ContourPoint, level: i64) -> i64 {
     start.along
-        + scaled(
+        + scale_rounded(
             end.along - start.along,
             level - start.depth,
             end.depth - start.depth,
@@ -196,23 +209,32 @@ fn on_line(start: Flat, end: Flat, level: i64) -> i64 {
 }
 
 /// The point of an arc without reversal at a level.
-fn on_arc(view: View, start: Flat, end: Flat, center: Point, level: i64) -> i64 {
-    let (depth, along) = view.center(center);
+fn intersect_arc(
+    plane: CutPlane,
+    start: ContourPoint,
+    end: ContourPoint,
+    center: Point,
+    level: i64,
+) -> i64 {
+    let (depth, along) = plane.center_in_plane(center);
     let (a, b) = (start.depth as f64 - depth, start.along as f64 - along);
     let rise = level as f64 - depth;
     let half_chord = (a * a + b * b - rise * rise).max(0.0).sqrt();
     let (low, high) = (start.along.min(end.along), start.along.max(end.along));
-    let outside = |value: i64| (low - value).max(value - high).max(0);
-    let (one, other) = (to_units(along + half_chord), to_units(along - half_chord));
-    if outside(one) <= outside(other) {
-        one
+    let distance_outside = |value: i64| (low - value).max(value - high).max(0);
+    let (upper, lower) = (
+        round_to_units(along + half_chord),
+        round_to_units(along - half_chord),
+    );
+    if distance_outside(upper) <= distance_outside(lower) {
+        upper
     } else {
-        other
+        lower
     }
 }
 
 /// Rounds to the least increment, within the step.
-fn on_grid(value: i64, grid: i64, one: i64, other: i64) -> i64 {
-    let rounded = scaled(value, 1, grid).saturating_mul(grid);
-    rounded.clamp(one.min(other), one.max(other))
+fn round_to_increment(value: i64, increment: i64, begin: i64, end: i64) -> i64 {
+    let rounded = scale_rounded(value, 1, increment).saturating_mul(increment);
+    rounded.clamp(begin.min(end), begin.max(end))
 }

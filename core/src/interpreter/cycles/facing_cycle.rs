@@ -11,8 +11,8 @@
 
 use crate::alarm::Alarm;
 use crate::interpreter::context::cycle_words::CycleData;
-use crate::interpreter::context::exact::{Exact, Reach};
-use crate::interpreter::context::explanation::Note;
+use crate::interpreter::context::exact::{CoordinateRange, ExactPoint};
+use crate::interpreter::context::explanation::PassNote;
 use crate::interpreter::context::state::State;
 use crate::interpreter::cycles::box_cycle::{BoxCycle, check_taper};
 use crate::units::Axis;
@@ -21,16 +21,20 @@ use crate::units::Axis;
 ///
 /// # Errors
 /// 015 for the taper, 043 for a corner outside the stroke, 011 without a feed.
-pub(crate) fn plan(state: &State, data: CycleData, reach: Reach<'_>) -> Result<BoxCycle, Alarm> {
+pub(crate) fn plan_cycle(
+    state: &State,
+    data: CycleData,
+    range: CoordinateRange<'_>,
+) -> Result<BoxCycle, Alarm> {
     let (start, end) = (state.position, data.end);
     check_taper(data.r, end.z - start.z, ("G94", "W"))?;
-    let b = Exact::new(start.x, end.z + data.r);
-    let d = Exact::new(end.x, start.z);
-    let note = Note::Box {
+    let b = ExactPoint::new(start.x, end.z + data.r);
+    let d = ExactPoint::new(end.x, start.z);
+    let note = PassNote::Box {
         axis: Axis::Z,
         a: start,
         c: end,
         taper: data.r,
     };
-    BoxCycle::over(state, [b, end, d, start], reach, note)
+    BoxCycle::new(state, [b, end, d, start], range, note)
 }

@@ -8,31 +8,35 @@
 use gsk_messages::say;
 
 use crate::alarm::Alarm;
-use crate::command::Source;
-use crate::interpreter::context::Context;
-use crate::interpreter::context::exact::mm;
+use crate::command::SourcePosition;
+use crate::interpreter::context::BlockContext;
+use crate::interpreter::context::exact::to_mm;
 use crate::interpreter::context::explanation::Explanation;
 use crate::interpreter::context::flow::{Finishing, Flow};
-use crate::interpreter::context::place::Place;
+use crate::interpreter::context::program_position::ProgramPosition;
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::Words;
-use crate::interpreter::profile::{self, Range};
+use crate::interpreter::context::words::SortedWords;
+use crate::interpreter::profile::{self, ProfileRange};
 
 /// Plans a G70: the flow continues in the profile.
 ///
 /// # Errors
 /// The alarm of the profile.
-pub(crate) fn plan(state: &State, context: &Context<'_>, words: &Words) -> Result<Flow, Alarm> {
-    let range: Range = profile::locate(context, words)?;
-    profile::check(state, context, range)?;
-    let program = profile::program(context)?;
-    Ok(Flow::Finish(Box::new(Finishing {
-        first: Place {
+pub(crate) fn plan_finishing(
+    state: &State,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
+) -> Result<Flow, Alarm> {
+    let range: ProfileRange = profile::find_range(context, words)?;
+    profile::check_blocks(state, context, range)?;
+    let program = profile::find_program(context)?;
+    Ok(Flow::RunProfile(Box::new(Finishing {
+        first: ProgramPosition {
             block: range.first,
-            ..context.place
+            ..context.position
         },
         last: range.last,
-        back: context.place.after(),
+        return_position: context.position.next_block(),
         start: state.position,
         source: context.source,
         lines: (
@@ -44,12 +48,12 @@ pub(crate) fn plan(state: &State, context: &Context<'_>, words: &Words) -> Resul
 
 impl Finishing {
     /// Whether a position is after the last block of the profile.
-    pub(crate) fn is_over(&self, place: Place) -> bool {
-        place.program == self.first.program && place.block > self.last
+    pub(crate) fn is_finished_at(&self, position: ProgramPosition) -> bool {
+        position.program == self.first.program && position.block > self.last
     }
 
     /// The explanation of the profile, while its first block runs; `None` in other blocks.
-    pub(crate) fn explanation(&self, block: Source) -> Option<Explanation> {
+    pub(crate) fn explain(&self, block: SourcePosition) -> Option<Explanation> {
         if block.line != self.lines.0 || block.program != self.first.program {
             return None;
         }
@@ -61,7 +65,7 @@ impl Finishing {
             level: None,
             depth: 0.0,
             remaining: 0.0,
-            formula: say::explain_finishing(first, last, mm(self.start.x), mm(self.start.z)),
+            formula: say::explain_finishing(first, last, to_mm(self.start.x), to_mm(self.start.z)),
             words: "P(ns), Q(nf)",
         })
     }

@@ -12,32 +12,32 @@ use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::{Alarm, number};
-use crate::interpreter::codes::positioning::{feed, within_stroke};
-use crate::interpreter::context::Context;
-use crate::interpreter::context::exact::{Exact, PER_MM, mm, scaled};
-use crate::interpreter::context::explanation::Note;
-use crate::interpreter::context::moves::{Move, Shift};
+use crate::interpreter::codes::positioning::{check_stroke, current_feed};
+use crate::interpreter::context::BlockContext;
+use crate::interpreter::context::exact::{ExactPoint, UNITS_PER_MM, scale_rounded, to_mm};
+use crate::interpreter::context::explanation::PassNote;
+use crate::interpreter::context::moves::{FrameShift, Move};
+use crate::interpreter::context::parameter_writes::ParameterWrites;
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::Words;
-use crate::interpreter::context::writes::Writes;
-use crate::interpreter::cycles::roughing::follow;
-use crate::interpreter::profile::{self, Range, Shape, Step};
+use crate::interpreter::context::words::SortedWords;
+use crate::interpreter::cycles::roughing::step_move;
+use crate::interpreter::profile::{self, ProfileRange, ProfileSegment, StepShape};
 use crate::memory::parameter;
 use crate::units::Feed;
 
-/// Units of [`Exact`] in a thousandth of a millimetre.
-const PER_MICRON: i64 = PER_MM / 1000;
+/// Units of [`ExactPoint`] in a thousandth of a millimetre.
+const UNITS_PER_MICRON: i64 = UNITS_PER_MM / 1000;
 
 /// A running G73.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Pattern {
-    start: Exact,
-    entry: Step,
-    steps: Vec<Step>,
-    home: Shift,
-    allowance: Exact,
+pub(crate) struct PatternCycle {
+    start: ExactPoint,
+    entry: ProfileSegment,
+    steps: Vec<ProfileSegment>,
+    home: FrameShift,
+    allowance: ExactPoint,
     /// Δi and Δk, X as a diameter.
-    relief: Exact,
+    relief: ExactPoint,
     feed: Feed,
     pass: i64,
     passes: i64,
@@ -51,7 +51,7 @@ pub(crate) struct Pattern {
 ///
 /// # Errors
 /// 062 for a wrong number of passes.
-pub(crate) fn store(words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
+pub(crate) fn store_data(words: &SortedWords, writes: &mut ParameterWrites) -> Result<(), Alarm> {
     if let Some(relief) = words.u {
         writes.push_length(parameter::PATTERN_RELIEF_X, relief);
     }
@@ -62,12 +62,12 @@ pub(crate) fn store(words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
 }
 
 /// Stores R(d), which either block of the cycle may hold.
-fn store_passes(words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
+fn store_passes(words: &SortedWords, writes: &mut ParameterWrites) -> Result<(), Alarm> {
     if let Some(passes) = words.r {
-        if passes < PER_MM {
-            return Err(fault(say::cycle_passes_below_one(mm(passes))));
+        if passes < UNITS_PER_MM {
+            return Err(pattern_alarm(say::cycle_passes_below_one(to_mm(passes))));
         }
-        writes.push(parameter::PATTERN_PASSES, passes / PER_MM);
+        writes.push(parameter::PATTERN_PASSES, passes / UNITS_PER_MM);
     }
     Ok(())
 }
@@ -77,78 +77,78 @@ fn store_passes(words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
 /// # Errors
 /// 062 for a wrong number of passes, 043 for a point outside the stroke, and the alarms of the
 /// profile.
-pub(crate) fn plan(
+pub(crate) fn plan_cycle(
     state: &State,
-    context: &Context<'_>,
-    words: &Words,
-    range: Range,
-    writes: &mut Writes,
-) -> Result<Pattern, Alarm> {
+    context: &BlockContext<'_>,
+    words: &SortedWords,
+    range: ProfileRange,
+    writes: &mut ParameterWrites,
+) -> Result<PatternCycle, Alarm> {
     store_passes(words, writes)?;
-    let parameter = |number| i64::from(writes.value(number, context.parameters));
+    let parameter = |number| i64::from(writes.value_after(number, context.parameters));
     let passes = parameter(parameter::PATTERN_PASSES);
     if passes <= 0 {
-        return Err(fault(say::cycle_passes_missing()));
+        return Err(pattern_alarm(say::cycle_passes_missing()));
     }
     // The control carries out one pass as two.
     let passes = passes.max(2);
-    let repetition = Repetition {
-        allowance: Exact::new(
+    let repetition = PatternPasses {
+        allowance: ExactPoint::new(
             words.u.unwrap_or(0).saturating_mul(context.x_factor),
             words.w.unwrap_or(0),
         ),
-        relief: Exact::new(
-            2 * parameter(parameter::PATTERN_RELIEF_X) * PER_MICRON,
-            parameter(parameter::PATTERN_RELIEF_Z) * PER_MICRON,
+        relief: ExactPoint::new(
+            2 * parameter(parameter::PATTERN_RELIEF_X) * UNITS_PER_MICRON,
+            parameter(parameter::PATTERN_RELIEF_Z) * UNITS_PER_MICRON,
         ),
         passes,
         gaps: passes - 1,
     };
-    over(state, context, range, &repetition)
+    plan_passes(state, context, range, &repetition)
 }
 
 /// Plans the cycle of the Huaxing lathes over the next blocks. Cut p of L is shifted by I·(1 -
 /// p/L), where I is a diameter.
 ///
 /// # Errors
-/// As for [`plan`].
-pub(crate) fn counted(
+/// As for [`plan_cycle`].
+pub(crate) fn plan_counted(
     state: &State,
-    context: &Context<'_>,
-    words: &Words,
-) -> Result<Pattern, Alarm> {
-    let range = profile::following(context, words)?;
+    context: &BlockContext<'_>,
+    words: &SortedWords,
+) -> Result<PatternCycle, Alarm> {
+    let range = profile::find_following_range(context, words)?;
     let passes = words.l.unwrap_or(1).max(1);
-    let repetition = Repetition {
-        allowance: Exact::new(words.x.unwrap_or(0), words.z.unwrap_or(0)),
-        relief: Exact::new(words.i.unwrap_or(0), words.k.unwrap_or(0)),
+    let repetition = PatternPasses {
+        allowance: ExactPoint::new(words.x.unwrap_or(0), words.z.unwrap_or(0)),
+        relief: ExactPoint::new(words.i.unwrap_or(0), words.k.unwrap_or(0)),
         passes,
         gaps: passes,
     };
-    over(state, context, range, &repetition)
+    plan_passes(state, context, range, &repetition)
 }
 
 /// How often the contour is cut, and how far apart.
-struct Repetition {
-    allowance: Exact,
-    relief: Exact,
+struct PatternPasses {
+    allowance: ExactPoint,
+    relief: ExactPoint,
     passes: i64,
     gaps: i64,
 }
 
-fn over(
+fn plan_passes(
     state: &State,
-    context: &Context<'_>,
-    range: Range,
-    repetition: &Repetition,
-) -> Result<Pattern, Alarm> {
-    let feed = feed(&state.modal)?;
-    let profile = profile::evaluate(state, context, range)?;
-    let pattern = Pattern {
+    context: &BlockContext<'_>,
+    range: ProfileRange,
+    repetition: &PatternPasses,
+) -> Result<PatternCycle, Alarm> {
+    let feed = current_feed(&state.modal)?;
+    let profile = profile::evaluate_profile(state, context, range)?;
+    let pattern = PatternCycle {
         start: profile.start,
         entry: profile.entry,
         steps: profile.steps,
-        home: Shift::of(state),
+        home: FrameShift::from_state(state),
         allowance: repetition.allowance,
         relief: repetition.relief,
         feed,
@@ -163,61 +163,61 @@ fn over(
             .into_iter()
             .chain(pattern.steps.iter().map(|step| step.to));
         for end in ends {
-            within_stroke(end + shift, context.reach())?;
+            check_stroke(end + shift, context.coordinate_range())?;
         }
     }
     Ok(pattern)
 }
 
-impl Pattern {
+impl PatternCycle {
     /// The shift of the current pass.
-    fn shift(&self) -> Exact {
-        let (left, gaps) = (self.passes - self.pass, self.gaps);
+    fn current_shift(&self) -> ExactPoint {
+        let (remaining, gaps) = (self.passes - self.pass, self.gaps);
         self.allowance
-            + Exact::new(
-                scaled(self.relief.x, left, gaps),
-                scaled(self.relief.z, left, gaps),
+            + ExactPoint::new(
+                scale_rounded(self.relief.x, remaining, gaps),
+                scale_rounded(self.relief.z, remaining, gaps),
             )
     }
 
-    pub(crate) fn make(&mut self) -> Option<Move> {
+    pub(crate) fn next_move(&mut self) -> Option<Move> {
         if self.pass > self.passes {
             return None;
         }
-        let by = self.shift();
-        let shift = self.home.moved(by);
-        let note = Note::Shifted {
+        let shift_distance = self.current_shift();
+        let shift = self.home.moved(shift_distance);
+        let note = PassNote::Shifted {
             number: self.pass,
             passes: self.passes,
-            shift: by,
+            shift: shift_distance,
             allowance: self.allowance,
             relief: self.relief,
         };
         let step = self.step;
         self.step += 1;
         match step {
-            0 => return Some(Move::rapid(shift.machine(self.start), note)),
+            0 => return Some(Move::rapid(shift.to_machine(self.start), note)),
             1 => {
-                let to = shift.machine(self.entry.to);
+                let to = shift.to_machine(self.entry.to);
                 return Some(match self.entry.shape {
-                    Shape::Straight { rapid: true } => Move::rapid(to, note),
+                    StepShape::Straight { rapid: true } => Move::rapid(to, note),
                     _ => Move::line(to, self.feed, note),
                 });
             }
             _ => {}
         }
-        if let Some(found) = self.steps.get(step - 2) {
-            return Some(follow(found, shift, self.feed, note));
+        if let Some(contour_step) = self.steps.get(step - 2) {
+            return Some(step_move(contour_step, shift, self.feed, note));
         }
         self.step = 0;
         self.pass += 1;
         if self.pass > self.passes {
-            return Some(Move::rapid(self.home.machine(self.start), note));
+            return Some(Move::rapid(self.home.to_machine(self.start), note));
         }
-        self.make()
+        self.next_move()
     }
 }
 
-fn fault(detail: Message) -> Alarm {
-    Alarm::new(number::CYCLE_DATA).because(say::cycle_in_code(73, detail))
+fn pattern_alarm(detail: Message) -> Alarm {
+    Alarm::new(number::CYCLE_DATA).with_detail(say::cycle_in_code(73, detail))
 }

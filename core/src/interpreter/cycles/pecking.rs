@@ -15,24 +15,24 @@ use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::{Alarm, number};
-use crate::interpreter::codes::positioning::{feed, within_stroke};
-use crate::interpreter::context::Context;
-use crate::interpreter::context::exact::along;
-use crate::interpreter::context::exact::{Exact, PER_MM, mm};
-use crate::interpreter::context::explanation::Note;
-use crate::interpreter::context::moves::{Move, Shift};
+use crate::interpreter::codes::positioning::{check_stroke, current_feed};
+use crate::interpreter::context::BlockContext;
+use crate::interpreter::context::exact::length_on_axis;
+use crate::interpreter::context::exact::{ExactPoint, UNITS_PER_MM, to_mm};
+use crate::interpreter::context::explanation::PassNote;
+use crate::interpreter::context::moves::{FrameShift, Move};
+use crate::interpreter::context::parameter_writes::ParameterWrites;
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, Target, Words};
-use crate::interpreter::context::writes::Writes;
-use crate::memory::{Parameters, parameter};
+use crate::interpreter::context::words::{AxisTarget, AxisWords, SortedWords};
+use crate::memory::{ControlParameters, parameter};
 use crate::units::{Axis, Feed, Point};
 
-/// Units of [`Exact`] in a thousandth of a millimetre.
-const PER_MICRON: i64 = PER_MM / 1000;
+/// Units of [`ExactPoint`] in a thousandth of a millimetre.
+const UNITS_PER_MICRON: i64 = UNITS_PER_MM / 1000;
 
 /// The next move of a pecking cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-enum Phase {
+enum PeckingPhase {
     Feed,
     Back,
     Relief,
@@ -42,14 +42,14 @@ enum Phase {
     Done,
 }
 
-/// A running G74, G75 or G83. Lengths are in units of [`Exact`].
+/// A running G74, G75 or G83. Lengths are in units of [`ExactPoint`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Pecking {
+pub(crate) struct PeckingCycle {
     /// The axis of the pecks: Z for G74, X for G75.
     axis: Axis,
-    shift: Shift,
-    start: Exact,
-    end: Exact,
+    shift: FrameShift,
+    start: ExactPoint,
+    end: ExactPoint,
     feed: Feed,
     /// Peck depth, retract, step between columns and relief, signed towards the end point.
     /// Step and relief are on the other axis.
@@ -62,7 +62,7 @@ pub(crate) struct Pecking {
     columns: i64,
     pecked: i64,
     pecks: i64,
-    phase: Phase,
+    phase: PeckingPhase,
     /// Whether the cycle is a G83 of the Huaxing lathes.
     #[serde(default)]
     deep_hole: bool,
@@ -73,25 +73,28 @@ pub(crate) struct Pecking {
 ///
 /// # Errors
 /// 062 for wrong data, 043 for an end outside the stroke, 011 without a feed.
-pub(crate) fn plan(
+pub(crate) fn plan_cycle(
     axis: Axis,
     state: &State,
-    context: &Context<'_>,
-    words: &Words,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
     axes: &AxisWords,
-    writes: &mut Writes,
-) -> Result<Option<Pecking>, Alarm> {
-    if !axes.any() && words.p.or(words.q).is_none() {
+    writes: &mut ParameterWrites,
+) -> Result<Option<PeckingCycle>, Alarm> {
+    if !axes.has_any() && words.p.or(words.q).is_none() {
         if let Some(retract) = words.r {
             if retract < 0 {
-                return Err(fault(axis, say::cycle_retract_negative(mm(retract))));
+                return Err(pecking_alarm(
+                    axis,
+                    say::cycle_retract_negative(to_mm(retract)),
+                ));
             }
             writes.push_length(parameter::PECKING_RETRACT, retract);
         }
         return Ok(None);
     }
-    let end = within_stroke(axes.target(state.position), context.reach())?;
-    Pecking::new(axis, state, context.parameters, words, axes, end).map(Some)
+    let end = check_stroke(axes.resolve_end(state.position), context.coordinate_range())?;
+    PeckingCycle::new(axis, state, context.parameters, words, axes, end).map(Some)
 }
 
 /// Plans a G83 of the Huaxing lathes: one hole along Z. The tool pecks by I, retracts by K
@@ -100,60 +103,63 @@ pub(crate) fn plan(
 ///
 /// # Errors
 /// 062 for wrong data, 043 for an end outside the stroke, 011 without a feed.
-pub(crate) fn deep_hole(
+pub(crate) fn plan_deep_hole(
     state: &State,
-    context: &Context<'_>,
-    words: &Words,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
     axes: &AxisWords,
-) -> Result<Pecking, Alarm> {
+) -> Result<PeckingCycle, Alarm> {
     let start = state.position;
-    let end = within_stroke(axes.target(start), context.reach())?;
-    let deep = end.z - start.z;
+    let end = check_stroke(axes.resolve_end(start), context.coordinate_range())?;
+    let depth = end.z - start.z;
     let peck = words.i.unwrap_or(0).saturating_abs();
-    let broken = if end.x != start.x {
+    let violation = if end.x != start.x {
         Some(say::hole_moves_x())
-    } else if deep == 0 {
+    } else if depth == 0 {
         Some(say::cycle_end_at_start("Z"))
     } else if peck == 0 {
         Some(say::cycle_peck_missing("I"))
     } else {
         None
     };
-    if let Some(rule) = broken {
+    if let Some(rule) = violation {
         let rule = say::dialect_decided(say::cycle_in_code(83, rule));
-        return Err(Alarm::new(number::CYCLE_DATA).because(rule));
+        return Err(Alarm::new(number::CYCLE_DATA).with_detail(rule));
     }
-    Ok(Pecking {
+    Ok(PeckingCycle {
         axis: Axis::Z,
-        shift: Shift::of(state),
+        shift: FrameShift::from_state(state),
         start,
         end,
-        feed: feed(&state.modal)?,
-        peck: peck * deep.signum(),
-        retract: words.k.unwrap_or(0).saturating_abs() * deep.signum(),
+        feed: current_feed(&state.modal)?,
+        peck: peck * depth.signum(),
+        retract: words.k.unwrap_or(0).saturating_abs() * depth.signum(),
         step: 0,
         relief: 0,
         column: 1,
         columns: 1,
         pecked: 0,
-        pecks: whole(deep, peck),
-        phase: Phase::Feed,
+        pecks: count_steps(depth, peck),
+        phase: PeckingPhase::Feed,
         deep_hole: true,
     })
 }
 
-impl Pecking {
+impl PeckingCycle {
     fn new(
         axis: Axis,
         state: &State,
-        parameters: &Parameters,
-        words: &Words,
+        parameters: &ControlParameters,
+        words: &SortedWords,
         axes: &AxisWords,
-        end: Exact,
+        end: ExactPoint,
     ) -> Result<Self, Alarm> {
         let side = axis.other();
         let start = state.position;
-        let (p, q) = (amount(axis, 'P', words.p)?, amount(axis, 'Q', words.q)?);
+        let (p, q) = (
+            read_amount(axis, 'P', words.p)?,
+            read_amount(axis, 'Q', words.q)?,
+        );
         // P is the step along X, Q the step along Z.
         let (peck, step, peck_name, step_name) = match axis {
             Axis::Z => (q, p, "Q(Δk)", "P(Δi)"),
@@ -161,51 +167,62 @@ impl Pecking {
         };
         let relief = words.r.unwrap_or(0);
         if relief < 0 {
-            return Err(fault(axis, say::cycle_relief_negative(mm(relief))));
+            return Err(pecking_alarm(
+                axis,
+                say::cycle_relief_negative(to_mm(relief)),
+            ));
         }
-        let deep = end.get(axis) - start.get(axis);
-        let wide = end.get(side) - start.get(side);
-        if deep == 0 {
-            return Err(fault(
+        let depth = end.get(axis) - start.get(axis);
+        let width = end.get(side) - start.get(side);
+        if depth == 0 {
+            return Err(pecking_alarm(
                 axis,
                 say::cycle_end_at_start(format_args!("{axis:?}")),
             ));
         }
         if peck == 0 {
-            return Err(fault(axis, say::cycle_peck_missing(peck_name)));
+            return Err(pecking_alarm(axis, say::cycle_peck_missing(peck_name)));
         }
-        if wide != 0 && step == 0 {
-            return Err(fault(
+        if width != 0 && step == 0 {
+            return Err(pecking_alarm(
                 axis,
                 say::cycle_step_missing(step_name, format_args!("{side:?}")),
             ));
         }
-        let relieved = axes.get(side) != Target::None || step != 0;
-        let columns = if wide == 0 { 1 } else { whole(wide, step) + 1 };
+        let has_relief = axes.get(side) != AxisTarget::None || step != 0;
+        let columns = if width == 0 {
+            1
+        } else {
+            count_steps(width, step) + 1
+        };
         Ok(Self {
             axis,
-            shift: Shift::of(state),
+            shift: FrameShift::from_state(state),
             start,
             end,
-            feed: feed(&state.modal)?,
-            peck: peck * deep.signum(),
-            retract: along(
+            feed: current_feed(&state.modal)?,
+            peck: peck * depth.signum(),
+            retract: length_on_axis(
                 axis,
-                i64::from(parameters.value(parameter::PECKING_RETRACT)) * PER_MICRON,
-            ) * deep.signum(),
-            step: step * wide.signum(),
-            relief: if relieved { relief * wide.signum() } else { 0 },
+                i64::from(parameters.value(parameter::PECKING_RETRACT)) * UNITS_PER_MICRON,
+            ) * depth.signum(),
+            step: step * width.signum(),
+            relief: if has_relief {
+                relief * width.signum()
+            } else {
+                0
+            },
             column: 1,
             columns,
             pecked: 0,
-            pecks: whole(deep, peck),
-            phase: Phase::Feed,
+            pecks: count_steps(depth, peck),
+            phase: PeckingPhase::Feed,
             deep_hole: false,
         })
     }
 
     /// Coordinate of the current column on the other axis.
-    fn column_at(&self) -> i64 {
+    fn column_coordinate(&self) -> i64 {
         let side = self.axis.other();
         if self.column >= self.columns {
             return self.end.get(side);
@@ -222,33 +239,37 @@ impl Pecking {
     }
 
     /// Coordinate of the retract after a peck.
-    fn back_from(&self, peck: i64) -> i64 {
-        let back = self.peck_end(peck) - self.retract;
+    fn retract_end(&self, peck: i64) -> i64 {
+        let retracted = self.peck_end(peck) - self.retract;
         let top = self.start.get(self.axis);
-        let beyond = (top - back).signum() == self.peck.signum();
-        if self.deep_hole && beyond { top } else { back }
+        let is_beyond_start = (top - retracted).signum() == self.peck.signum();
+        if self.deep_hole && is_beyond_start {
+            top
+        } else {
+            retracted
+        }
     }
 
-    fn point(&self, deep: i64, across: i64) -> Point {
-        self.shift.machine(match self.axis {
-            Axis::Z => Exact::new(across, deep),
-            Axis::X => Exact::new(deep, across),
+    fn point(&self, depth: i64, across: i64) -> Point {
+        self.shift.to_machine(match self.axis {
+            Axis::Z => ExactPoint::new(across, depth),
+            Axis::X => ExactPoint::new(depth, across),
         })
     }
 
-    pub(crate) fn make(&mut self) -> Option<Move> {
-        let at = self.column_at();
+    pub(crate) fn next_move(&mut self) -> Option<Move> {
+        let column = self.column_coordinate();
         let top = self.start.get(self.axis);
-        let aside = at - self.relief;
+        let relieved_column = column - self.relief;
         let pecked = match self.phase {
-            Phase::Feed => self.pecked + 1,
+            PeckingPhase::Feed => self.pecked + 1,
             _ => self.pecked,
         };
-        let note = Note::Column {
+        let note = PassNote::Column {
             axis: self.axis,
             number: self.column,
             columns: self.columns,
-            at,
+            at: column,
             from: top,
             step: self.step,
             peck: pecked,
@@ -257,63 +278,69 @@ impl Pecking {
             bottom: self.end.get(self.axis),
             deep_hole: self.deep_hole,
         };
-        let rapid = |deep, across| Move::rapid(self.point(deep, across), note);
-        let (made, phase) = match self.phase {
-            Phase::Feed => {
-                let to = self.point(self.peck_end(pecked), at);
+        let rapid = |depth, across| Move::rapid(self.point(depth, across), note);
+        let (next_move, next_phase) = match self.phase {
+            PeckingPhase::Feed => {
+                let to = self.point(self.peck_end(pecked), column);
                 let phase = if pecked >= self.pecks {
-                    Phase::Relief
+                    PeckingPhase::Relief
                 } else {
-                    Phase::Back
+                    PeckingPhase::Back
                 };
                 (Move::line(to, self.feed, note), phase)
             }
-            Phase::Back => (rapid(self.back_from(pecked), at), Phase::Feed),
-            Phase::Relief => (rapid(self.end.get(self.axis), aside), Phase::Out),
-            Phase::Out => {
+            PeckingPhase::Back => (rapid(self.retract_end(pecked), column), PeckingPhase::Feed),
+            PeckingPhase::Relief => (
+                rapid(self.end.get(self.axis), relieved_column),
+                PeckingPhase::Out,
+            ),
+            PeckingPhase::Out => {
                 let phase = if self.column >= self.columns {
-                    Phase::Home
+                    PeckingPhase::Home
                 } else {
-                    Phase::Across
+                    PeckingPhase::Across
                 };
-                (rapid(top, aside), phase)
+                (rapid(top, relieved_column), phase)
             }
-            Phase::Across => {
+            PeckingPhase::Across => {
                 self.column += 1;
                 self.pecked = 0;
-                self.phase = Phase::Feed;
-                return Some(Move::rapid(self.point(top, self.column_at()), note));
+                self.phase = PeckingPhase::Feed;
+                return Some(Move::rapid(self.point(top, self.column_coordinate()), note));
             }
-            Phase::Home => (
-                Move::rapid(self.shift.machine(self.start), note),
-                Phase::Done,
+            PeckingPhase::Home => (
+                Move::rapid(self.shift.to_machine(self.start), note),
+                PeckingPhase::Done,
             ),
-            Phase::Done => return None,
+            PeckingPhase::Done => return None,
         };
         self.pecked = pecked;
-        self.phase = phase;
-        Some(made)
+        self.phase = next_phase;
+        Some(next_move)
     }
 }
 
 /// Number of steps in a distance, rounded up.
-fn whole(distance: i64, step: i64) -> i64 {
+fn count_steps(distance: i64, step: i64) -> i64 {
     (distance.abs() + step - 1) / step
 }
 
-/// P or Q in units of [`Exact`]; 0 if missing.
-fn amount(axis: Axis, address: char, value: Option<i64>) -> Result<i64, Alarm> {
+/// P or Q in units of [`ExactPoint`]; 0 if missing.
+fn read_amount(axis: Axis, address: char, value: Option<i64>) -> Result<i64, Alarm> {
     match value {
         None => Ok(0),
-        Some(value @ 0..=9_999_999) => Ok(value * PER_MICRON),
-        Some(value) => Err(fault(axis, say::cycle_amount_out_of_range(address, value))),
+        Some(value @ 0..=9_999_999) => Ok(value * UNITS_PER_MICRON),
+        Some(value) => Err(pecking_alarm(
+            axis,
+            say::cycle_amount_out_of_range(address, value),
+        )),
     }
 }
 
-fn fault(axis: Axis, detail: Message) -> Alarm {
+fn pecking_alarm(axis: Axis, detail: Message) -> Alarm {
     let code = match axis {
         Axis::Z => 74,
         Axis::X => 75,
     };
-    Alarm::new(number::CYCLE_DATA).because(say::cycle_in_code(code, detail))
+    Alarm::new(number::CYCLE_DATA).with_detail(say::cycle_in_code(code, detail))
 }

@@ -15,25 +15,27 @@ use serde::{Deserialize, Serialize};
 
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
-use crate::interpreter::codes::positioning::{feed, within_stroke};
-use crate::interpreter::context::Context;
-use crate::interpreter::context::exact::{Exact, PER_MM, Reach, mm};
-use crate::interpreter::context::explanation::Note;
-use crate::interpreter::context::moves::{Move, Shift};
+use crate::interpreter::codes::positioning::{check_stroke, current_feed};
+use crate::interpreter::context::BlockContext;
+use crate::interpreter::context::exact::{CoordinateRange, ExactPoint, UNITS_PER_MM, to_mm};
+use crate::interpreter::context::explanation::PassNote;
+use crate::interpreter::context::moves::{FrameShift, Move};
+use crate::interpreter::context::parameter_writes::ParameterWrites;
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::Words;
-use crate::interpreter::context::writes::Writes;
-use crate::interpreter::cycles::contour::{Flat, Signs, View, end_of_cut};
-use crate::interpreter::profile::{self, Profile, Range, Shape, Step, bad_start};
+use crate::interpreter::context::words::SortedWords;
+use crate::interpreter::cycles::contour::{ContourPoint, CutDirections, CutPlane, find_cut_end};
+use crate::interpreter::profile::{
+    self, Profile, ProfileRange, ProfileSegment, StepShape, start_alarm,
+};
 use crate::memory::parameter;
 use crate::units::{Axis, Feed, Point};
 
-/// Half units of [`Exact`] in a thousandth of a millimetre.
-const PER_MICRON: i64 = 2 * PER_MM / 1000;
+/// Half units of [`ExactPoint`] in a thousandth of a millimetre.
+const HALF_UNITS_PER_MICRON: i64 = 2 * UNITS_PER_MM / 1000;
 
 /// The next move of a roughing cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-enum Phase {
+enum RoughingPhase {
     Approach,
     Infeed,
     Cut,
@@ -46,28 +48,28 @@ enum Phase {
 
 /// A running G71 or G72.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Roughing {
+pub(crate) struct RoughingCycle {
     #[serde(rename = "view")]
-    view: View,
+    plane: CutPlane,
     #[serde(rename = "signs")]
-    signs: Signs,
+    directions: CutDirections,
     /// A and B.
-    start: Exact,
-    begin: Exact,
+    start: ExactPoint,
+    begin: ExactPoint,
     /// Where the tool returns to: A without the allowances.
     #[serde(rename = "rest")]
-    rest: Exact,
+    return_point: ExactPoint,
     /// The contour from B to C.
-    steps: Vec<Step>,
+    steps: Vec<ProfileSegment>,
     /// The conversion of the frame, and the same with the allowances.
     #[serde(rename = "home")]
-    home: Shift,
+    frame_shift: FrameShift,
     #[serde(rename = "shift")]
-    shift: Shift,
-    allowance: Exact,
+    contour_shift: FrameShift,
+    allowance: ExactPoint,
     /// Whether ns is a rapid.
     #[serde(rename = "rapid")]
-    rapid: bool,
+    is_infeed_rapid: bool,
     feed: Feed,
     /// Δd and e, half units.
     cut: i64,
@@ -75,21 +77,28 @@ pub(crate) struct Roughing {
     /// Number of the current level, from 1, and number of the contour pass.
     level: i64,
     levels: i64,
-    phase: Phase,
+    phase: RoughingPhase,
 }
 
 /// Stores the data of a G71 or G72 without P and Q: Δd and e into parameters 051 and 052.
 ///
 /// # Errors
 /// 062 for a depth that is not positive or a negative retract.
-pub(crate) fn store(view: View, words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
-    let (depth, name) = match view {
-        View::Turning => (words.u, "U(Δd)"),
-        View::Facing => (words.w, "W(Δd)"),
+pub(crate) fn store_data(
+    plane: CutPlane,
+    words: &SortedWords,
+    writes: &mut ParameterWrites,
+) -> Result<(), Alarm> {
+    let (depth, name) = match plane {
+        CutPlane::Turning => (words.u, "U(Δd)"),
+        CutPlane::Facing => (words.w, "W(Δd)"),
     };
     if let Some(depth) = depth {
         if depth <= 0 {
-            return Err(fault(say::cycle_depth_not_positive(name, mm(depth))));
+            return Err(roughing_alarm(say::cycle_depth_not_positive(
+                name,
+                to_mm(depth),
+            )));
         }
         writes.push_length(parameter::ROUGHING_DEPTH, depth);
     }
@@ -97,10 +106,10 @@ pub(crate) fn store(view: View, words: &Words, writes: &mut Writes) -> Result<()
 }
 
 /// Stores R(e), which either block of the cycle may hold.
-fn store_retract(words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
+fn store_retract(words: &SortedWords, writes: &mut ParameterWrites) -> Result<(), Alarm> {
     if let Some(retract) = words.r {
         if retract < 0 {
-            return Err(fault(say::cycle_retract_negative(mm(retract))));
+            return Err(roughing_alarm(say::cycle_retract_negative(to_mm(retract))));
         }
         writes.push_length(parameter::ROUGHING_RETRACT, retract);
     }
@@ -111,31 +120,31 @@ fn store_retract(words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
 ///
 /// # Errors
 /// 062 for a missing depth, 043 for a point outside the stroke, and the alarms of the profile.
-pub(crate) fn plan(
-    view: View,
+pub(crate) fn plan_cycle(
+    plane: CutPlane,
     state: &State,
-    context: &Context<'_>,
-    words: &Words,
-    range: Range,
-    writes: &mut Writes,
-) -> Result<Roughing, Alarm> {
+    context: &BlockContext<'_>,
+    words: &SortedWords,
+    range: ProfileRange,
+    writes: &mut ParameterWrites,
+) -> Result<RoughingCycle, Alarm> {
     store_retract(words, writes)?;
-    let parameter = |number| i64::from(writes.value(number, context.parameters));
+    let parameter = |number| i64::from(writes.value_after(number, context.parameters));
     let (cut, escape) = (
-        parameter(parameter::ROUGHING_DEPTH) * PER_MICRON,
-        parameter(parameter::ROUGHING_RETRACT) * PER_MICRON,
+        parameter(parameter::ROUGHING_DEPTH) * HALF_UNITS_PER_MICRON,
+        parameter(parameter::ROUGHING_RETRACT) * HALF_UNITS_PER_MICRON,
     );
-    let allowance = Exact::new(
+    let allowance = ExactPoint::new(
         words.u.unwrap_or(0).saturating_mul(context.x_factor),
         words.w.unwrap_or(0),
     );
-    let levels = Levels {
+    let levels = RoughingLevels {
         cut,
         escape,
         allowance,
-        from: Exact::default(),
+        origin: ExactPoint::default(),
     };
-    over(view, state, context, range, &levels)
+    plan_levels(plane, state, context, range, &levels)
 }
 
 /// Plans the cycle of the Huaxing lathes over the next blocks. Its levels count from the
@@ -143,223 +152,247 @@ pub(crate) fn plan(
 /// slide.
 ///
 /// # Errors
-/// As for [`plan`].
-pub(crate) fn counted(
-    view: View,
+/// As for [`plan_cycle`].
+pub(crate) fn plan_counted(
+    plane: CutPlane,
     state: &State,
-    context: &Context<'_>,
-    words: &Words,
-) -> Result<Roughing, Alarm> {
-    let range = profile::following(context, words)?;
-    let cut = match (words.i.map(i64::abs), view) {
-        (None | Some(0), _) => return Err(fault(say::cycle_depth_missing())),
-        (Some(depth), View::Turning) => depth,
-        (Some(depth), View::Facing) => depth.saturating_mul(2),
+    context: &BlockContext<'_>,
+    words: &SortedWords,
+) -> Result<RoughingCycle, Alarm> {
+    let range = profile::find_following_range(context, words)?;
+    let cut = match (words.i.map(i64::abs), plane) {
+        (None | Some(0), _) => return Err(roughing_alarm(say::cycle_depth_missing())),
+        (Some(depth), CutPlane::Turning) => depth,
+        (Some(depth), CutPlane::Facing) => depth.saturating_mul(2),
     };
-    let allowance = Exact::new(words.x.unwrap_or(0), words.z.unwrap_or(0));
-    let levels = Levels {
+    let allowance = ExactPoint::new(words.x.unwrap_or(0), words.z.unwrap_or(0));
+    let levels = RoughingLevels {
         cut,
         escape: words.k.unwrap_or(0).abs().saturating_mul(2),
         allowance,
-        from: Exact::default() - allowance,
+        origin: ExactPoint::default() - allowance,
     };
-    over(view, state, context, range, &levels)
+    plan_levels(plane, state, context, range, &levels)
 }
 
 /// Depth and start of the levels of a roughing cycle.
-struct Levels {
+struct RoughingLevels {
     /// Δd and e, half units.
     cut: i64,
     escape: i64,
-    allowance: Exact,
+    allowance: ExactPoint,
     /// Level 0 relative to A, without the allowances.
-    from: Exact,
+    origin: ExactPoint,
 }
 
 /// The cycle over a range of blocks.
-fn over(
-    view: View,
+fn plan_levels(
+    plane: CutPlane,
     state: &State,
-    context: &Context<'_>,
-    range: Range,
-    levels: &Levels,
-) -> Result<Roughing, Alarm> {
+    context: &BlockContext<'_>,
+    range: ProfileRange,
+    levels: &RoughingLevels,
+) -> Result<RoughingCycle, Alarm> {
     let cut = levels.cut;
     if cut <= 0 {
-        return Err(fault(say::cycle_depth_missing()));
+        return Err(roughing_alarm(say::cycle_depth_missing()));
     }
-    let feed = feed(&state.modal)?;
-    let profile = profile::evaluate(state, context, range)?;
-    check_entry(view, &profile)?;
-    if range.follows {
-        check_cuts(&profile)?;
+    let feed = current_feed(&state.modal)?;
+    let profile = profile::evaluate_profile(state, context, range)?;
+    check_entry(plane, &profile)?;
+    if range.is_after_cycle {
+        check_no_rapid(&profile)?;
     }
-    let signs = Signs::of(view, &profile)?;
-    let rest = profile.start;
+    let directions = CutDirections::from_profile(plane, &profile)?;
+    let return_point = profile.start;
     let profile = Profile {
-        start: profile.start + levels.from,
+        start: profile.start + levels.origin,
         ..profile
     };
-    let (a, b) = (view.flat(profile.start), view.flat(profile.begin()));
+    let (a, b) = (
+        plane.to_plane(profile.start),
+        plane.to_plane(profile.begin_point()),
+    );
     let distance = (b.depth - a.depth).abs();
-    let home = Shift::of(state);
-    let roughing = Roughing {
-        view,
-        signs,
+    let frame_shift = FrameShift::from_state(state);
+    let roughing = RoughingCycle {
+        plane,
+        directions,
         start: profile.start,
-        rest,
-        begin: profile.begin(),
-        home,
-        shift: home.moved(levels.allowance),
+        return_point,
+        begin: profile.begin_point(),
+        frame_shift,
+        contour_shift: frame_shift.moved(levels.allowance),
         allowance: levels.allowance,
-        rapid: matches!(profile.entry.shape, Shape::Straight { rapid: true }),
+        is_infeed_rapid: matches!(profile.entry.shape, StepShape::Straight { rapid: true }),
         feed,
         cut,
         escape: levels.escape,
         level: 1,
         levels: (distance + cut - 1) / cut,
-        phase: Phase::Approach,
+        phase: RoughingPhase::Approach,
         steps: profile.steps,
     };
-    roughing.check_stroke(context.reach())?;
+    roughing.check_stroke(context.coordinate_range())?;
     Ok(roughing)
 }
 
 /// Checks that ns moves only the axis of the levels; alarm 065.
-fn check_entry(view: View, profile: &Profile) -> Result<(), Alarm> {
-    let (a, b) = (view.flat(profile.start), view.flat(profile.begin()));
+fn check_entry(plane: CutPlane, profile: &Profile) -> Result<(), Alarm> {
+    let (a, b) = (
+        plane.to_plane(profile.start),
+        plane.to_plane(profile.begin_point()),
+    );
     if a.along == b.along {
         return Ok(());
     }
-    Err(bad_start(match view {
-        View::Turning => say::profile_begin_moves_z(),
-        View::Facing => say::profile_begin_moves_x(),
+    Err(start_alarm(match plane {
+        CutPlane::Turning => say::profile_begin_moves_z(),
+        CutPlane::Facing => say::profile_begin_moves_x(),
     }))
 }
 
 /// Checks that a contour of the Huaxing lathes has no G00 from B on.
-fn check_cuts(profile: &Profile) -> Result<(), Alarm> {
+fn check_no_rapid(profile: &Profile) -> Result<(), Alarm> {
     let mut steps = profile.steps.iter();
-    match steps.find(|step| step.shape == Shape::Straight { rapid: true }) {
-        Some(rapid) => Err(bad_start(say::profile_rapid_inside(rapid.line))),
+    match steps.find(|step| step.shape == StepShape::Straight { rapid: true }) {
+        Some(rapid) => Err(start_alarm(say::profile_rapid_inside(rapid.line))),
         None => Ok(()),
     }
 }
 
-impl Roughing {
-    fn check_stroke(&self, reach: Reach<'_>) -> Result<(), Alarm> {
+impl RoughingCycle {
+    fn check_stroke(&self, reach: CoordinateRange<'_>) -> Result<(), Alarm> {
         let end = self.steps.last().map_or(self.begin, |step| step.to);
-        let start = self.view.flat(self.start);
-        let highest = self.view.exact(Flat {
-            depth: start.depth + self.signs.depth * (self.cut - self.escape),
+        let start = self.plane.to_plane(self.start);
+        let highest = self.plane.to_exact(ContourPoint {
+            depth: start.depth + self.directions.depth * (self.cut - self.escape),
             ..start
         });
         for corner in [self.start, self.begin, end, highest] {
-            within_stroke(corner + self.allowance, reach)?;
+            check_stroke(corner + self.allowance, reach)?;
         }
         Ok(())
     }
 
     /// Depth of the current level, without the allowance.
-    fn depth(&self) -> i64 {
-        self.view.flat(self.start).depth + self.signs.depth * self.cut * self.level
+    fn level_depth(&self) -> i64 {
+        self.plane.to_plane(self.start).depth + self.directions.depth * self.cut * self.level
     }
 
     /// Depth after the escape from the current level.
-    fn escaped(&self) -> i64 {
-        self.depth() - self.signs.depth * self.escape
+    fn escape_depth(&self) -> i64 {
+        self.level_depth() - self.directions.depth * self.escape
     }
 
-    fn note(&self) -> Note {
-        let axis = self.view.depth_axis();
+    fn pass_note(&self) -> PassNote {
+        let axis = self.plane.depth_axis();
         if self.level >= self.levels {
-            return Note::Contour {
+            return PassNote::Contour {
                 axis,
                 levels: self.levels,
                 allowance: self.allowance,
             };
         }
         // Half units are diameters of X and halves of Z.
-        let shown = |depth: i64| match axis {
+        let to_programmed = |depth: i64| match axis {
             Axis::X => depth,
             Axis::Z => depth / 2,
         };
-        let by = self.allowance.get(axis);
-        Note::Level {
+        let allowance = self.allowance.get(axis);
+        PassNote::Level {
             axis,
             number: self.level,
             levels: self.levels,
-            from: self.start.get(axis) + by,
-            step: shown(self.signs.depth * self.cut),
-            last: self.begin.get(axis) + by,
+            from: self.start.get(axis) + allowance,
+            step: to_programmed(self.directions.depth * self.cut),
+            last: self.begin.get(axis) + allowance,
         }
     }
 
-    fn at(&self, depth: i64, along: i64) -> Point {
-        self.shift.machine(self.view.exact(Flat { depth, along }))
+    fn machine_point(&self, depth: i64, along: i64) -> Point {
+        self.contour_shift
+            .to_machine(self.plane.to_exact(ContourPoint { depth, along }))
     }
 
     /// The move after a level.
-    fn next_level(&self) -> Phase {
+    fn phase_after_level(&self) -> RoughingPhase {
         if self.level < self.levels {
-            Phase::Infeed
+            RoughingPhase::Infeed
         } else {
-            Phase::Entry
+            RoughingPhase::Entry
         }
     }
 
-    pub(crate) fn make(&mut self) -> Option<Move> {
-        let note = self.note();
-        let start = self.view.flat(self.start);
+    pub(crate) fn next_move(&mut self) -> Option<Move> {
+        let note = self.pass_note();
+        let start = self.plane.to_plane(self.start);
         let line = |to| Move::line(to, self.feed, note);
-        let (made, phase) = match self.phase {
-            Phase::Approach => (
-                Move::rapid(self.shift.machine(self.start), note),
-                self.next_level(),
+        let (next_move, next_phase) = match self.phase {
+            RoughingPhase::Approach => (
+                Move::rapid(self.contour_shift.to_machine(self.start), note),
+                self.phase_after_level(),
             ),
-            Phase::Infeed => {
-                let to = self.at(self.depth(), start.along);
-                (self.infeed(to, note), Phase::Cut)
+            RoughingPhase::Infeed => {
+                let to = self.machine_point(self.level_depth(), start.along);
+                (self.infeed_move(to, note), RoughingPhase::Cut)
             }
-            Phase::Cut => {
-                let along =
-                    end_of_cut(self.view, self.signs, self.begin, &self.steps, self.depth());
-                (line(self.at(self.depth(), along)), Phase::Escape { along })
+            RoughingPhase::Cut => {
+                let along = find_cut_end(
+                    self.plane,
+                    self.directions,
+                    self.begin,
+                    &self.steps,
+                    self.level_depth(),
+                );
+                (
+                    line(self.machine_point(self.level_depth(), along)),
+                    RoughingPhase::Escape { along },
+                )
             }
-            Phase::Escape { along } => {
-                let back = along - self.signs.along * self.escape;
+            RoughingPhase::Escape { along } => {
+                let back = along - self.directions.along * self.escape;
                 // Never beyond Z_A'.
-                let back = match self.signs.along {
+                let back = match self.directions.along {
                     1 => back.max(start.along),
                     _ => back.min(start.along),
                 };
-                (line(self.at(self.escaped(), back)), Phase::Return)
+                (
+                    line(self.machine_point(self.escape_depth(), back)),
+                    RoughingPhase::Return,
+                )
             }
-            Phase::Return => {
-                let to = self.at(self.escaped(), start.along);
+            RoughingPhase::Return => {
+                let to = self.machine_point(self.escape_depth(), start.along);
                 self.level += 1;
-                (Move::rapid(to, note), self.next_level())
+                (Move::rapid(to, note), self.phase_after_level())
             }
-            Phase::Entry => {
-                let to = self.shift.machine(self.begin);
-                (self.infeed(to, note), Phase::Contour { step: 0 })
+            RoughingPhase::Entry => {
+                let to = self.contour_shift.to_machine(self.begin);
+                (
+                    self.infeed_move(to, note),
+                    RoughingPhase::Contour { step: 0 },
+                )
             }
-            Phase::Contour { step } => match self.steps.get(step) {
-                Some(found) => (
-                    follow(found, self.shift, self.feed, note),
-                    Phase::Contour { step: step + 1 },
+            RoughingPhase::Contour { step } => match self.steps.get(step) {
+                Some(contour_step) => (
+                    step_move(contour_step, self.contour_shift, self.feed, note),
+                    RoughingPhase::Contour { step: step + 1 },
                 ),
-                None => (Move::rapid(self.home.machine(self.rest), note), Phase::Done),
+                None => (
+                    Move::rapid(self.frame_shift.to_machine(self.return_point), note),
+                    RoughingPhase::Done,
+                ),
             },
-            Phase::Done => return None,
+            RoughingPhase::Done => return None,
         };
-        self.phase = phase;
-        Some(made)
+        self.phase = next_phase;
+        Some(next_move)
     }
 
     /// An infeed: a rapid if ns is one.
-    fn infeed(&self, to: Point, note: Note) -> Move {
-        if self.rapid {
+    fn infeed_move(&self, to: Point, note: PassNote) -> Move {
+        if self.is_infeed_rapid {
             Move::rapid(to, note)
         } else {
             Move::line(to, self.feed, note)
@@ -368,23 +401,28 @@ impl Roughing {
 }
 
 /// The move of one step of a shifted contour, at the feed of the cycle.
-pub(crate) fn follow(step: &Step, shift: Shift, feed: Feed, note: Note) -> Move {
-    let to = shift.machine(step.to);
+pub(crate) fn step_move(
+    step: &ProfileSegment,
+    shift: FrameShift,
+    feed: Feed,
+    note: PassNote,
+) -> Move {
+    let to = shift.to_machine(step.to);
     match step.shape {
-        Shape::Straight { .. } => Move::line(to, feed, note),
-        Shape::Arc { center, clockwise } => Move::of(
+        StepShape::Straight { .. } => Move::line(to, feed, note),
+        StepShape::Arc { center, clockwise } => Move::from_action(
             Action::Arc {
                 to,
-                center: shift.center(center),
+                center: shift.center_to_machine(center),
                 clockwise,
                 feed,
             },
             note,
         ),
-        Shape::Dwell { ms } => Move::of(Action::Dwell { ms }, note),
+        StepShape::Dwell { ms } => Move::from_action(Action::Dwell { ms }, note),
     }
 }
 
-fn fault(detail: Message) -> Alarm {
-    Alarm::new(number::CYCLE_DATA).because(detail)
+fn roughing_alarm(detail: Message) -> Alarm {
+    Alarm::new(number::CYCLE_DATA).with_detail(detail)
 }

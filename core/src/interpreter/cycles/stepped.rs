@@ -15,61 +15,61 @@ use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::{Alarm, number};
-use crate::interpreter::codes::positioning::{feed, within_stroke};
-use crate::interpreter::context::Context;
-use crate::interpreter::context::exact::{Exact, mm, scaled};
-use crate::interpreter::context::explanation::Note;
-use crate::interpreter::context::moves::{Move, Shift};
+use crate::interpreter::codes::positioning::{check_stroke, current_feed};
+use crate::interpreter::context::BlockContext;
+use crate::interpreter::context::exact::{ExactPoint, scale_rounded, to_mm};
+use crate::interpreter::context::explanation::PassNote;
+use crate::interpreter::context::moves::{FrameShift, Move};
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, Words};
+use crate::interpreter::context::words::{AxisWords, SortedWords};
 use crate::units::{Axis, Feed};
 
-/// A running G81 or G82. Lengths are in units of [`Exact`], diameters along X.
+/// A running G81 or G82. Lengths are in units of [`ExactPoint`], diameters along X.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Stepped {
+pub(crate) struct SteppedCycle {
     /// The axis of the levels: X for G81, Z for G82.
     axis: Axis,
-    shift: Shift,
-    a: Exact,
+    shift: FrameShift,
+    a: ExactPoint,
     /// B and C of the last box.
-    b: Exact,
-    c: Exact,
+    b: ExactPoint,
+    c: ExactPoint,
     feed: Feed,
     /// Direction of the levels, 1 or -1.
     #[serde(rename = "way")]
-    way: i64,
+    direction: i64,
     /// Distance from A to the deeper one of B and C; depths per pass by I and K.
     #[serde(rename = "whole")]
-    whole: i64,
+    total_depth: i64,
     step: i64,
     finish: i64,
     /// Number of the current pass, from 1.
     pass: i64,
     passes: i64,
     #[serde(rename = "leg")]
-    leg: u8,
+    move_index: u8,
 }
 
 /// Plans a G81 (`axis` X) or G82 (`axis` Z) block. The tool ends at its start.
 ///
 /// # Errors
 /// 062 for wrong data, 043 for a corner outside the stroke, 011 without a feed.
-pub(crate) fn plan(
+pub(crate) fn plan_cycle(
     axis: Axis,
     state: &State,
-    context: &Context<'_>,
-    words: &Words,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
     axes: &AxisWords,
-) -> Result<Stepped, Alarm> {
+) -> Result<SteppedCycle, Alarm> {
     let (a, along) = (state.position, axis.other());
-    let reach = |point| within_stroke(point, context.reach());
-    let c = reach(axes.target(a))?;
+    let check = |point| check_stroke(point, context.coordinate_range());
+    let c = check(axes.resolve_end(a))?;
     let mut b = a;
     b.set(axis, words.r.unwrap_or(c.get(axis)));
-    let b = reach(b)?;
+    let b = check(b)?;
     if c.get(along) == a.get(along) {
         let name = format_args!("{along:?}");
-        return Err(fault(axis, say::cycle_end_at_start(name)));
+        return Err(stepped_alarm(axis, say::cycle_end_at_start(name)));
     }
     let (at_b, at_c) = (b.get(axis) - a.get(axis), c.get(axis) - a.get(axis));
     let (step, finish) = (words.i.unwrap_or(0), words.k.unwrap_or(0));
@@ -82,50 +82,50 @@ pub(crate) fn plan(
     };
     if deeper == 0 {
         let name = format_args!("{axis:?}");
-        return Err(fault(axis, say::cycle_end_at_start(name)));
+        return Err(stepped_alarm(axis, say::cycle_end_at_start(name)));
     }
     for (name, value) in [("I", step), ("K", finish)] {
         if value != 0 && value.signum() != deeper.signum() {
-            let rule = say::cycle_step_wrong_way(name, mm(value), mm(deeper));
-            return Err(fault(axis, rule));
+            let rule = say::cycle_step_wrong_way(name, to_mm(value), to_mm(deeper));
+            return Err(stepped_alarm(axis, rule));
         }
     }
-    let whole = deeper.abs();
-    let finish = finish.abs().min(whole);
-    let rough = whole - finish;
+    let total_depth = deeper.abs();
+    let finish = finish.abs().min(total_depth);
+    let rough = total_depth - finish;
     let step = match step {
         0 => rough,
         step => step.abs(),
     };
-    let cuts = if rough == 0 {
+    let roughing_passes = if rough == 0 {
         0
     } else {
         (rough + step - 1) / step
     };
-    Ok(Stepped {
+    Ok(SteppedCycle {
         axis,
-        shift: Shift::of(state),
+        shift: FrameShift::from_state(state),
         a,
         b,
         c,
-        feed: feed(&state.modal)?,
-        way: deeper.signum(),
-        whole,
+        feed: current_feed(&state.modal)?,
+        direction: deeper.signum(),
+        total_depth,
         step,
         finish,
         pass: 1,
-        passes: cuts + i64::from(finish > 0),
-        leg: 0,
+        passes: roughing_passes + i64::from(finish > 0),
+        move_index: 0,
     })
 }
 
-impl Stepped {
+impl SteppedCycle {
     /// Depth of the current pass from A.
-    const fn depth(&self) -> i64 {
-        let roughed = self.whole - self.finish;
+    const fn pass_depth(&self) -> i64 {
+        let roughed = self.total_depth - self.finish;
         let stepped = self.step.saturating_mul(self.pass);
         if self.pass >= self.passes {
-            self.whole
+            self.total_depth
         } else if stepped < roughed {
             stepped
         } else {
@@ -134,73 +134,75 @@ impl Stepped {
     }
 
     /// B and C of the current pass, cut off at the level of A.
-    fn corners(&self) -> (Exact, Exact) {
+    fn pass_corners(&self) -> (ExactPoint, ExactPoint) {
         let axis = self.axis;
-        let left = self.way.saturating_mul(self.whole - self.depth());
-        let moved = |point: Exact| {
+        let remaining = self
+            .direction
+            .saturating_mul(self.total_depth - self.pass_depth());
+        let move_back = |point: ExactPoint| {
             let mut moved = point;
-            moved.set(axis, point.get(axis).saturating_sub(left));
+            moved.set(axis, point.get(axis).saturating_sub(remaining));
             moved
         };
-        let (b, c) = (moved(self.b), moved(self.c));
+        let (b, c) = (move_back(self.b), move_back(self.c));
         (self.cut_off(b, c), self.cut_off(c, b))
     }
 
     /// A corner or, if it is beyond the level of A, the point of the cut at that level.
-    fn cut_off(&self, corner: Exact, other: Exact) -> Exact {
+    fn cut_off(&self, corner: ExactPoint, other: ExactPoint) -> ExactPoint {
         let (axis, along) = (self.axis, self.axis.other());
         let level = self.a.get(axis);
         let beyond = corner.get(axis) - level;
-        if beyond.signum() != -self.way {
+        if beyond.signum() != -self.direction {
             return corner;
         }
         let mut cut = corner;
         cut.set(axis, level);
         let to_other = other.get(along) - corner.get(along);
-        let by = scaled(to_other, beyond, corner.get(axis) - other.get(axis));
-        cut.set(along, corner.get(along) + by);
+        let shift = scale_rounded(to_other, beyond, corner.get(axis) - other.get(axis));
+        cut.set(along, corner.get(along) + shift);
         cut
     }
 
-    pub(crate) fn make(&mut self) -> Option<Move> {
+    pub(crate) fn next_move(&mut self) -> Option<Move> {
         if self.pass > self.passes {
             return None;
         }
-        let note = Note::Stepped {
+        let note = PassNote::Stepped {
             axis: self.axis,
             pass: self.pass,
             passes: self.passes,
             a: self.a.get(self.axis),
-            depth: self.way * self.depth(),
-            whole: self.whole,
+            depth: self.direction * self.pass_depth(),
+            whole: self.total_depth,
             step: self.step,
             finish: self.finish,
         };
-        let (b, c) = self.corners();
-        let leg = self.leg;
-        self.leg = (leg + 1) % 4;
-        let at = |point| self.shift.machine(point);
-        Some(match leg {
-            0 => Move::rapid(at(b), note),
-            1 => Move::line(at(c), self.feed, note),
+        let (b, c) = self.pass_corners();
+        let move_index = self.move_index;
+        self.move_index = (move_index + 1) % 4;
+        let to_machine = |point| self.shift.to_machine(point);
+        Some(match move_index {
+            0 => Move::rapid(to_machine(b), note),
+            1 => Move::line(to_machine(c), self.feed, note),
             2 => {
                 let mut d = c;
                 d.set(self.axis, self.a.get(self.axis));
-                Move::line(at(d), self.feed, note)
+                Move::line(to_machine(d), self.feed, note)
             }
             _ => {
                 self.pass += 1;
-                Move::rapid(at(self.a), note)
+                Move::rapid(to_machine(self.a), note)
             }
         })
     }
 }
 
-fn fault(axis: Axis, detail: Message) -> Alarm {
+fn stepped_alarm(axis: Axis, detail: Message) -> Alarm {
     let code = match axis {
         Axis::X => 81,
         Axis::Z => 82,
     };
     let detail = say::dialect_decided(say::cycle_in_code(code, detail));
-    Alarm::new(number::CYCLE_DATA).because(detail)
+    Alarm::new(number::CYCLE_DATA).with_detail(detail)
 }

@@ -11,8 +11,8 @@
 
 use crate::alarm::Alarm;
 use crate::interpreter::context::cycle_words::CycleData;
-use crate::interpreter::context::exact::{Exact, Reach};
-use crate::interpreter::context::explanation::Note;
+use crate::interpreter::context::exact::{CoordinateRange, ExactPoint};
+use crate::interpreter::context::explanation::PassNote;
 use crate::interpreter::context::state::State;
 use crate::interpreter::cycles::box_cycle::{BoxCycle, check_taper};
 use crate::units::Axis;
@@ -21,17 +21,21 @@ use crate::units::Axis;
 ///
 /// # Errors
 /// 015 for the taper, 043 for a corner outside the stroke, 011 without a feed.
-pub(crate) fn plan(state: &State, data: CycleData, reach: Reach<'_>) -> Result<BoxCycle, Alarm> {
+pub(crate) fn plan_cycle(
+    state: &State,
+    data: CycleData,
+    range: CoordinateRange<'_>,
+) -> Result<BoxCycle, Alarm> {
     let (start, end) = (state.position, data.end);
     // U counts here as a radius, because R is one.
     check_taper(data.r, (end.x - start.x) / 2, ("G90", "U/2"))?;
-    let b = Exact::new(end.x + 2 * data.r, start.z);
-    let d = Exact::new(start.x, end.z);
-    let note = Note::Box {
+    let b = ExactPoint::new(end.x + 2 * data.r, start.z);
+    let d = ExactPoint::new(start.x, end.z);
+    let note = PassNote::Box {
         axis: Axis::X,
         a: start,
         c: end,
         taper: data.r,
     };
-    BoxCycle::over(state, [b, end, d, start], reach, note)
+    BoxCycle::new(state, [b, end, d, start], range, note)
 }

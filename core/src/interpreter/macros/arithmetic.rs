@@ -17,36 +17,38 @@ pub(crate) struct Operands {
 
 /// Why an operation has no result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Fault {
+pub(crate) enum ArithmeticFault {
     DivisionByZero,
-    NoTangent,
-    NoDirection,
+    UndefinedTangent,
+    UndefinedDirection,
     NegativeRoot,
-    NegativeCode,
-    NoDecimalDigit,
-    Beyond,
+    NegativeDecimalCode,
+    InvalidDecimalDigit,
+    OutOfRange,
 }
 
-impl Fault {
-    pub(crate) const fn number(self) -> u16 {
+impl ArithmeticFault {
+    pub(crate) const fn alarm_number(self) -> u16 {
         match self {
-            Self::DivisionByZero | Self::NoTangent | Self::NoDirection => number::DIVISION_BY_ZERO,
-            Self::NegativeRoot | Self::NegativeCode | Self::NoDecimalDigit => {
+            Self::DivisionByZero | Self::UndefinedTangent | Self::UndefinedDirection => {
+                number::DIVISION_BY_ZERO
+            }
+            Self::NegativeRoot | Self::NegativeDecimalCode | Self::InvalidDecimalDigit => {
                 number::NEGATIVE_ARGUMENT
             }
-            Self::Beyond => number::MACRO_RANGE,
+            Self::OutOfRange => number::MACRO_RANGE,
         }
     }
 
     pub(crate) fn reason(self) -> Message {
         match self {
             Self::DivisionByZero => say::macro_division_by_zero(),
-            Self::NoTangent => say::macro_tangent_of_right_angle(),
-            Self::NoDirection => say::macro_angle_of_nothing(),
+            Self::UndefinedTangent => say::macro_tangent_of_right_angle(),
+            Self::UndefinedDirection => say::macro_angle_of_nothing(),
             Self::NegativeRoot => say::macro_root_of_negative(),
-            Self::NegativeCode => say::macro_decimal_code_negative(),
-            Self::NoDecimalDigit => say::macro_decimal_code_digit(),
-            Self::Beyond => say::macro_result_out_of_range(),
+            Self::NegativeDecimalCode => say::macro_decimal_code_negative(),
+            Self::InvalidDecimalDigit => say::macro_decimal_code_digit(),
+            Self::OutOfRange => say::macro_result_out_of_range(),
         }
     }
 }
@@ -55,7 +57,7 @@ impl Fault {
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Operation {
     /// Stores the result into the variable P.
-    Value(fn(Operands) -> Result<i128, Fault>),
+    Value(fn(Operands) -> Result<i128, ArithmeticFault>),
     /// Jumps to N of P if the condition of Q and R holds.
     Jump(fn(i64, i64) -> bool),
     /// Raises the alarm 500 + P.
@@ -64,28 +66,33 @@ pub(crate) enum Operation {
 
 impl Operation {
     /// The operation of an H code; `None` for an unknown code.
-    pub(crate) fn of(h: i64) -> Option<Self> {
+    pub(crate) fn from_h_code(h: i64) -> Option<Self> {
         use Operation::{Alarm, Jump, Value};
         Some(match h {
             1 => Value(|o| Ok(o.j.into())),
             2 => Value(|o| Ok(i128::from(o.j) + i128::from(o.k))),
             3 => Value(|o| Ok(i128::from(o.j) - i128::from(o.k))),
             4 => Value(|o| Ok(i128::from(o.j) * i128::from(o.k))),
-            5 => Value(|o| divided(o.j.into(), o.k)),
+            5 => Value(|o| divide(o.j.into(), o.k)),
             11 => Value(|o| Ok((o.j | o.k).into())),
             12 => Value(|o| Ok((o.j & o.k).into())),
             13 => Value(|o| Ok((o.j ^ o.k).into())),
-            21 => Value(|o| root(o.j)),
+            21 => Value(|o| square_root(o.j)),
             22 => Value(|o| Ok(i128::from(o.j).abs())),
-            23 => Value(|o| remainder(o.j, o.k)),
+            23 => Value(|o| find_remainder(o.j, o.k)),
             24 => Value(|o| from_decimal_code(o.j)),
             25 => Value(|o| to_decimal_code(o.j)),
-            26 => Value(|o| divided(i128::from(o.i) * i128::from(o.j), o.k)),
+            26 => Value(|o| divide(i128::from(o.i) * i128::from(o.j), o.k)),
             27 => Value(|o| Ok(hypotenuse(o.j, o.k))),
-            31 => Value(|o| Ok(times_sine(o.j, i128::from(o.k)))),
-            32 => Value(|o| Ok(times_sine(o.j, i128::from(o.k) + i128::from(QUARTER)))),
-            33 => Value(|o| times_tangent(o.j, o.k)),
-            34 => Value(|o| angle(o.j, o.k)),
+            31 => Value(|o| Ok(multiply_by_sine(o.j, i128::from(o.k)))),
+            32 => Value(|o| {
+                Ok(multiply_by_sine(
+                    o.j,
+                    i128::from(o.k) + i128::from(QUARTER_TURN),
+                ))
+            }),
+            33 => Value(|o| multiply_by_tangent(o.j, o.k)),
+            34 => Value(|o| direction_angle(o.j, o.k)),
             80 => Jump(|_, _| true),
             81 => Jump(|j, k| j == k),
             82 => Jump(|j, k| j != k),
@@ -113,19 +120,19 @@ impl Operation {
     }
 }
 
-fn divided(dividend: i128, divisor: i64) -> Result<i128, Fault> {
+fn divide(dividend: i128, divisor: i64) -> Result<i128, ArithmeticFault> {
     dividend
         .checked_div(divisor.into())
-        .ok_or(Fault::DivisionByZero)
+        .ok_or(ArithmeticFault::DivisionByZero)
 }
 
-fn remainder(dividend: i64, divisor: i64) -> Result<i128, Fault> {
+fn find_remainder(dividend: i64, divisor: i64) -> Result<i128, ArithmeticFault> {
     let remainder = i128::from(dividend).checked_rem(divisor.into());
-    remainder.ok_or(Fault::DivisionByZero)
+    remainder.ok_or(ArithmeticFault::DivisionByZero)
 }
 
-fn root(value: i64) -> Result<i128, Fault> {
-    let value = u64::try_from(value).map_err(|_| Fault::NegativeRoot)?;
+fn square_root(value: i64) -> Result<i128, ArithmeticFault> {
+    let value = u64::try_from(value).map_err(|_| ArithmeticFault::NegativeRoot)?;
     Ok(value.isqrt().into())
 }
 
@@ -138,13 +145,13 @@ fn hypotenuse(j: i64, k: i64) -> i128 {
 }
 
 /// The number of a binary-coded decimal, four bits per digit.
-fn from_decimal_code(code: i64) -> Result<i128, Fault> {
-    let mut rest = u64::try_from(code).map_err(|_| Fault::NegativeCode)?;
+fn from_decimal_code(code: i64) -> Result<i128, ArithmeticFault> {
+    let mut rest = u64::try_from(code).map_err(|_| ArithmeticFault::NegativeDecimalCode)?;
     let (mut value, mut weight) = (0, 1);
     while rest > 0 {
         let digit = rest & 0xF;
         if digit > 9 {
-            return Err(Fault::NoDecimalDigit);
+            return Err(ArithmeticFault::InvalidDecimalDigit);
         }
         value += i128::from(digit) * weight;
         weight *= 10;
@@ -154,8 +161,8 @@ fn from_decimal_code(code: i64) -> Result<i128, Fault> {
 }
 
 /// The binary-coded decimal of a number, four bits per digit.
-fn to_decimal_code(value: i64) -> Result<i128, Fault> {
-    let mut rest = u64::try_from(value).map_err(|_| Fault::NegativeCode)?;
+fn to_decimal_code(value: i64) -> Result<i128, ArithmeticFault> {
+    let mut rest = u64::try_from(value).map_err(|_| ArithmeticFault::NegativeDecimalCode)?;
     let (mut code, mut shift) = (0, 0);
     while rest > 0 {
         code |= i128::from(rest % 10) << shift;
@@ -166,21 +173,21 @@ fn to_decimal_code(value: i64) -> Result<i128, Fault> {
 }
 
 /// Thousandths of a degree in a quarter turn.
-const QUARTER: i64 = 90_000;
-const TURN: i64 = 4 * QUARTER;
+const QUARTER_TURN: i64 = 90_000;
+const FULL_TURN: i64 = 4 * QUARTER_TURN;
 
-fn radians(thousandths: i64) -> f64 {
+fn to_radians(thousandths: i64) -> f64 {
     (thousandths as f64 / 1000.0).to_radians()
 }
 
 /// Drops the fraction, after rounding off the error of the last bits: 1000 · sin 30° is 500.
-fn whole(value: f64) -> i128 {
+fn truncate(value: f64) -> i128 {
     const NOISE: f64 = 1e6;
     libm::trunc(libm::round(value * NOISE) / NOISE) as i128
 }
 
-fn times_sine(factor: i64, angle: i128) -> i128 {
-    let angle = angle.rem_euclid(TURN.into()) as i64;
+fn multiply_by_sine(factor: i64, angle: i128) -> i128 {
+    let angle = angle.rem_euclid(FULL_TURN.into()) as i64;
     let factor = i128::from(factor);
     // Exact at the angles with an exact sine.
     match angle {
@@ -189,25 +196,25 @@ fn times_sine(factor: i64, angle: i128) -> i128 {
         90_000 => factor,
         210_000 | 330_000 => -factor / 2,
         270_000 => -factor,
-        _ => whole(factor as f64 * libm::sin(radians(angle))),
+        _ => truncate(factor as f64 * libm::sin(to_radians(angle))),
     }
 }
 
-fn times_tangent(factor: i64, angle: i64) -> Result<i128, Fault> {
-    let angle = angle.rem_euclid(2 * QUARTER);
+fn multiply_by_tangent(factor: i64, angle: i64) -> Result<i128, ArithmeticFault> {
+    let angle = angle.rem_euclid(2 * QUARTER_TURN);
     Ok(match angle {
         0 => 0,
         45_000 => factor.into(),
-        QUARTER => return Err(Fault::NoTangent),
+        QUARTER_TURN => return Err(ArithmeticFault::UndefinedTangent),
         135_000 => -i128::from(factor),
-        _ => whole(factor as f64 * libm::tan(radians(angle))),
+        _ => truncate(factor as f64 * libm::tan(to_radians(angle))),
     })
 }
 
 /// The direction of (k, j) in thousandths of a degree, 0 to 359999.
-fn angle(j: i64, k: i64) -> Result<i128, Fault> {
+fn direction_angle(j: i64, k: i64) -> Result<i128, ArithmeticFault> {
     if j == 0 && k == 0 {
-        return Err(Fault::NoDirection);
+        return Err(ArithmeticFault::UndefinedDirection);
     }
     let degrees = libm::atan2(j as f64, k as f64).to_degrees();
     let degrees = if degrees < 0.0 {
@@ -215,22 +222,22 @@ fn angle(j: i64, k: i64) -> Result<i128, Fault> {
     } else {
         degrees
     };
-    Ok(whole(degrees * 1000.0).rem_euclid(TURN.into()))
+    Ok(truncate(degrees * 1000.0).rem_euclid(FULL_TURN.into()))
 }
 
 /// Computes the result of an operation.
 ///
 /// # Errors
 /// The fault of the operation, or alarm 111 outside the range of a variable.
-pub(crate) fn work_out(
-    function: fn(Operands) -> Result<i128, Fault>,
+pub(crate) fn compute(
+    function: fn(Operands) -> Result<i128, ArithmeticFault>,
     operands: Operands,
-) -> Result<i64, Fault> {
+) -> Result<i64, ArithmeticFault> {
     use crate::memory::Variables;
-    let value = i64::try_from(function(operands)?).map_err(|_| Fault::Beyond)?;
+    let value = i64::try_from(function(operands)?).map_err(|_| ArithmeticFault::OutOfRange)?;
     if (Variables::LEAST..=Variables::GREATEST).contains(&value) {
         Ok(value)
     } else {
-        Err(Fault::Beyond)
+        Err(ArithmeticFault::OutOfRange)
     }
 }

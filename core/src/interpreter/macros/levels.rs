@@ -11,64 +11,64 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::command::ProgramId;
-use crate::interpreter::context::place::{Call, CallKind};
-use crate::interpreter::macros::formula::Value;
+use crate::interpreter::context::program_position::{CallKind, ProgramCall};
+use crate::interpreter::macros::formula::FormulaValue;
 
 /// Greatest number of a local variable.
-pub(crate) const LOCALS: u32 = 33;
+pub(crate) const LAST_LOCAL: u32 = 33;
 
 /// Local variables with a value, by number.
-pub(crate) type Locals = BTreeMap<u8, f64>;
+pub(crate) type LocalVariables = BTreeMap<u8, f64>;
 
 /// Variables, loops and modal calls of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Levels {
     /// Variables of the main program.
-    main: Locals,
+    main: LocalVariables,
     /// Variables of the running macro calls, the innermost last.
-    called: Vec<Level>,
+    called: Vec<MacroLevel>,
     /// Running loops, the innermost last.
-    loops: Vec<Loop>,
+    loops: Vec<RunningLoop>,
     /// Modal calls, the last commanded last.
-    modal: Vec<Modal>,
+    modal: Vec<ModalCall>,
 }
 
 /// The local variables of one call.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Level {
+struct MacroLevel {
     /// Their values at the start of each run.
-    arguments: Locals,
-    values: Locals,
+    arguments: LocalVariables,
+    values: LocalVariables,
 }
 
 /// A running loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Loop {
+pub(crate) struct RunningLoop {
     /// Number of running calls at the loop.
     #[serde(rename = "depth")]
-    pub(crate) depth: usize,
+    pub(crate) call_depth: usize,
     /// m of DO m, 1 to 3.
     pub(crate) number: u8,
     /// Index of the blocks of DO and END.
     #[serde(rename = "first")]
-    pub(crate) first: u32,
+    pub(crate) first_block: u32,
     #[serde(rename = "last")]
-    pub(crate) last: u32,
+    pub(crate) last_block: u32,
 }
 
 /// A modal call by G66: each move calls its program.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Modal {
+pub(crate) struct ModalCall {
     pub(crate) program: ProgramId,
     pub(crate) runs: u16,
-    pub(crate) arguments: Locals,
+    pub(crate) arguments: LocalVariables,
 }
 
 impl Levels {
     /// The levels of a new run, without variables and calls.
     pub(crate) const fn new() -> Self {
         Self {
-            main: Locals::new(),
+            main: LocalVariables::new(),
             called: Vec::new(),
             loops: Vec::new(),
             modal: Vec::new(),
@@ -76,13 +76,13 @@ impl Levels {
     }
 
     /// The value of a local variable of the innermost level; `None` is null.
-    pub(crate) fn get(&self, number: u8) -> Value {
+    pub(crate) fn get(&self, number: u8) -> FormulaValue {
         let values = self.called.last().map_or(&self.main, |level| &level.values);
         values.get(&number).copied()
     }
 
     /// Sets a local variable of the innermost level; `None` makes it null.
-    pub(crate) fn set(&mut self, number: u8, value: Value) {
+    pub(crate) fn set(&mut self, number: u8, value: FormulaValue) {
         let values = match self.called.last_mut() {
             Some(level) => &mut level.values,
             None => &mut self.main,
@@ -94,15 +94,15 @@ impl Levels {
     }
 
     /// Adds a level for a macro call with these arguments.
-    pub(crate) fn enter(&mut self, arguments: Locals) {
+    pub(crate) fn push_level(&mut self, arguments: LocalVariables) {
         let values = arguments.clone();
-        self.called.push(Level { arguments, values });
+        self.called.push(MacroLevel { arguments, values });
     }
 
     /// Prepares the next run of the innermost of `depth` calls: ends its loops, and restores
     /// its arguments unless it is modal.
-    pub(crate) fn run_again(&mut self, call: &Call, depth: usize) {
-        self.loops.retain(|it| it.depth < depth);
+    pub(crate) fn prepare_next_run(&mut self, call: &ProgramCall, depth: usize) {
+        self.loops.retain(|it| it.call_depth < depth);
         if let (CallKind::Macro, Some(level)) = (call.kind, self.called.last_mut()) {
             level.values.clone_from(&level.arguments);
         }
@@ -110,8 +110,8 @@ impl Levels {
 
     /// Removes the level of a call; `depth` calls are left. A modal call keeps its variables
     /// for the next move.
-    pub(crate) fn leave(&mut self, call: &Call, depth: usize) {
-        self.loops.retain(|it| it.depth <= depth);
+    pub(crate) fn pop_level(&mut self, call: &ProgramCall, depth: usize) {
+        self.loops.retain(|it| it.call_depth <= depth);
         let level = match call.kind {
             CallKind::Subprogram => return,
             CallKind::Macro | CallKind::Modal(_) => self.called.pop(),
@@ -124,46 +124,50 @@ impl Levels {
     }
 
     /// Ends the loops that a jump to `block` leaves, on the same level; loops around it stay.
-    pub(crate) fn jump(&mut self, depth: usize, block: u32) {
-        let around = |it: &Loop| (it.first..=it.last).contains(&block);
-        self.loops.retain(|it| it.depth < depth || around(it));
+    pub(crate) fn end_left_loops(&mut self, depth: usize, block: u32) {
+        let contains_target = |it: &RunningLoop| (it.first_block..=it.last_block).contains(&block);
+        self.loops
+            .retain(|it| it.call_depth < depth || contains_target(it));
     }
 
     /// The innermost loop, if it is on the level of `depth` calls.
-    pub(crate) fn innermost(&self, depth: usize) -> Option<Loop> {
-        self.loops.last().copied().filter(|it| it.depth == depth)
+    pub(crate) fn innermost_loop(&self, depth: usize) -> Option<RunningLoop> {
+        self.loops
+            .last()
+            .copied()
+            .filter(|it| it.call_depth == depth)
     }
 
     /// Adds a loop, unless it is running already.
-    pub(crate) fn enter_loop(&mut self, entered: Loop) {
-        if self.innermost(entered.depth) != Some(entered) {
+    pub(crate) fn enter_loop(&mut self, entered: RunningLoop) {
+        if self.innermost_loop(entered.call_depth) != Some(entered) {
             self.loops.push(entered);
         }
     }
 
-    /// Adds a modal call (G66). Returns false if `most` calls exist already.
-    pub(crate) fn add_modal(&mut self, modal: Modal, most: usize) -> bool {
-        let room = self.modal.len() < most;
-        if room {
+    /// Adds a modal call (G66). Returns false if `max_calls` calls exist already.
+    pub(crate) fn add_modal_call(&mut self, modal: ModalCall, max_calls: usize) -> bool {
+        let has_capacity = self.modal.len() < max_calls;
+        if has_capacity {
             self.modal.push(modal);
         }
-        room
+        has_capacity
     }
 
     /// Cancels the last modal call (G67).
-    pub(crate) fn cancel_modal(&mut self) {
+    pub(crate) fn cancel_modal_call(&mut self) {
         self.modal.pop();
     }
 
     /// The modal call that a move makes, with its index: the last one that is not running.
-    pub(crate) fn modal(&self, calls: &[Call]) -> Option<(u8, &Modal)> {
-        let under_way = |index| {
+    pub(crate) fn find_modal_call(&self, calls: &[ProgramCall]) -> Option<(u8, &ModalCall)> {
+        let is_running = |index| {
             let kind = CallKind::Modal(index);
             calls.iter().any(|call| call.kind == kind)
         };
         let all = self.modal.iter().enumerate().rev();
         all.map(|(index, modal)| (index as u8, modal))
-            .find(|(index, _)| !under_way(*index))
+            .find(|(index, _)| !is_running(*index))
     }
 
     /// Whether a move may call a program.

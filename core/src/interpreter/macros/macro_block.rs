@@ -11,18 +11,18 @@ use gsk_messages::say;
 use crate::alarm::{Alarm, number};
 use crate::interpreter::context::host::Host;
 use crate::interpreter::macros::arithmetic::{self, Operands, Operation};
-use crate::interpreter::macros::variable::{NotNow, Slot, value};
+use crate::interpreter::macros::variable::{MacroVariable, ReadError, read_value};
 use crate::memory::Variables;
-use crate::program::{Block, Number};
+use crate::program::{ProgramBlock, WordNumber};
 
 /// Greatest P of H99.
 const LAST_USER_ALARM: i64 = 99;
 
 /// What a G65 block does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Outcome {
+pub(crate) enum MacroBlockEffect {
     /// Sets a variable to a value.
-    Value(Slot, i64),
+    Value(MacroVariable, i64),
     /// Jumps to a sequence number; if negative, searches backward first.
     Jump(i64),
     /// Continues with the next block.
@@ -33,62 +33,65 @@ pub(crate) enum Outcome {
 ///
 /// # Errors
 /// 111 to 116, 119, 125, the alarm of H99, or a variable that cannot be read yet.
-pub(crate) fn evaluate(block: &Block, host: &impl Host) -> Result<Outcome, NotNow> {
+pub(crate) fn evaluate_macro_block(
+    block: &ProgramBlock,
+    host: &impl Host,
+) -> Result<MacroBlockEffect, ReadError> {
     let Some(h) = block.number(b'H') else {
-        return Err(without_h(block).into());
+        return Err(missing_h_alarm(block).into());
     };
-    let h = operand(Some(h), host)?;
-    let Some(operation) = Operation::of(h) else {
+    let h = read_operand(Some(h), host)?;
+    let Some(operation) = Operation::from_h_code(h) else {
         return Err(Alarm::new(number::BAD_OPERATION)
-            .because(say::macro_operation_unknown(h))
+            .with_detail(say::macro_operation_unknown(h))
             .into());
     };
     let p = block.number(b'P');
-    let values = |i| {
-        Ok::<_, NotNow>(Operands {
+    let read_operands = |i| {
+        Ok::<_, ReadError>(Operands {
             i,
-            j: operand(block.number(b'Q'), host)?,
-            k: operand(block.number(b'R'), host)?,
+            j: read_operand(block.number(b'Q'), host)?,
+            k: read_operand(block.number(b'R'), host)?,
         })
     };
     match operation {
         Operation::Value(function) => {
-            let slot = result(p, host)?;
+            let variable = find_result_variable(p, host)?;
             let before = if Operation::reads_result(h) {
-                slot.read(host)?
+                variable.read(host)?
             } else {
                 0
             };
-            let operands = values(before)?;
-            let value = arithmetic::work_out(function, operands).map_err(|fault| {
+            let operands = read_operands(before)?;
+            let value = arithmetic::compute(function, operands).map_err(|fault| {
                 let Operands { j, k, .. } = operands;
                 let detail = say::operation_of(h, j, k, fault.reason());
-                Alarm::new(fault.number()).because(detail)
+                Alarm::new(fault.alarm_number()).with_detail(detail)
             })?;
-            slot.check(value, host)?;
-            Ok(Outcome::Value(slot, value))
+            variable.check(value, host)?;
+            Ok(MacroBlockEffect::Value(variable, value))
         }
         Operation::Jump(condition) => {
-            let Operands { j, k, .. } = values(0)?;
+            let Operands { j, k, .. } = read_operands(0)?;
             if condition(j, k) {
-                Ok(Outcome::Jump(operand(p, host)?))
+                Ok(MacroBlockEffect::Jump(read_operand(p, host)?))
             } else {
-                Ok(Outcome::Nothing)
+                Ok(MacroBlockEffect::Nothing)
             }
         }
-        Operation::Alarm => Err(user_alarm(operand(p, host)?).into()),
+        Operation::Alarm => Err(user_alarm(read_operand(p, host)?).into()),
     }
 }
 
-fn without_h(block: &Block) -> Alarm {
+fn missing_h_alarm(block: &ProgramBlock) -> Alarm {
     if block.has(b'P') {
-        return Alarm::new(number::BAD_IN_MACRO).because(say::macro_call_with_arguments());
+        return Alarm::new(number::BAD_IN_MACRO).with_detail(say::macro_call_with_arguments());
     }
-    Alarm::new(number::BAD_OPERATION).because(say::macro_operation_missing())
+    Alarm::new(number::BAD_OPERATION).with_detail(say::macro_operation_missing())
 }
 
 /// A constant, or the value of a variable; 0 if the word is missing.
-fn operand(number: Option<Number>, host: &impl Host) -> Result<i64, NotNow> {
+fn read_operand(number: Option<WordNumber>, host: &impl Host) -> Result<i64, ReadError> {
     let Some(number) = number else {
         return Ok(0);
     };
@@ -98,34 +101,37 @@ fn operand(number: Option<Number>, host: &impl Host) -> Result<i64, NotNow> {
             return Ok(value);
         }
         return Err(Alarm::new(number::MACRO_RANGE)
-            .because(say::macro_value_out_of_range(value))
+            .with_detail(say::macro_value_out_of_range(value))
             .into());
     };
-    let value = value(variable, host)?;
+    let value = read_value(variable, host)?;
     Ok(if variable.negative { -value } else { value })
 }
 
 /// The variable P of an operation.
-fn result(p: Option<Number>, host: &impl Host) -> Result<Slot, NotNow> {
-    let variable = p.and_then(Number::variable);
+fn find_result_variable(
+    p: Option<WordNumber>,
+    host: &impl Host,
+) -> Result<MacroVariable, ReadError> {
+    let variable = p.and_then(WordNumber::variable);
     let Some(variable) = variable.filter(|variable| !variable.negative) else {
         return Err(Alarm::new(number::BAD_VARIABLE)
-            .because(say::macro_result_variable_missing())
+            .with_detail(say::macro_result_variable_missing())
             .into());
     };
-    let slot = Slot::find(variable.number, host)?;
-    if matches!(slot, Slot::Input(_) | Slot::Inputs) {
-        slot.check(0, host)?;
+    let result = MacroVariable::find(variable.number, host)?;
+    if matches!(result, MacroVariable::Input(_) | MacroVariable::Inputs) {
+        result.check(0, host)?;
     }
-    Ok(slot)
+    Ok(result)
 }
 
 fn user_alarm(p: i64) -> Alarm {
     match u16::try_from(p) {
         Ok(number) if p <= LAST_USER_ALARM => {
-            Alarm::new(number::USER_ALARM + number).because(say::macro_user_alarm(p))
+            Alarm::new(number::USER_ALARM + number).with_detail(say::macro_user_alarm(p))
         }
         _ => Alarm::new(number::OUT_OF_RANGE)
-            .because(say::macro_user_alarm_out_of_range(p, LAST_USER_ALARM)),
+            .with_detail(say::macro_user_alarm_out_of_range(p, LAST_USER_ALARM)),
     }
 }

@@ -4,43 +4,43 @@ use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
 use crate::command::ProgramId;
-use crate::interpreter::context::place::{Call, CallKind, Place};
-use crate::interpreter::macros::formula::{self, Read, evaluate};
-use crate::interpreter::macros::levels::{Locals, Loop, Modal};
-use crate::interpreter::macros::variable::NotNow;
+use crate::interpreter::context::program_position::{CallKind, ProgramCall, ProgramPosition};
+use crate::interpreter::macros::formula::{self, FormulaContext, evaluate_formula};
+use crate::interpreter::macros::levels::{LocalVariables, ModalCall, RunningLoop};
+use crate::interpreter::macros::variable::ReadError;
 use crate::program::{
-    Assignment, Block, CodeCall, Expression, MacroCall, Program, ProgramMemory, Statement, Syntax,
-    Then,
+    CodeCall, FormulaCode, IfAction, MacroAssignment, MacroCall, MacroStatement, Program,
+    ProgramBlock, ProgramMemory, Syntax,
 };
 
 /// Greatest depth of nested macro calls.
-pub(crate) const MACRO_LEVELS: usize = 4;
+pub(crate) const MAX_MACRO_DEPTH: usize = 4;
 /// The variable that raises an alarm.
-const FIRST_ALARM: u32 = 3000;
+const ALARM_VARIABLE: u32 = 3000;
 /// Greatest number of an alarm of a program.
-const LAST_ALARM: f64 = 99.0;
+const MAX_ALARM_NUMBER: f64 = 99.0;
 /// Greatest number of characters of an alarm text.
-const ALARM_TEXT: usize = 26;
+const MAX_ALARM_TEXT_CHARS: usize = 26;
 /// Greatest number of groups of I, J and K in a call.
-const GROUPS: u8 = 10;
+const MAX_ARGUMENT_GROUPS: u8 = 10;
 
 /// What a statement does. The caller carries it out.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Outcome {
+pub(crate) enum StatementEffect {
     /// Sets a variable to a value, or to null.
     Assign(u32, Option<f64>),
     /// Jumps to a sequence number.
-    Goto(i64),
+    Jump(i64),
     /// Enters a loop, or repeats it.
-    Enter(Loop),
+    Enter(RunningLoop),
     /// Jumps from END back to its DO, at this block.
     Repeat(u32),
     /// Jumps to the block after this END.
     Leave(u32),
     /// Calls a macro with arguments (G65).
-    Call(Call, Locals),
+    Call(ProgramCall, LocalVariables),
     /// Starts a modal call (G66).
-    Modal(Modal),
+    Modal(ModalCall),
     /// Cancels a modal call (G67).
     CancelModal,
     /// Continues with the next block.
@@ -48,200 +48,229 @@ pub(crate) enum Outcome {
 }
 
 /// The position of a statement: program, block and calls.
-pub(crate) struct Here<'a> {
+pub(crate) struct StatementContext<'a> {
     pub(crate) program: &'a Program,
     pub(crate) programs: &'a ProgramMemory,
-    pub(crate) place: Place,
-    pub(crate) calls: &'a [Call],
+    pub(crate) position: ProgramPosition,
+    pub(crate) calls: &'a [ProgramCall],
     pub(crate) syntax: Syntax,
     /// The loop that begins at this block, or the innermost one at an END.
-    pub(crate) within: Option<Loop>,
+    pub(crate) current_loop: Option<RunningLoop>,
 }
 
 /// Evaluates a statement. Nothing changes.
 ///
 /// # Errors
 /// The alarm of the statement or of a formula, or a variable that cannot be read yet.
-pub(crate) fn carry_out(
-    statement: &Statement,
-    here: &Here<'_>,
-    read: Read<'_>,
-) -> Result<Outcome, NotNow> {
+pub(crate) fn evaluate_statement(
+    statement: &MacroStatement,
+    context: &StatementContext<'_>,
+    formula_context: FormulaContext<'_>,
+) -> Result<StatementEffect, ReadError> {
     match statement {
-        Statement::Assign(assignment) => assign(assignment, read),
-        Statement::Goto(target) => goto(target, read),
-        Statement::If(condition, then) => match (formula::holds(condition, read)?, then) {
-            (false, _) => Ok(Outcome::Nothing),
-            (true, Then::Goto(target)) => goto(target, read),
-            (true, Then::Assign(assignment)) => assign(assignment, read),
+        MacroStatement::Assign(assignment) => evaluate_assignment(assignment, formula_context),
+        MacroStatement::Goto(target) => evaluate_jump(target, formula_context),
+        MacroStatement::If(condition, then) => match (
+            formula::is_condition_true(condition, formula_context)?,
+            then,
+        ) {
+            (false, _) => Ok(StatementEffect::Nothing),
+            (true, IfAction::Goto(target)) => evaluate_jump(target, formula_context),
+            (true, IfAction::Assign(assignment)) => {
+                evaluate_assignment(assignment, formula_context)
+            }
         },
-        Statement::Do(condition, number) => {
-            let known = here.within.filter(|it| it.first == here.place.block);
-            let entered = match known {
+        MacroStatement::Do(condition, number) => {
+            let known_loop = context
+                .current_loop
+                .filter(|it| it.first_block == context.position.block);
+            let entered = match known_loop {
                 Some(known) => known,
-                None => here.find_loop(*number)?,
+                None => context.find_loop(*number)?,
             };
-            let goes_on = match condition {
-                Some(condition) => formula::holds(condition, read)?,
+            let is_continued = match condition {
+                Some(condition) => formula::is_condition_true(condition, formula_context)?,
                 None => true,
             };
-            Ok(if goes_on {
-                Outcome::Enter(entered)
+            Ok(if is_continued {
+                StatementEffect::Enter(entered)
             } else {
-                Outcome::Leave(entered.last)
+                StatementEffect::Leave(entered.last_block)
             })
         }
-        Statement::End(number) => {
-            let ends = |it: &Loop| it.number == *number && it.last == here.place.block;
-            let ended = here.within.filter(ends);
-            let ended = ended.ok_or_else(|| loops_wrong(say::loop_end_alone(*number)))?;
-            Ok(Outcome::Repeat(ended.first))
+        MacroStatement::End(number) => {
+            let is_matching_loop =
+                |it: &RunningLoop| it.number == *number && it.last_block == context.position.block;
+            let ended = context.current_loop.filter(is_matching_loop);
+            let ended = ended.ok_or_else(|| loop_alarm(say::loop_end_alone(*number)))?;
+            Ok(StatementEffect::Repeat(ended.first_block))
         }
-        Statement::Call(call) => {
-            let by = By {
+        MacroStatement::Call(call) => {
+            let caller = MacroCaller {
                 name: "G65",
-                most: 99,
+                max_runs: 99,
                 codes_ordinary: false,
             };
-            macro_call(call, &by, here, read)
+            evaluate_macro_call(call, &caller, context, formula_context)
         }
-        Statement::ModalCall(_) if here.place.program == ProgramId::Mdi => Err(call_in_mdi("G66")),
-        Statement::ModalCall(call) => Ok(Outcome::Modal(Modal {
-            program: here.called("G66", call, read)?,
-            runs: runs(call, 9999, read)?,
-            arguments: arguments(call, read)?,
+        MacroStatement::ModalCall(_) if context.position.program == ProgramId::Mdi => {
+            Err(mdi_call_alarm("G66"))
+        }
+        MacroStatement::ModalCall(call) => Ok(StatementEffect::Modal(ModalCall {
+            program: context.find_called_program("G66", call, formula_context)?,
+            runs: evaluate_runs(call, 9999, formula_context)?,
+            arguments: evaluate_arguments(call, formula_context)?,
         })),
-        Statement::CancelModalCall => Ok(Outcome::CancelModal),
+        MacroStatement::CancelModalCall => Ok(StatementEffect::CancelModal),
         // A block of words is no statement; the reader evaluates its words.
-        Statement::Words(_) => Ok(Outcome::Nothing),
+        MacroStatement::Words(_) => Ok(StatementEffect::Nothing),
     }
 }
 
 /// The code that calls a macro, and the limits of the call.
-struct By<'a> {
+struct MacroCaller<'a> {
     name: &'a str,
     /// Greatest number of runs.
-    most: i64,
+    max_runs: i64,
     /// Whether codes that call by parameters are ordinary codes in the macro.
     codes_ordinary: bool,
 }
 
-fn macro_call(
+fn evaluate_macro_call(
     call: &MacroCall,
-    by: &By<'_>,
-    here: &Here<'_>,
-    read: Read<'_>,
-) -> Result<Outcome, NotNow> {
-    if here.place.program == ProgramId::Mdi {
-        return Err(call_in_mdi(by.name));
+    caller: &MacroCaller<'_>,
+    context: &StatementContext<'_>,
+    formula_context: FormulaContext<'_>,
+) -> Result<StatementEffect, ReadError> {
+    if context.position.program == ProgramId::Mdi {
+        return Err(mdi_call_alarm(caller.name));
     }
-    let nested = here.calls.iter().filter(|it| !it.kind.is_subprogram());
-    if nested.count() >= MACRO_LEVELS {
-        let detail = say::call_too_deep(by.name, MACRO_LEVELS + 1, MACRO_LEVELS);
-        return Err(Alarm::new(number::CALL_TOO_DEEP).because(detail).into());
+    let nested = context.calls.iter().filter(|it| !it.kind.is_subprogram());
+    if nested.count() >= MAX_MACRO_DEPTH {
+        let detail = say::call_too_deep(caller.name, MAX_MACRO_DEPTH + 1, MAX_MACRO_DEPTH);
+        return Err(Alarm::new(number::CALL_TOO_DEEP).with_detail(detail).into());
     }
-    let call_of = Call {
-        program: here.called(by.name, call, read)?,
-        runs: runs(call, by.most, read)?,
-        back: here.place.after(),
+    let program_call = ProgramCall {
+        program: context.find_called_program(caller.name, call, formula_context)?,
+        runs_left: evaluate_runs(call, caller.max_runs, formula_context)?,
+        return_position: context.position.next_block(),
         kind: CallKind::Macro,
-        first: 0,
-        blocks: None,
-        codes_ordinary: by.codes_ordinary,
+        first_block: 0,
+        block_count: None,
+        codes_ordinary: caller.codes_ordinary,
     };
-    Ok(Outcome::Call(call_of, arguments(call, read)?))
+    Ok(StatementEffect::Call(
+        program_call,
+        evaluate_arguments(call, formula_context)?,
+    ))
 }
 
 /// Evaluates the call that a G or M code makes by a parameter.
 ///
 /// # Errors
-/// As for [`carry_out`].
-pub(crate) fn carry_out_code_call(
+/// As for [`evaluate_statement`].
+pub(crate) fn evaluate_code_call(
     code_call: &CodeCall,
-    here: &Here<'_>,
-    read: Read<'_>,
-) -> Result<Outcome, NotNow> {
+    context: &StatementContext<'_>,
+    formula_context: FormulaContext<'_>,
+) -> Result<StatementEffect, ReadError> {
     let (letter, code) = code_call.code;
-    let by = By {
+    let caller = MacroCaller {
         name: &format!("{letter}{code:02}"),
-        most: 9999,
+        max_runs: 9999,
         codes_ordinary: letter == 'G',
     };
-    macro_call(&code_call.call, &by, here, read)
+    evaluate_macro_call(&code_call.call, &caller, context, formula_context)
 }
 
-fn call_in_mdi(name: &str) -> NotNow {
+fn mdi_call_alarm(name: &str) -> ReadError {
     let detail = say::macro_call_in_mdi(name);
-    Alarm::new(number::BAD_G).because(detail).into()
+    Alarm::new(number::BAD_G).with_detail(detail).into()
 }
 
-fn assign(assignment: &Assignment, read: Read<'_>) -> Result<Outcome, NotNow> {
-    let variable = evaluate(&assignment.variable, 1.0, read)?;
-    let variable = formula::variable_number(variable.unwrap_or(0.0))?;
-    let value = evaluate(&assignment.value, 1.0, read)?;
-    if variable == FIRST_ALARM {
+fn evaluate_assignment(
+    assignment: &MacroAssignment,
+    formula_context: FormulaContext<'_>,
+) -> Result<StatementEffect, ReadError> {
+    let variable = evaluate_formula(&assignment.variable, 1.0, formula_context)?;
+    let variable = formula::to_variable_number(variable.unwrap_or(0.0))?;
+    let value = evaluate_formula(&assignment.value, 1.0, formula_context)?;
+    if variable == ALARM_VARIABLE {
         return Err(program_alarm(value, &assignment.comment).into());
     }
-    Ok(Outcome::Assign(variable, value))
+    Ok(StatementEffect::Assign(variable, value))
 }
 
 /// The alarm of `#3000=n (text)`.
 fn program_alarm(value: Option<f64>, text: &str) -> Alarm {
-    let value = formula::rounded(value.unwrap_or(0.0));
-    if !(0.0..=LAST_ALARM).contains(&value) {
+    let value = formula::round_half_away(value.unwrap_or(0.0));
+    if !(0.0..=MAX_ALARM_NUMBER).contains(&value) {
         let detail = say::macro_alarm_out_of_range(value);
-        return Alarm::new(number::OUT_OF_RANGE).because(detail);
+        return Alarm::new(number::OUT_OF_RANGE).with_detail(detail);
     }
-    let text: String = text.chars().take(ALARM_TEXT).collect();
-    Alarm::new(number::MACRO_ALARM + value as u16).because(say::as_written(text))
+    let text: String = text.chars().take(MAX_ALARM_TEXT_CHARS).collect();
+    Alarm::new(number::MACRO_ALARM + value as u16).with_detail(say::as_written(text))
 }
 
-fn goto(target: &Expression, read: Read<'_>) -> Result<Outcome, NotNow> {
-    let target = whole(target, read)?;
+fn evaluate_jump(
+    target: &FormulaCode,
+    formula_context: FormulaContext<'_>,
+) -> Result<StatementEffect, ReadError> {
+    let target = evaluate_integer(target, formula_context)?;
     if (1..=9999).contains(&target) {
-        return Ok(Outcome::Goto(target));
+        return Ok(StatementEffect::Jump(target));
     }
     let detail = say::goto_out_of_range(target);
-    Err(Alarm::new(number::BAD_JUMP).because(detail).into())
+    Err(Alarm::new(number::BAD_JUMP).with_detail(detail).into())
 }
 
-fn whole(expression: &Expression, read: Read<'_>) -> Result<i64, NotNow> {
-    let value = evaluate(expression, 1.0, read)?;
-    Ok(formula::rounded(value.unwrap_or(0.0)) as i64)
+fn evaluate_integer(
+    expression: &FormulaCode,
+    formula_context: FormulaContext<'_>,
+) -> Result<i64, ReadError> {
+    let value = evaluate_formula(expression, 1.0, formula_context)?;
+    Ok(formula::round_half_away(value.unwrap_or(0.0)) as i64)
 }
 
-fn runs(call: &MacroCall, most: i64, read: Read<'_>) -> Result<u16, NotNow> {
+fn evaluate_runs(
+    call: &MacroCall,
+    max_runs: i64,
+    formula_context: FormulaContext<'_>,
+) -> Result<u16, ReadError> {
     let Some(runs) = &call.runs else {
         return Ok(1);
     };
-    let runs = whole(runs, read)?;
-    if (1..=most).contains(&runs) {
+    let runs = evaluate_integer(runs, formula_context)?;
+    if (1..=max_runs).contains(&runs) {
         return Ok(runs as u16);
     }
-    let detail = say::macro_runs_out_of_range(runs, most);
-    Err(Alarm::new(number::OUT_OF_RANGE).because(detail).into())
+    let detail = say::macro_runs_out_of_range(runs, max_runs);
+    Err(Alarm::new(number::OUT_OF_RANGE).with_detail(detail).into())
 }
 
 /// The local variables that the arguments of a call set.
 ///
 /// I, J and K count in groups. One that does not follow the last of them in the alphabet
 /// begins the next group, so one rule reads both argument lists of the manual.
-fn arguments(call: &MacroCall, read: Read<'_>) -> Result<Locals, NotNow> {
+fn evaluate_arguments(
+    call: &MacroCall,
+    formula_context: FormulaContext<'_>,
+) -> Result<LocalVariables, ReadError> {
     let arguments = call.arguments.iter().map(|(address, value)| {
-        let value = evaluate(value, 0.001, read)?;
+        let value = evaluate_formula(value, 0.001, formula_context)?;
         Ok((*address, value))
     });
-    arguments_of(arguments)
+    locals_from_arguments(arguments)
 }
 
 /// The local variables of arguments whose values are known.
 ///
 /// # Errors
 /// 129 for a letter that is no argument, or too many groups.
-pub(crate) fn arguments_of(
-    arguments: impl Iterator<Item = Result<(u8, Option<f64>), NotNow>>,
-) -> Result<Locals, NotNow> {
-    let mut locals = Locals::new();
+pub(crate) fn locals_from_arguments(
+    arguments: impl Iterator<Item = Result<(u8, Option<f64>), ReadError>>,
+) -> Result<LocalVariables, ReadError> {
+    let mut locals = LocalVariables::new();
     let (mut group, mut last) = (0_u8, None);
     for argument in arguments {
         let (address, value) = argument?;
@@ -250,9 +279,9 @@ pub(crate) fn arguments_of(
                 let rank = address - b'I';
                 group += u8::from(last.is_some_and(|last| rank <= last));
                 last = Some(rank);
-                if group >= GROUPS {
-                    let detail = say::macro_argument_groups(GROUPS);
-                    return Err(Alarm::new(number::BAD_ARGUMENT).because(detail).into());
+                if group >= MAX_ARGUMENT_GROUPS {
+                    let detail = say::macro_argument_groups(MAX_ARGUMENT_GROUPS);
+                    return Err(Alarm::new(number::BAD_ARGUMENT).with_detail(detail).into());
                 }
                 4 + 3 * group + rank
             }
@@ -263,69 +292,78 @@ pub(crate) fn arguments_of(
             b'Q'..=b'Z' => address - b'Q' + 17,
             _ => {
                 let detail = say::macro_argument_address(char::from(address));
-                return Err(Alarm::new(number::BAD_ARGUMENT).because(detail).into());
+                return Err(Alarm::new(number::BAD_ARGUMENT).with_detail(detail).into());
             }
         };
         match value {
-            Some(value) => locals.insert(variable, formula::kept(value)),
+            Some(value) => locals.insert(variable, formula::round_to_stored(value)),
             None => locals.remove(&variable),
         };
     }
     Ok(locals)
 }
 
-fn loops_wrong(detail: gsk_messages::Message) -> NotNow {
-    Alarm::new(number::LOOP_MISMATCH).because(detail).into()
+fn loop_alarm(detail: gsk_messages::Message) -> ReadError {
+    Alarm::new(number::LOOP_MISMATCH).with_detail(detail).into()
 }
 
-impl Here<'_> {
-    fn called(&self, name: &str, call: &MacroCall, read: Read<'_>) -> Result<ProgramId, NotNow> {
+impl StatementContext<'_> {
+    fn find_called_program(
+        &self,
+        name: &str,
+        call: &MacroCall,
+        formula_context: FormulaContext<'_>,
+    ) -> Result<ProgramId, ReadError> {
         let Some(program) = &call.program else {
             let detail = say::call_without_program();
-            return Err(Alarm::new(number::CALL_WITHOUT_P).because(detail).into());
+            return Err(Alarm::new(number::CALL_WITHOUT_P)
+                .with_detail(detail)
+                .into());
         };
-        let number = whole(program, read)?;
-        let found = u16::try_from(number)
+        let number = evaluate_integer(program, formula_context)?;
+        let program = u16::try_from(number)
             .ok()
-            .and_then(|it| self.programs.find(it));
-        found.ok_or_else(|| {
+            .and_then(|it| self.programs.find_called(it));
+        program.ok_or_else(|| {
             let detail = say::call_program_missing(name, number);
-            Alarm::new(number::TARGET_MISSING).because(detail).into()
+            Alarm::new(number::TARGET_MISSING)
+                .with_detail(detail)
+                .into()
         })
     }
 
     /// The loop that begins at this block, with the index of its END. Loops in between must
     /// lie inside it as a whole.
-    fn find_loop(&self, number: u8) -> Result<Loop, NotNow> {
-        let first = self.place.block;
+    fn find_loop(&self, number: u8) -> Result<RunningLoop, ReadError> {
+        let first = self.position.block;
         let mut open = vec![number];
-        let mut block = Block::default();
+        let mut block = ProgramBlock::default();
         for index in first + 1..self.program.block_count() {
             if self.program.read(index, self.syntax, &mut block).is_err() {
                 continue;
             }
             match block.macro_statement() {
-                Some(Statement::Do(_, inner)) if open.contains(inner) => {
-                    return Err(loops_wrong(say::loop_twice(*inner)));
+                Some(MacroStatement::Do(_, inner)) if open.contains(inner) => {
+                    return Err(loop_alarm(say::loop_twice(*inner)));
                 }
-                Some(Statement::Do(_, inner)) => open.push(*inner),
-                Some(Statement::End(ended)) if open.last() != Some(ended) => {
-                    return Err(loops_wrong(say::loop_end_alone(*ended)));
+                Some(MacroStatement::Do(_, inner)) => open.push(*inner),
+                Some(MacroStatement::End(ended)) if open.last() != Some(ended) => {
+                    return Err(loop_alarm(say::loop_end_alone(*ended)));
                 }
-                Some(Statement::End(_)) => {
+                Some(MacroStatement::End(_)) => {
                     open.pop();
                     if open.is_empty() {
-                        return Ok(Loop {
-                            depth: self.calls.len(),
+                        return Ok(RunningLoop {
+                            call_depth: self.calls.len(),
                             number,
-                            first,
-                            last: index,
+                            first_block: first,
+                            last_block: index,
                         });
                     }
                 }
                 _ => {}
             }
         }
-        Err(loops_wrong(say::loop_without_end(number)))
+        Err(loop_alarm(say::loop_without_end(number)))
     }
 }

@@ -26,75 +26,76 @@
 use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
-use crate::command::{ProgramId, Source};
-use crate::interpreter::context::exact::Exact;
+use crate::command::{ProgramId, SourcePosition};
+use crate::interpreter::context::exact::ExactPoint;
 use crate::interpreter::context::host::Host;
 use crate::interpreter::context::state::State;
-use crate::interpreter::macros::formula::{self, Value};
-use crate::interpreter::macros::levels::{LOCALS, Levels};
-use crate::interpreter::macros::variable::{NotNow, Slot};
+use crate::interpreter::macros::formula::{self, FormulaValue};
+use crate::interpreter::macros::levels::{LAST_LOCAL, Levels};
+use crate::interpreter::macros::variable::{MacroVariable, ReadError};
 use crate::memory::{Counters, Registers, SwitchedOff, Variables};
-use crate::program::{Block, Expression, Program, Syntax};
+use crate::program::{FormulaCode, Program, ProgramBlock, Syntax};
 
 /// The sources of variables besides the host.
-pub(crate) struct Known<'a> {
+pub(crate) struct VariableSources<'a> {
     pub(crate) levels: &'a Levels,
     /// The state after the previous block.
     pub(crate) state: State,
-    pub(crate) source: Source,
+    pub(crate) source: SourcePosition,
     /// Whether the variables are those of the Huaxing lathes, #1 to #99.
-    pub(crate) counted: bool,
+    pub(crate) has_huaxing_variables: bool,
 }
 
-impl Known<'_> {
+impl VariableSources<'_> {
     /// The value of a variable; `None` is null.
     ///
     /// # Errors
     /// 115 for an unknown number, or a variable that cannot be read yet.
-    pub(crate) fn read(&self, number: u32, host: &impl Host) -> Result<Value, NotNow> {
-        if self.counted {
+    pub(crate) fn read(&self, number: u32, host: &impl Host) -> Result<FormulaValue, ReadError> {
+        if self.has_huaxing_variables {
             return match u16::try_from(number) {
                 Ok(0) => Ok(None),
-                Ok(number @ 1..=99) => Ok(host.variables().counted(number)),
-                _ => Err(unknown_there(number)),
+                Ok(number @ 1..=99) => Ok(host.variables().huaxing_value(number)),
+                _ => Err(unknown_huaxing_alarm(number)),
             };
         }
         match number {
             0 => Ok(None),
-            1..=LOCALS => Ok(self.levels.get(number as u8)),
+            1..=LAST_LOCAL => Ok(self.levels.get(number as u8)),
             1000..=1133 => {
-                let slot = Slot::find(number as u16, host)?;
+                let slot = MacroVariable::find(number as u16, host)?;
                 Ok(Some(slot.read(host)? as f64))
             }
-            2000..=2999 => offset(number, host).map(Some),
-            3000..=3999 => machine(number, host).map(Some),
+            2000..=2999 => read_offset(number, host).map(Some),
+            3000..=3999 => read_machine(number, host).map(Some),
             4000..=4999 => self
-                .modal(number, host)
-                .ok_or_else(|| unknown(number))
+                .read_modal(number, host)
+                .ok_or_else(|| unknown_variable_alarm(number))
                 .map(Some),
-            5000..=5999 => self.position(number, host).map(Some),
-            _ => Ok(host.variables().real(common(number)?)),
+            5000..=5999 => self.read_position(number, host).map(Some),
+            _ => Ok(host.variables().real_value(check_common(number)?)),
         }
     }
 
     /// A copy of a block with values in place of its formulas.
-    pub(crate) fn words(
+    pub(crate) fn evaluate_words(
         &self,
-        block: &Block,
-        formulas: &[Expression],
+        block: &ProgramBlock,
+        formulas: &[FormulaCode],
         syntax: Syntax,
         host: &impl Host,
-    ) -> Result<Block, NotNow> {
+    ) -> Result<ProgramBlock, ReadError> {
         let read = |number| self.read(number, host);
-        let block = formula::in_words(block, formulas, syntax, formula::Read::of(&read))?;
+        let block =
+            formula::evaluate_words(block, formulas, syntax, formula::FormulaContext::new(&read))?;
         if block.has_g(65) {
             let detail = say::macro_code_from_variable();
-            return Err(Alarm::new(number::BAD_IN_MACRO).because(detail).into());
+            return Err(Alarm::new(number::BAD_IN_MACRO).with_detail(detail).into());
         }
         Ok(block)
     }
 
-    fn modal(&self, number: u32, host: &impl Host) -> Option<f64> {
+    fn read_modal(&self, number: u32, host: &impl Host) -> Option<f64> {
         let modal = &self.state.modal;
         Some(match number {
             4001 => modal.motion.into(),
@@ -129,20 +130,20 @@ impl Known<'_> {
         })
     }
 
-    fn position(&self, number: u32, host: &impl Host) -> Result<f64, NotNow> {
+    fn read_position(&self, number: u32, host: &impl Host) -> Result<f64, ReadError> {
         let state = &self.state;
-        let machine = || match host.settled() {
-            true => Ok(Exact::from_point(host.machine_position())),
-            false => Err(NotNow::Wait),
+        let machine = || match host.is_settled() {
+            true => Ok(ExactPoint::from_point(host.machine_position())),
+            false => Err(ReadError::Wait),
         };
         let point = match number {
             5001 | 5002 => state.position,
             5021 | 5022 => machine()?,
             5041 | 5042 => machine()? - state.zero,
             5081 | 5082 => state.offset,
-            _ => return Err(unknown(number)),
+            _ => return Err(unknown_variable_alarm(number)),
         };
-        let radius = host.parameters().radius_programming();
+        let radius = host.parameters().is_radius_programming();
         let millionths = match (number % 10, radius) {
             (1, true) => point.x / 2,
             (1, false) => point.x,
@@ -153,16 +154,16 @@ impl Known<'_> {
 }
 
 /// Checks that a number is a variable common to all programs.
-fn common(number: u32) -> Result<u16, NotNow> {
+fn check_common(number: u32) -> Result<u16, ReadError> {
     let common = u16::try_from(number).ok();
     let common = common.filter(|it| Variables::has_real(*it));
-    common.ok_or_else(|| unknown(number))
+    common.ok_or_else(|| unknown_variable_alarm(number))
 }
 
 /// The alarm for a number that the Huaxing lathes do not have.
-pub(crate) fn unknown_there(number: u32) -> NotNow {
+pub(crate) fn unknown_huaxing_alarm(number: u32) -> ReadError {
     Alarm::new(number::BAD_VARIABLE)
-        .because(say::variable_of_huaxing_unknown(number))
+        .with_detail(say::variable_of_huaxing_unknown(number))
         .into()
 }
 
@@ -170,24 +171,28 @@ pub(crate) fn unknown_there(number: u32) -> NotNow {
 ///
 /// # Errors
 /// 115 for an unknown number, 116 for #0.
-pub(crate) fn write_counted(number: u32, value: Value, host: &mut impl Host) -> Result<(), NotNow> {
+pub(crate) fn write_huaxing(
+    number: u32,
+    value: FormulaValue,
+    host: &mut impl Host,
+) -> Result<(), ReadError> {
     match u16::try_from(number) {
         Ok(0) => {
             let detail = say::variable_of_macro_read_only(number);
-            Err(Alarm::new(number::READ_ONLY).because(detail).into())
+            Err(Alarm::new(number::READ_ONLY).with_detail(detail).into())
         }
         Ok(number @ 1..=99) => {
-            let kept = value.map(formula::kept);
-            host.variables_mut().set_counted(number, kept)?;
+            let stored = value.map(formula::round_to_stored);
+            host.variables_mut().set_huaxing_value(number, stored)?;
             Ok(())
         }
-        _ => Err(unknown_there(number)),
+        _ => Err(unknown_huaxing_alarm(number)),
     }
 }
 
-fn unknown(number: u32) -> NotNow {
+fn unknown_variable_alarm(number: u32) -> ReadError {
     Alarm::new(number::BAD_VARIABLE)
-        .because(say::variable_of_macro_unknown(number))
+        .with_detail(say::variable_of_macro_unknown(number))
         .into()
 }
 
@@ -197,35 +202,37 @@ fn unknown(number: u32) -> NotNow {
 /// 111 for a value that the variable cannot hold, 115 for an unknown number, 116 for one that
 /// is read-only; or a wait, for an output of the ladder before every earlier command is
 /// finished.
-pub(crate) fn write(
+pub(crate) fn write_variable(
     number: u32,
-    value: Value,
+    value: FormulaValue,
     levels: &mut Levels,
     host: &mut impl Host,
-) -> Result<(), NotNow> {
-    let value = value.map(formula::kept);
+) -> Result<(), ReadError> {
+    let value = value.map(formula::round_to_stored);
     match number {
-        1..=LOCALS => levels.set(number as u8, value),
+        1..=LAST_LOCAL => levels.set(number as u8, value),
         2000..=2999 => write_offset(number, value, host)?,
         0 | 3011 | 3012 | 4000..=5999 => {
             let detail = say::variable_of_macro_read_only(number);
-            return Err(Alarm::new(number::READ_ONLY).because(detail).into());
+            return Err(Alarm::new(number::READ_ONLY).with_detail(detail).into());
         }
         1000..=1133 => {
-            let slot = Slot::find(number as u16, host)?;
-            let whole = formula::rounded(value.unwrap_or(0.0)) as i64;
-            slot.check(whole, host)?;
-            slot.write(whole, host)?;
+            let variable = MacroVariable::find(number as u16, host)?;
+            let whole = formula::round_half_away(value.unwrap_or(0.0)) as i64;
+            variable.check(whole, host)?;
+            variable.write(whole, host)?;
         }
         3000..=3999 => write_machine(number, value, host)?,
-        _ => host.variables_mut().set_real(common(number)?, value)?,
+        _ => host
+            .variables_mut()
+            .set_real(check_common(number)?, value)?,
     }
     Ok(())
 }
 
 /// A column of the offset table.
 #[derive(Clone, Copy)]
-enum OffsetValue {
+enum OffsetTableField {
     X,
     Z,
     R,
@@ -233,42 +240,42 @@ enum OffsetValue {
 }
 
 /// Row and column of the offset table that a variable reads.
-fn offset_place(number: u32, host: &impl Host) -> Result<(u8, OffsetValue), NotNow> {
-    let place = match (number / 100, number % 100) {
-        (20, row @ 1..=32) => (row as u8, OffsetValue::X),
-        (21, row @ 1..=32) => (row as u8, OffsetValue::Z),
-        (22, row @ 1..=32) => (row as u8, OffsetValue::R),
-        (23, row @ 1..=32) => (row as u8, OffsetValue::T),
-        (25, 0) if host.parameters().work_shift() => (0, OffsetValue::X),
-        (26, 0) if host.parameters().work_shift() => (0, OffsetValue::Z),
-        _ => return Err(unknown(number)),
+fn find_offset_field(number: u32, host: &impl Host) -> Result<(u8, OffsetTableField), ReadError> {
+    let field = match (number / 100, number % 100) {
+        (20, row @ 1..=32) => (row as u8, OffsetTableField::X),
+        (21, row @ 1..=32) => (row as u8, OffsetTableField::Z),
+        (22, row @ 1..=32) => (row as u8, OffsetTableField::R),
+        (23, row @ 1..=32) => (row as u8, OffsetTableField::T),
+        (25, 0) if host.parameters().has_work_shift() => (0, OffsetTableField::X),
+        (26, 0) if host.parameters().has_work_shift() => (0, OffsetTableField::Z),
+        _ => return Err(unknown_variable_alarm(number)),
     };
-    Ok(place)
+    Ok(field)
 }
 
 /// The value as on the offset page, mm.
-fn offset(number: u32, host: &impl Host) -> Result<f64, NotNow> {
-    let (row, value) = offset_place(number, host)?;
+fn read_offset(number: u32, host: &impl Host) -> Result<f64, ReadError> {
+    let (row, value) = find_offset_field(number, host)?;
     let offset = host.offsets().get(row);
     Ok(match value {
-        OffsetValue::X => offset.x,
-        OffsetValue::Z => offset.z,
-        OffsetValue::R => offset.r,
-        OffsetValue::T => offset.t.into(),
+        OffsetTableField::X => offset.x,
+        OffsetTableField::Z => offset.z,
+        OffsetTableField::R => offset.r,
+        OffsetTableField::T => offset.t.into(),
     })
 }
 
 /// Sets a value of the offset table. It takes effect with the next T of its row.
-fn write_offset(number: u32, value: Value, host: &mut impl Host) -> Result<(), NotNow> {
-    let (row, place) = offset_place(number, host)?;
-    when_settled(host)?;
+fn write_offset(number: u32, value: FormulaValue, host: &mut impl Host) -> Result<(), ReadError> {
+    let (row, field) = find_offset_field(number, host)?;
+    check_settled(host)?;
     let value = value.unwrap_or(0.0);
     let mut offset = host.offsets().get(row);
-    match place {
-        OffsetValue::X => offset.x = value,
-        OffsetValue::Z => offset.z = value,
-        OffsetValue::R => offset.r = value,
-        OffsetValue::T => offset.t = whole(number, value, i64::from(u8::MAX))? as u8,
+    match field {
+        OffsetTableField::X => offset.x = value,
+        OffsetTableField::Z => offset.z = value,
+        OffsetTableField::R => offset.r = value,
+        OffsetTableField::T => offset.t = check_integer(number, value, i64::from(u8::MAX))? as u8,
     }
     match row {
         0 => host.offsets_mut().set_work_shift(offset)?,
@@ -278,33 +285,33 @@ fn write_offset(number: u32, value: Value, host: &mut impl Host) -> Result<(), N
 }
 
 /// Variable of the rows of the setting page.
-pub(crate) const SETTINGS: u32 = 3005;
+pub(crate) const SETTINGS_VARIABLE: u32 = 3005;
 /// Milliseconds in an hour.
 const HOUR_MS: f64 = 3.6e6;
 /// Rows of the setting page as bits of #3005.
-const PARITY: u8 = 2;
-const ISO: u8 = 3;
-const INCH: u8 = 4;
-const NUMBERING: u8 = 7;
-const SETTINGS_GREATEST: i64 = 0x3FF;
+const PARITY_BIT: u8 = 2;
+const ISO_BIT: u8 = 3;
+const INCH_BIT: u8 = 4;
+const NUMBERING_BIT: u8 = 7;
+const MAX_SETTINGS: i64 = 0x3FF;
 
-fn machine(number: u32, host: &impl Host) -> Result<f64, NotNow> {
+fn read_machine(number: u32, host: &impl Host) -> Result<f64, ReadError> {
     let registers = host.registers();
     Ok(match number {
-        3003 => registers.off.stops().into(),
-        3004 => registers.off.motion().into(),
+        3003 => registers.off.stop_bits().into(),
+        3004 => registers.off.motion_bits().into(),
         3005 => {
             let settings = host.settings();
             let bit = |on: bool, bit: u8| u16::from(on) << bit;
-            let rows = bit(settings.parity, PARITY)
-                | bit(settings.iso, ISO)
-                | bit(settings.inch, INCH)
-                | bit(settings.numbering, NUMBERING);
+            let rows = bit(settings.parity, PARITY_BIT)
+                | bit(settings.iso, ISO_BIT)
+                | bit(settings.inch, INCH_BIT)
+                | bit(settings.numbering, NUMBERING_BIT);
             rows.into()
         }
         3902 => host.counters().required.into(),
         3001 | 3002 | 3011 | 3012 | 3901 => {
-            when_settled(host)?;
+            check_settled(host)?;
             let now = host.now_ms();
             match number {
                 3001 => registers.timer(now) as f64,
@@ -314,79 +321,79 @@ fn machine(number: u32, host: &impl Host) -> Result<f64, NotNow> {
                 _ => host.counters().parts.into(),
             }
         }
-        _ => return Err(unknown(number)),
+        _ => return Err(unknown_variable_alarm(number)),
     })
 }
 
-fn write_machine(number: u32, value: Value, host: &mut impl Host) -> Result<(), NotNow> {
+fn write_machine(number: u32, value: FormulaValue, host: &mut impl Host) -> Result<(), ReadError> {
     let value = value.unwrap_or(0.0);
     let (stops, motion) = SwitchedOff::GREATEST;
     let last = |count: u32| i64::from(count) - 1;
     match number {
         3001 => {
-            let ms = whole(number, value, Registers::TIMER_GREATEST)?;
-            when_settled(host)?;
+            let ms = check_integer(number, value, Registers::TIMER_GREATEST)?;
+            check_settled(host)?;
             let now = host.now_ms();
             host.registers_mut().set_timer(ms, now);
         }
         3002 => {
-            let greatest = (Counters::STARTED_MS - 1) as f64 / HOUR_MS;
+            let greatest = (Counters::STARTED_LIMIT_MS - 1) as f64 / HOUR_MS;
             if !(0.0..=greatest).contains(&value) {
                 let detail = say::variable_of_macro_out_of_range(number, value, greatest);
-                return Err(Alarm::new(number::MACRO_RANGE).because(detail).into());
+                return Err(Alarm::new(number::MACRO_RANGE).with_detail(detail).into());
             }
-            when_settled(host)?;
-            host.set_started_ms(formula::rounded(value * HOUR_MS) as u64);
+            check_settled(host)?;
+            host.set_started_ms(formula::round_half_away(value * HOUR_MS) as u64);
         }
         3003 => {
-            let bits = whole(number, value, stops.into())?;
-            when_settled(host)?;
+            let bits = check_integer(number, value, stops.into())?;
+            check_settled(host)?;
             host.registers_mut().off.set_stops(bits as u8);
         }
         3004 => {
-            let bits = whole(number, value, motion.into())?;
-            when_settled(host)?;
+            let bits = check_integer(number, value, motion.into())?;
+            check_settled(host)?;
             host.registers_mut().off.set_motion(bits as u8);
         }
         3005 => {
-            let bits = whole(number, value, SETTINGS_GREATEST)?;
-            when_settled(host)?;
+            let bits = check_integer(number, value, MAX_SETTINGS)?;
+            check_settled(host)?;
             let on = |bit: u8| bits >> bit & 1 == 1;
             let settings = host.settings_mut();
-            settings.parity = on(PARITY);
-            settings.iso = on(ISO);
-            settings.inch = on(INCH);
-            settings.numbering = on(NUMBERING);
+            settings.parity = on(PARITY_BIT);
+            settings.iso = on(ISO_BIT);
+            settings.inch = on(INCH_BIT);
+            settings.numbering = on(NUMBERING_BIT);
         }
         3901 => {
-            let parts = whole(number, value, last(Counters::PARTS))?;
-            when_settled(host)?;
+            let parts = check_integer(number, value, last(Counters::PART_COUNT_LIMIT))?;
+            check_settled(host)?;
             host.counters_mut().parts = parts as u32;
         }
         3902 => {
-            let parts = whole(number, value, last(Counters::REQUIRED))?;
+            let parts = check_integer(number, value, last(Counters::REQUIRED_PARTS_LIMIT))?;
             host.counters_mut().required = parts as u32;
         }
-        _ => return Err(unknown(number)),
+        _ => return Err(unknown_variable_alarm(number)),
     }
     Ok(())
 }
 
 /// Waits until the machine is idle: a variable of the machine counts when its block runs, not
 /// when the reader reads it ahead.
-fn when_settled(host: &impl Host) -> Result<(), NotNow> {
-    match host.settled() {
+fn check_settled(host: &impl Host) -> Result<(), ReadError> {
+    match host.is_settled() {
         true => Ok(()),
-        false => Err(NotNow::Wait),
+        false => Err(ReadError::Wait),
     }
 }
 
 /// A whole number from 0 to `greatest`; alarm 111 outside.
-fn whole(number: u32, value: f64, greatest: i64) -> Result<i64, NotNow> {
-    let whole = formula::rounded(value) as i64;
+fn check_integer(number: u32, value: f64, greatest: i64) -> Result<i64, ReadError> {
+    let whole = formula::round_half_away(value) as i64;
     if (0..=greatest).contains(&whole) {
         return Ok(whole);
     }
     let detail = say::variable_of_macro_out_of_range(number, value, greatest);
-    Err(Alarm::new(number::MACRO_RANGE).because(detail).into())
+    Err(Alarm::new(number::MACRO_RANGE).with_detail(detail).into())
 }

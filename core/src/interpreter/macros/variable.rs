@@ -13,24 +13,24 @@ use gsk_messages::{Message, say};
 use crate::alarm::{Alarm, number};
 use crate::interpreter::context::host::Host;
 use crate::memory::Variables;
-use crate::program::{Block, BlockError, Syntax, Variable};
+use crate::program::{BlockError, ProgramBlock, Syntax, VariableReference};
 
 /// Why a block cannot be read now.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum NotNow {
+pub(crate) enum ReadError {
     /// It must wait until every earlier command is finished.
     Wait,
     /// It raises an alarm.
     Fault(Alarm),
 }
 
-impl From<Alarm> for NotNow {
+impl From<Alarm> for ReadError {
     fn from(alarm: Alarm) -> Self {
         Self::Fault(alarm)
     }
 }
 
-impl From<BlockError> for NotNow {
+impl From<BlockError> for ReadError {
     fn from(error: BlockError) -> Self {
         Self::Fault(error.into())
     }
@@ -38,7 +38,7 @@ impl From<BlockError> for NotNow {
 
 /// An existing variable of G65.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Slot {
+pub(crate) enum MacroVariable {
     /// #200–#231, #500–#515.
     Common(u16),
     /// #1000–#1015, by bit.
@@ -54,47 +54,54 @@ pub(crate) enum Slot {
 }
 
 /// First bit of #1133 in the outputs.
-const MORE: u32 = 16;
+const MORE_OUTPUTS_SHIFT: u32 = 16;
 const LOW_16: u64 = 0xFFFF;
 const LOW_32: u64 = 0xFFFF_FFFF;
 
-impl Slot {
+impl MacroVariable {
     /// The variable of a number, also by indirection through #9nnn.
     ///
     /// # Errors
     /// 115 for an unknown number.
     pub(crate) fn find(number: u16, host: &impl Host) -> Result<Self, Alarm> {
         if !(9000..=9999).contains(&number) {
-            return Self::direct(number).ok_or_else(|| illegal(say::variable_unknown(number)));
+            return Self::from_number(number)
+                .ok_or_else(|| illegal_variable_alarm(say::variable_unknown(number)));
         }
-        let through = number - 9000;
-        if !Variables::has(through) {
-            return Err(illegal(say::variable_unknown_through(number, through)));
+        let pointer = number - 9000;
+        if !Variables::has_integer(pointer) {
+            return Err(illegal_variable_alarm(say::variable_unknown_through(
+                number, pointer,
+            )));
         }
-        let meant = host.variables().get(through).unwrap_or(0);
-        let slot = u16::try_from(meant).ok().and_then(Self::direct);
-        slot.ok_or_else(|| illegal(say::variable_unknown_meant(number, through, meant)))
+        let target_number = host.variables().get(pointer).unwrap_or(0);
+        let variable = u16::try_from(target_number)
+            .ok()
+            .and_then(Self::from_number);
+        variable.ok_or_else(|| {
+            illegal_variable_alarm(say::variable_unknown_meant(number, pointer, target_number))
+        })
     }
 
-    fn direct(number: u16) -> Option<Self> {
+    fn from_number(number: u16) -> Option<Self> {
         match number {
             1000..=1015 => Some(Self::Input((number - 1000) as u8)),
             1032 => Some(Self::Inputs),
             1100..=1115 => Some(Self::Output((number - 1100) as u8)),
             1132 => Some(Self::Outputs),
             1133 => Some(Self::MoreOutputs),
-            _ => Variables::has(number).then_some(Self::Common(number)),
+            _ => Variables::has_integer(number).then_some(Self::Common(number)),
         }
     }
 
     /// The value of the variable. Signals of the ladder wait until every earlier command is
     /// finished.
-    pub(crate) fn read(self, host: &impl Host) -> Result<i64, NotNow> {
+    pub(crate) fn read(self, host: &impl Host) -> Result<i64, ReadError> {
         if let Self::Common(number) = self {
             return Ok(host.variables().get(number).unwrap_or(0));
         }
-        if !host.slides_stand() {
-            return Err(NotNow::Wait);
+        if !host.is_at_standstill() {
+            return Err(ReadError::Wait);
         }
         let word = match self {
             Self::Common(_) => 0,
@@ -102,7 +109,7 @@ impl Slot {
             Self::Inputs => host.interface_inputs().into(),
             Self::Output(bit) => host.interface_outputs() >> bit & 1,
             Self::Outputs => host.interface_outputs() & LOW_16,
-            Self::MoreOutputs => host.interface_outputs() >> MORE & LOW_32,
+            Self::MoreOutputs => host.interface_outputs() >> MORE_OUTPUTS_SHIFT & LOW_32,
         };
         Ok(word as i64)
     }
@@ -113,11 +120,11 @@ impl Slot {
     /// # Errors
     /// 116 for inputs, 111 for a value that the variable cannot hold; or a wait for an earlier
     /// command.
-    pub(crate) fn check(self, value: i64, host: &impl Host) -> Result<(), NotNow> {
+    pub(crate) fn check(self, value: i64, host: &impl Host) -> Result<(), ReadError> {
         let greatest = match self {
             Self::Input(_) | Self::Inputs => {
                 return Err(Alarm::new(number::READ_ONLY)
-                    .because(say::variable_read_only())
+                    .with_detail(say::variable_read_only())
                     .into());
             }
             Self::Common(_) => return Ok(()),
@@ -125,16 +132,16 @@ impl Slot {
             Self::Outputs => LOW_16 as i64,
             Self::MoreOutputs => LOW_32 as i64,
         };
-        let fits = matches!(self, Self::Output(_)) || (0..=greatest).contains(&value);
-        if !fits {
+        let is_in_range = matches!(self, Self::Output(_)) || (0..=greatest).contains(&value);
+        if !is_in_range {
             return Err(Alarm::new(number::MACRO_RANGE)
-                .because(say::variable_word_out_of_range(value, greatest))
+                .with_detail(say::variable_word_out_of_range(value, greatest))
                 .into());
         }
-        if host.slides_stand() {
+        if host.is_at_standstill() {
             Ok(())
         } else {
-            Err(NotNow::Wait)
+            Err(ReadError::Wait)
         }
     }
 
@@ -146,28 +153,32 @@ impl Slot {
             Self::Input(_) | Self::Inputs => return Ok(()),
             Self::Output(bit) => outputs & !(1 << bit) | u64::from(value != 0) << bit,
             Self::Outputs => outputs & !LOW_16 | value as u64 & LOW_16,
-            Self::MoreOutputs => outputs & LOW_16 | (value as u64 & LOW_32) << MORE,
+            Self::MoreOutputs => outputs & LOW_16 | (value as u64 & LOW_32) << MORE_OUTPUTS_SHIFT,
         };
         host.set_interface_outputs(changed);
         Ok(())
     }
 }
 
-fn illegal(detail: Message) -> Alarm {
-    Alarm::new(number::BAD_VARIABLE).because(detail)
+fn illegal_variable_alarm(detail: Message) -> Alarm {
+    Alarm::new(number::BAD_VARIABLE).with_detail(detail)
 }
 
 /// The value of the referenced variable, without the sign of the reference.
-pub(crate) fn value(variable: Variable, host: &impl Host) -> Result<i64, NotNow> {
-    Slot::find(variable.number, host)?.read(host)
+pub(crate) fn read_value(variable: VariableReference, host: &impl Host) -> Result<i64, ReadError> {
+    MacroVariable::find(variable.number, host)?.read(host)
 }
 
 /// A copy of a block with numbers in place of its references to variables.
-pub(crate) fn resolve(block: Block, syntax: Syntax, host: &impl Host) -> Result<Block, NotNow> {
-    let block = block.resolve(syntax, |variable| value(variable, host))?;
+pub(crate) fn resolve_variables(
+    block: ProgramBlock,
+    syntax: Syntax,
+    host: &impl Host,
+) -> Result<ProgramBlock, ReadError> {
+    let block = block.resolve(syntax, |variable| read_value(variable, host))?;
     if block.has_g(65) {
         return Err(Alarm::new(number::BAD_IN_MACRO)
-            .because(say::macro_code_from_variable())
+            .with_detail(say::macro_code_from_variable())
             .into());
     }
     Ok(block)

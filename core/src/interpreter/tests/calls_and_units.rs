@@ -1,17 +1,17 @@
 //! Calls by M, S and T codes, block skip, inch input, G28, decimal points.
 
-use super::Bench;
+use super::InterpreterBench;
 use crate::program::MdiBlock;
 
 /// The commands of a text, without its end.
-fn trace(bench: &mut Bench, text: &str) -> Vec<String> {
+fn trace(bench: &mut InterpreterBench, text: &str) -> Vec<String> {
     let mut lines = bench.trace(text);
     lines.retain(|line| !line.ends_with("end counts false m30 false"));
     lines
 }
 
-fn with_subprograms() -> Bench {
-    let mut bench = Bench::new().with_bit(6, 5, true);
+fn with_subprograms() -> InterpreterBench {
+    let mut bench = InterpreterBench::new().with_bit(6, 5, true);
     for number in [9061, 9001, 9121, 9215, 9299] {
         let text = format!("O{number};\nG00 U-1;\nM99;");
         bench.programs.store(text).unwrap();
@@ -26,7 +26,7 @@ fn codes_without_a_function_call_subprograms() {
         trace(&mut with_subprograms(), "M61;\nZ1;"),
         ["2: rapid X299 Z300 |", "2: rapid X299 Z1 |"]
     );
-    assert_eq!(Bench::new().fault("N1;\nM61;"), (19, 2));
+    assert_eq!(InterpreterBench::new().run_to_alarm("N1;\nM61;"), (19, 2));
     // The motion comes first. The code itself is not sent to the PLC.
     assert_eq!(
         trace(&mut with_subprograms(), "G00 X10 M1;"),
@@ -46,7 +46,7 @@ fn codes_without_a_function_call_subprograms() {
             "3: frame X0 Z0 offset X0.04 Z0.02 |"
         ]
     );
-    assert_eq!(trace(&mut Bench::new(), "T01;")[0], "1: T0001");
+    assert_eq!(trace(&mut InterpreterBench::new(), "T01;")[0], "1: T0001");
     // S calls only with stepped speeds.
     let mut stepped = with_subprograms().with_bit(1, 4, false);
     assert_eq!(trace(&mut stepped, "S21;"), ["2: rapid X299 Z300 |"]);
@@ -57,47 +57,47 @@ fn codes_without_a_function_call_subprograms() {
         "1: Speed(21.0) |"
     );
     for text in ["S21;", "S10;", "S0110;"] {
-        let mut plain = Bench::new().with_bit(1, 4, false);
-        assert_eq!(plain.fault(text), (2, 1), "{text}");
+        let mut without_cm98 = InterpreterBench::new().with_bit(1, 4, false);
+        assert_eq!(without_cm98.run_to_alarm(text), (2, 1), "{text}");
     }
 }
 
 #[test]
-fn alarms_of_such_calls() {
+fn code_calls_raise_alarms() {
     for (text, number) in [
         ("M62;", 78),
         ("T16;", 78),
         ("M61 T15;", 12),
         ("M30 T15;", 12),
     ] {
-        assert_eq!(with_subprograms().fault(text), (number, 1), "{text}");
+        assert_eq!(with_subprograms().run_to_alarm(text), (number, 1), "{text}");
     }
     let mut stepped = with_subprograms().with_bit(1, 4, false);
-    assert_eq!(stepped.fault("S22;"), (78, 1));
+    assert_eq!(stepped.run_to_alarm("S22;"), (78, 1));
     for (text, number) in [("M61", 19), ("S21", 2), ("T15", 32)] {
         stepped.mdi(text);
-        let alarm = stepped.rest().1.unwrap();
+        let alarm = stepped.run_to_end().1.unwrap();
         assert_eq!(alarm.number, number, "{text}");
     }
-    let mut deep = Bench::new().with_bit(6, 5, true);
+    let mut deep = InterpreterBench::new().with_bit(6, 5, true);
     deep.programs.store("O9061;\nM61;\nM99;").unwrap();
     deep.open("M61;");
-    assert_eq!(deep.rest().1.unwrap().number, 77);
+    assert_eq!(deep.run_to_end().1.unwrap().number, 77);
 }
 
 #[test]
 fn skipped_blocks_are_not_read() {
     let text = "/N5 G00 X1;\n/X1X2;\n/ (x) N7 X..;\nG00 Z5;";
-    let mut bench = Bench::new();
+    let mut bench = InterpreterBench::new();
     bench.block_skip = true;
     assert_eq!(trace(&mut bench, text), ["4: rapid X300 Z5 |"]);
-    let mut bench = Bench::new();
-    assert_eq!(bench.fault(text), (18, 2));
+    let mut bench = InterpreterBench::new();
+    assert_eq!(bench.run_to_alarm(text), (18, 2));
 }
 
 #[test]
 fn inch_input() {
-    let mut bench = Bench::at(0.0, 0.0);
+    let mut bench = InterpreterBench::at(0.0, 0.0);
     bench.interpreter.set_inch_input(true);
     let text = "G00 X1 Z-2.00005;\nG01 W.5 F10;\nG02 U2 W-1 R1.;\nG04 X1.5;\nG50 X2;";
     assert_eq!(
@@ -111,7 +111,7 @@ fn inch_input() {
         ]
     );
     // A variable counts 0.0001 inch.
-    let mut bench = Bench::at(0.0, 0.0);
+    let mut bench = InterpreterBench::at(0.0, 0.0);
     bench.interpreter.set_inch_input(true);
     bench.variables.set(200, 10_000).unwrap();
     assert_eq!(
@@ -123,23 +123,25 @@ fn inch_input() {
         ]
     );
     assert!(bench.interpreter.modal().inch);
-    assert_eq!(Bench::new().fault("G20;"), (10, 1));
+    assert_eq!(InterpreterBench::new().run_to_alarm("G20;"), (10, 1));
 }
 
 #[test]
-fn counts_of_cycles_are_no_lengths_in_inches() {
+fn counts_of_cycles_are_not_converted_from_inches() {
     // Q 100 and R 50 count 0.0001 inch; P is passes, run-out and angle.
-    let mut bench = Bench::at(0.0, 0.0);
+    let mut bench = InterpreterBench::at(0.0, 0.0);
     bench.interpreter.set_inch_input(true);
     trace(&mut bench, "G76 P021060 Q100 R50;");
-    let stored = |bench: &Bench| [57, 19, 58, 59, 60].map(|number| bench.parameters.value(number));
+    let stored = |bench: &InterpreterBench| {
+        [57, 19, 58, 59, 60].map(|number| bench.parameters.value(number))
+    };
     assert_eq!(stored(&bench), [2, 10, 60, 254, 127]);
     // R of G73 is a count, with P and Q in the block too.
     for cycle in [
         "G73 U.1 W.2 R3;\nG73 P10 Q20 U.01 F5;\n",
         "G73 U.1 W.2;\nG73 P10 Q20 R3 U.01 F5;\n",
     ] {
-        let mut bench = Bench::at(100.0, 0.0);
+        let mut bench = InterpreterBench::at(100.0, 0.0);
         bench.interpreter.set_inch_input(true);
         trace(
             &mut bench,
@@ -153,9 +155,12 @@ fn counts_of_cycles_are_no_lengths_in_inches() {
 #[test]
 fn reference_return_details() {
     // Without axis words the run continues with the next block.
-    assert_eq!(trace(&mut Bench::new(), "G28;")[0], "1: nothing |");
+    assert_eq!(
+        trace(&mut InterpreterBench::new(), "G28;")[0],
+        "1: nothing |"
+    );
     // Z alone; X keeps its offset.
-    let mut bench = Bench::new();
+    let mut bench = InterpreterBench::new();
     assert_eq!(
         trace(&mut bench, "T0101;\nG28 W-10;\nG00 X10;"),
         [
@@ -169,16 +174,20 @@ fn reference_return_details() {
         ]
     );
     // On an inch machine 049 and 050 count in 0.0001 inch.
-    let mut bench = Bench::new().with_bit(12, 7, true).with_bit(4, 0, true);
+    let mut bench = InterpreterBench::new()
+        .with_bit(12, 7, true)
+        .with_bit(4, 0, true);
     bench.parameters.set(49, 10_000).unwrap();
     bench.parameters.set(50, -20_000).unwrap();
     trace(&mut bench, "G28 U0 W0;");
-    assert_eq!(bench.shown(), (25.4, -50.8));
+    assert_eq!(bench.displayed_position(), (25.4, -50.8));
 }
 
 #[test]
 fn points_are_appended_on_the_mdi_page() {
-    let bench = Bench::new().with_bit(13, 3, true).with_bit(13, 5, true);
+    let bench = InterpreterBench::new()
+        .with_bit(13, 3, true)
+        .with_bit(13, 5, true);
     let mut mdi = MdiBlock::default();
     for word in ["G01", "X10", "F100", "Z1.5"] {
         mdi.enter(word, &bench.parameters, false).unwrap();
@@ -189,7 +198,7 @@ fn points_are_appended_on_the_mdi_page() {
         mdi.enter(word, &bench.parameters, false).unwrap();
     }
     assert_eq!(mdi.text(), "G65 H1 P#200 Q5 R7");
-    let plain = Bench::new().with_bit(13, 5, true);
-    let refused = MdiBlock::default().enter("X10", &plain.parameters, false);
+    let without_option = InterpreterBench::new().with_bit(13, 5, true);
+    let refused = MdiBlock::default().enter("X10", &without_option.parameters, false);
     assert_eq!(refused.unwrap_err().number, 7);
 }

@@ -1,20 +1,20 @@
 //! G76: compound threads.
 
-use super::Bench;
+use super::InterpreterBench;
 
 /// The example of the manual: M68×6, k 3.68, d 0.2, Δd 1.8, Δdmin 0.1, a 60, r 1.0.
 const EXAMPLE: &str = "G76 P011060 Q100 R200;\nG76 X60.64 Z25 P3680 Q1800 F6;\n";
 
-fn data(bench: &Bench) -> [i32; 5] {
+fn stored_data(bench: &InterpreterBench) -> [i32; 5] {
     [57, 19, 58, 59, 60].map(|number| bench.parameters.value(number))
 }
 
 #[test]
 fn the_first_block_writes_parameters() {
-    let mut bench = Bench::at(80.0, 130.0);
+    let mut bench = InterpreterBench::at(80.0, 130.0);
     let trace = bench.trace("G76 P011060 Q100 R200;");
     assert_eq!(trace[0], "1: nothing |");
-    assert_eq!(data(&bench), [1, 10, 60, 100, 200]);
+    assert_eq!(stored_data(&bench), [1, 10, 60, 100, 200]);
 }
 
 #[test]
@@ -31,18 +31,21 @@ fn p_has_six_digits_without_a_sign() {
         ("G76 R300", [1, 5, 0, 0, 300]),
         ("G76 R0.3", [1, 5, 0, 0, 300]),
     ] {
-        let mut bench = Bench::new();
+        let mut bench = InterpreterBench::new();
         bench.trace(text);
-        assert_eq!(data(&bench), expected, "{text}");
+        assert_eq!(stored_data(&bench), expected, "{text}");
     }
-    assert_eq!(Bench::new().fault("G76 P1000000"), (43, 1));
-    assert_eq!(Bench::new().fault("G76 Q-1"), (62, 1));
-    assert_eq!(Bench::new().fault("G76 R-1"), (62, 1));
+    assert_eq!(
+        InterpreterBench::new().run_to_alarm("G76 P1000000"),
+        (43, 1)
+    );
+    assert_eq!(InterpreterBench::new().run_to_alarm("G76 Q-1"), (62, 1));
+    assert_eq!(InterpreterBench::new().run_to_alarm("G76 R-1"), (62, 1));
 }
 
 #[test]
 fn the_example_of_the_manual() {
-    let mut bench = Bench::at(80.0, 130.0);
+    let mut bench = InterpreterBench::at(80.0, 130.0);
     let trace = bench.trace(EXAMPLE);
     let begins: Vec<_> = trace.iter().skip(1).step_by(5).take(5).collect();
     // X 68 - 2 d, Z 130 - d tan 30°, the finishing pass B_e (d = k) too.
@@ -67,16 +70,16 @@ fn the_example_of_the_manual() {
         ]
     );
     assert_eq!(trace.len(), 1 + 5 * 5 + 1);
-    assert_eq!(bench.shown(), (80.0, 130.0));
+    assert_eq!(bench.displayed_position(), (80.0, 130.0));
 }
 
 #[test]
-fn depths_explain_themselves() {
-    let mut bench = Bench::at(80.0, 130.0);
+fn depths_have_explanations() {
+    let mut bench = InterpreterBench::at(80.0, 130.0);
     bench.open(EXAMPLE);
     let mut passes: Vec<(u64, f64, String)> = Vec::new();
-    while let Ok(crate::interpreter::Step::Command(_)) = bench.next() {
-        if let Some(explanation) = bench.interpreter.explanation()
+    while let Ok(crate::interpreter::InterpreterStep::Command(_)) = bench.next() {
+        if let Some(explanation) = bench.interpreter.explain()
             && passes
                 .last()
                 .is_none_or(|(pass, ..)| *pass != explanation.pass)
@@ -100,7 +103,7 @@ fn depths_explain_themselves() {
 
 /// Depths of the passes of a straight outer thread from X50, computed from X of its cuts.
 fn depths(first: &str, second: &str) -> Vec<f64> {
-    let mut bench = Bench::at(50.0, 10.0);
+    let mut bench = InterpreterBench::at(50.0, 10.0);
     bench.parameters.set(19, 0).unwrap();
     let trace = bench.trace(&format!("{first}\n{second}"));
     trace
@@ -118,7 +121,7 @@ fn depths(first: &str, second: &str) -> Vec<f64> {
 }
 
 #[test]
-fn the_least_infeed_takes_over() {
+fn the_minimum_infeed_limits_the_depths() {
     // X40, k 2: B at X44. √n: 1, 1.414, 1.732, 2; from n = 3 on +0.4.
     assert_eq!(
         depths("G76 P010000 Q400 R0", "G76 X40 Z-20 P2000 Q1000 F2"),
@@ -132,7 +135,7 @@ fn the_least_infeed_takes_over() {
 }
 
 #[test]
-fn edges_of_the_depths() {
+fn limits_of_the_depths() {
     // d = k: only finishing passes, m of them.
     assert_eq!(
         depths("G76 P030000 R2000", "G76 X40 Z-20 P2000 Q1000 F2"),
@@ -154,7 +157,7 @@ fn edges_of_the_depths() {
 fn tapers_follow_the_half_angle() {
     // X_D 40, i -2: C at X36; k 1: B at X38. Slope g = 2/(-40), t = -1, s = 1:
     // x = 1/(1 + 0.05·tan 30°) = 0.971942, z = x·tan 30° = 0.561151.
-    let mut bench = Bench::at(50.0, 10.0);
+    let mut bench = InterpreterBench::at(50.0, 10.0);
     let trace = bench.trace("G76 P010060 Q0 R0;\nG76 X40 Z-30 R-2 P1000 Q1000 F2;");
     assert_eq!(trace[1], "2: rapid X36.056115 Z9.438849 |");
     assert_eq!(trace[2], "2: thread X40 Z-30 Z lead 2 at 0 |");
@@ -170,7 +173,7 @@ fn all_four_sides() {
         ((50.0, 0.0), "X40 Z30", "X41 Z0.288675", "X41 Z30"),
         ((30.0, 0.0), "X40 Z30", "X39 Z0.288675", "X39 Z30"),
     ] {
-        let mut bench = Bench::at(start.0, start.1);
+        let mut bench = InterpreterBench::at(start.0, start.1);
         let trace = bench.trace(&format!("G76 P010060 R0;\nG76 {words} P1000 Q500 F2;"));
         assert_eq!(trace[1], format!("2: rapid {begin} |"));
         assert_eq!(trace[2], format!("2: thread {end} Z lead 2 at 0 |"));
@@ -178,7 +181,7 @@ fn all_four_sides() {
 }
 
 #[test]
-fn faults() {
+fn wrong_data_raises_alarms() {
     for (text, number) in [
         ("G76 X40 Z-30 Q500 F2;", 62),
         ("G76 X40 Z-30 P1000 F2;", 62),
@@ -190,15 +193,19 @@ fn faults() {
         ("G76 X40 P1000 Q500 F2;", 62),
         ("G76 X40 Z-30 P9999999 Q1 F2;", 62),
     ] {
-        assert_eq!(Bench::new().fault(text), (number, 1), "{text}");
+        assert_eq!(
+            InterpreterBench::new().run_to_alarm(text),
+            (number, 1),
+            "{text}"
+        );
     }
     assert_eq!(
-        Bench::new().fault("G76 R1001;\nG76 X40 Z-30 P1000 Q500 F2;"),
+        InterpreterBench::new().run_to_alarm("G76 R1001;\nG76 X40 Z-30 P1000 Q500 F2;"),
         (62, 2)
     );
     // The infeed along the angle would end after the thread.
     assert_eq!(
-        Bench::at(50.0, 0.0).fault("G76 P010090;\nG76 X40 Z-1 P3000 Q500 F2;"),
+        InterpreterBench::at(50.0, 0.0).run_to_alarm("G76 P010090;\nG76 X40 Z-1 P3000 Q500 F2;"),
         (62, 2)
     );
 }

@@ -1,10 +1,10 @@
 //! Chamfers and corner arcs of G01.
 
-use super::Bench;
+use super::InterpreterBench;
 
 #[test]
 fn chamfers() {
-    let trace = Bench::at(20.0, 0.0).trace("G01 Z-20 I5 F100;\nX50 K-3;\nW-10;\n");
+    let trace = InterpreterBench::at(20.0, 0.0).trace("G01 Z-20 I5 F100;\nX50 K-3;\nW-10;\n");
     assert_eq!(
         trace[..5],
         [
@@ -19,7 +19,7 @@ fn chamfers() {
 }
 
 #[test]
-fn corner_arcs_in_every_turn() {
+fn corner_arcs_in_every_direction() {
     for (first, second, expected) in [
         ("Z-20 R5", "X60", ["X40 Z-15", "cw X50 Z-20 about X50 Z-15"]),
         (
@@ -34,7 +34,7 @@ fn corner_arcs_in_every_turn() {
         ("X20 R-5", "Z-20", ["X30 Z0", "cw X20 Z-5 about X30 Z-5"]),
         ("X20 R5", "Z20", ["X30 Z0", "ccw X20 Z5 about X30 Z5"]),
     ] {
-        let trace = Bench::at(40.0, 0.0).trace(&format!("G01 {first} F50;\n{second};"));
+        let trace = InterpreterBench::at(40.0, 0.0).trace(&format!("G01 {first} F50;\n{second};"));
         assert_eq!(trace[0], format!("1: line {} F50", expected[0]), "{first}");
         assert_eq!(trace[1], format!("1: {} F50 |", expected[1]), "{first}");
     }
@@ -42,18 +42,18 @@ fn corner_arcs_in_every_turn() {
 
 #[test]
 fn a_thread_may_follow_a_chamfer_only() {
-    let trace = Bench::at(20.0, 0.0).trace("G01 X30 K-2 F100;\nG32 W-30 F2;");
+    let trace = InterpreterBench::at(20.0, 0.0).trace("G01 X30 K-2 F100;\nG32 W-30 F2;");
     assert_eq!(trace[1], "1: line X30 Z-2 F100 |");
     assert_eq!(trace[2], "2: thread X30 Z-30 Z lead 2 at 0 |");
     assert_eq!(
-        Bench::at(20.0, 0.0).fault("G01 X30 R-2 F100;\nG32 W-30 F2;"),
+        InterpreterBench::at(20.0, 0.0).run_to_alarm("G01 X30 R-2 F100;\nG32 W-30 F2;"),
         (13, 1)
     );
 }
 
 #[test]
-fn a_corner_may_use_up_both_moves() {
-    let trace = Bench::at(20.0, 0.0).trace("G01 Z-5 I5 F100;\nX30;");
+fn a_corner_can_take_up_both_moves() {
+    let trace = InterpreterBench::at(20.0, 0.0).trace("G01 Z-5 I5 F100;\nX30;");
     assert_eq!(
         trace[..2],
         ["1: line X30 Z-5 F100 |", "2: line X30 Z-5 F100 |"]
@@ -61,7 +61,7 @@ fn a_corner_may_use_up_both_moves() {
 }
 
 #[test]
-fn faults() {
+fn wrong_corners_raise_alarms() {
     for text in [
         "G01 Z-20 I5 F100;",
         "G01 Z-20 I5 F100;\nG00 X50;",
@@ -78,18 +78,22 @@ fn faults() {
         "G01 X40 Z-20 R5 F100;\nX50;",
         "G01 Z-20 I5 F100;\nX50 Y9;",
     ] {
-        assert_eq!(Bench::at(20.0, 0.0).fault(text), (13, 1), "{text}");
+        assert_eq!(
+            InterpreterBench::at(20.0, 0.0).run_to_alarm(text),
+            (13, 1),
+            "{text}"
+        );
     }
     // Words of 0 command no corner.
-    let trace = Bench::at(20.0, 0.0).trace("G01 X30 Z-20 I0 K0 R0 F100;");
+    let trace = InterpreterBench::at(20.0, 0.0).trace("G01 X30 Z-20 I0 K0 R0 F100;");
     assert_eq!(trace[0], "1: line X30 Z-20 F100 |");
 }
 
 #[test]
 fn keyed_in_blocks_have_no_corner() {
-    let mut bench = Bench::at(20.0, 0.0);
+    let mut bench = InterpreterBench::at(20.0, 0.0);
     let program = crate::program::Program::new("G01 Z-20 I5 F100;");
-    let (interpreter, world) = bench.parts();
+    let (interpreter, world) = bench.split_for_run();
     interpreter.start_mdi(program, &world);
-    assert_eq!(bench.rest().1.map(|alarm| alarm.number), Some(13));
+    assert_eq!(bench.run_to_end().1.map(|alarm| alarm.number), Some(13));
 }

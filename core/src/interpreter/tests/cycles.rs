@@ -1,10 +1,10 @@
 //! G90 and G94.
 
-use super::Bench;
+use super::InterpreterBench;
 
 #[test]
 fn turning_cycle_has_four_stops() {
-    let trace = Bench::at(130.0, 80.0).trace("G90 X120 Z30 R-30 F50;");
+    let trace = InterpreterBench::at(130.0, 80.0).trace("G90 X120 Z30 R-30 F50;");
     assert_eq!(
         trace[..4],
         [
@@ -18,7 +18,7 @@ fn turning_cycle_has_four_stops() {
 
 #[test]
 fn facing_cycle_has_four_stops() {
-    let trace = Bench::at(120.0, 0.0).trace("G94 X60 Z-30 R-50 F50;");
+    let trace = InterpreterBench::at(120.0, 0.0).trace("G94 X60 Z-30 R-50 F50;");
     assert_eq!(
         trace[..4],
         [
@@ -32,7 +32,7 @@ fn facing_cycle_has_four_stops() {
 
 #[test]
 fn words_are_kept_and_empty_blocks_repeat() {
-    let trace = Bench::at(130.0, 5.0)
+    let trace = InterpreterBench::at(130.0, 5.0)
         .trace("G90 U-10 W-35 F50;\nX110;\nM08;\nN40;\n;\nF30;\nG04 P5;\nG90;\n");
     let count = |line: &str| trace.iter().filter(|text| text.starts_with(line)).count();
     assert_eq!(trace[1], "1: line X120 Z-30 F50 |");
@@ -52,7 +52,8 @@ fn words_are_kept_and_empty_blocks_repeat() {
 
 #[test]
 fn the_taper_is_kept_over_a_new_code() {
-    let trace = Bench::at(130.0, 5.0).trace("G90 X120 Z-30 R-2 F50;\nG90 X110 Z-30;\nR-3;\n");
+    let trace =
+        InterpreterBench::at(130.0, 5.0).trace("G90 X120 Z-30 R-2 F50;\nG90 X110 Z-30;\nR-3;\n");
     assert_eq!(trace[0], "1: rapid X116 Z5 |");
     assert_eq!(trace[4], "2: rapid X106 Z5 |");
     assert_eq!(trace[8], "3: rapid X104 Z5 |");
@@ -62,7 +63,7 @@ fn the_taper_is_kept_over_a_new_code() {
 fn other_codes_clear_the_words() {
     for code in ["G00", "G01", "G50 U0", "G28"] {
         let text = format!("G90 X120 Z-30 R-2 F50;\n{code};\nG90 X110;\n");
-        let trace = Bench::at(130.0, 5.0).trace(&text);
+        let trace = InterpreterBench::at(130.0, 5.0).trace(&text);
         let after: Vec<_> = trace.iter().filter(|line| line.starts_with("3:")).collect();
         assert_eq!(after[0], "3: rapid X110 Z5 |", "{code}");
     }
@@ -70,7 +71,7 @@ fn other_codes_clear_the_words() {
 
 #[test]
 fn reset_keeps_the_code_and_clears_the_words() {
-    let mut bench = Bench::at(130.0, 5.0);
+    let mut bench = InterpreterBench::at(130.0, 5.0);
     bench.trace("G90 X120 Z-30 R-2 F50;");
     bench.reset();
     assert_eq!(bench.interpreter.modal().motion, 90);
@@ -89,7 +90,10 @@ fn taper_against_the_infeed() {
         "G90 U-20 W30 R10 F9;",
     ] {
         assert!(
-            !Bench::new().trace(text).concat().contains("alarm"),
+            !InterpreterBench::new()
+                .trace(text)
+                .concat()
+                .contains("alarm"),
             "{text}"
         );
     }
@@ -98,7 +102,11 @@ fn taper_against_the_infeed() {
         "G90 U-20 W30 R10.001 F9;",
         "G90 W-30 R1 F9;",
     ] {
-        assert_eq!(Bench::new().fault(text), (15, 1), "{text}");
+        assert_eq!(
+            InterpreterBench::new().run_to_alarm(text),
+            (15, 1),
+            "{text}"
+        );
     }
     for text in [
         "G94 U20 W-30 R-5 F9;",
@@ -106,7 +114,10 @@ fn taper_against_the_infeed() {
         "G94 U20 W30 R-30 F9;",
     ] {
         assert!(
-            !Bench::new().trace(text).concat().contains("alarm"),
+            !InterpreterBench::new()
+                .trace(text)
+                .concat()
+                .contains("alarm"),
             "{text}"
         );
     }
@@ -115,18 +126,25 @@ fn taper_against_the_infeed() {
         "G94 U-20 W-30 R31 F9;",
         "G94 U-20 R1 F9;",
     ] {
-        assert_eq!(Bench::new().fault(text), (15, 1), "{text}");
+        assert_eq!(
+            InterpreterBench::new().run_to_alarm(text),
+            (15, 1),
+            "{text}"
+        );
     }
 }
 
 #[test]
 fn cycles_need_a_feed() {
-    assert_eq!(Bench::new().fault("G90 X120 Z30;"), (11, 1));
+    assert_eq!(
+        InterpreterBench::new().run_to_alarm("G90 X120 Z30;"),
+        (11, 1)
+    );
 }
 
 #[test]
 fn radius_programming_doubles_x_but_not_r() {
-    let trace = Bench::at(130.0, 80.0)
+    let trace = InterpreterBench::at(130.0, 80.0)
         .with_bit(1, 2, true)
         .trace("G90 X60 Z30 R-30 F50;");
     assert_eq!(trace[0], "1: rapid X60 Z80 |");

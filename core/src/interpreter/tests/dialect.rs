@@ -1,17 +1,17 @@
 //! Programs for other controls: the refusal contains the code of this control.
 
-use super::Bench;
+use super::InterpreterBench;
 
-fn refusal(text: &str) -> (u16, String) {
-    let mut bench = Bench::new();
+fn refusal_of(text: &str) -> (u16, String) {
+    let mut bench = InterpreterBench::new();
     bench.open(text);
-    let (_, alarm) = bench.rest();
+    let (_, alarm) = bench.run_to_end();
     let alarm = alarm.unwrap_or_else(|| panic!("no alarm: {text}"));
     (alarm.number, alarm.detail_en())
 }
 
 #[test]
-fn what_other_controls_write_is_refused_with_the_way_here() {
+fn codes_of_other_controls_are_refused_with_advice() {
     for (text, number, advice) in [
         ("G20", 10, "INCH"),
         ("G21 X10", 10, "INCH"),
@@ -28,16 +28,16 @@ fn what_other_controls_write_is_refused_with_the_way_here() {
         ("G01 X20 [1]", 6, "G65 H"),
         ("O12345", 43, "four digits"),
     ] {
-        let (found, detail) = refusal(text);
+        let (found, detail) = refusal_of(text);
         assert_eq!(found, number, "{text}: {detail}");
         assert!(detail.contains(advice), "{text}: {detail}");
     }
 }
 
 #[test]
-fn a_code_that_nobody_has_gets_no_advice() {
+fn a_code_of_no_control_gets_no_advice() {
     for text in ["G05", "G93"] {
-        let (_, detail) = refusal(text);
+        let (_, detail) = refusal_of(text);
         assert!(
             detail.ends_with("is not a code of this control"),
             "{detail}"

@@ -1,26 +1,26 @@
 //! The explanation of each pass of a cycle.
 
-use super::Bench;
+use super::InterpreterBench;
 use crate::interpreter::Explanation;
-use crate::interpreter::Step;
+use crate::interpreter::InterpreterStep;
 
 /// The explanations of a text, one per pass of each block.
-fn explained(mut bench: Bench, text: &str) -> Vec<Explanation> {
+fn collect_explanations(mut bench: InterpreterBench, text: &str) -> Vec<Explanation> {
     let mut all: Vec<(u32, Explanation)> = Vec::new();
     bench.open(text);
     for _ in 0..1000 {
         let line = match bench.next() {
-            Ok(Step::Command(command)) => command.source.line,
-            Ok(Step::Wait | Step::Ended) => break,
+            Ok(InterpreterStep::Command(command)) => command.source.line,
+            Ok(InterpreterStep::Wait | InterpreterStep::Ended) => break,
             Err(alarm) => panic!("{alarm:?}"),
         };
-        let Some(explanation) = bench.interpreter.explanation() else {
+        let Some(explanation) = bench.interpreter.explain() else {
             continue;
         };
-        let known = all
+        let is_known = all
             .last()
             .is_some_and(|(block, last)| *block == line && last.pass == explanation.pass);
-        if !known {
+        if !is_known {
             all.push((line, explanation));
         }
     }
@@ -30,29 +30,29 @@ fn explained(mut bench: Bench, text: &str) -> Vec<Explanation> {
 }
 
 /// Code, pass, passes, level, depth and formula of an explanation.
-type Said = (u8, u64, Option<u64>, Option<f64>, f64, String);
+type PassExplanation = (u8, u64, Option<u64>, Option<f64>, f64, String);
 
-fn said(bench: Bench, text: &str) -> Vec<Said> {
-    explained(bench, text)
+fn explain_passes(bench: InterpreterBench, text: &str) -> Vec<PassExplanation> {
+    collect_explanations(bench, text)
         .into_iter()
-        .map(|one| {
+        .map(|explanation| {
             (
-                one.code,
-                one.pass,
-                one.passes,
-                one.level,
-                one.depth,
-                one.formula.to_string(),
+                explanation.code,
+                explanation.pass,
+                explanation.passes,
+                explanation.level,
+                explanation.depth,
+                explanation.formula.to_string(),
             )
         })
         .collect()
 }
 
 #[test]
-fn boxes_tell_where_they_begin_to_cut() {
+fn boxes_explain_the_begin_of_the_cut() {
     assert_eq!(
-        said(
-            Bench::at(60.0, 2.0),
+        explain_passes(
+            InterpreterBench::at(60.0, 2.0),
             "G90 X50 Z-30 R-3 F200;\nX48;\nG94 X20 Z-4 R-2;\n"
         ),
         [
@@ -85,9 +85,9 @@ fn boxes_tell_where_they_begin_to_cut() {
 }
 
 #[test]
-fn threads_tell_run_out_and_start() {
+fn threads_explain_run_out_and_start() {
     // 019 = 5: the run-out is half a lead.
-    let mut passes = said(Bench::at(60.0, 5.0), "G92 X58 Z-20 F2 L2;\n");
+    let mut passes = explain_passes(InterpreterBench::at(60.0, 5.0), "G92 X58 Z-20 F2 L2;\n");
     assert_eq!(passes.len(), 2);
     let (code, pass, starts, level, depth, formula) = passes.swap_remove(1);
     assert_eq!(
@@ -102,9 +102,9 @@ fn threads_tell_run_out_and_start() {
 }
 
 #[test]
-fn tapping_tells_its_way() {
+fn tapping_explains_its_travel() {
     assert_eq!(
-        said(Bench::at(0.0, 5.0), "G33 Z-20 F1.5;\nG00 Z6;\n"),
+        explain_passes(InterpreterBench::at(0.0, 5.0), "G33 Z-20 F1.5;\nG00 Z6;\n"),
         [(
             33,
             1,
@@ -119,7 +119,7 @@ fn tapping_tells_its_way() {
 #[test]
 fn finishing_names_its_profile_once() {
     let text = "G70 P10 Q20;\nM30;\nN10 G00 X20;\nG01 Z-20 F100;\nN20 X62;\n";
-    let passes = said(Bench::at(62.0, 2.0), text);
+    let passes = explain_passes(InterpreterBench::at(62.0, 2.0), text);
     assert_eq!(
         passes,
         [(
@@ -137,9 +137,9 @@ fn finishing_names_its_profile_once() {
 #[test]
 fn words_and_parameters_are_named() {
     let words = |text: &str| {
-        explained(Bench::at(60.0, 5.0), text)
+        collect_explanations(InterpreterBench::at(60.0, 5.0), text)
             .first()
-            .map(|one| one.words)
+            .map(|explanation| explanation.words)
     };
     assert_eq!(words("G90 X50 Z-30 F200;"), Some("X(U), Z(W), R: a radius"));
     assert_eq!(words("G94 X50 Z-3 F200;"), Some("X(U), Z(W), R"));

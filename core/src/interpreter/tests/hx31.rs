@@ -1,22 +1,22 @@
 //! The Huaxing lathes: zero offsets, increments, calls by blocks, cycles over the next blocks.
 
-use super::Bench;
+use super::InterpreterBench;
 use crate::command::Action;
 use crate::model::ModelId;
 
-fn bench() -> Bench {
-    Bench::at(100.0, 50.0).of_model(ModelId::Hx31)
+fn bench() -> InterpreterBench {
+    InterpreterBench::at(100.0, 50.0).of_model(ModelId::Hx31)
 }
 
 /// Line of each move and its end, X as a diameter, machine coordinates.
-fn moves(text: &str) -> Vec<(u32, f64, f64)> {
+fn trace_moves(text: &str) -> Vec<(u32, f64, f64)> {
     let mut bench = bench();
     bench.open(text);
-    let (commands, alarm) = bench.rest();
+    let (commands, alarm) = bench.run_to_end();
     assert_eq!(alarm, None, "{text}");
-    let ends = commands.iter().filter_map(|it| match it.action {
+    let ends = commands.iter().filter_map(|command| match command.action {
         Action::Rapid { to } | Action::Line { to, .. } | Action::Arc { to, .. } => {
-            Some((it.source.line, round(to.x * 2.0), round(to.z)))
+            Some((command.source.line, round(to.x * 2.0), round(to.z)))
         }
         _ => None,
     });
@@ -27,15 +27,18 @@ fn round(value: f64) -> f64 {
     (value * 1000.0).round() / 1000.0
 }
 
-fn lines(text: &str) -> Vec<u32> {
-    moves(text).iter().map(|it| it.0).collect()
+fn trace_lines(text: &str) -> Vec<u32> {
+    trace_moves(text)
+        .iter()
+        .map(|move_data| move_data.0)
+        .collect()
 }
 
 /// The block after a corner is read under G91, too.
 #[test]
 fn corners_under_increments() {
-    let absolute = moves("G01 Z40 R2 F100\nX120\nM02\n");
-    let increments = moves("G91 G01 Z-10 R2 F100\nX20\nM02\n");
+    let absolute = trace_moves("G01 Z40 R2 F100\nX120\nM02\n");
+    let increments = trace_moves("G91 G01 Z-10 R2 F100\nX20\nM02\n");
     assert_eq!(
         absolute,
         [(1, 100.0, 42.0), (1, 104.0, 40.0), (2, 120.0, 40.0)]
@@ -49,9 +52,9 @@ fn zero_offsets() {
     let mut bench = bench();
     let mut shown = Vec::new();
     bench.open("G92 X100 Z50\nG55 X20 Z10\nG56 X5 Z5\nG57\nG57 X3 Z4\nG54\nM02\n");
-    while let Ok(crate::interpreter::Step::Command(command)) = bench.next() {
+    while let Ok(crate::interpreter::InterpreterStep::Command(command)) = bench.next() {
         if matches!(command.action, Action::Frame { .. }) {
-            shown.push(bench.shown());
+            shown.push(bench.displayed_position());
         }
     }
     assert_eq!(
@@ -69,7 +72,7 @@ fn zero_offsets() {
 
 #[test]
 fn increments_are_modal() {
-    let ends = moves("G91 G00 X-20 Z-10\nX-5\nG90 X40 Z3\nU4 W-1\nM02\n");
+    let ends = trace_moves("G91 G00 X-20 Z-10\nX-5\nG90 X40 Z3\nU4 W-1\nM02\n");
     assert_eq!(
         ends,
         [
@@ -87,11 +90,11 @@ fn an_arc_has_i_as_a_diameter() {
     let mut bench = bench();
     let text = "G00 X70 Z0\nN0420 G03 X70 Z-40 I0 K-20 F100\nG02 X90 Z-30 I0 K10\nG02 X110 Z-30 I10 K0\nM02\n";
     bench.open(text);
-    let (commands, alarm) = bench.rest();
+    let (commands, alarm) = bench.run_to_end();
     assert_eq!(alarm, None);
     let centers: Vec<_> = commands
         .iter()
-        .filter_map(|it| match it.action {
+        .filter_map(|command| match command.action {
             Action::Arc { center, .. } => Some((round(center.x * 2.0), round(center.z))),
             _ => None,
         })
@@ -100,43 +103,47 @@ fn an_arc_has_i_as_a_diameter() {
 }
 
 #[test]
-fn subprograms_stand_in_the_same_file() {
+fn subprograms_are_in_the_same_file() {
     let text = "G20 N05 L3\nG20 N06.2\nM02\nG22 N05\nG00 X1\nG24\nG22 N06\nG00 X2\nG20 N05\nG24\n";
-    assert_eq!(lines(text), [5, 5, 5, 8, 5, 8, 5]);
-    assert_eq!(bench().fault("G20 N07\nM02\n"), (78, 1));
-    assert_eq!(bench().fault("G20\nM02\n").0, 76);
+    assert_eq!(trace_lines(text), [5, 5, 5, 8, 5, 8, 5]);
+    assert_eq!(bench().run_to_alarm("G20 N07\nM02\n"), (78, 1));
+    assert_eq!(bench().run_to_alarm("G20\nM02\n").0, 76);
     let deep = "G20 N01\nM02\nG22 N01\nG20 N01\nG24\n";
-    assert_eq!(bench().fault(deep).0, 77);
+    assert_eq!(bench().run_to_alarm(deep).0, 77);
 }
 
 #[test]
-fn blocks_run_again() {
+fn blocks_are_repeated() {
     let text = "N90 G00 X90\nN100 X80\nN140 X70\nN150 X60\nN160 G25 N100.140.3\nM02\n";
     // G25 continues after N140 and meets N150 and itself again: the loop never ends.
     let mut bench = bench();
     bench.open(text);
-    let (commands, _) = bench.rest();
+    let (commands, _) = bench.run_to_end();
     assert_eq!(commands.len(), 10_000);
     let ahead = "N10 G25 N100.140.3\nN20 G00 X99\nN100 X80\nN140 X70\nN150 X60\nM02\n";
-    assert_eq!(lines(ahead), [3, 4, 3, 4, 3, 4, 5]);
+    assert_eq!(trace_lines(ahead), [3, 4, 3, 4, 3, 4, 5]);
     let back = "N10 G26 N100.140.2\nN20 G00 X99\nN100 X80\nN140 X70\nM02\n";
-    assert_eq!(lines(back), [3, 4, 3, 4, 2, 3, 4]);
+    assert_eq!(trace_lines(back), [3, 4, 3, 4, 2, 3, 4]);
     let words = "N10 G26 N100 P140 L2\nN20 G00 X99\nN100 X80\nN140 X70\nM02\n";
-    assert_eq!(lines(words), lines(back));
+    assert_eq!(trace_lines(words), trace_lines(back));
     assert_eq!(
-        self::bench().fault("G25 N140.100.2\nN100 X1\nN140 X2\n").0,
+        self::bench()
+            .run_to_alarm("G25 N140.100.2\nN100 X1\nN140 X2\n")
+            .0,
         78
     );
-    assert_eq!(self::bench().fault("G26 N7\nM02\n").0, 78);
+    assert_eq!(self::bench().run_to_alarm("G26 N7\nM02\n").0, 78);
 }
 
 #[test]
 fn an_endless_loop_counts_a_part() {
     let mut bench = bench();
     bench.open("N10 G00 X90\nX80\nG27 N10\nM02\n");
-    let (commands, _) = bench.rest();
+    let (commands, _) = bench.run_to_end();
     assert_eq!(commands.len(), 10_000);
-    let parts = commands.iter().filter(|it| it.action == Action::Repeat);
+    let parts = commands
+        .iter()
+        .filter(|command| command.action == Action::Repeat);
     assert!(parts.count() > 1000);
 }
 
@@ -144,7 +151,7 @@ fn an_endless_loop_counts_a_part() {
 #[test]
 fn facing_by_the_next_blocks() {
     let text = "G00 X104 Z2\nG72 I2 K1 N3 X0.4 Z0.2 F100\nN30 G00 Z-18\nN40 G01 X60 F80\nN50 G01 X40 Z2\nM02\n";
-    let ends = moves(text);
+    let ends = trace_moves(text);
     let mut levels: Vec<f64> = ends
         .iter()
         .filter(|(line, ..)| *line == 2)
@@ -171,7 +178,7 @@ fn facing_by_the_next_blocks() {
 #[test]
 fn turning_by_the_next_blocks() {
     let text = "G00 X60 Z2\nG71 I7 K2 N3 X0.4 Z0.2 F100\nG00 X30\nG01 Z-20\nX60 Z-30\nM02\n";
-    let ends = moves(text);
+    let ends = trace_moves(text);
     // I7 is 3.5 mm per side: X53, X46, X39, X32, then the contour at 30.4.
     for x in [53.0, 46.0, 39.0, 32.0, 30.4] {
         assert!(
@@ -184,7 +191,7 @@ fn turning_by_the_next_blocks() {
         "G71 I7 K2 N1 F100\nG00 X30\nM02\n",
         "G71 I7 K2 N9 F100\nG00 X30\nM02\n",
     ] {
-        assert!(matches!(bench().fault(wrong).0, 61 | 63), "{wrong}");
+        assert!(matches!(bench().run_to_alarm(wrong).0, 61 | 63), "{wrong}");
     }
 }
 
@@ -192,7 +199,7 @@ fn turning_by_the_next_blocks() {
 #[test]
 fn a_closed_contour_by_the_next_blocks() {
     let text = "G00 X60 Z2\nG73 I12 K6 N2 L3 X0.4 Z0.2 F100\nG00 X30\nG01 Z-20\nM02\n";
-    let ends = moves(text);
+    let ends = trace_moves(text);
     let cuts: Vec<_> = ends
         .iter()
         .filter(|(line, x, z)| *line == 2 && *z < -10.0 && *x < 50.0)
@@ -235,7 +242,7 @@ fn dwells_relays_and_tools() {
         ("M24 K9", 43),
     ] {
         assert_eq!(
-            self::bench().fault(&format!("{wrong}\n")).0,
+            self::bench().run_to_alarm(&format!("{wrong}\n")).0,
             number,
             "{wrong}"
         );
@@ -247,11 +254,11 @@ fn dwells_relays_and_tools() {
 fn block_numbers_have_five_digits() {
     let text = "N10010 G26 N70000.99999.2\nN10020 G27 N99998\nN70000 G91 G00 X1\n\
                 N99999 Z1\nN99998 M02\n";
-    assert_eq!(lines(text), [3, 4, 3, 4]);
-    assert_eq!(bench().fault("G27 N65546\nN10 M02\n"), (78, 1));
-    assert_eq!(bench().fault("N100000 G00 X1\nM02\n"), (43, 1));
+    assert_eq!(trace_lines(text), [3, 4, 3, 4]);
+    assert_eq!(bench().run_to_alarm("G27 N65546\nN10 M02\n"), (78, 1));
+    assert_eq!(bench().run_to_alarm("N100000 G00 X1\nM02\n"), (43, 1));
     assert_eq!(
-        Bench::at(100.0, 50.0).fault("N10000 G00 X1;\nM30;\n"),
+        InterpreterBench::at(100.0, 50.0).run_to_alarm("N10000 G00 X1;\nM30;\n"),
         (43, 1)
     );
 }
@@ -260,7 +267,7 @@ fn block_numbers_have_five_digits() {
 fn codes_of_other_controls_are_not_there() {
     for foreign in ["G28", "G32", "G50", "G70", "G94", "M98"] {
         assert!(
-            matches!(bench().fault(&format!("{foreign}\n")).0, 10 | 19),
+            matches!(bench().run_to_alarm(&format!("{foreign}\n")).0, 10 | 19),
             "{foreign}"
         );
     }

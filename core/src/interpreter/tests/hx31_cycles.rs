@@ -1,19 +1,20 @@
 //! The Huaxing lathes: threads, taps, cycles in steps, deep holes, scaling, returns. The
 //! decisions on them give the expected values.
 
-use super::Bench;
+use super::InterpreterBench;
 use crate::model::ModelId;
 
 /// What a text does from X`x` Z2 on, without the command of its end.
-fn from(x: f64, text: &str) -> Vec<String> {
-    trace(Bench::at(x, 2.0), text)
+fn trace_from(x: f64, text: &str) -> Vec<String> {
+    trace(InterpreterBench::at(x, 2.0), text)
 }
 
-fn trace(bench: Bench, text: &str) -> Vec<String> {
+fn trace(bench: InterpreterBench, text: &str) -> Vec<String> {
     let mut lines = bench.of_model(ModelId::Hx31).trace(&format!("{text}M02\n"));
     let end = lines.pop();
     assert!(
-        end.as_deref().is_some_and(|it| it.contains("end counts")),
+        end.as_deref()
+            .is_some_and(|line| line.contains("end counts")),
         "{text}: {end:?} after {lines:?}"
     );
     lines
@@ -23,13 +24,15 @@ fn trace(bench: Bench, text: &str) -> Vec<String> {
 }
 
 fn fault(text: &str) -> (u16, u32) {
-    Bench::at(50.0, 2.0).of_model(ModelId::Hx31).fault(text)
+    InterpreterBench::at(50.0, 2.0)
+        .of_model(ModelId::Hx31)
+        .run_to_alarm(text)
 }
 
 /// C55: R·√(p/L) = 2.6·√(1/4), √(2/4), √(3/4), √(4/4).
 #[test]
-fn a_thread_in_passes_goes_down_by_roots() {
-    let lines = from(30.0, "G86 Z-30 K2 R2.6 L4\n");
+fn the_depth_of_a_thread_follows_square_roots() {
+    let lines = trace_from(30.0, "G86 Z-30 K2 R2.6 L4\n");
     let pass = |x: &str| {
         [
             format!("1: rapid X{x} Z2"),
@@ -47,9 +50,9 @@ fn a_thread_in_passes_goes_down_by_roots() {
 
 /// The run-out is over J by I. Each depth has all starts. 8 threads per inch are 3.175 mm.
 #[test]
-fn a_thread_leaves_over_its_run_out_and_has_starts() {
+fn a_thread_has_a_run_out_and_starts() {
     assert_eq!(
-        from(30.0, "G87 Z-30 K8 R2 L1 I6 J3 N2\n"),
+        trace_from(30.0, "G87 Z-30 K8 R2 L1 I6 J3 N2\n"),
         [
             "1: rapid X28 Z2",
             "1: thread X28 Z-27 Z lead 3.175 at 0",
@@ -64,7 +67,7 @@ fn a_thread_leaves_over_its_run_out_and_has_starts() {
     );
     // On an inner thread the depth counts outwards, and the tool leaves towards the axis.
     assert_eq!(
-        from(20.0, "G86 Z-30 K2 R2 I-1\n"),
+        trace_from(20.0, "G86 Z-30 K2 R2 I-1\n"),
         [
             "1: rapid X22 Z2",
             "1: thread X22 Z-30 Z lead 2 at 0",
@@ -74,7 +77,7 @@ fn a_thread_leaves_over_its_run_out_and_has_starts() {
     );
     // A taper: the tool returns clear of the thicker end.
     assert_eq!(
-        from(30.0, "G86 X34 Z-30 P2 R2\n"),
+        trace_from(30.0, "G86 X34 Z-30 P2 R2\n"),
         [
             "1: rapid X28 Z2",
             "1: thread X32 Z-30 Z lead 2 at 0",
@@ -86,9 +89,9 @@ fn a_thread_leaves_over_its_run_out_and_has_starts() {
 }
 
 #[test]
-fn a_single_pass_approaches_cuts_and_leaves() {
+fn a_single_pass_makes_three_moves() {
     assert_eq!(
-        from(30.0, "G33 Z-20 K1.5 D-4 I6\nG00 Z2\n"),
+        trace_from(30.0, "G33 Z-20 K1.5 D-4 I6\nG00 Z2\n"),
         [
             "1: rapid X26 Z2",
             "1: thread X26 Z-20 Z lead 1.5 at 0",
@@ -99,11 +102,11 @@ fn a_single_pass_approaches_cuts_and_leaves() {
     // 10 threads per inch with a taper to X28; without D and I the pass has no approach and no
     // departure.
     assert_eq!(
-        from(26.0, "G91 G34 X2 Z-22 K10\n"),
+        trace_from(26.0, "G91 G34 X2 Z-22 K10\n"),
         ["1: thread X28 Z-20 Z lead 2.54 at 0"]
     );
     assert_eq!(
-        from(26.0, "G33 Z-20 P1.25\n"),
+        trace_from(26.0, "G33 Z-20 P1.25\n"),
         ["1: thread X26 Z-20 Z lead 1.25 at 0"]
     );
 }
@@ -111,7 +114,7 @@ fn a_single_pass_approaches_cuts_and_leaves() {
 #[test]
 fn taps_have_their_lead_in_k_or_i() {
     assert_eq!(
-        from(0.0, "G84 Z-20 K1.5\nG85 Z-18 I20\nG85 Z-18 K10\n"),
+        trace_from(0.0, "G84 Z-20 K1.5\nG85 Z-18 I20\nG85 Z-18 K10\n"),
         [
             "1: tap X0 Z-20 lead 1.5 at 0",
             "2: tap X0 Z-18 lead 1.27 at 0",
@@ -124,7 +127,7 @@ fn taps_have_their_lead_in_k_or_i() {
 #[test]
 fn a_deep_hole_is_pecked() {
     assert_eq!(
-        from(0.0, "G83 Z-20 I8 K2 F100\n"),
+        trace_from(0.0, "G83 Z-20 I8 K2 F100\n"),
         [
             "1: line X0 Z-6 F100",
             "1: rapid X0 Z-4",
@@ -136,7 +139,7 @@ fn a_deep_hole_is_pecked() {
     );
     // The tool never retracts beyond the start.
     assert_eq!(
-        from(0.0, "G83 Z-6 I4 K99 F100\n")[1..3],
+        trace_from(0.0, "G83 Z-6 I4 K99 F100\n")[1..3],
         ["1: rapid X0 Z2", "1: line X0 Z-6 F100"]
     );
 }
@@ -156,10 +159,10 @@ fn turning_in_steps() {
         .into_iter()
         .flat_map(round)
         .collect();
-    assert_eq!(from(50.0, "G81 X40 Z-20 I-4 K-1 F100\n"), expected);
+    assert_eq!(trace_from(50.0, "G81 X40 Z-20 I-4 K-1 F100\n"), expected);
     // A bore in one cut.
     assert_eq!(
-        from(20.0, "G81 X24 Z-20 F100\n"),
+        trace_from(20.0, "G81 X24 Z-20 F100\n"),
         [
             "1: rapid X24 Z2",
             "1: line X24 Z-20 F100",
@@ -174,7 +177,7 @@ fn turning_in_steps() {
 #[test]
 fn a_cone_in_steps_is_not_cut_beyond_the_start() {
     assert_eq!(
-        from(50.0, "G81 X50 Z-20 R40 I-5 F100\n"),
+        trace_from(50.0, "G81 X50 Z-20 R40 I-5 F100\n"),
         [
             "1: rapid X45 Z2",
             "1: line X50 Z-9 F100",
@@ -186,7 +189,7 @@ fn a_cone_in_steps_is_not_cut_beyond_the_start() {
     );
     // In the opposite direction the cut begins where the cone reaches X50.
     assert_eq!(
-        from(50.0, "G81 X40 Z-20 R50 I-5 F100\n")[..3],
+        trace_from(50.0, "G81 X40 Z-20 R50 I-5 F100\n")[..3],
         [
             "1: rapid X50 Z-9",
             "1: line X45 Z-20 F100",
@@ -210,14 +213,14 @@ fn facing_in_steps() {
         .into_iter()
         .flat_map(round)
         .collect();
-    assert_eq!(from(60.0, "G82 X20 Z-2 I-1.5 K-0.5 F100\n"), expected);
+    assert_eq!(trace_from(60.0, "G82 X20 Z-2 I-1.5 K-0.5 F100\n"), expected);
 }
 
 /// K of M20 is a relay number: no centre under G03, no chamfer under G01.
 #[test]
-fn a_relay_number_is_no_length() {
+fn a_relay_number_is_not_a_length() {
     assert_eq!(
-        from(50.0, "G03 X50 Z-18 I0 K-10 F100\nM20 K3\nG01 Z-30 M21 K4\n"),
+        trace_from(50.0, "G03 X50 Z-18 I0 K-10 F100\nM20 K3\nG01 Z-30 M21 K4\n"),
         [
             "1: ccw X50 Z-18 about X50 Z-8 F100",
             "2: outputs on 100 off 0 0ms",
@@ -229,7 +232,7 @@ fn a_relay_number_is_no_length() {
 
 #[test]
 fn cycles_are_not_modal() {
-    let lines = from(50.0, "G01 X50 F100\nG81 X46 Z-5\nX40\n");
+    let lines = trace_from(50.0, "G01 X50 F100\nG81 X46 Z-5\nX40\n");
     assert_eq!(
         lines.last().map(String::as_str),
         Some("3: line X40 Z2 F100")
@@ -241,7 +244,7 @@ fn all_lengths_are_scaled_and_nothing_else() {
     let text = "G31 L2\nG01 X40 Z-10 F100\nG30\nX40 Z-10\nG31 L0.5\nU8 W-4\n\
                 G03 X88 Z-64 I0 K-20\nG04 K2\nM20 K3\nG01 Z-80 R2\nX100\nG92 X7 Z9\n";
     assert_eq!(
-        from(50.0, text),
+        trace_from(50.0, text),
         [
             "1: nothing",
             "2: line X80 Z-20 F100",
@@ -265,8 +268,8 @@ fn all_lengths_are_scaled_and_nothing_else() {
 /// The factor scales the blocks of a contour, and the block that a corner reads ahead.
 #[test]
 fn corners_and_contours_are_scaled() {
-    let bare = from(50.0, "G01 Z-40 R2 F100\nX100\n");
-    let scaled = from(50.0, "G31 L2\nG01 Z-20 R1 F100\nX50\n");
+    let bare = trace_from(50.0, "G01 Z-40 R2 F100\nX100\n");
+    let scaled = trace_from(50.0, "G31 L2\nG01 Z-20 R1 F100\nX50\n");
     let renumbered: Vec<_> = scaled[1..]
         .iter()
         .map(|line| match line.split_once(':') {
@@ -279,11 +282,11 @@ fn corners_and_contours_are_scaled() {
         let parts = lines.iter().filter_map(|line| line.split_once(": "));
         parts.map(|(_, rest)| rest.to_owned()).collect()
     };
-    let bare = from(
+    let bare = trace_from(
         60.0,
         "G71 I8 K2 N3 X0.4 Z0.2 F100\nG00 X30\nG01 Z-20\nX60 Z-30\n",
     );
-    let scaled = from(
+    let scaled = trace_from(
         60.0,
         "G31 L0.5\nG71 I16 K4 N3 X0.8 Z0.4 F100\nG00 X60\nG01 Z-40\nX120 Z-60\n",
     );
@@ -292,7 +295,7 @@ fn corners_and_contours_are_scaled() {
 
 #[test]
 fn returns_lead_to_machine_zero_and_to_the_start() {
-    let at = |x, z| Bench::at(x, z);
+    let at = |x, z| InterpreterBench::at(x, z);
     assert_eq!(
         trace(at(100.0, 50.0), "G74\n"),
         ["1: rapid X0 Z0", "1: referenced true true"]
@@ -330,15 +333,15 @@ fn returns_lead_to_machine_zero_and_to_the_start() {
 /// Also under G91, G92 sets coordinates of the current point.
 #[test]
 fn coordinates_are_set_under_increments() {
-    let mut bench = Bench::at(100.0, 50.0).of_model(ModelId::Hx31);
+    let mut bench = InterpreterBench::at(100.0, 50.0).of_model(ModelId::Hx31);
     bench.open("G91 G92 X30 Z7\nM02\n");
-    let (_, alarm) = bench.rest();
+    let (_, alarm) = bench.run_to_end();
     assert_eq!(alarm, None);
-    assert_eq!(bench.shown(), (30.0, 7.0));
+    assert_eq!(bench.displayed_position(), (30.0, 7.0));
 }
 
 #[test]
-fn what_is_missing_or_wrong_is_told() {
+fn missing_and_wrong_words_raise_alarms() {
     for (text, number) in [
         ("G33 Z-20 D-2", 11),
         ("G34 Z-20 P2", 11),
@@ -369,8 +372,8 @@ fn what_is_missing_or_wrong_is_told() {
     ] {
         assert_eq!(fault(&format!("{text}\nM02\n")), (number, 1), "{text}");
     }
-    let mut lost = Bench::at(50.0, 2.0).of_model(ModelId::Hx31);
-    lost.referenced.x = false;
-    assert_eq!(lost.fault("G75\nM02\n"), (90, 1));
-    assert_eq!(lost.trace("G76\nM02\n")[0], "1: rapid X50 Z2 |");
+    let mut unreferenced = InterpreterBench::at(50.0, 2.0).of_model(ModelId::Hx31);
+    unreferenced.referenced.x = false;
+    assert_eq!(unreferenced.run_to_alarm("G75\nM02\n"), (90, 1));
+    assert_eq!(unreferenced.trace("G76\nM02\n")[0], "1: rapid X50 Z2 |");
 }

@@ -1,25 +1,25 @@
 //! Macro B: system variables of the machine, and codes that call by parameters.
 
-use super::Bench;
+use super::InterpreterBench;
 use crate::memory::{DayTime, Registers, ToolOffset};
 use crate::model::{ControlModel, ModelId};
 use crate::program::MdiBlock;
 
-fn bench() -> Bench {
-    let mut bench = Bench::new();
+fn bench() -> InterpreterBench {
+    let mut bench = InterpreterBench::new();
     bench.interpreter.set_macro_b(true);
     bench
 }
 
 /// Runs a text that must end without an alarm.
-fn run(bench: &mut Bench, text: &str) {
+fn run(bench: &mut InterpreterBench, text: &str) {
     bench.open(text);
-    let (_, alarm) = bench.rest();
+    let (_, alarm) = bench.run_to_end();
     assert_eq!(alarm, None, "{text}");
 }
 
 fn fault(text: &str) -> (u16, u32) {
-    bench().fault(text)
+    bench().run_to_alarm(text)
 }
 
 #[test]
@@ -35,7 +35,7 @@ fn offsets_are_read_and_written() {
     let text = "#100=#2032;\n#101=#2132;\n#102=#2232;\n#103=#2332;\n\
                 #2001=#2001-0.01;\n#2101=-5;\n#2201=0.4;\n#2301=2;\n";
     run(&mut bench, text);
-    let read = [100, 101, 102, 103].map(|number| bench.variables.real(number));
+    let read = [100, 101, 102, 103].map(|number| bench.variables.real_value(number));
     assert_eq!(read, [Some(1.5), Some(-2.25), Some(0.8), Some(3.0)]);
     let written = ToolOffset {
         x: 0.03,
@@ -48,7 +48,7 @@ fn offsets_are_read_and_written() {
 
 /// A written offset takes effect with the next T.
 #[test]
-fn a_written_offset_acts_with_the_next_t() {
+fn a_written_offset_takes_effect_with_the_next_t() {
     let trace = bench().trace("T0101;\nG00 X100 Z50;\n#2001=2;\nX100;\nT0101;\nX100;\n");
     let last = "6: rapid X102 Z50.02 |";
     assert!(trace.iter().any(|line| line == last), "{trace:?}");
@@ -60,7 +60,7 @@ fn a_written_offset_acts_with_the_next_t() {
 }
 
 #[test]
-fn offsets_that_are_none_and_values_that_do_not_fit() {
+fn invalid_offsets_and_values_raise_alarms() {
     assert_eq!(fault("#100=#2000;"), (115, 1));
     assert_eq!(fault("#100=#2033;"), (115, 1));
     assert_eq!(fault("#2033=1;"), (115, 1));
@@ -71,7 +71,7 @@ fn offsets_that_are_none_and_values_that_do_not_fit() {
     assert_eq!(fault("#2500=1;"), (115, 1));
     let mut bench = bench().with_bit(12, 6, true);
     run(&mut bench, "#2500=4;\n#2600=-1;\n#100=#2500+#2600;");
-    assert_eq!(bench.variables.real(100), Some(3.0));
+    assert_eq!(bench.variables.real_value(100), Some(3.0));
     assert_eq!(
         (bench.offsets.get(0).x, bench.offsets.get(0).z),
         (4.0, -1.0)
@@ -80,7 +80,7 @@ fn offsets_that_are_none_and_values_that_do_not_fit() {
 
 /// C29, C52.
 #[test]
-fn clock_and_timers() {
+fn programs_read_clock_and_timers() {
     let mut bench = bench();
     let moment = DayTime::from_text("1993-03-28 15:34:56").unwrap();
     bench.registers = Registers::new(moment);
@@ -90,12 +90,12 @@ fn clock_and_timers() {
         &mut bench,
         "#100=#3011;\n#101=#3012;\n#102=#3001;\n#103=#3002;\n#3001=65535;",
     );
-    let read = [100, 101, 102, 103].map(|number| bench.variables.real(number));
+    let read = [100, 101, 102, 103].map(|number| bench.variables.real_value(number));
     let expected = [19_930_328.0, 153_500.0, 4000.0, 1.5].map(Some);
     assert_eq!(read, expected);
     bench.now_ms += 16;
     run(&mut bench, "#100=#3001;\n#3002=2.25;");
-    assert_eq!(bench.variables.real(100), Some(0.0));
+    assert_eq!(bench.variables.real_value(100), Some(0.0));
     assert_eq!(bench.counters.started_ms, 8_100_000);
     assert_eq!(fault("#3011=1;"), (116, 1));
     assert_eq!(fault("#3012=1;"), (116, 1));
@@ -106,12 +106,15 @@ fn clock_and_timers() {
 
 /// Values that the machine changes are not read ahead.
 #[test]
-fn values_of_the_machine_wait_for_it() {
+fn values_of_the_machine_wait_until_it_is_idle() {
     for text in ["#100=#3001;", "#100=#3901;", "#3003=1;", "#2001=1;"] {
         let mut bench = bench();
         bench.settled = false;
         bench.open(text);
-        assert!(matches!(bench.next(), Ok(super::Step::Wait)), "{text}");
+        assert!(
+            matches!(bench.next(), Ok(super::InterpreterStep::Wait)),
+            "{text}"
+        );
     }
 }
 
@@ -123,9 +126,9 @@ fn counters_and_switches() {
         &mut bench,
         "#3901=#3901+1;\n#3902=100;\n#100=#3902-#3901;\n#3003=3;\n#3004=5;\n#101=#3003*10+#3004;",
     );
-    assert_eq!(bench.variables.real(100), Some(58.0));
+    assert_eq!(bench.variables.real_value(100), Some(58.0));
     assert_eq!((bench.counters.parts, bench.counters.required), (42, 100));
-    assert_eq!(bench.variables.real(101), Some(35.0));
+    assert_eq!(bench.variables.real_value(101), Some(35.0));
     for text in [
         "#3003=4;",
         "#3004=8;",
@@ -145,12 +148,12 @@ fn settings_are_bits() {
     let mut bench = bench();
     let trace = bench.trace("#100=#3005;\n#3005=#3005 OR 16;\nG00 X1.0 Z2.0;\n");
     // The default of ISO code is on.
-    assert_eq!(bench.variables.real(100), Some(8.0));
+    assert_eq!(bench.variables.real_value(100), Some(8.0));
     assert!(bench.settings.inch && bench.settings.iso);
     assert_eq!(trace[2], "3: rapid X25.4 Z50.8 |");
 }
 
-fn calling(parameters: &[(u16, i32)], programs: &[&str]) -> Bench {
+fn bench_with_calls(parameters: &[(u16, i32)], programs: &[&str]) -> InterpreterBench {
     let mut bench = bench();
     let mut model = ControlModel::new(ModelId::Gsk980td);
     for (number, value) in parameters {
@@ -165,27 +168,27 @@ fn calling(parameters: &[(u16, i32)], programs: &[&str]) -> Bench {
 
 #[test]
 fn a_g_code_calls_with_arguments() {
-    let mut bench = calling(
+    let mut bench = bench_with_calls(
         &[(221, 81), (220, 1)],
         &["O9011;\n#100=#100+#1+#2;\n#101=#24;\nM99;"],
     );
     run(&mut bench, "/N10 G81 A1.5 B#102 X20 L3;\nM30;");
     // 1.5 and null, three times.
-    assert_eq!(bench.variables.real(100), Some(4.5));
-    assert_eq!(bench.variables.real(101), Some(20.0));
+    assert_eq!(bench.variables.real_value(100), Some(4.5));
+    assert_eq!(bench.variables.real_value(101), Some(20.0));
 }
 
 /// In a macro that a G code calls, codes are ordinary ones: G01 cuts.
 #[test]
 fn a_g_code_redefines_one_of_the_control() {
-    let mut bench = calling(&[(220, 1)], &["O9010;\nG01 Z-#26 F100;\nM99;"]);
+    let mut bench = bench_with_calls(&[(220, 1)], &["O9010;\nG01 Z-#26 F100;\nM99;"]);
     let trace = bench.trace("G00 X50 Z2;\nG1 Z5;\n");
     assert!(trace.iter().any(|line| line.contains("Z-5")), "{trace:?}");
 }
 
 #[test]
 fn m_codes_call() {
-    let mut bench = calling(
+    let mut bench = bench_with_calls(
         &[(230, 70), (240, 71)],
         &[
             "O9020;\n#100=#1;\nM99;",
@@ -193,22 +196,22 @@ fn m_codes_call() {
         ],
     );
     run(&mut bench, "M70 A2;\nM30;");
-    assert_eq!(bench.variables.real(100), Some(2.0));
+    assert_eq!(bench.variables.real_value(100), Some(2.0));
     // A block of M71 moves first, then O9001 runs L times. In it M70 is an ordinary code,
     // which the control does not have.
     bench.open("G00 Z7 M71 L2;\nM30;");
-    let (commands, alarm) = bench.rest();
+    let (commands, alarm) = bench.run_to_end();
     assert_eq!(alarm.map(|alarm| alarm.number), Some(19));
     assert!(commands.len() >= 2);
     assert_eq!(bench.machine.z, 7.0);
-    assert_eq!(bench.variables.real(101), Some(1.0));
+    assert_eq!(bench.variables.real_value(101), Some(1.0));
 }
 
 #[test]
 fn t_calls() {
-    let mut bench = calling(&[(243, 1)], &["O9000;\n#100=#149;\nT#149;\nM99;"]);
+    let mut bench = bench_with_calls(&[(243, 1)], &["O9000;\n#100=#149;\nT#149;\nM99;"]);
     let trace = bench.trace("G00 X100 Z100;\nT0202;\nX100;\n");
-    assert_eq!(bench.variables.real(100), Some(202.0));
+    assert_eq!(bench.variables.real_value(100), Some(202.0));
     assert!(
         trace
             .iter()
@@ -218,34 +221,36 @@ fn t_calls() {
 }
 
 #[test]
-fn calls_that_are_wrong() {
-    let fault = |text: &str| calling(&[(220, 81), (240, 71)], &["O9010;\nM99;"]).fault(text);
+fn wrong_calls_raise_alarms() {
+    let fault = |text: &str| {
+        bench_with_calls(&[(220, 81), (240, 71)], &["O9010;\nM99;"]).run_to_alarm(text)
+    };
     assert_eq!(fault("G81 P9010;"), (129, 1));
     assert_eq!(fault("G81 A1 G01;"), (129, 1));
     assert_eq!(fault("G81 L10000;"), (43, 1));
     assert_eq!(fault("M71;"), (78, 1));
     assert_eq!(fault("M71 L0;"), (43, 1));
     // Without the option the code has its ordinary meaning.
-    let mut bench = calling(&[(220, 81)], &["O9010;\nM99;"]);
+    let mut bench = bench_with_calls(&[(220, 81)], &["O9010;\nM99;"]);
     bench.interpreter.set_macro_b(false);
-    assert_eq!(bench.fault("G81 X1;"), (10, 1));
+    assert_eq!(bench.run_to_alarm("G81 X1;"), (10, 1));
     // Four macros may be nested.
-    let nested = calling(&[(230, 70)], &["O9020;\nM70;\nM99;"]).fault("M70;");
+    let nested = bench_with_calls(&[(230, 70)], &["O9020;\nM70;\nM99;"]).run_to_alarm("M70;");
     assert_eq!(nested.0, 77);
 }
 
 /// Statements and formulas on the MDI page.
 #[test]
-fn keyed_in() {
+fn statements_run_from_the_mdi_page() {
     let mut bench = bench();
     let mut mdi = MdiBlock::default();
-    let mut enter = |bench: &mut Bench, words: &[&str]| {
+    let mut enter = |bench: &mut InterpreterBench, words: &[&str]| {
         mdi.clear();
         for word in words {
             mdi.enter(word, &bench.parameters, true).unwrap();
         }
         bench.mdi(&mdi.text());
-        let (_, alarm) = bench.rest();
+        let (_, alarm) = bench.run_to_end();
         (
             mdi.statement().map(str::to_owned),
             alarm.map(|it| it.number),
@@ -257,14 +262,14 @@ fn keyed_in() {
         enter(&mut bench, &["X5", "#100=sin[30]*40;"]),
         (Some(statement), None)
     );
-    assert_eq!(bench.variables.real(100), Some(20.0));
+    assert_eq!(bench.variables.real_value(100), Some(20.0));
     assert_eq!(
         enter(&mut bench, &["G00 X[#100+SQRT[4]]", "Z#100"]),
         (None, None)
     );
     assert_eq!((bench.machine.x, bench.machine.z), (11.0, 20.0));
     let (_, alarm) = enter(&mut bench, &["IF[#100EQ20]THEN#101=7"]);
-    assert_eq!((alarm, bench.variables.real(101)), (None, Some(7.0)));
+    assert_eq!((alarm, bench.variables.real_value(101)), (None, Some(7.0)));
     assert_eq!(enter(&mut bench, &["G65 P9010"]).1, Some(10));
     assert_eq!(enter(&mut bench, &["G66 P9010"]).1, Some(10));
     assert_eq!(enter(&mut bench, &["GOTO5"]).1, Some(128));
@@ -288,12 +293,13 @@ fn keyed_in() {
 /// The Huaxing lathes have #1 to #99, values and formulas, and no other statements.
 #[test]
 fn variables_of_the_huaxing_lathes() {
-    let bench = || Bench::new().of_model(ModelId::Hx31);
-    let mut some = bench();
-    let trace = some.trace("#99=12.5;\n#1=#99*2;\nG00 X#1 Z[#1-#99];\n#2=#0;\nG00 X#2 Z1;\n");
+    let bench = || InterpreterBench::new().of_model(ModelId::Hx31);
+    let mut huaxing_bench = bench();
+    let trace =
+        huaxing_bench.trace("#99=12.5;\n#1=#99*2;\nG00 X#1 Z[#1-#99];\n#2=#0;\nG00 X#2 Z1;\n");
     assert_eq!(trace[2], "3: rapid X25 Z12.5 |");
     assert_eq!(trace[4], "5: rapid X25 Z1 |");
-    assert_eq!(some.variables.counted(99), Some(12.5));
+    assert_eq!(huaxing_bench.variables.huaxing_value(99), Some(12.5));
     for text in [
         "#100=1;",
         "#1=#100;",
@@ -302,15 +308,15 @@ fn variables_of_the_huaxing_lathes() {
         "G00 X#500;",
         "#1=#5001;",
     ] {
-        assert_eq!(bench().fault(text), (115, 1), "{text}");
+        assert_eq!(bench().run_to_alarm(text), (115, 1), "{text}");
     }
-    assert_eq!(bench().fault("#0=1;"), (116, 1));
-    assert_eq!(bench().fault("#1=1/0;"), (112, 1));
+    assert_eq!(bench().run_to_alarm("#0=1;"), (116, 1));
+    assert_eq!(bench().run_to_alarm("#1=1/0;"), (112, 1));
     for text in ["IF[1EQ1]GOTO5;", "GOTO5;", "WHILE[1EQ1]DO1;", "G65 P9010;"] {
-        let (number, line) = bench().fault(text);
+        let (number, line) = bench().run_to_alarm(text);
         assert!(matches!(number, 10 | 114) && line == 1, "{text}: {number}");
     }
     let mut option = bench();
     option.interpreter.set_macro_b(true);
-    assert_eq!(option.fault("#100=1;"), (115, 1));
+    assert_eq!(option.run_to_alarm("#100=1;"), (115, 1));
 }

@@ -1,21 +1,21 @@
 //! G65, variables, jumps (manual I-3.7).
 
-use super::Bench;
-use crate::interpreter::Step;
-use crate::interpreter::macros::arithmetic::{Operands, Operation, work_out};
+use super::InterpreterBench;
+use crate::interpreter::InterpreterStep;
+use crate::interpreter::macros::arithmetic::{Operands, Operation, compute};
 use crate::memory::{ToolOffset, Variables};
 
 /// Runs a text that must end without an alarm, and returns #200.
-fn result(text: &str) -> i64 {
-    let mut bench = Bench::new();
+fn run_result(text: &str) -> i64 {
+    let mut bench = InterpreterBench::new();
     bench.open(text);
-    let (_, alarm) = bench.rest();
+    let (_, alarm) = bench.run_to_end();
     assert_eq!(alarm, None, "{text}");
     bench.variables.get(200).unwrap()
 }
 
 #[test]
-fn every_operation() {
+fn operations_give_their_results() {
     for (block, expected) in [
         ("H01 P#200 Q-7", -7),
         ("H01 P#200", 0),
@@ -56,10 +56,12 @@ fn every_operation() {
         ("H34 P#200 Q0 R1", 0),
         ("H34 P#200 Q-1 R4294967295", 359_999),
     ] {
-        assert_eq!(result(&format!("G65 {block};")), expected, "{block}");
+        assert_eq!(run_result(&format!("G65 {block};")), expected, "{block}");
     }
-    assert_eq!(result("G65 H01 P#200 Q7;\nG65 H26 P#200 Q5 R2;"), 17);
-    let codes: Vec<i64> = (0..100).filter(|h| Operation::of(*h).is_some()).collect();
+    assert_eq!(run_result("G65 H01 P#200 Q7;\nG65 H26 P#200 Q5 R2;"), 17);
+    let codes: Vec<i64> = (0..100)
+        .filter(|h| Operation::from_h_code(*h).is_some())
+        .collect();
     assert_eq!(
         codes,
         [
@@ -72,16 +74,16 @@ fn every_operation() {
 #[test]
 fn operands_are_variables_with_a_sign() {
     assert_eq!(
-        result("G65 H01 P#201 Q30;\nG65 H01 P#202 Q-4;\nG65 H02 P#200 Q-#201 R-#202;"),
+        run_result("G65 H01 P#201 Q30;\nG65 H01 P#202 Q-4;\nG65 H02 P#200 Q-#201 R-#202;"),
         -26
     );
     // A vacant variable is zero; the order of the words is free.
-    assert_eq!(result("N5 G65 R#515 Q9 P#200 H02;"), 9);
-    assert_eq!(result("G65 H1 P#230 Q2;\nG65 H#230 P#200 Q40 R2;"), 42);
+    assert_eq!(run_result("N5 G65 R#515 Q9 P#200 H02;"), 9);
+    assert_eq!(run_result("G65 H1 P#230 Q2;\nG65 H#230 P#200 Q40 R2;"), 42);
 }
 
 #[test]
-fn every_alarm() {
+fn macro_alarms_are_raised() {
     for (block, number) in [
         ("H02 P#200 Q4294967295 R1", 111),
         ("H03 P#200 Q-4294967296 R1", 111),
@@ -135,14 +137,14 @@ fn every_alarm() {
         ("H99 P-1", 43),
         ("H99 P#200", 500),
     ] {
-        let mut bench = Bench::new();
+        let mut bench = InterpreterBench::new();
         let text = format!("N1;\nG65 {block};");
         if number == 0 {
             bench.open(&text);
-            assert_eq!(bench.rest().1, None, "{block}");
+            assert_eq!(bench.run_to_end().1, None, "{block}");
             continue;
         }
-        assert_eq!(bench.fault(&text), (number, 2), "{block}");
+        assert_eq!(bench.run_to_alarm(&text), (number, 2), "{block}");
         assert_eq!(bench.variables, Variables::default(), "{block}");
         assert_eq!(bench.outputs, 0, "{block}");
     }
@@ -152,10 +154,10 @@ fn every_alarm() {
 fn variables_in_words() {
     let start =
         "G65 H01 P#200 Q10;\nG65 H01 P#201 Q-2500;\nG65 H01 P#202 Q150;\nG65 H1 P#203 Q1;\n";
-    let trace = Bench::new().trace(&format!("{start}G#203 X#200 Z-#201 F#202;"));
+    let trace = InterpreterBench::new().trace(&format!("{start}G#203 X#200 Z-#201 F#202;"));
     assert_eq!(trace[4], "5: line X0.01 Z2.5 F150 |");
     // #9200 is the variable whose number is in #200; #200 = 205, #205 = 500.
-    let mut bench = Bench::new();
+    let mut bench = InterpreterBench::new();
     let trace = bench
         .trace("G65 H01 P#200 Q205;\nG65 H01 P#9200 Q500;\nG00 X#9200;\nG04 X#205;\nG04 P#205;");
     assert_eq!(bench.variables.get(205), Some(500));
@@ -170,19 +172,23 @@ fn variables_in_words() {
         ("G65 H01 P#200 Q65;\nG#200 H01 P1;", 125),
         ("N1;\nM98 P#200;", 78),
     ] {
-        assert_eq!(Bench::new().fault(text), (number, 2), "{text}");
+        assert_eq!(
+            InterpreterBench::new().run_to_alarm(text),
+            (number, 2),
+            "{text}"
+        );
     }
 }
 
 #[test]
 fn jumps_search_forward_or_backward_first() {
     let marked = |block: &str| {
-        let mut bench = Bench::new();
+        let mut bench = InterpreterBench::new();
         bench.open(&format!(
             "G65 H81 P99 Q#201 R1;\nN10 G65 H02 P#200 Q#200 R1;\nG65 H01 P#201 Q1;\nG65 {block};\n\
              N10 G65 H02 P#200 Q#200 R10;\nN99 M30;"
         ));
-        let (_, alarm) = bench.rest();
+        let (_, alarm) = bench.run_to_end();
         assert_eq!(alarm, None);
         bench.variables.get(200).unwrap()
     };
@@ -190,33 +196,33 @@ fn jumps_search_forward_or_backward_first() {
     assert_eq!(marked("H80 P10"), 11);
     assert_eq!(marked("H80 P99"), 1);
     // Backward, N10 before the jump comes first, so the loop never ends.
-    let mut bench = Bench::new();
+    let mut bench = InterpreterBench::new();
     bench
         .open("N10 G65 H02 P#200 Q#200 R1;\nG65 H84 P-10 Q#200 R5;\nN10 G65 H02 P#200 Q#200 R100;");
-    assert_eq!(bench.rest().1, None);
+    assert_eq!(bench.run_to_end().1, None);
     assert_eq!(bench.variables.get(200), Some(105));
     // The search continues from the beginning, and last reaches the jump itself.
     assert_eq!(
-        result("N3 G65 H02 P#200 Q#200 R1;\nG65 H84 P3 Q#200 R7;"),
+        run_result("N3 G65 H02 P#200 Q#200 R1;\nG65 H84 P3 Q#200 R7;"),
         7
     );
     assert_eq!(
-        result("G65 H01 P#205 Q-4;\nN4 G65 H02 P#200 Q#200 R1;\nG65 H84 P#205 Q#200 R3;"),
+        run_result("G65 H01 P#205 Q-4;\nN4 G65 H02 P#200 Q#200 R1;\nG65 H84 P#205 Q#200 R3;"),
         3
     );
     // A jump stays in its program and keeps its calls.
-    let mut bench = Bench::new();
+    let mut bench = InterpreterBench::new();
     bench
         .programs
         .store("O0007;\nN10 G65 H02 P#200 Q#200 R1;\nG65 H84 P10 Q#200 R4;\nM99;")
         .unwrap();
     bench.open("M98 P7;\nN10 G65 H02 P#200 Q#200 R50;\nM30;");
-    assert_eq!(bench.rest().1, None);
+    assert_eq!(bench.run_to_end().1, None);
     assert_eq!(bench.variables.get(200), Some(54));
 }
 
 #[test]
-fn every_condition() {
+fn conditions_decide_jumps() {
     for (h, truth) in [
         (80, [true, true, true]),
         (81, [false, true, false]),
@@ -227,7 +233,7 @@ fn every_condition() {
         (86, [true, true, false]),
     ] {
         for (q, expected) in (4..=6).zip(truth) {
-            let taken = result(&format!(
+            let taken = run_result(&format!(
                 "G65 H{h} P9 Q{q} R5;\nG65 H01 P#200 Q0;\nM30;\nN9 G65 H01 P#200 Q1;"
             ));
             assert_eq!(taken == 1, expected, "H{h} Q{q}");
@@ -236,12 +242,14 @@ fn every_condition() {
 }
 
 #[test]
-fn one_operation_a_call() {
-    let mut bench = Bench::new();
+fn each_call_makes_one_operation() {
+    let mut bench = InterpreterBench::new();
     bench.open("N1 G65 H02 P#200 Q#200 R1;\nG65 H80 P1;");
     for turn in 1..=1000 {
         for _ in 0..2 {
-            assert!(matches!(bench.next(), Ok(Step::Command(command)) if command.block_end));
+            assert!(
+                matches!(bench.next(), Ok(InterpreterStep::Command(command)) if command.block_end)
+            );
         }
         assert_eq!(bench.variables.get(200), Some(turn));
     }
@@ -250,31 +258,34 @@ fn one_operation_a_call() {
 #[test]
 fn single_block_stops_after_g65_with_sbkm_only() {
     let text = "G65 H01 P#200 Q1;\nN2;";
-    assert_eq!(Bench::new().trace(text)[..2], ["1: macro", "2: nothing |"]);
-    let trace = Bench::new().with_bit(13, 4, true).trace(text);
+    assert_eq!(
+        InterpreterBench::new().trace(text)[..2],
+        ["1: macro", "2: nothing |"]
+    );
+    let trace = InterpreterBench::new().with_bit(13, 4, true).trace(text);
     assert_eq!(trace[..2], ["1: macro |", "2: nothing |"]);
 }
 
 #[test]
 fn signals_of_the_ladder() {
-    let mut bench = Bench::new();
+    let mut bench = InterpreterBench::new();
     bench.inputs = 0b1000_0000_0000_0101;
     bench.open(
         "G65 H01 P#200 Q#1000;\nG65 H01 P#201 Q#1001;\nG65 H01 P#202 Q#1015;\nG65 H01 P#203 Q#1032;\n\
          G65 H01 P#1100 Q1;\nG65 H01 P#1115 Q-7;\nG65 H01 P#204 Q#1132;\n\
          G65 H01 P#1133 Q4294967295;\nG65 H01 P#1100 Q0;\nG65 H01 P#205 Q#1133;",
     );
-    assert_eq!(bench.rest().1, None);
+    assert_eq!(bench.run_to_end().1, None);
     let values = [200, 201, 202, 203, 204, 205].map(|number| bench.variables.get(number).unwrap());
     assert_eq!(values, [1, 0, 1, 0x8005, 0x8001, 0xFFFF_FFFF]);
     assert_eq!(bench.outputs, 0xFFFF_FFFF_8000);
     bench.open("G65 H01 P#1132 Q18;\nG65 H01 P#200 Q1104;\nG65 H01 P#9200 Q0;");
-    assert_eq!(bench.rest().1, None);
+    assert_eq!(bench.run_to_end().1, None);
     assert_eq!(bench.outputs, 0xFFFF_FFFF_0002);
 }
 
 #[test]
-fn signals_wait_for_what_is_under_way() {
+fn signals_wait_for_earlier_commands() {
     for block in [
         "G65 H01 P#200 Q#1000",
         "G65 H81 P1 Q#1015 R0",
@@ -283,56 +294,59 @@ fn signals_wait_for_what_is_under_way() {
         "G65 H01 P#9201 Q1",
         "X#9201",
     ] {
-        let mut bench = Bench::new();
+        let mut bench = InterpreterBench::new();
         bench.variables.set(200, 77).unwrap();
         bench.variables.set(201, 1100).unwrap();
         bench.settled = false;
         bench.open(&format!("N1 {block};"));
-        assert_eq!(bench.next(), Ok(Step::Wait), "{block}");
+        assert_eq!(bench.next(), Ok(InterpreterStep::Wait), "{block}");
         assert_eq!((bench.variables.get(200), bench.outputs), (Some(77), 0));
         bench.settled = true;
-        assert!(matches!(bench.next(), Ok(Step::Command(_))), "{block}");
+        assert!(
+            matches!(bench.next(), Ok(InterpreterStep::Command(_))),
+            "{block}"
+        );
     }
-    let mut bench = Bench::new();
+    let mut bench = InterpreterBench::new();
     bench.settled = false;
     bench.open("G65 H01 P#200 Q5;\nX#200;");
     for _ in 0..2 {
-        assert!(matches!(bench.next(), Ok(Step::Command(_))));
+        assert!(matches!(bench.next(), Ok(InterpreterStep::Command(_))));
     }
 }
 
 #[test]
-fn in_mdi() {
-    let mut bench = Bench::new();
+fn macros_run_from_the_mdi_page() {
+    let mut bench = InterpreterBench::new();
     bench.mdi("G65 H02 P#200 Q1 R2");
-    assert_eq!(bench.rest().1, None);
+    assert_eq!(bench.run_to_end().1, None);
     assert_eq!(bench.variables.get(200), Some(3));
     bench.mdi("G65 H80 P1");
-    assert_eq!(bench.rest().1.unwrap().number, 128);
+    assert_eq!(bench.run_to_end().1.unwrap().number, 128);
 }
 
 #[test]
 fn bar_feed_example() {
     // Manual I-3.7.3.4: the body waits for an input and switches an output.
-    let mut bench = Bench::new().with_bit(6, 5, true);
+    let mut bench = InterpreterBench::new().with_bit(6, 5, true);
     bench
         .programs
         .store("O9061;\nG65 H01 P#1104 Q1;\nN10 G65 H81 P10 Q#1005 R0;\nG65 H01 P#1104 Q0;\nM99;")
         .unwrap();
     bench.open("M61;\nM30;");
     for _ in 0..100 {
-        assert!(matches!(bench.next(), Ok(Step::Command(_))));
+        assert!(matches!(bench.next(), Ok(InterpreterStep::Command(_))));
         assert_eq!(bench.outputs, 1 << 4);
     }
     bench.inputs = 1 << 5;
-    let (commands, alarm) = bench.rest();
+    let (commands, alarm) = bench.run_to_end();
     assert_eq!((commands.len(), alarm, bench.outputs), (3, None, 0));
 }
 
 #[test]
-fn under_nose_compensation() {
+fn macros_run_under_nose_compensation() {
     // A waiting loop lets the move before it finish and continues when its signal arrives.
-    let mut bench = Bench::new().with_bit(2, 1, true);
+    let mut bench = InterpreterBench::new().with_bit(2, 1, true);
     let nose = ToolOffset {
         r: 0.8,
         t: 3,
@@ -344,23 +358,23 @@ fn under_nose_compensation() {
          X#200;\nG00 G40 X80;\nM30;",
     );
     for _ in 0..200 {
-        assert!(matches!(bench.next(), Ok(Step::Command(_))));
+        assert!(matches!(bench.next(), Ok(InterpreterStep::Command(_))));
     }
     assert_eq!(bench.variables.get(200), Some(60_000));
     bench.inputs = 1;
-    let (commands, alarm) = bench.rest();
+    let (commands, alarm) = bench.run_to_end();
     assert_eq!(alarm, None);
     assert!(commands.len() < 12, "{}", commands.len());
     assert_eq!(bench.machine.diameter().0, 80.0);
 }
 
 #[test]
-fn a_known_jump_is_searched_again_in_another_text() {
-    let mut bench = Bench::new();
+fn a_remembered_jump_is_checked_in_another_text() {
+    let mut bench = InterpreterBench::new();
     bench.open("N1 G65 H02 P#200 Q#200 R1;\nG65 H84 P1 Q#200 R3;");
-    assert_eq!(bench.rest().1, None);
+    assert_eq!(bench.run_to_end().1, None);
     bench.open("N2 G65 H02 P#200 Q#200 R1;\nG65 H84 P1 Q#200 R30;\nN1 M30;");
-    let (commands, alarm) = bench.rest();
+    let (commands, alarm) = bench.run_to_end();
     assert_eq!((commands.len(), alarm), (3, None));
     assert_eq!(bench.variables.get(200), Some(4));
 }
@@ -394,12 +408,12 @@ mod random {
             h in 0_i64..100, i in operand(), j in operand(), k in operand(),
         ) {
             let operands = Operands { i, j, k };
-            match Operation::of(h) {
-                Some(Operation::Value(function)) => match work_out(function, operands) {
+            match Operation::from_h_code(h) {
+                Some(Operation::Value(function)) => match compute(function, operands) {
                     Ok(value) => {
                         prop_assert!((Variables::LEAST..=Variables::GREATEST).contains(&value));
                     }
-                    Err(fault) => prop_assert!(matches!(fault.number(), 111 | 112 | 119)),
+                    Err(fault) => prop_assert!(matches!(fault.alarm_number(), 111 | 112 | 119)),
                 },
                 Some(Operation::Jump(condition)) => {
                     condition(j, k);
@@ -413,11 +427,11 @@ mod random {
             text in "(G65 ?H(0?[1-5]|1[1-3]|2[1-7]|3[1-4]|8[0-6]|99) ?P-?#?(200|9200|1100|1|2) ?Q-?#?[0-9]{1,9} ?R-?#?(20[0-9]|[0-9]{1,4});?\n|N[1-3];\n|X#200;\n){1,12}",
             seed in operand(),
         ) {
-            let mut bench = Bench::new();
+            let mut bench = InterpreterBench::new();
             let _ = bench.variables.set(200, seed);
             bench.open(&text);
             for _ in 0..200 {
-                if !matches!(bench.next(), Ok(Step::Command(_))) {
+                if !matches!(bench.next(), Ok(InterpreterStep::Command(_))) {
                     break;
                 }
             }
@@ -426,11 +440,11 @@ mod random {
         #[test]
         fn division_and_remainder_belong_together(j in operand(), k in operand()) {
             prop_assume!(k != 0 && !(j == Variables::LEAST && k == -1));
-            let of = |h| match Operation::of(h) {
-                Some(Operation::Value(function)) => work_out(function, Operands { i: 0, j, k }).unwrap(),
+            let compute = |h| match Operation::from_h_code(h) {
+                Some(Operation::Value(function)) => compute(function, Operands { i: 0, j, k }).unwrap(),
                 _ => unreachable!(),
             };
-            prop_assert_eq!(of(5) * k + of(23), j);
+            prop_assert_eq!(compute(5) * k + compute(23), j);
         }
     }
 }

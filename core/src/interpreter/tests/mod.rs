@@ -26,23 +26,25 @@ mod spindle_and_tool;
 mod threads;
 
 use crate::alarm::Alarm;
-use crate::command::{Action, Command, ProgramId, ThreadStart};
+use crate::command::{Action, ControlCommand, ProgramId, ThreadStart};
 use crate::interpreter::Host;
 use crate::interpreter::Interpreter;
-use crate::interpreter::Step;
-use crate::memory::{Counters, Offsets, Parameters, Registers, Settings, ToolOffset, Variables};
+use crate::interpreter::InterpreterStep;
+use crate::memory::{
+    ControlParameters, ControlSettings, Counters, Offsets, Registers, ToolOffset, Variables,
+};
 use crate::model::{ControlModel, ModelId};
 use crate::program::{Program, ProgramMemory};
 use crate::units::{Feed, PerAxis, Point};
 
 /// A control that carries out everything at once.
-pub(super) struct Bench {
-    pub(super) parameters: Parameters,
+pub(super) struct InterpreterBench {
+    pub(super) parameters: ControlParameters,
     pub(super) offsets: Offsets,
     pub(super) variables: Variables,
     pub(super) registers: Registers,
     pub(super) counters: Counters,
-    pub(super) settings: Settings,
+    pub(super) settings: ControlSettings,
     pub(super) now_ms: u64,
     pub(super) inputs: u16,
     pub(super) outputs: u64,
@@ -54,12 +56,12 @@ pub(super) struct Bench {
     pub(super) interpreter: Interpreter,
 }
 
-struct World<'a> {
-    parameters: &'a mut Parameters,
+struct BenchHost<'a> {
+    parameters: &'a mut ControlParameters,
     offsets: &'a mut Offsets,
     registers: &'a mut Registers,
     counters: &'a mut Counters,
-    settings: &'a mut Settings,
+    settings: &'a mut ControlSettings,
     now_ms: u64,
     variables: &'a mut Variables,
     inputs: u16,
@@ -71,7 +73,7 @@ struct World<'a> {
     settled: bool,
 }
 
-impl Host for World<'_> {
+impl Host for BenchHost<'_> {
     fn offsets_mut(&mut self) -> &mut Offsets {
         self.offsets
     }
@@ -87,19 +89,19 @@ impl Host for World<'_> {
     fn counters_mut(&mut self) -> &mut Counters {
         self.counters
     }
-    fn settings(&self) -> &Settings {
+    fn settings(&self) -> &ControlSettings {
         self.settings
     }
-    fn settings_mut(&mut self) -> &mut Settings {
+    fn settings_mut(&mut self) -> &mut ControlSettings {
         self.settings
     }
     fn now_ms(&self) -> u64 {
         self.now_ms
     }
-    fn parameters(&self) -> &Parameters {
+    fn parameters(&self) -> &ControlParameters {
         self.parameters
     }
-    fn parameters_mut(&mut self) -> &mut Parameters {
+    fn parameters_mut(&mut self) -> &mut ControlParameters {
         self.parameters
     }
     fn offsets(&self) -> &Offsets {
@@ -129,18 +131,18 @@ impl Host for World<'_> {
     fn referenced(&self) -> PerAxis<bool> {
         self.referenced
     }
-    fn block_skip(&self) -> bool {
+    fn is_block_skip_on(&self) -> bool {
         self.block_skip
     }
-    fn settled(&self) -> bool {
+    fn is_settled(&self) -> bool {
         self.settled
     }
 }
 
-impl Bench {
+impl InterpreterBench {
     /// A bench at X300 Z300 with an analog spindle and offset 01 = X0.040 Z0.020.
     pub(super) fn new() -> Self {
-        let mut parameters = Parameters::default();
+        let mut parameters = ControlParameters::default();
         parameters.set_bit(1, 4, true).unwrap();
         let mut offsets = Offsets::default();
         offsets
@@ -170,7 +172,7 @@ impl Bench {
             variables: Variables::default(),
             registers: Registers::default(),
             counters: Counters::default(),
-            settings: Settings::default(),
+            settings: ControlSettings::default(),
             now_ms: 0,
             inputs: 0,
             outputs: 0,
@@ -201,8 +203,8 @@ impl Bench {
         self
     }
 
-    fn parts(&mut self) -> (&mut Interpreter, World<'_>) {
-        let world = World {
+    fn split_for_run(&mut self) -> (&mut Interpreter, BenchHost<'_>) {
+        let world = BenchHost {
             parameters: &mut self.parameters,
             offsets: &mut self.offsets,
             registers: &mut self.registers,
@@ -223,19 +225,19 @@ impl Bench {
 
     pub(super) fn open(&mut self, text: &str) {
         self.programs.open_external(Program::new(text));
-        let (interpreter, world) = self.parts();
+        let (interpreter, world) = self.split_for_run();
         interpreter.start(ProgramId::External, 1, &world);
     }
 
     pub(super) fn mdi(&mut self, text: &str) {
-        let (interpreter, world) = self.parts();
+        let (interpreter, world) = self.split_for_run();
         interpreter.start_mdi(Program::new(text), &world);
     }
 
-    pub(super) fn next(&mut self) -> Result<Step, Alarm> {
-        let (interpreter, mut world) = self.parts();
+    pub(super) fn next(&mut self) -> Result<InterpreterStep, Alarm> {
+        let (interpreter, mut world) = self.split_for_run();
         let step = interpreter.next(&mut world)?;
-        if let Step::Command(command) = &step
+        if let InterpreterStep::Command(command) = &step
             && let Some(to) = target(&command.action)
         {
             self.machine = to;
@@ -244,17 +246,17 @@ impl Bench {
     }
 
     pub(super) fn reset(&mut self) {
-        let (interpreter, world) = self.parts();
+        let (interpreter, world) = self.split_for_run();
         interpreter.reset(&world);
     }
 
     /// All remaining commands of the current run, at most 10 000, and its alarm.
-    pub(super) fn rest(&mut self) -> (Vec<Command>, Option<Alarm>) {
+    pub(super) fn run_to_end(&mut self) -> (Vec<ControlCommand>, Option<Alarm>) {
         let mut commands = Vec::new();
         while commands.len() < 10_000 {
             match self.next() {
-                Ok(Step::Command(command)) => commands.push(*command),
-                Ok(Step::Wait | Step::Ended) => return (commands, None),
+                Ok(InterpreterStep::Command(command)) => commands.push(*command),
+                Ok(InterpreterStep::Wait | InterpreterStep::Ended) => return (commands, None),
                 Err(alarm) => return (commands, Some(alarm)),
             }
         }
@@ -265,7 +267,7 @@ impl Bench {
     /// cycles of threads.
     pub(super) fn trace(&mut self, text: &str) -> Vec<String> {
         self.open(text);
-        let (commands, alarm) = self.rest();
+        let (commands, alarm) = self.run_to_end();
         let mut lines: Vec<_> = commands
             .iter()
             .filter(|command| !matches!(command.action, Action::ThreadCycle { .. }))
@@ -279,9 +281,9 @@ impl Bench {
     }
 
     /// The number and the line of the alarm that ends a text.
-    pub(super) fn fault(&mut self, text: &str) -> (u16, u32) {
+    pub(super) fn run_to_alarm(&mut self, text: &str) -> (u16, u32) {
         self.open(text);
-        let (_, alarm) = self.rest();
+        let (_, alarm) = self.run_to_end();
         let alarm = alarm.unwrap_or_else(|| panic!("no alarm: {text}"));
         assert!(
             alarm.detail.is_some(),
@@ -292,24 +294,32 @@ impl Bench {
     }
 
     /// Absolute position as diameter and Z, mm.
-    pub(super) fn shown(&self) -> (f64, f64) {
+    pub(super) fn displayed_position(&self) -> (f64, f64) {
         let point = self.interpreter.position();
         (point.diameter().0, point.z)
     }
 
     /// A command in short: machine positions with X as a diameter; `|` is a stop of single
     /// block.
-    fn describe(&self, command: &Command) -> String {
-        let xz = |point: Point| format!("X{} Z{}", short(point.x * 2.0), short(point.z));
-        let per = |feed: Feed| match feed {
+    fn describe(&self, command: &ControlCommand) -> String {
+        let format_point = |point: Point| {
+            format!(
+                "X{} Z{}",
+                format_short(point.x * 2.0),
+                format_short(point.z)
+            )
+        };
+        let format_feed = |feed: Feed| match feed {
             Feed::PerMinute(rate) => format!("F{rate}"),
             Feed::PerRevolution(rate) => format!("F{rate}/r"),
         };
         let text = match &command.action {
-            Action::Rapid { to } => format!("rapid {}", xz(*to)),
+            Action::Rapid { to } => format!("rapid {}", format_point(*to)),
             Action::Outputs { on, off, ms } => format!("outputs on {on:b} off {off:b} {ms}ms"),
             Action::InputWait { input, high } => format!("wait for X{input} {high}"),
-            Action::Line { to, feed } => format!("line {} {}", xz(*to), per(*feed)),
+            Action::Line { to, feed } => {
+                format!("line {} {}", format_point(*to), format_feed(*feed))
+            }
             Action::Arc {
                 to,
                 center,
@@ -317,11 +327,16 @@ impl Bench {
                 feed,
             } => {
                 let turn = if *clockwise { "cw" } else { "ccw" };
-                format!("{turn} {} about {} {}", xz(*to), xz(*center), per(*feed))
+                format!(
+                    "{turn} {} about {} {}",
+                    format_point(*to),
+                    format_point(*center),
+                    format_feed(*feed)
+                )
             }
             Action::Thread {
                 to,
-                long,
+                lead_axis: long,
                 lead,
                 increase,
                 start,
@@ -329,7 +344,7 @@ impl Bench {
             } => {
                 let kind = if *run_out { "run-out" } else { "thread" };
                 let begins = match start {
-                    ThreadStart::AtIndex { degrees } => format!("at {}", short(*degrees)),
+                    ThreadStart::AtIndex { degrees } => format!("at {}", format_short(*degrees)),
                     ThreadStart::Continued => "continued".into(),
                 };
                 let growth = if *increase == 0.0 {
@@ -338,13 +353,13 @@ impl Bench {
                     format!(
                         "{}{}",
                         if *increase > 0.0 { "+" } else { "" },
-                        short(*increase)
+                        format_short(*increase)
                     )
                 };
                 format!(
                     "{kind} {} {long:?} lead {}{growth} {begins}",
-                    xz(*to),
-                    short(*lead)
+                    format_point(*to),
+                    format_short(*lead)
                 )
             }
             Action::Tap {
@@ -353,9 +368,9 @@ impl Bench {
                 start_degrees,
             } => format!(
                 "tap {} lead {} at {}",
-                xz(*to),
-                short(*lead),
-                short(*start_degrees)
+                format_point(*to),
+                format_short(*lead),
+                format_short(*start_degrees)
             ),
             Action::ThreadCycle { .. } => "thread cycle".into(),
             Action::Dwell { ms } => format!("dwell {ms}"),
@@ -367,8 +382,8 @@ impl Bench {
                 relative,
             } => format!(
                 "frame {} offset {}{}{}",
-                xz(frame.zero),
-                xz(frame.offset),
+                format_point(frame.zero),
+                format_point(frame.offset),
                 if program_zero.is_some() {
                     " program zero"
                 } else {
@@ -401,7 +416,7 @@ fn target(action: &Action) -> Option<Point> {
 }
 
 /// A number with at most six decimals, without zeros at the end.
-fn short(value: f64) -> String {
+fn format_short(value: f64) -> String {
     let text = format!("{value:.6}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" {

@@ -1,25 +1,25 @@
 //! The NC-B08: codes with another meaning there, and codes that only it has.
 
-use super::Bench;
+use super::InterpreterBench;
 use crate::model::{ControlModel, ModelId};
 use crate::units::PerAxis;
 
-fn bench() -> Bench {
-    Bench::at(10.0, 20.0).of_model(ModelId::Ncb08)
+fn bench() -> InterpreterBench {
+    InterpreterBench::at(10.0, 20.0).of_model(ModelId::Ncb08)
 }
 
 fn trace(text: &str) -> Vec<String> {
-    trace_of(bench(), text)
+    trace_bench(bench(), text)
 }
 
 /// The trace without line numbers and stops of single block.
-fn trace_of(mut bench: Bench, text: &str) -> Vec<String> {
+fn trace_bench(mut bench: InterpreterBench, text: &str) -> Vec<String> {
     let lines = bench.trace(text);
-    let bare = |line: &String| {
+    let strip_line_number = |line: &String| {
         let after = line.split_once(": ").map_or("", |(_, after)| after);
         after.trim_end_matches(" |").to_owned()
     };
-    lines.iter().map(bare).collect()
+    lines.iter().map(strip_line_number).collect()
 }
 
 /// C46: I and K are radius values from the start to the centre: R = 8.000.
@@ -37,7 +37,7 @@ fn a_full_circle_has_its_centre_by_i_and_k() {
 /// C47: R does not define the centre of a full circle.
 #[test]
 fn a_full_circle_by_r_is_e433() {
-    assert_eq!(bench().fault("G02 X10 Z20 R8 F100;"), (433, 1));
+    assert_eq!(bench().run_to_alarm("G02 X10 Z20 R8 F100;"), (433, 1));
 }
 
 #[test]
@@ -81,7 +81,11 @@ fn outputs_are_switched_by_the_program() {
         assert_eq!(trace(&format!("{block};\nM2;"))[0], expected, "{block}");
     }
     for wrong in ["M10", "M10 P16", "M10 P-1", "M11 P99"] {
-        assert_eq!(bench().fault(&format!("{wrong};")), (43, 1), "{wrong}");
+        assert_eq!(
+            bench().run_to_alarm(&format!("{wrong};")),
+            (43, 1),
+            "{wrong}"
+        );
     }
 }
 
@@ -92,7 +96,7 @@ fn the_time_of_the_clamp_is_a_parameter() {
     model.set_parameter(41, 800).unwrap();
     bench.interpreter.set_model(&model);
     assert_eq!(
-        trace_of(bench, "M21;\nM2;")[0],
+        trace_bench(bench, "M21;\nM2;")[0],
         "outputs on 10000 off 0 800ms"
     );
 }
@@ -114,7 +118,11 @@ fn a_program_waits_for_an_input() {
     assert_eq!(trace("M01 H8;\nM2;")[0], "wait for X8 true");
     assert_eq!(trace("M01 L0;\nM2;")[0], "wait for X0 false");
     for wrong in ["M01", "M01 H24", "M01 L24", "M01 H1 L2"] {
-        assert_eq!(bench().fault(&format!("{wrong};")), (43, 1), "{wrong}");
+        assert_eq!(
+            bench().run_to_alarm(&format!("{wrong};")),
+            (43, 1),
+            "{wrong}"
+        );
     }
 }
 
@@ -123,32 +131,32 @@ fn the_reference_point_is_that_of_its_parameters() {
     let mut model = ControlModel::new(ModelId::Ncb08);
     model.set_parameter(108, 200_000).unwrap();
     model.set_parameter(109, 150_500).unwrap();
-    let with = || {
+    let bench_with_reference = || {
         let mut bench = bench();
         bench.interpreter.set_model(&model);
         bench
     };
-    let direct = trace_of(with(), "G27;\nM2;");
+    let direct = trace_bench(bench_with_reference(), "G27;\nM2;");
     assert_eq!(direct[0], "rapid X200 Z150.5");
-    let through = trace_of(with(), "G28 X50 Z60;\nM2;");
+    let through = trace_bench(bench_with_reference(), "G28 X50 Z60;\nM2;");
     assert_eq!(through[..2], ["rapid X50 Z60", "rapid X200 Z150.5"]);
-    assert_eq!(with().fault("G27 X0;"), (12, 1));
-    let mut lost = with();
-    lost.referenced = PerAxis::new(true, false);
-    assert_eq!(lost.fault("G27;"), (90, 1));
-    let mut lost = with();
-    lost.referenced = PerAxis::new(false, true);
-    assert_eq!(lost.fault("G28 X50;"), (90, 1));
+    assert_eq!(bench_with_reference().run_to_alarm("G27 X0;"), (12, 1));
+    let mut unreferenced = bench_with_reference();
+    unreferenced.referenced = PerAxis::new(true, false);
+    assert_eq!(unreferenced.run_to_alarm("G27;"), (90, 1));
+    let mut unreferenced = bench_with_reference();
+    unreferenced.referenced = PerAxis::new(false, true);
+    assert_eq!(unreferenced.run_to_alarm("G28 X50;"), (90, 1));
 }
 
 #[test]
-fn what_it_does_not_have_is_alarm_010() {
+fn missing_codes_raise_alarm_010() {
     for code in ["G40", "G41", "G20", "G54", "G09", "G91"] {
-        assert_eq!(bench().fault(&format!("{code};")), (10, 1), "{code}");
+        assert_eq!(bench().run_to_alarm(&format!("{code};")), (10, 1), "{code}");
     }
-    assert_eq!(bench().fault("M12;"), (19, 1));
+    assert_eq!(bench().run_to_alarm("M12;"), (19, 1));
     // The GSK980TD does not have the codes of other models.
-    assert_eq!(Bench::new().fault("G27;"), (10, 1));
-    assert_eq!(Bench::new().fault("M21;"), (19, 1));
-    assert_eq!(Bench::new().fault("M10 P3 D500;"), (9, 1));
+    assert_eq!(InterpreterBench::new().run_to_alarm("G27;"), (10, 1));
+    assert_eq!(InterpreterBench::new().run_to_alarm("M21;"), (19, 1));
+    assert_eq!(InterpreterBench::new().run_to_alarm("M10 P3 D500;"), (9, 1));
 }

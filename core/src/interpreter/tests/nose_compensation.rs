@@ -1,15 +1,15 @@
 //! G40, G41 and G42 in the stream of commands. `compensation/tests` tests the geometry.
 
-use super::Bench;
-use crate::command::{Action, Command};
-use crate::interpreter::Step;
+use super::InterpreterBench;
+use crate::command::{Action, ControlCommand};
+use crate::interpreter::InterpreterStep;
 use crate::memory::ToolOffset;
 use crate::program::Program;
 use crate::units::{Feed, Point};
 
 /// Offset rows without X and Z: 01 is R1 T3, 02 is R2 T3.
-fn bench(x: f64, z: f64) -> Bench {
-    let mut bench = Bench::at(x, z).with_bit(2, 1, true);
+fn bench(x: f64, z: f64) -> InterpreterBench {
+    let mut bench = InterpreterBench::at(x, z).with_bit(2, 1, true);
     for number in [1, 2] {
         let nose = ToolOffset {
             r: f64::from(number),
@@ -22,7 +22,7 @@ fn bench(x: f64, z: f64) -> Bench {
 }
 
 /// What a program does after `T0101 F100` in line 1, without that line.
-fn trace(bench: &mut Bench, blocks: &str) -> Vec<String> {
+fn trace(bench: &mut InterpreterBench, blocks: &str) -> Vec<String> {
     let lines = bench.trace(&format!("T0101 F100\n{blocks}"));
     lines
         .into_iter()
@@ -31,20 +31,20 @@ fn trace(bench: &mut Bench, blocks: &str) -> Vec<String> {
 }
 
 fn fault(blocks: &str) -> (u16, u32) {
-    bench(40.0, 10.0).fault(&format!("T0101 F100\n{blocks}"))
+    bench(40.0, 10.0).run_to_alarm(&format!("T0101 F100\n{blocks}"))
 }
 
-fn step(bench: &mut Bench) -> Command {
+fn next_command(bench: &mut InterpreterBench) -> ControlCommand {
     match bench.next() {
-        Ok(Step::Command(command)) => *command,
+        Ok(InterpreterStep::Command(command)) => *command,
         other => panic!("{other:?}"),
     }
 }
 
 #[test]
-fn it_is_an_option() {
-    let mut bench = Bench::at(40.0, 10.0);
-    assert_eq!(bench.fault("G40\nG41"), (10, 2));
+fn compensation_is_an_option() {
+    let mut bench = InterpreterBench::at(40.0, 10.0);
+    assert_eq!(bench.run_to_alarm("G40\nG41"), (10, 2));
 }
 
 #[test]
@@ -66,7 +66,7 @@ fn single_block_stops_at_the_first_vector() {
 }
 
 #[test]
-fn corner_moves_go_as_the_block_after_the_corner() {
+fn corner_moves_use_the_mode_of_the_next_block() {
     let lines = trace(
         &mut bench(20.0, -10.0),
         "G42 G01 X40 Z0 F50\nG00 Z-20\nG40 Z-25",
@@ -82,7 +82,7 @@ fn corner_moves_go_as_the_block_after_the_corner() {
 }
 
 #[test]
-fn a_stop_ends_the_move_square_to_itself() {
+fn a_stop_ends_the_move_perpendicular() {
     for (stop, text) in [("M00", "stop |"), ("G04 P1\nM08", "dwell 1 |")] {
         let lines = trace(
             &mut bench(40.0, 10.0),
@@ -100,19 +100,19 @@ fn a_stop_ends_the_move_square_to_itself() {
 fn three_blocks_are_under_way_and_m00_ends_reading() {
     let mut bench = bench(40.0, 10.0);
     bench.open("T0101 F100\nG42 G01 Z5\nZ0\nS500 M03\nX60\nM00\nZ-20\nG40 Z-25");
-    step(&mut bench);
+    next_command(&mut bench);
     bench.settled = false;
     let mut reads = Vec::new();
-    while let Ok(Step::Command(command)) = bench.next() {
+    while let Ok(InterpreterStep::Command(command)) = bench.next() {
         let read = bench.interpreter.cursor().unwrap().line;
         reads.push((command.source.line, read));
     }
     // A move is given out when the next one is known. M, S and T are read early, M00 is not.
     assert_eq!(reads, [(2, 3), (3, 5), (4, 5), (4, 5), (5, 5)]);
-    assert_eq!(bench.next(), Ok(Step::Wait));
+    assert_eq!(bench.next(), Ok(InterpreterStep::Wait));
     assert_eq!(bench.machine, Point::new(29.0, 0.0));
     bench.settled = true;
-    let (rest, alarm) = bench.rest();
+    let (rest, alarm) = bench.run_to_end();
     assert_eq!((rest.len(), alarm), (4, None));
     assert_eq!(bench.machine, Point::new(30.0, -25.0));
 }
@@ -122,7 +122,7 @@ fn without_g41_nothing_is_read_ahead() {
     let mut bench = bench(40.0, 10.0);
     bench.open("T0101 F100\nG01 Z5\nZ0\nG42\nZ-5\nZ-10\nG40\nZ-15\nZ-20");
     let mut reads = Vec::new();
-    while let Ok(Step::Command(command)) = bench.next() {
+    while let Ok(InterpreterStep::Command(command)) = bench.next() {
         let read = bench.interpreter.cursor().unwrap().line;
         reads.push((command.source.line, read));
     }
@@ -141,7 +141,7 @@ fn without_g41_nothing_is_read_ahead() {
 }
 
 #[test]
-fn subprograms_are_called_and_left_without_it() {
+fn calls_and_returns_need_cancelled_compensation() {
     let mut bench = bench(40.0, 10.0);
     bench
         .programs
@@ -160,8 +160,8 @@ fn subprograms_are_called_and_left_without_it() {
         ("G42 G01 Z5 M98 P5", 2),
     ] {
         bench.machine = Point::new(20.0, 10.0);
-        let found = bench.fault(&format!("T0101 F100\n{text}"));
-        assert_eq!(found, (36, line), "{text}");
+        let alarm = bench.run_to_alarm(&format!("T0101 F100\n{text}"));
+        assert_eq!(alarm, (36, line), "{text}");
         bench.reset();
     }
     // The move that cancels may call, and the main program may start again.
@@ -174,7 +174,7 @@ fn subprograms_are_called_and_left_without_it() {
     bench.reset();
     bench.open("T0101 F100\nG42 G01 U-1 W-1\nM99");
     for _ in 0..20 {
-        step(&mut bench);
+        next_command(&mut bench);
     }
 }
 
@@ -218,7 +218,7 @@ fn an_offset_is_travelled_with_its_vector() {
 }
 
 #[test]
-fn number_00_keeps_it_off() {
+fn offset_number_00_disables_compensation() {
     let lines = bench(40.0, 10.0).trace("F100\nG42 G01 Z5\nZ0\nT0101\nX60\nZ-20\nG40 Z-25\nM30");
     assert_eq!(
         lines[1..],
@@ -245,7 +245,7 @@ fn the_side_changes_one_block_after_the_start_up() {
 }
 
 #[test]
-fn threads_g28_and_cycles_run_without_it() {
+fn threads_g28_and_cycles_run_uncompensated() {
     let lines = trace(
         &mut bench(40.0, 10.0),
         "G42 G01 Z5\nZ0\nG32 Z-10 F1\nG01 Z-20\nG40 Z-25",
@@ -281,18 +281,18 @@ fn threads_g28_and_cycles_run_without_it() {
 }
 
 #[test]
-fn g70_cuts_the_profile_with_it() {
+fn g70_compensates_the_profile() {
     let lines = trace(
         &mut bench(40.0, 10.0),
         "G42 G00 X40 Z5\nG70 P10 Q20\nG40 G00 X60\nM30\nN10 G01 Z0\nX60\nN20 Z-20",
     );
-    let made: Vec<_> = lines
+    let moves: Vec<_> = lines
         .iter()
         .filter(|line| line.contains("line") || line.contains("rapid"))
         .map(String::as_str)
         .collect();
     assert_eq!(
-        made[..4],
+        moves[..4],
         [
             "2: rapid X40 Z4 |",
             "6: line X40 Z0 F100 |",
@@ -303,7 +303,7 @@ fn g70_cuts_the_profile_with_it() {
 }
 
 #[test]
-fn alarms_and_their_blocks() {
+fn alarms_name_their_blocks() {
     let arc = |words: &str| fault(&format!("G42 G01 Z5\nZ0\nG02 X60 Z-10 {words}"));
     assert_eq!(arc("I10 K0.05"), (48, 4));
     assert_eq!(arc("I0 K0"), (51, 4));
@@ -316,33 +316,45 @@ fn alarms_and_their_blocks() {
 }
 
 #[test]
-fn where_an_alarm_stops_the_tool() {
+fn an_alarm_stops_the_tool_at_a_defined_point() {
     // Between two moves: at the start of the first one.
-    let at = |blocks: &str| {
+    let stop_position = |blocks: &str| {
         let mut bench = bench(40.0, 10.0);
         trace(&mut bench, blocks);
         (bench.machine.diameter().0, bench.machine.z)
     };
-    assert_eq!(at("G42 G01 Z5\nZ0\nZ0"), (40.0, 4.0));
-    assert_eq!(at("G42 G01 Z5\nZ0\nG02 X60 Z-10 I0 K0"), (40.0, 4.0));
-    assert_eq!(at("G42 G01 Z5\nZ0\nG02 X41 Z-0.5 R0.5"), (40.0, 4.0));
+    assert_eq!(stop_position("G42 G01 Z5\nZ0\nZ0"), (40.0, 4.0));
+    assert_eq!(
+        stop_position("G42 G01 Z5\nZ0\nG02 X60 Z-10 I0 K0"),
+        (40.0, 4.0)
+    );
+    assert_eq!(
+        stop_position("G42 G01 Z5\nZ0\nG02 X41 Z-0.5 R0.5"),
+        (40.0, 4.0)
+    );
     // At the start of a block: the previous block is carried out.
-    assert_eq!(at("G42 G01 Z5\nZ0\nG02 X60 Z-10 I10 K0.05"), (40.0, -1.0));
-    assert_eq!(at("G42 G01 Z5\nZ0\nM98 P9"), (40.0, -1.0));
-    assert_eq!(at("G42 G02 X60 Z0 R10"), (40.0, 10.0));
+    assert_eq!(
+        stop_position("G42 G01 Z5\nZ0\nG02 X60 Z-10 I10 K0.05"),
+        (40.0, -1.0)
+    );
+    assert_eq!(stop_position("G42 G01 Z5\nZ0\nM98 P9"), (40.0, -1.0));
+    assert_eq!(stop_position("G42 G02 X60 Z0 R10"), (40.0, 10.0));
     // After the moves round the corner.
-    assert_eq!(at("G42 G01 Z5\nZ0\nX20 Z10\nX20 Z10"), (38.0, -2.414));
+    assert_eq!(
+        stop_position("G42 G01 Z5\nZ0\nX20 Z10\nX20 Z10"),
+        (38.0, -2.414)
+    );
 }
 
 #[test]
-fn mdi_runs_without_it_and_the_vectors_go_along() {
+fn mdi_runs_uncompensated_and_moves_the_vectors() {
     let mut bench = bench(40.0, 10.0);
     bench.open("T0101 F100\nG42 G01 X40 Z5\nX40 Z0\nX60 Z0\nX60 Z-20\nG40 Z-25");
-    while step(&mut bench).source.line < 3 {}
+    while next_command(&mut bench).source.line < 3 {}
     assert_eq!(bench.machine, Point::new(20.0, 0.0));
-    let (interpreter, world) = bench.parts();
+    let (interpreter, world) = bench.split_for_run();
     interpreter.start_mdi(Program::new("G01 X50 Z5"), &world);
-    let command = step(&mut bench);
+    let command = next_command(&mut bench);
     assert_eq!(
         command.action,
         Action::Line {
@@ -350,8 +362,8 @@ fn mdi_runs_without_it_and_the_vectors_go_along() {
             feed: Feed::PerMinute(100.0),
         }
     );
-    assert_eq!(bench.next(), Ok(Step::Ended));
-    let (commands, alarm) = bench.rest();
+    assert_eq!(bench.next(), Ok(InterpreterStep::Ended));
+    let (commands, alarm) = bench.run_to_end();
     assert_eq!(alarm, None);
     let lines: Vec<_> = commands
         .iter()
@@ -372,35 +384,35 @@ fn mdi_runs_without_it_and_the_vectors_go_along() {
 fn reset_drops_the_vector() {
     let mut bench = bench(40.0, 10.0);
     bench.open("T0101 F100\nG42 G01 X40 Z5\nX40 Z0\nX60 Z0\nX60 Z-20");
-    while step(&mut bench).source.line < 4 {}
+    while next_command(&mut bench).source.line < 4 {}
     bench.reset();
     assert_eq!(bench.interpreter.modal().nose_compensation, 40);
-    assert_eq!(bench.shown(), (60.0, 0.0));
+    assert_eq!(bench.displayed_position(), (60.0, 0.0));
     bench.open("G01 F100 Z-5");
-    assert_eq!(bench.rest().1, None);
+    assert_eq!(bench.run_to_end().1, None);
     assert_eq!(bench.machine, Point::new(30.0, -5.0));
 }
 
 #[test]
-fn a_saved_interpreter_goes_on_with_it() {
+fn a_saved_interpreter_continues_the_compensation() {
     let text = "T0101 F100\nG42 G01 X40 Z0\nM08 Z-20\nX20 Z-10\nG02 X0 Z-20 R10\nG40 G01 Z-25";
     for cut in 0..8 {
         let mut bench = bench(20.0, -10.0);
         bench.open(text);
         for _ in 0..cut {
-            step(&mut bench);
+            next_command(&mut bench);
         }
         let saved = ron::to_string(&bench.interpreter).unwrap();
         let machine = bench.machine;
-        let rest = bench.rest();
+        let rest = bench.run_to_end();
         bench.interpreter = ron::from_str(&saved).unwrap();
         bench.machine = machine;
-        assert_eq!(bench.rest(), rest);
+        assert_eq!(bench.run_to_end(), rest);
     }
 }
 
 /// What a program does, without line numbers.
-fn path(blocks: &str) -> Vec<String> {
+fn trace_path(blocks: &str) -> Vec<String> {
     trace(&mut bench(40.0, 10.0), blocks)
         .iter()
         .filter_map(|line| line.split_once(": "))
@@ -430,12 +442,12 @@ fn chamfers_and_corner_arcs_are_two_moves() {
             "G42 G01 Z-20\nG40 X54\nG03 X60 Z-23 R3\nG01 Z-40",
         ),
     ] {
-        assert_eq!(path(short), path(long), "{short}");
+        assert_eq!(trace_path(short), trace_path(long), "{short}");
     }
 }
 
 #[test]
-fn a_corner_arc_without_a_straight_part_starts_nothing() {
+fn a_corner_arc_alone_cannot_start_compensation() {
     assert_eq!(fault("G42 G01 Z5 R5\nX60"), (34, 2));
 }
 

@@ -1,6 +1,6 @@
 //! G74 and G75.
 
-use super::Bench;
+use super::InterpreterBench;
 
 fn count(trace: &[String], kind: &str) -> usize {
     trace.iter().filter(|line| line.contains(kind)).count()
@@ -9,11 +9,14 @@ fn count(trace: &[String], kind: &str) -> usize {
 #[test]
 fn the_first_block_writes_the_retract() {
     for code in ["G74", "G75"] {
-        let mut bench = Bench::at(40.0, 5.0);
+        let mut bench = InterpreterBench::at(40.0, 5.0);
         let trace = bench.trace(&format!("{code} R1;"));
         assert_eq!(trace[0], "1: nothing |");
         assert_eq!(bench.parameters.value(56), 1000);
-        assert_eq!(Bench::new().fault(&format!("{code} R-1;")), (62, 1));
+        assert_eq!(
+            InterpreterBench::new().run_to_alarm(&format!("{code} R-1;")),
+            (62, 1)
+        );
     }
 }
 
@@ -21,10 +24,10 @@ fn the_first_block_writes_the_retract() {
 fn the_face_groove_of_the_manual() {
     for (z, pecks) in [("-60", 33), ("60", 28)] {
         let text = format!("G74 R1;\nG74 X20 Z{z} P2000 Q2000 F50;");
-        let trace = Bench::at(40.0, 5.0).trace(&text);
+        let trace = InterpreterBench::at(40.0, 5.0).trace(&text);
         assert_eq!(count(&trace, "line"), 11 * pecks, "{z}");
     }
-    let trace = Bench::at(40.0, 5.0).trace("G74 R1;\nG74 X20 Z-60 P2000 Q2000 F50;");
+    let trace = InterpreterBench::at(40.0, 5.0).trace("G74 R1;\nG74 X20 Z-60 P2000 Q2000 F50;");
     assert_eq!(
         trace[1..5],
         [
@@ -59,7 +62,7 @@ fn the_face_groove_of_the_manual() {
 
 #[test]
 fn the_groove_of_the_manual() {
-    let trace = Bench::at(125.0, -20.0).trace("G75 R1;\nG75 X40 Z-50 P2000 Q2000 F50;");
+    let trace = InterpreterBench::at(125.0, -20.0).trace("G75 R1;\nG75 X40 Z-50 P2000 Q2000 F50;");
     assert_eq!(count(&trace, "line"), 16 * 43);
     assert_eq!(
         trace[1..4],
@@ -77,7 +80,7 @@ fn the_groove_of_the_manual() {
 #[test]
 fn the_relief_and_the_last_column() {
     // Columns at X40, 37 and 35; a relief of 0.8 against the direction of the columns.
-    let trace = Bench::at(40.0, 0.0).trace("G74 X35 Z-5 P3000 Q3000 R0.8 F50;");
+    let trace = InterpreterBench::at(40.0, 0.0).trace("G74 X35 Z-5 P3000 Q3000 R0.8 F50;");
     assert_eq!(
         trace[..16],
         [
@@ -104,7 +107,7 @@ fn the_relief_and_the_last_column() {
 #[test]
 fn all_four_quadrants() {
     for (sx, sz) in [(1, 1), (1, -1), (-1, 1), (-1, -1)] {
-        let trace = Bench::at(100.0, 0.0).trace(&format!(
+        let trace = InterpreterBench::at(100.0, 0.0).trace(&format!(
             "G74 R0.5;\nG74 U{} W{} P4000 Q3000 R1 F50;",
             sx * 6,
             sz * 5
@@ -118,7 +121,7 @@ fn all_four_quadrants() {
             format!("2: rapid X{} Z0 |", 100 + sx * 4),
         ];
         assert_eq!(trace[1..7], expected);
-        let trace = Bench::at(100.0, 0.0).trace(&format!(
+        let trace = InterpreterBench::at(100.0, 0.0).trace(&format!(
             "G75 R0.5;\nG75 U{} W{} P4000 Q3000 R1 F50;",
             sx * 6,
             sz * 5
@@ -136,14 +139,14 @@ fn all_four_quadrants() {
 }
 
 #[test]
-fn one_column() {
+fn a_cycle_can_have_one_column() {
     for text in [
         "G74 Z-5 Q3000 F50;",
         // Without X and P the relief is 0.
         "G74 Z-5 Q3000 R1 F50;",
         "G74 X40 Z-5 P1000 Q3000 R1 F50;",
     ] {
-        let trace = Bench::at(40.0, 0.0).trace(text);
+        let trace = InterpreterBench::at(40.0, 0.0).trace(text);
         assert_eq!(
             trace[..4],
             [
@@ -155,12 +158,12 @@ fn one_column() {
             "{text}"
         );
     }
-    let trace = Bench::at(40.0, 0.0).trace("G75 X34 P4000 F50;");
+    let trace = InterpreterBench::at(40.0, 0.0).trace("G75 X34 P4000 F50;");
     assert_eq!(trace[1], "1: line X34 Z0 F50 |");
 }
 
 #[test]
-fn faults() {
+fn wrong_data_raises_alarms() {
     for (text, number) in [
         ("G74 X20 Z-5 P2000 F50;", 62),
         ("G74 X20 Z-5 P2000 Q0 F50;", 62),
@@ -175,13 +178,17 @@ fn faults() {
         ("G75 X20 Z-5 P2000 F50;", 62),
         ("G75 Z-5 P2000 Q2000 F50;", 62),
     ] {
-        assert_eq!(Bench::at(40.0, 0.0).fault(text), (number, 1), "{text}");
+        assert_eq!(
+            InterpreterBench::at(40.0, 0.0).run_to_alarm(text),
+            (number, 1),
+            "{text}"
+        );
     }
 }
 
 #[test]
 fn radius_programming_leaves_p_a_diameter() {
-    let trace = Bench::at(40.0, 0.0)
+    let trace = InterpreterBench::at(40.0, 0.0)
         .with_bit(1, 2, true)
         .trace("G75 X10 P8000 F50;");
     assert_eq!(trace[0], "1: line X32 Z0 F50 |");

@@ -1,7 +1,7 @@
 //! The dry run of `check`.
 
 use crate::command::{ExecutedMove, MoveKind};
-use crate::preview::{End, Preview, Turning, preview};
+use crate::preview::{Preview, PreviewEnd, SpindleRotation, preview};
 use crate::program::{Program, ProgramMemory};
 use crate::setup::Setup;
 use crate::units::Point;
@@ -19,18 +19,18 @@ fn check(text: &str) -> (Preview, Vec<ExecutedMove>) {
 }
 
 #[test]
-fn a_small_part() {
+fn a_small_part_is_previewed() {
     let (result, moves) = check(
         "O0001;\nG00 X50 Z2 T0101;\nM03 S600;\nG99 G01 Z-20 F0.3;\nG02 X60 Z-25 R5;\nG04 X1;\nG00 X300 Z300;\nG00 X300;\nM30;",
     );
-    assert_eq!((result.end, result.alarm), (End::M30, None));
+    assert_eq!((result.end, result.alarm), (PreviewEnd::M30, None));
     let kinds: Vec<_> = moves.iter().map(|executed| executed.kind).collect();
     use MoveKind::{Clockwise, Dwell, Feed, Rapid};
     assert_eq!(kinds, [Rapid, Feed, Clockwise, Dwell, Rapid]);
     assert_eq!((result.moves, result.parts, result.stops), (5, 1, 0));
     assert_eq!(result.tools, [(1, 1)]);
     assert_eq!(result.absolute, Point::new(150.0, 300.0));
-    assert_eq!(result.spindle, Turning::Stopped);
+    assert_eq!(result.spindle, SpindleRotation::Stopped);
     assert!((result.lengths.feed - 22.0).abs() < 1e-9);
     assert!((result.lengths.clockwise - core::f64::consts::PI * 2.5).abs() < 1e-9);
     // 0.3 mm/rev at 600 r/min is 180 mm/min.
@@ -58,13 +58,13 @@ fn offsets_do_not_show_in_the_path() {
     assert_eq!(moves[0].to, Point::new(16.65, -7.7));
     assert_eq!(moves[1].to, Point::new(22.2, -7.7));
     assert_eq!(result.absolute, Point::new(22.2, -7.7));
-    assert_eq!(result.end, End::Text);
+    assert_eq!(result.end, PreviewEnd::Text);
 }
 
 #[test]
-fn a_standing_spindle_is_found() {
+fn a_stopped_spindle_is_found() {
     let (result, _) = check("M03 S500;\nG99 G01 Z0 F0.2;\nM05;\nZ1;");
-    assert_eq!(result.end, End::Alarm);
+    assert_eq!(result.end, PreviewEnd::Alarm);
     let alarm = result.alarm.unwrap();
     assert_eq!((alarm.number, alarm.source.unwrap().line), (11, 4));
 }
@@ -72,21 +72,21 @@ fn a_standing_spindle_is_found() {
 #[test]
 fn endless_programs_end() {
     let (result, _) = check("U1;\nM99;");
-    assert_eq!((result.end, result.parts), (End::M99, 1));
+    assert_eq!((result.end, result.parts), (PreviewEnd::M99, 1));
     let mut programs = ProgramMemory::default();
     programs.store("O1; N1; M99;").unwrap();
     programs.open_external(Program::new("M98 P99990001;\n".repeat(200)));
     assert!(programs.select(crate::command::ProgramId::External));
     assert_eq!(
         preview(&Setup::default(), &programs, &mut |_| ()).end,
-        End::Limit
+        PreviewEnd::Limit
     );
 }
 
 #[test]
-fn the_program_stop_is_passed() {
+fn the_preview_continues_after_a_program_stop() {
     let (result, _) = check("M00;\nG00 X1;\nM00;\nM30;");
-    assert_eq!((result.stops, result.end), (2, End::M30));
+    assert_eq!((result.stops, result.end), (2, PreviewEnd::M30));
 }
 
 #[test]

@@ -1,12 +1,12 @@
 //! Faults of G70 to G73 and of the profiles they name.
 
-use super::Bench;
+use super::InterpreterBench;
 
 /// The alarm of a profile between N1 and N9 under a cycle, at X50 Z2.
 fn fault(cycle: &str, blocks: &str) -> u16 {
     let data = "G71 U2 R1;\nG73 U1 W1 R2;\nG01 F100;\n";
     let text = format!("{data}{cycle} P1 Q9;\n{blocks}\nM30;\nN20 G01 X1;\n");
-    let (number, line) = Bench::at(50.0, 2.0).fault(&text);
+    let (number, line) = InterpreterBench::at(50.0, 2.0).run_to_alarm(&text);
     assert_eq!(line, 4, "{cycle} {blocks}");
     number
 }
@@ -75,12 +75,17 @@ fn cycle_faults() {
         ("G73 R-3;", 62),
         ("G73 P1 Q9 F1;", 62),
     ] {
-        let (found, line) = Bench::at(50.0, 2.0).fault(&format!("{text}\n{profile}"));
+        let (found, line) =
+            InterpreterBench::at(50.0, 2.0).run_to_alarm(&format!("{text}\n{profile}"));
         assert_eq!((found, line), (number, 1), "{text}");
     }
     for text in ["G71 U1;\nG71 P1 Q9;\n", "G73 R2;\nG73 P1 Q9;\n"] {
         let text = format!("{text}{profile}");
-        assert_eq!(Bench::at(50.0, 2.0).fault(&text), (11, 2), "{text}");
+        assert_eq!(
+            InterpreterBench::at(50.0, 2.0).run_to_alarm(&text),
+            (11, 2),
+            "{text}"
+        );
     }
 }
 
@@ -93,36 +98,43 @@ fn at_most_a_hundred_blocks() {
         )
     };
     assert_eq!(
-        Bench::at(50.0, 2.0)
+        InterpreterBench::at(50.0, 2.0)
             .trace(&text(100))
             .last()
             .map(String::as_str),
         Some("102: end counts false m30 false")
     );
-    assert_eq!(Bench::at(50.0, 2.0).fault(&text(101)), (16, 2));
+    assert_eq!(
+        InterpreterBench::at(50.0, 2.0).run_to_alarm(&text(101)),
+        (16, 2)
+    );
 }
 
 #[test]
-fn not_in_mdi() {
+fn profiles_are_refused_in_mdi() {
     for (text, number) in [
         ("G71 P1 Q9 F1;", Some(67)),
         ("G70 P1 Q9;", Some(67)),
         ("G71 U2 R1;", None),
         ("G75 X20 P3000 F9;", None),
     ] {
-        let mut bench = Bench::at(50.0, 2.0);
+        let mut bench = InterpreterBench::at(50.0, 2.0);
         let program = crate::program::Program::new(text);
-        let (interpreter, world) = bench.parts();
+        let (interpreter, world) = bench.split_for_run();
         interpreter.start_mdi(program, &world);
-        assert_eq!(bench.rest().1.map(|alarm| alarm.number), number, "{text}");
+        assert_eq!(
+            bench.run_to_end().1.map(|alarm| alarm.number),
+            number,
+            "{text}"
+        );
     }
 }
 
 #[test]
-fn codes_that_call_subprograms_are_no_part_of_a_profile() {
+fn codes_that_call_are_refused_in_a_profile() {
     for cycle in ["G70", "G71"] {
         let text = format!("G71 U2 F9;\n{cycle} P1 Q2;\nN1 G00 X30 M61;\nN2 G01 Z-5;\n");
-        let mut bench = Bench::at(50.0, 2.0).with_bit(6, 5, true);
-        assert_eq!(bench.fault(&text), (64, 2), "{cycle}");
+        let mut bench = InterpreterBench::at(50.0, 2.0).with_bit(6, 5, true);
+        assert_eq!(bench.run_to_alarm(&text), (64, 2), "{cycle}");
     }
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use proptest::prelude::*;
 
-use super::{Bench, target};
+use super::{InterpreterBench, target};
 use crate::command::Action;
 use crate::memory::ToolOffset;
 
@@ -21,7 +21,7 @@ fn steps() -> impl Strategy<Value = Vec<(i64, i64, u8)>> {
 
 /// A block of a turning program: usually a straight move, sometimes a block that affects the
 /// following moves.
-fn block() -> impl Strategy<Value = String> {
+fn any_block() -> impl Strategy<Value = String> {
     let number = || (-40_000_i64..40_000).prop_map(mm);
     let axis = move |absolute: char, increment: char| {
         prop_oneof![
@@ -70,14 +70,14 @@ proptest! {
     /// A word that changes nothing keeps the reader from taking a block as a plain move.
     #[test]
     fn a_plain_move_is_what_its_block_is(
-        blocks in prop::collection::vec(block(), 1..40),
+        blocks in prop::collection::vec(any_block(), 1..40),
         radii in any::<bool>(),
         skip in any::<bool>(),
         feed in any::<bool>(),
     ) {
         let begin = format!("G98{}\n", if feed { " F100" } else { "" });
         let run = |word: &str| {
-            let mut bench = Bench::at(0.0, 0.0);
+            let mut bench = InterpreterBench::at(0.0, 0.0);
             bench.parameters.set_bit(1, 2, radii).unwrap();
             bench.parameters.set_bit(2, 1, true).unwrap();
             let tool = ToolOffset { x: 1.0, z: -0.5, r: 0.4, t: 3 };
@@ -88,8 +88,8 @@ proptest! {
                 writeln!(text, "{block}{word}").unwrap();
             }
             bench.open(&text);
-            let (commands, alarm) = bench.rest();
-            (commands, alarm, bench.interpreter.modal().to_owned(), bench.interpreter.position(), bench.shown())
+            let (commands, alarm) = bench.run_to_end();
+            (commands, alarm, bench.interpreter.modal().to_owned(), bench.interpreter.position(), bench.displayed_position())
         };
         let (plain, whole) = (run(""), run(" G98"));
         prop_assert_eq!(plain.0.len(), whole.0.len());
@@ -110,16 +110,16 @@ proptest! {
             writeln!(incremental, "G{code} U{} W{}", mm(dx), mm(dz)).unwrap();
         }
         let run = |text: &str| {
-            let mut bench = Bench::at(0.0, 0.0);
+            let mut bench = InterpreterBench::at(0.0, 0.0);
             bench.open(text);
-            let (commands, alarm) = bench.rest();
-            (commands.into_iter().map(|command| command.action).collect::<Vec<_>>(), alarm, bench.shown())
+            let (commands, alarm) = bench.run_to_end();
+            (commands.into_iter().map(|command| command.action).collect::<Vec<_>>(), alarm, bench.displayed_position())
         };
         prop_assert_eq!(run(&absolute), run(&incremental));
     }
 
     #[test]
-    fn legal_blocks_end_where_the_words_say(steps in steps(), big in 130_000_i64..9_999_999) {
+    fn blocks_end_at_the_programmed_point(steps in steps(), big in 130_000_i64..9_999_999) {
         let mut text = String::from("F100\n");
         let mut ends = Vec::new();
         let (mut x, mut z) = (0_i64, 0_i64);
@@ -131,10 +131,10 @@ proptest! {
                 ends.push((x as f64 / 2000.0, z as f64 / 1000.0));
             }
         }
-        let mut bench = Bench::at(0.0, 0.0);
+        let mut bench = InterpreterBench::at(0.0, 0.0);
         bench.open(&text);
         let mut at = bench.machine;
-        let (commands, alarm) = bench.rest();
+        let (commands, alarm) = bench.run_to_end();
         prop_assert_eq!(alarm, None);
         let mut reached = Vec::new();
         for command in &commands {
@@ -156,9 +156,9 @@ proptest! {
         x in -99_000_i64..99_000, z in -99_000_i64..99_000,
         i in -99_000_i64..99_000, k in -99_000_i64..99_000,
     ) {
-        let mut bench = Bench::at(0.0, 0.0);
+        let mut bench = InterpreterBench::at(0.0, 0.0);
         bench.open(&format!("G02 X{} Z{} I{} K{} F10", mm(x), mm(z), mm(i), mm(k)));
-        let (commands, alarm) = bench.rest();
+        let (commands, alarm) = bench.run_to_end();
         if let Some(alarm) = alarm {
             prop_assert_eq!(alarm.number, 13);
         } else if let Action::Arc { to, center, .. } = commands[0].action {
@@ -169,9 +169,9 @@ proptest! {
 
     #[test]
     fn any_text_is_a_run_or_an_alarm(text in "[GMSTXZUWRIKFPNO0-9 .;/\n-]{0,120}") {
-        let mut bench = Bench::at(0.0, 0.0);
+        let mut bench = InterpreterBench::at(0.0, 0.0);
         bench.open(&text);
-        let (commands, _) = bench.rest();
+        let (commands, _) = bench.run_to_end();
         for command in commands {
             if let Some(to) = target(&command.action) {
                 prop_assert!(to.length().is_finite());
@@ -180,22 +180,22 @@ proptest! {
     }
 
     #[test]
-    fn a_saved_interpreter_goes_on_alike(steps in steps(), cut in 0_usize..40) {
+    fn a_saved_interpreter_continues_alike(steps in steps(), cut in 0_usize..40) {
         let mut text = String::from("F100\n");
         for (dx, dz, code) in steps {
             let motion = if code < 2 { format!("G{code} U{} W{}", mm(dx), mm(dz)) } else { format!("G90 U{} W{}", mm(dx), mm(dz)) };
             writeln!(text, "{motion}").unwrap();
         }
-        let mut bench = Bench::at(0.0, 0.0);
+        let mut bench = InterpreterBench::at(0.0, 0.0);
         bench.open(&text);
         for _ in 0..cut {
             let _ = bench.next();
         }
         let saved = ron::to_string(&bench.interpreter).unwrap();
         let machine = bench.machine;
-        let (commands, alarm) = bench.rest();
+        let (commands, alarm) = bench.run_to_end();
         bench.interpreter = ron::from_str(&saved).unwrap();
         bench.machine = machine;
-        prop_assert_eq!(bench.rest(), (commands, alarm));
+        prop_assert_eq!(bench.run_to_end(), (commands, alarm));
     }
 }

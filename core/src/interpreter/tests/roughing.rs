@@ -1,6 +1,6 @@
 //! G70 to G73.
 
-use super::Bench;
+use super::InterpreterBench;
 
 /// Figure 3-38 of the manual.
 const SHAFT: &str = "G71 U4.0 R1.0;
@@ -19,7 +19,7 @@ fn count(trace: &[String], start: &str) -> usize {
 
 #[test]
 fn the_shaft_of_the_manual() {
-    let mut bench = Bench::at(200.0, 10.0);
+    let mut bench = InterpreterBench::at(200.0, 10.0);
     let trace = bench.trace(SHAFT);
     assert_eq!(
         [51, 52].map(|number| bench.parameters.value(number)),
@@ -67,14 +67,14 @@ fn the_shaft_of_the_manual() {
 #[test]
 fn the_last_contour_point_extends_the_levels() {
     // Level 19 of the shaft, X49, on the line (41,-28)-(61,-58): Z -40.
-    let trace = Bench::at(200.0, 10.0).trace(SHAFT);
+    let trace = InterpreterBench::at(200.0, 10.0).trace(SHAFT);
     assert!(trace.contains(&"2: line X49 Z-40 F100 |".to_string()));
     assert!(trace.contains(&"2: line X51 Z-39 F100 |".to_string()));
 }
 
 #[test]
 fn the_composite_example() {
-    let mut bench = Bench::at(136.0, 180.0);
+    let mut bench = InterpreterBench::at(136.0, 180.0);
     let trace = bench.trace(
         "G71 U2 R1 F200;\nG71 P60 Q150 U1 W1;\nN60 G0 X16;\nN70 G1 Z153 F100 S400;\nN80 X40;\nN100 W-63;\n\
          N110 G3 X80 W-20 R20;\nN120 G2 X120 W-20 R20;\nN130 G1 W-20;\nN140 G1 X130 W-5;\nN150 G1 W-25;\nN160 G0 X150 Z185;\n",
@@ -92,7 +92,7 @@ fn the_composite_example() {
 
 #[test]
 fn the_disc_of_the_manual() {
-    let mut bench = Bench::at(176.0, 10.0);
+    let mut bench = InterpreterBench::at(176.0, 10.0);
     let trace = bench.trace(
         "G72 W7.0 R1.0;\nG72 P050 Q090 U4.0 W2.0 F100 S200;\nN050 G00 Z-55.0 S200;\nN060 G01 X160.0 F120;\n\
          N070 X80.0 W20.0;\nN080 W15.0;\nN090 X40.0 W20.0;\nN100 G0 X220.0 Z50.0;\n",
@@ -145,9 +145,9 @@ fn all_four_quadrants_mirror() {
             f(-10.0),
             g(-45.0),
         );
-        let mut bench = Bench::at(100.0, 0.0);
+        let mut bench = InterpreterBench::at(100.0, 0.0);
         bench.open(&text);
-        let (commands, alarm) = bench.rest();
+        let (commands, alarm) = bench.run_to_end();
         assert_eq!(alarm, None, "{text}");
         commands
             .iter()
@@ -167,8 +167,9 @@ fn all_four_quadrants_mirror() {
 }
 
 #[test]
-fn infeeds_go_as_ns_does() {
-    let trace = Bench::at(50.0, 2.0).trace("G71 U5 R0;\nG71 P1 Q2 F80;\nN1 G01 X30;\nN2 Z-20;\n");
+fn infeeds_use_the_mode_of_ns() {
+    let trace = InterpreterBench::at(50.0, 2.0)
+        .trace("G71 U5 R0;\nG71 P1 Q2 F80;\nN1 G01 X30;\nN2 Z-20;\n");
     assert_eq!(
         trace[1..8],
         [
@@ -185,9 +186,9 @@ fn infeeds_go_as_ns_does() {
 }
 
 #[test]
-fn a_short_way_is_the_contour_pass_only() {
-    let trace =
-        Bench::at(50.0, 2.0).trace("G71 U10 R1;\nG71 P1 Q2 F80;\nN1 G00 X30;\nN2 G01 Z-20;\n");
+fn a_short_distance_needs_only_the_contour_pass() {
+    let trace = InterpreterBench::at(50.0, 2.0)
+        .trace("G71 U10 R1;\nG71 P1 Q2 F80;\nN1 G00 X30;\nN2 G01 Z-20;\n");
     assert_eq!(
         trace[1..4],
         [
@@ -201,8 +202,8 @@ fn a_short_way_is_the_contour_pass_only() {
 #[test]
 fn the_escape_does_not_pass_the_start() {
     // The wall at Z1.5 leaves a cut of only 0.5.
-    let trace =
-        Bench::at(50.0, 2.0).trace("G71 U5 R2;\nG71 P1 Q3 F80;\nN1 G00 X30;\nG01 Z1.5;\nN3 X50;\n");
+    let trace = InterpreterBench::at(50.0, 2.0)
+        .trace("G71 U5 R2;\nG71 P1 Q3 F80;\nN1 G00 X30;\nG01 Z1.5;\nN3 X50;\n");
     assert_eq!(
         trace[1..5],
         [
@@ -216,41 +217,41 @@ fn the_escape_does_not_pass_the_start() {
 
 #[test]
 fn a_level_on_a_wall_or_a_cylinder_stops_at_its_beginning() {
-    let trace = Bench::at(50.0, 2.0)
+    let trace = InterpreterBench::at(50.0, 2.0)
         .trace("G71 U5 R1;\nG71 P1 Q5 F80;\nN1 G00 X30;\nG01 Z-10;\nX40 Z-20;\nZ-30;\nN5 X50;\n");
     assert_eq!(trace[2], "2: line X40 Z-20 F80 |");
 }
 
 #[test]
 fn arguments_come_from_parameters() {
-    let mut bench = Bench::at(50.0, 2.0);
+    let mut bench = InterpreterBench::at(50.0, 2.0);
     bench.parameters.set(51, 5000).unwrap();
     bench.parameters.set(52, 500).unwrap();
     let trace = bench.trace("G71 P1 Q2 F80;\nN1 G00 X30;\nN2 G01 Z-20;\n");
     assert_eq!(trace[2], "1: line X41 Z-19.5 F80 |");
     // R may be in the block of the cycle, too.
-    let trace =
-        Bench::at(50.0, 2.0).trace("G71 U5;\nG71 P1 Q2 R2 F80;\nN1 G00 X30;\nN2 G01 Z-20;\n");
+    let trace = InterpreterBench::at(50.0, 2.0)
+        .trace("G71 U5;\nG71 P1 Q2 R2 F80;\nN1 G00 X30;\nN2 G01 Z-20;\n");
     assert_eq!(trace[3], "2: line X44 Z-18 F80 |");
 }
 
 #[test]
 fn blocks_before_the_profile_are_skipped() {
     let text = "G71 U5 R1;\nG71 P1 Q2 F80;\nG00 X999;\nN1 G00 X30;\nN2 G01 Z-20;\nM08;\n";
-    let trace = Bench::at(50.0, 2.0).trace(text);
+    let trace = InterpreterBench::at(50.0, 2.0).trace(text);
     assert_eq!(count(&trace, "3:"), 0);
     assert_eq!(trace[trace.len() - 2], "6: M08 |");
     // A profile before its cycle: the run continues after the cycle.
     let text =
         "G01 F50;\nM09;\nN1 G00 X30;\nN2 G01 Z-20;\nG00 X50 Z2;\nG71 U10;\nG71 P1 Q2;\nM08;\n";
-    let trace = Bench::at(50.0, 2.0).trace(text);
+    let trace = InterpreterBench::at(50.0, 2.0).trace(text);
     assert_eq!(count(&trace, "8:"), 1 + 1);
 }
 
 #[test]
 fn words_of_the_profile_count_in_finishing_only() {
     let text = "G71 U10 R1 F100;\nG71 P1 Q3;\nN1 G00 X30 S500 M08;\nG01 Z-10 F30;\nN3 X50 Z-20 F20 T0101;\nG00 X60 Z5;\nG70 P1 Q3 F77;\nM09;\n";
-    let mut bench = Bench::at(50.0, 2.0);
+    let mut bench = InterpreterBench::at(50.0, 2.0);
     let trace = bench.trace(text);
     assert_eq!(
         trace,
@@ -277,15 +278,15 @@ fn words_of_the_profile_count_in_finishing_only() {
 }
 
 #[test]
-fn group_01_after_roughing_is_that_before() {
-    let mut bench = Bench::at(50.0, 2.0);
+fn roughing_keeps_group_01() {
+    let mut bench = InterpreterBench::at(50.0, 2.0);
     bench.trace("G00 X50 F50;\nG71 U10;\nG71 P1 Q2;\nN1 G01 X30;\nN2 Z-20;\n");
     assert_eq!(bench.interpreter.modal().motion, 0);
 }
 
 #[test]
 fn profiles_have_chamfers_dwells_and_variables() {
-    let mut bench = Bench::at(50.0, 2.0);
+    let mut bench = InterpreterBench::at(50.0, 2.0);
     let trace = bench.trace(
         "G65 H01 P#200 Q30000;\nG71 U10 R1 F100;\nG71 P1 Q4;\nN1 G00 X#200;\nG01 Z-10 I2;\nX50;\nG04 P100;\nN4 Z-20;\n",
     );
@@ -305,8 +306,8 @@ fn profiles_have_chamfers_dwells_and_variables() {
 }
 
 #[test]
-fn skipped_blocks_are_no_part_of_the_profile() {
-    let mut bench = Bench::at(50.0, 2.0);
+fn skipped_blocks_are_left_out_of_the_profile() {
+    let mut bench = InterpreterBench::at(50.0, 2.0);
     bench.block_skip = true;
     let trace =
         bench.trace("G71 U10 R1 F100;\nG71 P1 Q3;\nN1 G00 X30;\n/G01 X10 Z-5;\nN3 G01 Z-20;\n");
@@ -315,7 +316,7 @@ fn skipped_blocks_are_no_part_of_the_profile() {
 
 #[test]
 fn the_pattern_of_the_manual() {
-    let mut bench = Bench::at(200.0, 10.0);
+    let mut bench = InterpreterBench::at(200.0, 10.0);
     let trace = bench.trace(
         "G99;\nG73 U14.0 W14.0 R3;\nG73 P014 Q019 U4.0 W2.0 F0.3 S0180;\nN014 G00 X80.0 W-40.0;\nN015 G01 W-20.0 F0.15 S0600;\n\
          N016 X120.0 W-10.0;\nN017 W-20.0 S0400;\nN018 G02 X160.0 W-20.0 R20.0;\nN019 G01 X180.0 W-10.0 S0280;\nN020 M05;\n",
@@ -352,7 +353,7 @@ fn the_pattern_of_the_manual() {
 #[test]
 fn one_pass_of_a_pattern_is_two_and_thousands_take_no_memory() {
     let text = |d: &str| format!("G73 U1 W-2 R{d};\nG73 P1 Q2 F9;\nN1 G01 X10;\nN2 Z-5;\n");
-    let trace = Bench::at(20.0, 0.0).trace(&text("1"));
+    let trace = InterpreterBench::at(20.0, 0.0).trace(&text("1"));
     assert_eq!(
         trace[1..6],
         [
@@ -363,7 +364,7 @@ fn one_pass_of_a_pattern_is_two_and_thousands_take_no_memory() {
             "2: line X10 Z0 F9 |",
         ]
     );
-    let mut bench = Bench::at(20.0, 0.0);
+    let mut bench = InterpreterBench::at(20.0, 0.0);
     bench.open(&text("9999"));
     for _ in 0..5000 {
         bench.next().unwrap();
@@ -372,13 +373,13 @@ fn one_pass_of_a_pattern_is_two_and_thousands_take_no_memory() {
 }
 
 #[test]
-fn levels_explain_themselves() {
-    let mut bench = Bench::at(200.0, 10.0);
+fn levels_have_explanations() {
+    let mut bench = InterpreterBench::at(200.0, 10.0);
     bench.open(SHAFT);
     for _ in 0..5 {
         bench.next().unwrap();
     }
-    let explanation = bench.interpreter.explanation().unwrap();
+    let explanation = bench.interpreter.explain().unwrap();
     assert_eq!(
         (explanation.code, explanation.pass, explanation.passes),
         (71, 1, Some(20))
@@ -396,7 +397,7 @@ fn levels_explain_themselves() {
 #[test]
 fn finishing_returns_to_its_start_in_a_subprogram_too() {
     let text = "G00 X50 Z2 F9;\nM98 P7;\nM30;\n";
-    let mut bench = Bench::at(50.0, 2.0);
+    let mut bench = InterpreterBench::at(50.0, 2.0);
     bench
         .programs
         .store("O0007;\nG70 P1 Q2;\nM08;\nM99;\nN1 G01 X30;\nN2 Z-5;\n")
@@ -416,20 +417,20 @@ fn finishing_returns_to_its_start_in_a_subprogram_too() {
 
 #[test]
 fn feed_hold_waits_for_the_end_of_each_segment() {
-    let mut bench = Bench::at(50.0, 2.0);
+    let mut bench = InterpreterBench::at(50.0, 2.0);
     bench.open(
         "G71 U5 R1 F9;\nG71 P1 Q2;\nN1 G00 X30;\nN2 G01 Z-5;\nG70 P1 Q2;\nG76 X40 Z-5 P500 Q500 F1;\nG90 X30 Z-5;\n",
     );
-    let (commands, alarm) = bench.rest();
+    let (commands, alarm) = bench.run_to_end();
     assert_eq!(alarm, None);
     let whole = |line: u32| {
-        let of: Vec<_> = commands
+        let segments: Vec<_> = commands
             .iter()
             .filter(|command| command.source.line == line)
-            .map(|command| command.whole)
+            .map(|command| command.defers_feed_hold)
             .collect();
-        assert!(!of.is_empty());
-        of.into_iter().reduce(|a, b| a && b)
+        assert!(!segments.is_empty());
+        segments.into_iter().reduce(|a, b| a && b)
     };
     assert_eq!(
         [2, 3, 4, 5, 6, 7].map(whole),

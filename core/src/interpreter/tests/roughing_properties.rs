@@ -11,20 +11,20 @@ use std::fmt::Write;
 
 use proptest::prelude::*;
 
-use super::Bench;
+use super::InterpreterBench;
 use crate::command::Action;
 use crate::units::Point;
 
 /// A step of a profile in thousandths: distance along, distance back in depth, and its shape.
 #[derive(Clone, Copy, Debug)]
-struct Leg {
+struct ProfileLeg {
     along: i64,
     back: i64,
     arc: u8,
 }
 
-fn legs() -> impl Strategy<Value = Vec<Leg>> {
-    let leg = (0_i64..9_000, 0_i64..9_000, 0_u8..4).prop_map(|(along, back, arc)| Leg {
+fn legs() -> impl Strategy<Value = Vec<ProfileLeg>> {
+    let leg = (0_i64..9_000, 0_i64..9_000, 0_u8..4).prop_map(|(along, back, arc)| ProfileLeg {
         // Some legs are walls, some straight stretches.
         along: if along < 1_000 { 0 } else { along },
         back: if back < 1_000 { 0 } else { back },
@@ -79,27 +79,33 @@ fn heights(chain: &[Point], along: f64) -> Option<(f64, f64)> {
     range
 }
 
-struct Case {
+struct RoughingCase {
     text: String,
     start: (f64, f64),
     facing: bool,
     /// +1 outside (part below the contour), -1 inside; and the direction of the cut.
     side: f64,
-    way: f64,
+    cut_direction: f64,
 }
 
 /// The program of a profile from its deepest point back to the start.
-fn case(legs: &[Leg], quadrant: u8, facing: bool, cut: i64, escape: i64) -> Case {
+fn build_case(
+    legs: &[ProfileLeg],
+    quadrant: u8,
+    facing: bool,
+    cut: i64,
+    escape: i64,
+) -> RoughingCase {
     let side = if quadrant & 1 == 0 { 1 } else { -1 };
-    let way = if quadrant & 2 == 0 { -1 } else { 1 };
-    let deep: i64 = legs.iter().map(|leg| leg.back).sum::<i64>() + 2_500;
+    let cut_direction = if quadrant & 2 == 0 { -1 } else { 1 };
+    let total_depth: i64 = legs.iter().map(|leg| leg.back).sum::<i64>() + 2_500;
     let mm = |value: i64| {
         let sign = if value < 0 { "-" } else { "" };
         format!("{sign}{}.{:03}", value.abs() / 1000, value.abs() % 1000)
     };
     // X is written as a diameter, so depths double there.
     let word = |depth: i64, along: i64| {
-        let (depth, along) = (-side * depth, way * along);
+        let (depth, along) = (-side * depth, cut_direction * along);
         if facing {
             (
                 format!("Z{}", mm(depth)),
@@ -116,13 +122,13 @@ fn case(legs: &[Leg], quadrant: u8, facing: bool, cut: i64, escape: i64) -> Case
     let code = if facing { "G72" } else { "G71" };
     let name = if facing { 'W' } else { 'U' };
     let (u, w) = if facing {
-        (-way * 300, side * 200)
+        (-cut_direction * 300, side * 200)
     } else {
-        (side * 300, -way * 200)
+        (side * 300, -cut_direction * 200)
     };
     writeln!(text, "{code} {name}{} R{} F100;", mm(cut), mm(escape)).unwrap();
     writeln!(text, "{code} P1 Q99 U{} W{};", mm(u), mm(w)).unwrap();
-    let (mut depth, mut along) = (deep, 0);
+    let (mut depth, mut along) = (total_depth, 0);
     writeln!(text, "N1 G00 {};", word(depth, along).0).unwrap();
     for (index, leg) in legs.iter().enumerate() {
         // The last leg has a length.
@@ -155,27 +161,27 @@ fn case(legs: &[Leg], quadrant: u8, facing: bool, cut: i64, escape: i64) -> Case
             None => writeln!(text, "{number}G01 {first} {second};").unwrap(),
         }
     }
-    Case {
+    RoughingCase {
         text,
         start: (300.0, 0.0),
         facing,
         side: side as f64,
-        way: way as f64,
+        cut_direction: cut_direction as f64,
     }
 }
 
 /// Depth (negative away from the start) and position along of a point.
-fn seen(case: &Case, point: Point) -> Point {
+fn to_case_plane(case: &RoughingCase, point: Point) -> Point {
     let (x, z) = (point.x - case.start.0 / 2.0, point.z - case.start.1);
     let (depth, along) = if case.facing { (z, x) } else { (x, z) };
-    Point::new(depth * case.side, along * case.way)
+    Point::new(depth * case.side, along * case.cut_direction)
 }
 
-fn sweep(case: &Case, cut: f64) -> Result<(), TestCaseError> {
-    let mut bench = Bench::at(case.start.0, case.start.1);
+fn check_case(case: &RoughingCase, cut: f64) -> Result<(), TestCaseError> {
+    let mut bench = InterpreterBench::at(case.start.0, case.start.1);
     bench.open(&case.text);
     let mut at = bench.machine;
-    let (commands, alarm) = bench.rest();
+    let (commands, alarm) = bench.run_to_end();
     prop_assert_eq!(alarm, None, "{}", case.text);
     let mut moves = Vec::new();
     for command in &commands {
@@ -191,7 +197,10 @@ fn sweep(case: &Case, cut: f64) -> Result<(), TestCaseError> {
         };
         let mut chain = vec![at];
         chords(at, to, center, &mut chain);
-        let chain: Vec<_> = chain.into_iter().map(|point| seen(case, point)).collect();
+        let chain: Vec<_> = chain
+            .into_iter()
+            .map(|point| to_case_plane(case, point))
+            .collect();
         moves.push((matches!(command.action, Action::Rapid { .. }), chain));
         at = to;
     }
@@ -259,8 +268,8 @@ proptest! {
         legs in legs(), quadrant in 0_u8..4, facing: bool,
         cut in 300_i64..5_000, escape in 0_i64..2_000,
     ) {
-        let case = case(&legs, quadrant, facing, cut, escape);
-        sweep(&case, cut as f64 / 1000.0)?;
+        let case = build_case(&legs, quadrant, facing, cut, escape);
+        check_case(&case, cut as f64 / 1000.0)?;
     }
 
     #[test]
@@ -269,9 +278,9 @@ proptest! {
         more in "G(71|72|73|74|75|76|92)( [XZUWRPQFIJKL]-?[0-9]{1,4}){1,7}",
     ) {
         let text = format!("F1;\n{words};\n{more};\nG71 U3 R1;\nG73 U1 W1 R3;\n{words} P1 Q2;\n{more} P1 Q2;\nN1 G00 X20;\nN2 G01 Z-5;\n");
-        let mut bench = Bench::at(50.0, 2.0);
+        let mut bench = InterpreterBench::at(50.0, 2.0);
         bench.open(&text);
-        let (commands, _) = bench.rest();
+        let (commands, _) = bench.run_to_end();
         for command in commands {
             if let Some(to) = super::target(&command.action) {
                 prop_assert!(to.length().is_finite());
@@ -280,19 +289,19 @@ proptest! {
     }
 
     #[test]
-    fn a_saved_cycle_goes_on_alike(legs in legs(), cut in 0_usize..120) {
-        let case = case(&legs, 0, false, 2_000, 500);
+    fn a_saved_cycle_continues_alike(legs in legs(), cut in 0_usize..120) {
+        let case = build_case(&legs, 0, false, 2_000, 500);
         let text = case.text.replace("N1 ", "G76 X20 Z-9 P900 Q300 F2;\nG74 X10 Z-90 P900 Q3000;\nN1 ");
-        let mut bench = Bench::at(case.start.0, case.start.1);
+        let mut bench = InterpreterBench::at(case.start.0, case.start.1);
         bench.open(&text);
         for _ in 0..cut {
             let _ = bench.next();
         }
         let saved = ron::to_string(&bench.interpreter).unwrap();
         let (machine, parameters) = (bench.machine, bench.parameters.clone());
-        let rest = bench.rest();
+        let rest = bench.run_to_end();
         bench.interpreter = ron::from_str(&saved).unwrap();
         (bench.machine, bench.parameters) = (machine, parameters);
-        prop_assert_eq!(bench.rest(), rest);
+        prop_assert_eq!(bench.run_to_end(), rest);
     }
 }

@@ -1,10 +1,10 @@
 //! S, G96, G97, T and offsets.
 
-use super::Bench;
+use super::InterpreterBench;
 
 #[test]
 fn surface_speed_and_back() {
-    let trace = Bench::at(400.0, 0.0)
+    let trace = InterpreterBench::at(400.0, 0.0)
         .trace("G96 S200;\nG97;\nG96;\nG50 S100;\nG97;\nG97 S800;\nG96 S50 X3000;");
     assert_eq!(
         trace[..8],
@@ -37,7 +37,7 @@ fn speed_at_a_diameter() {
 
 #[test]
 fn stepped_speeds_use_two_digits() {
-    let mut bench = Bench::new().with_bit(1, 4, false);
+    let mut bench = InterpreterBench::new().with_bit(1, 4, false);
     let trace = bench.trace("S0302;\nS4;\nS300;\nS5;");
     assert_eq!(
         trace,
@@ -52,20 +52,20 @@ fn stepped_speeds_use_two_digits() {
 
 #[test]
 fn an_offset_alone_shifts_the_coordinates() {
-    let mut bench = Bench::at(100.0, 50.0);
+    let mut bench = InterpreterBench::at(100.0, 50.0);
     let trace = bench.trace("T0101;");
     assert_eq!(
         trace[..2],
         ["1: T0101", "1: frame X0 Z0 offset X0.04 Z0.02 |"]
     );
-    assert_eq!(bench.shown(), (99.96, 49.98));
+    assert_eq!(bench.displayed_position(), (99.96, 49.98));
     bench.trace("X100 Z50;");
     assert_eq!((bench.machine.x, bench.machine.z), (50.02, 50.02));
 }
 
 #[test]
 fn an_offset_alone_travels_without_003_4() {
-    let mut bench = Bench::at(100.0, 50.0).with_bit(3, 4, false);
+    let mut bench = InterpreterBench::at(100.0, 50.0).with_bit(3, 4, false);
     let trace = bench.trace("G01 F50;\nT0101;\nT0100;\nG04 T0101;");
     assert_eq!(
         trace[1..9],
@@ -84,27 +84,27 @@ fn an_offset_alone_travels_without_003_4() {
 
 #[test]
 fn an_offset_with_motion_merges() {
-    let mut bench = Bench::at(100.0, 50.0);
+    let mut bench = InterpreterBench::at(100.0, 50.0);
     bench.trace("G00 X80 T0101;");
     // X was programmed and travels; Z only shifts.
     assert_eq!((bench.machine.x, bench.machine.z), (40.02, 50.0));
-    assert_eq!(bench.shown(), (80.0, 49.98));
-    let mut bench = Bench::at(100.0, 50.0).with_bit(3, 4, false);
+    assert_eq!(bench.displayed_position(), (80.0, 49.98));
+    let mut bench = InterpreterBench::at(100.0, 50.0).with_bit(3, 4, false);
     bench.trace("G00 X80 T0101;");
     assert_eq!((bench.machine.x, bench.machine.z), (40.02, 50.02));
 }
 
 #[test]
 fn cancelling_with_a_zero_increment_moves_back() {
-    let mut bench = Bench::at(100.0, 50.0);
+    let mut bench = InterpreterBench::at(100.0, 50.0);
     bench.trace("G00 X80 Z40 T0101;\nT0100 U0;");
     assert_eq!(bench.machine.x, 40.0);
-    assert_eq!(bench.shown(), (80.0, 40.02));
+    assert_eq!(bench.displayed_position(), (80.0, 40.02));
 }
 
 #[test]
 fn arcs_change_only_the_tool() {
-    let trace = Bench::at(0.0, 0.0).trace("G02 X20 Z-10 R10 F50 T0101;");
+    let trace = InterpreterBench::at(0.0, 0.0).trace("G02 X20 Z-10 R10 F50 T0101;");
     assert_eq!(
         trace[..2],
         ["1: T0101", "1: cw X20 Z-10 about X20 Z0 F50 |"]
@@ -114,25 +114,25 @@ fn arcs_change_only_the_tool() {
 #[test]
 fn coordinates_under_an_offset() {
     // After a travel the display becomes the value.
-    let mut bench = Bench::at(100.0, 50.0);
+    let mut bench = InterpreterBench::at(100.0, 50.0);
     bench.trace("G00 X80 Z40 T0101;\nG50 X200 Z100;");
-    assert_eq!(bench.shown(), (200.0, 100.0));
+    assert_eq!(bench.displayed_position(), (200.0, 100.0));
     // After a shift only, the display becomes the value minus the offset.
-    let mut bench = Bench::at(100.0, 50.0);
+    let mut bench = InterpreterBench::at(100.0, 50.0);
     bench.trace("T0101;\nG50 X200 Z100;");
-    assert_eq!(bench.shown(), (199.96, 99.98));
+    assert_eq!(bench.displayed_position(), (199.96, 99.98));
     // In one block the result is the same with either method.
     for method in [false, true] {
-        let mut bench = Bench::at(100.0, 50.0).with_bit(3, 4, method);
+        let mut bench = InterpreterBench::at(100.0, 50.0).with_bit(3, 4, method);
         bench.trace("G50 X200 Z100 T0101;");
-        assert_eq!(bench.shown(), (199.96, 99.98));
+        assert_eq!(bench.displayed_position(), (199.96, 99.98));
         assert_eq!((bench.machine.x, bench.machine.z), (50.0, 50.0));
     }
 }
 
 #[test]
 fn short_t_words_keep_the_tool() {
-    let trace = Bench::new().trace("T0301;\nT02;");
+    let trace = InterpreterBench::new().trace("T0301;\nT02;");
     assert_eq!(
         trace[2..4],
         ["2: T0302", "2: frame X0 Z0 offset X0.06 Z0.03 |"]
@@ -141,16 +141,16 @@ fn short_t_words_keep_the_tool() {
 
 #[test]
 fn tool_faults() {
-    assert_eq!(Bench::new().fault("T0501;"), (32, 1));
-    assert_eq!(Bench::new().fault("T0133;"), (30, 1));
-    let mut bench = Bench::new();
+    assert_eq!(InterpreterBench::new().run_to_alarm("T0501;"), (32, 1));
+    assert_eq!(InterpreterBench::new().run_to_alarm("T0133;"), (30, 1));
+    let mut bench = InterpreterBench::new();
     bench.parameters.set(84, 0).unwrap();
     assert_eq!(bench.trace("T0901;")[0], "1: T0901");
 }
 
 #[test]
 fn an_edited_offset_waits_for_the_next_t() {
-    let mut bench = Bench::at(100.0, 50.0);
+    let mut bench = InterpreterBench::at(100.0, 50.0);
     bench.trace("T0101;\nG00 X90;");
     let mut row = bench.offsets.get(1);
     row.x = 1.0;
@@ -163,13 +163,13 @@ fn an_edited_offset_waits_for_the_next_t() {
 
 #[test]
 fn reset_drops_the_offset_only_without_004_3() {
-    let mut bench = Bench::at(100.0, 50.0);
+    let mut bench = InterpreterBench::at(100.0, 50.0);
     bench.trace("T0101;");
     bench.reset();
-    assert_eq!(bench.shown(), (99.96, 49.98));
+    assert_eq!(bench.displayed_position(), (99.96, 49.98));
     let mut bench = bench.with_bit(4, 3, false);
     bench.reset();
-    assert_eq!(bench.shown(), (100.0, 50.0));
+    assert_eq!(bench.displayed_position(), (100.0, 50.0));
 }
 
 #[test]
@@ -181,11 +181,15 @@ fn numbers_of_tools_and_offsets() {
         ("T3301;", 32),
         ("T3333;", 32),
     ] {
-        assert_eq!(Bench::new().fault(text), (number, 1), "{text}");
+        assert_eq!(
+            InterpreterBench::new().run_to_alarm(text),
+            (number, 1),
+            "{text}"
+        );
     }
     for (text, number) in [("T3301;", 29), ("T9900;", 29), ("T3233;", 30)] {
-        let mut bench = Bench::new();
+        let mut bench = InterpreterBench::new();
         bench.parameters.set(84, 0).unwrap();
-        assert_eq!(bench.fault(text), (number, 1), "{text}");
+        assert_eq!(bench.run_to_alarm(text), (number, 1), "{text}");
     }
 }

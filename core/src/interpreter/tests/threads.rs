@@ -1,19 +1,19 @@
 //! G32, G33, G34, G92.
 
-use super::Bench;
+use super::InterpreterBench;
 use crate::command::Action;
-use crate::interpreter::Step;
+use crate::interpreter::InterpreterStep;
 use crate::units::Point;
 
 #[test]
 fn a_straight_thread_waits_for_the_index() {
-    let trace = Bench::at(20.0, 3.0).trace("G32 Z-50 F2;\n");
+    let trace = InterpreterBench::at(20.0, 3.0).trace("G32 Z-50 F2;\n");
     assert_eq!(trace[0], "1: thread X20 Z-50 Z lead 2 at 0 |");
 }
 
 #[test]
-fn threads_in_a_row_go_on_in_phase() {
-    let trace = Bench::at(20.0, 3.0)
+fn consecutive_threads_continue_in_phase() {
+    let trace = InterpreterBench::at(20.0, 3.0)
         .trace("G32 Z-20 F2;\nX30 Z-40;\nG00 X40;\nG32 Z-50;\nM08;\nZ-60;\nG34 Z-70 R0.1;\n");
     assert_eq!(
         trace[..8],
@@ -31,7 +31,7 @@ fn threads_in_a_row_go_on_in_phase() {
 }
 
 #[test]
-fn the_long_axis_counts() {
+fn the_lead_is_along_the_long_axis() {
     // X counts as a radius; equal displacements select X.
     for (words, axis) in [
         ("X40 Z-20", "Z"),
@@ -39,7 +39,7 @@ fn the_long_axis_counts() {
         ("X40 Z-9", "X"),
         ("X40", "X"),
     ] {
-        let trace = Bench::at(20.0, 0.0).trace(&format!("G32 {words} F3;"));
+        let trace = InterpreterBench::at(20.0, 0.0).trace(&format!("G32 {words} F3;"));
         assert!(
             trace[0].contains(&format!(" {axis} lead 3")),
             "{words}: {}",
@@ -51,7 +51,8 @@ fn the_long_axis_counts() {
 #[test]
 fn the_run_out_leaves_the_programmed_line() {
     // K 6 before Z-50 on the line X20 Z0 -> X30 Z-50: X 20 + 10*44/50.
-    let trace = Bench::at(20.0, 0.0).trace("G32 X30 Z-50 F2 J4 K6;\nG00 U10;\nU0 W-5;\n");
+    let trace =
+        InterpreterBench::at(20.0, 0.0).trace("G32 X30 Z-50 F2 J4 K6;\nG00 U10;\nU0 W-5;\n");
     assert_eq!(
         trace[..4],
         [
@@ -79,17 +80,17 @@ fn run_out_words() {
         // Face thread: K is a radius, J along Z.
         ("X80 J3 K5", "1: thread X70 Z0 X lead 2 at 0"),
     ] {
-        let trace = Bench::at(20.0, 0.0).trace(&format!("G32 {words} F2;"));
+        let trace = InterpreterBench::at(20.0, 0.0).trace(&format!("G32 {words} F2;"));
         assert_eq!(trace[0], expected, "{words}");
     }
-    let trace = Bench::at(20.0, 0.0).trace("G32 X80 J3 K5 F2;\nG00 W1;");
+    let trace = InterpreterBench::at(20.0, 0.0).trace("G32 X80 J3 K5 F2;\nG00 W1;");
     assert_eq!(trace[1], "1: run-out X80 Z3 X lead 2 continued |");
     assert_eq!(trace[2], "2: rapid X80 Z1 |");
 }
 
 #[test]
-fn leads_have_a_store_of_their_own() {
-    let mut bench = Bench::at(20.0, 0.0);
+fn leads_have_a_separate_register() {
+    let mut bench = InterpreterBench::at(20.0, 0.0);
     let trace =
         bench.trace("G01 Z-1 F100;\nG32 Z-50 F2;\nG01 Z-60;\nG32 Z-70;\nZ-80 I10;\nZ-90 F4 I5;\n");
     assert_eq!(
@@ -128,14 +129,18 @@ fn lead_faults() {
         let text = text
             .strip_prefix('\n')
             .map_or_else(|| text.to_string(), |rest| format!("M08;\n{rest}"));
-        assert_eq!(Bench::new().fault(&text), (number, 2), "{text}");
+        assert_eq!(
+            InterpreterBench::new().run_to_alarm(&text),
+            (number, 2),
+            "{text}"
+        );
     }
 }
 
 #[test]
-fn a_lead_that_changes() {
+fn a_lead_can_change() {
     // Run-out after 46 mm: lead there sqrt(2² + 2*0.5*46) = sqrt(50).
-    let trace = Bench::at(20.0, 0.0).trace("G34 Z-50 F2 R0.5 J2 K4;\nG00 W-1 U1;");
+    let trace = InterpreterBench::at(20.0, 0.0).trace("G34 Z-50 F2 R0.5 J2 K4;\nG00 W-1 U1;");
     assert_eq!(
         trace[..3],
         [
@@ -144,17 +149,17 @@ fn a_lead_that_changes() {
             "2: rapid X21 Z-51 |",
         ]
     );
-    let trace = Bench::at(20.0, 0.0).trace("G34 Z-50 F4 R-0.1;");
+    let trace = InterpreterBench::at(20.0, 0.0).trace("G34 Z-50 F4 R-0.1;");
     assert_eq!(trace[0], "1: thread X20 Z-50 Z lead 4-0.1 at 0 |");
 }
 
 #[test]
 fn taps_end_where_they_begin() {
-    let mut bench = Bench::at(0.0, 5.0);
+    let mut bench = InterpreterBench::at(0.0, 5.0);
     let trace = bench.trace("G33 Z-20 F1.5;\nG00 W1;");
     assert_eq!(trace[0], "1: tap X0 Z-20 lead 1.5 at 0 |");
     assert_eq!(trace[1], "2: rapid X0 Z6 |");
-    let trace = Bench::at(0.0, 5.0).trace("G33 W-25 F2 L3;");
+    let trace = InterpreterBench::at(0.0, 5.0).trace("G33 W-25 F2 L3;");
     assert_eq!(
         trace[..3],
         [
@@ -168,7 +173,7 @@ fn taps_end_where_they_begin() {
 #[test]
 fn the_thread_cycle() {
     // A thread like that of figure 3-29 of the manual: 019 = 5, F3: J = K = 1.5.
-    let trace = Bench::at(42.0, 155.0).trace("G92 X39 W-34 F3;\nX38.2;\n;\nG00 X50;");
+    let trace = InterpreterBench::at(42.0, 155.0).trace("G92 X39 W-34 F3;\nX38.2;\n;\nG00 X50;");
     assert_eq!(
         trace[..11],
         [
@@ -230,7 +235,7 @@ fn the_run_out_of_the_thread_cycle() {
             ["1: run-out X44 Z-30 Z lead 2 at 0 |", "1: rapid X50 Z-30 |"],
         ),
     ] {
-        let trace = Bench::at(50.0, 0.0).trace(&format!("G92 X40 Z-30 F2 {words};"));
+        let trace = InterpreterBench::at(50.0, 0.0).trace(&format!("G92 X40 Z-30 F2 {words};"));
         assert_eq!(trace[1..3], expected, "{words}");
     }
 }
@@ -255,7 +260,7 @@ fn all_four_sides_of_the_thread_cycle() {
             ["X50 Z0", "X58.333333 Z25", "X54 Z30", "X50 Z30"],
         ),
     ] {
-        let trace = Bench::at(50.0, 0.0).trace(&format!("G92 {words} F2 J3 K5;"));
+        let trace = InterpreterBench::at(50.0, 0.0).trace(&format!("G92 {words} F2 J3 K5;"));
         let ends: Vec<_> = trace
             .iter()
             .filter_map(|line| {
@@ -272,7 +277,7 @@ fn all_four_sides_of_the_thread_cycle() {
 
 #[test]
 fn a_multi_start_thread_keeps_its_words() {
-    let trace = Bench::at(50.0, 0.0).trace("G92 X48 Z-30 F4 J0 L2;\nX47;\n");
+    let trace = InterpreterBench::at(50.0, 0.0).trace("G92 X48 Z-30 F4 J0 L2;\nX47;\n");
     let threads: Vec<_> = trace
         .iter()
         .filter(|line| line.contains("thread"))
@@ -292,7 +297,7 @@ fn a_multi_start_thread_keeps_its_words() {
 fn other_codes_forget_the_end_of_the_thread_cycle_and_keep_its_run_out() {
     for code in ["G00", "G32", "G50 U0", "G74 R1", "G65 H01 P#200 Q1"] {
         let text = format!("G92 X40 Z-30 R-1 F2 J3 K2 L2;\n{code};\nG92 X40 Z-30;");
-        let trace = Bench::at(50.0, 0.0).trace(&text);
+        let trace = InterpreterBench::at(50.0, 0.0).trace(&text);
         let last: Vec<_> = trace.iter().filter(|line| line.starts_with("3:")).collect();
         assert_eq!(last[0], "3: rapid X40 Z0 |", "{code}");
         assert_eq!(last[1], "3: thread X40 Z-28 Z lead 2 at 0", "{code}");
@@ -306,7 +311,7 @@ fn other_codes_forget_the_end_of_the_thread_cycle_and_keep_its_run_out() {
 
 #[test]
 fn the_end_of_a_program_forgets_the_run_out() {
-    let mut bench = Bench::at(50.0, 0.0);
+    let mut bench = InterpreterBench::at(50.0, 0.0);
     bench.trace("G92 X40 Z-30 F2 J3 K2 L2;\nM30;");
     let trace = bench.trace("G92 X40 Z-30;");
     let cuts: Vec<_> = trace
@@ -331,13 +336,17 @@ fn faults_of_the_thread_cycle() {
         "G92 U-10 F2;",
         "G92 U-10 W0 R-3 F2;",
     ] {
-        assert_eq!(Bench::new().fault(text), (15, 1), "{text}");
+        assert_eq!(
+            InterpreterBench::new().run_to_alarm(text),
+            (15, 1),
+            "{text}"
+        );
     }
 }
 
 #[test]
 fn without_an_infeed_only_the_thread_is_cut() {
-    let trace = Bench::at(50.0, 0.0).trace("G92 W-30 F2;");
+    let trace = InterpreterBench::at(50.0, 0.0).trace("G92 W-30 F2;");
     assert_eq!(
         trace[..2],
         ["1: thread X50 Z-30 Z lead 2 at 0 |", "1: rapid X50 Z0 |"]
@@ -346,7 +355,7 @@ fn without_an_infeed_only_the_thread_is_cut() {
 
 #[test]
 fn radius_programming_leaves_run_outs_alone() {
-    let trace = Bench::at(50.0, 0.0)
+    let trace = InterpreterBench::at(50.0, 0.0)
         .with_bit(1, 2, true)
         .trace("G92 X20 Z-30 R-1 F2 J3 K5;\nG32 X30 Z-20 J1;");
     assert_eq!(trace[0], "1: rapid X38 Z0 |");
@@ -356,7 +365,7 @@ fn radius_programming_leaves_run_outs_alone() {
 
 #[test]
 fn f_of_a_thread_cycle_alone_does_not_repeat_it() {
-    let trace = Bench::at(50.0, 0.0).trace("G92 X40 Z-30 F2 J0;\nF3;\nX39;");
+    let trace = InterpreterBench::at(50.0, 0.0).trace("G92 X40 Z-30 F2 J0;\nF3;\nX39;");
     let second: Vec<_> = trace.iter().filter(|line| line.starts_with("2:")).collect();
     assert_eq!(second, ["2: nothing |"]);
     assert!(trace.contains(&"3: thread X39 Z-30 Z lead 3 at 0 |".to_string()));
@@ -364,16 +373,16 @@ fn f_of_a_thread_cycle_alone_does_not_repeat_it() {
 
 #[test]
 fn ten_threads_an_inch() {
-    let trace = Bench::at(50.0, 0.0).trace("G92 X40 Z-30 I10 J0;");
+    let trace = InterpreterBench::at(50.0, 0.0).trace("G92 X40 Z-30 I10 J0;");
     assert_eq!(trace[1], "1: thread X40 Z-30 Z lead 2.54 at 0 |");
 }
 
 /// Travel of each axis per revolution in the first command of a text, which must be the check
 /// of a thread cycle.
-fn per_revolution(bench: &mut Bench, text: &str) -> Point {
+fn per_revolution(bench: &mut InterpreterBench, text: &str) -> Point {
     bench.open(text);
     match bench.next() {
-        Ok(Step::Command(command)) => match command.action {
+        Ok(InterpreterStep::Command(command)) => match command.action {
             Action::ThreadCycle { per_revolution, .. } => per_revolution,
             other => panic!("{other:?}"),
         },
@@ -384,20 +393,20 @@ fn per_revolution(bench: &mut Bench, text: &str) -> Point {
 #[test]
 fn a_cycle_of_threads_is_checked_before_its_infeed() {
     // The cone rises by 4 mm of radius in 32 mm of Z: 0.25 mm a revolution.
-    let mut bench = Bench::at(60.0, 3.0);
+    let mut bench = InterpreterBench::at(60.0, 3.0);
     bench.parameters.set(19, 0).unwrap();
-    let way = per_revolution(&mut bench, "G92 X50 Z-29 R-4 F2;\n");
-    assert_eq!((way.x, way.z), (0.25, 2.0));
+    let travel = per_revolution(&mut bench, "G92 X50 Z-29 R-4 F2;\n");
+    assert_eq!((travel.x, travel.z), (0.25, 2.0));
     // The run-out leaves at 45 degrees: X also travels the lead.
     bench.parameters.set(19, 5).unwrap();
-    let way = per_revolution(&mut bench, "G92 X50 Z-29 R0 F2;\n");
-    assert_eq!((way.x, way.z), (2.0, 2.0));
+    let travel = per_revolution(&mut bench, "G92 X50 Z-29 R0 F2;\n");
+    assert_eq!((travel.x, travel.z), (2.0, 2.0));
 }
 
 #[test]
 fn a_compound_thread_is_checked_before_its_infeed() {
-    let mut bench = Bench::at(60.0, 3.0);
+    let mut bench = InterpreterBench::at(60.0, 3.0);
     bench.parameters.set(19, 0).unwrap();
-    let way = per_revolution(&mut bench, "G76 X50 Z-30 P1300 Q500 F1.5;\n");
-    assert_eq!((way.x, way.z), (0.0, 1.5));
+    let travel = per_revolution(&mut bench, "G76 X50 Z-30 P1300 Q500 F1.5;\n");
+    assert_eq!((travel.x, travel.z), (0.0, 1.5));
 }

@@ -16,41 +16,41 @@ use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::{Alarm, number};
-use crate::command::{Action, BeyondPass, ThreadStart};
-use crate::interpreter::codes::positioning::within_stroke;
-use crate::interpreter::context::Context;
-use crate::interpreter::context::exact::{Exact, PER_MM, mm, to_units};
-use crate::interpreter::context::explanation::Note;
-use crate::interpreter::context::moves::{Move, Shift};
+use crate::command::{Action, ThreadPassFeature, ThreadStart};
+use crate::interpreter::codes::positioning::check_stroke;
+use crate::interpreter::context::BlockContext;
+use crate::interpreter::context::exact::{ExactPoint, UNITS_PER_MM, round_to_units, to_mm};
+use crate::interpreter::context::explanation::PassNote;
+use crate::interpreter::context::moves::{FrameShift, Move};
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, LeadUnit, Words};
+use crate::interpreter::context::words::{AxisWords, LeadUnit, SortedWords};
 use crate::interpreter::threads::lead_word;
-use crate::interpreter::threads::tapping::phase;
-use crate::interpreter::threads::thread::{self, Cut, Tail, long_axis};
+use crate::interpreter::threads::tapping::start_angle_degrees;
+use crate::interpreter::threads::thread::{self, RunOut, ThreadCut, long_axis};
 use crate::units::Point;
 
-/// Least increment of a depth, units of [`Exact`].
-const PER_MICRON: i64 = PER_MM / 1000;
+/// Least increment of a depth, units of [`ExactPoint`].
+const UNITS_PER_MICRON: i64 = UNITS_PER_MM / 1000;
 /// Greatest number of starts, and of passes.
-const MOST_STARTS: i64 = 99;
-const MOST_PASSES: i64 = 99;
+const MAX_STARTS: i64 = 99;
+const MAX_PASSES: i64 = 99;
 
-/// A running G86 or G87. Lengths are in units of [`Exact`], diameters along X.
+/// A running G86 or G87. Lengths are in units of [`ExactPoint`], diameters along X.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct CountedThread {
     code: u8,
-    shift: Shift,
+    shift: FrameShift,
     /// Start and end on the crest.
-    a: Exact,
-    c: Exact,
+    a: ExactPoint,
+    c: ExactPoint,
     /// +1 for an outer thread, -1 for an inner one.
     side: i64,
     depth: i64,
     /// I and J, without signs.
     #[serde(rename = "out")]
-    out: i64,
+    run_out_height: i64,
     #[serde(rename = "back")]
-    back: i64,
+    run_out_length: i64,
     lead: f64,
     passes: i64,
     starts: u32,
@@ -59,12 +59,12 @@ pub(crate) struct CountedThread {
     /// The current thread start, from 0.
     start: u32,
     #[serde(rename = "leg")]
-    leg: Leg,
+    next_leg: ThreadLeg,
 }
 
 /// The next move of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-enum Leg {
+enum ThreadLeg {
     Infeed,
     Thread,
     Tail,
@@ -78,10 +78,10 @@ enum Leg {
 ///
 /// # Errors
 /// 062 for wrong data, 011 or 043 for the lead, 043 for a point outside the stroke.
-pub(crate) fn plan(
+pub(crate) fn plan_cycle(
     state: &State,
-    context: &Context<'_>,
-    words: &Words,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
     axes: &AxisWords,
     unit: LeadUnit,
 ) -> Result<CountedThread, Alarm> {
@@ -89,54 +89,55 @@ pub(crate) fn plan(
         LeadUnit::Millimetres => 86,
         LeadUnit::PerInch => 87,
     };
-    let lead = lead_word::lead(words, unit, code)?;
+    let lead = lead_word::read_lead(words, unit, code)?;
     let a = state.position;
-    let reach = |point| within_stroke(point, context.reach());
-    let c = reach(axes.target(a))?;
+    let check = |point| check_stroke(point, context.coordinate_range());
+    let c = check(axes.resolve_end(a))?;
     if c.z == a.z {
-        return Err(fault(code, say::cycle_end_at_start("Z")));
+        return Err(thread_alarm(code, say::cycle_end_at_start("Z")));
     }
     let depth = match words.r {
         Some(depth) if depth > 0 => depth,
         Some(depth) => {
-            let rule = say::cycle_depth_not_positive("R", mm(depth));
-            return Err(fault(code, rule));
+            let rule = say::cycle_depth_not_positive("R", to_mm(depth));
+            return Err(thread_alarm(code, rule));
         }
-        None => return Err(fault(code, say::cycle_peck_missing("R"))),
+        None => return Err(thread_alarm(code, say::cycle_peck_missing("R"))),
     };
-    let (out, back) = (words.i.unwrap_or(0), words.j.unwrap_or(0).saturating_abs());
-    if out == 0 && back != 0 {
-        return Err(fault(code, say::thread_leaves_without_height()));
+    let (run_out_height, run_out_length) =
+        (words.i.unwrap_or(0), words.j.unwrap_or(0).saturating_abs());
+    if run_out_height == 0 && run_out_length != 0 {
+        return Err(thread_alarm(code, say::thread_leaves_without_height()));
     }
-    let count = |name: &str, value: i64, most: i64| match (1..=most).contains(&value) {
+    let read_count = |name: &str, value: i64, most: i64| match (1..=most).contains(&value) {
         true => Ok(value),
-        false => Err(fault(
+        false => Err(thread_alarm(
             code,
             say::thread_count_out_of_range(name, value, most),
         )),
     };
-    let passes = count("L", words.l.unwrap_or(1), MOST_PASSES)?;
-    let starts = count("N", words.n.unwrap_or(1).into(), MOST_STARTS)?;
+    let passes = read_count("L", words.l.unwrap_or(1), MAX_PASSES)?;
+    let starts = read_count("N", words.n.unwrap_or(1).into(), MAX_STARTS)?;
     let cycle = CountedThread {
         code,
-        shift: Shift::of(state),
+        shift: FrameShift::from_state(state),
         a,
         c,
-        side: if out < 0 { -1 } else { 1 },
+        side: if run_out_height < 0 { -1 } else { 1 },
         depth,
-        out: out.saturating_abs(),
-        back,
+        run_out_height: run_out_height.saturating_abs(),
+        run_out_length,
         lead,
         passes,
         starts: u32::try_from(starts).unwrap_or(1),
         pass: 1,
         start: 0,
-        leg: Leg::Infeed,
+        next_leg: ThreadLeg::Infeed,
     };
     for pass in [1, passes] {
-        let (begin, end) = cycle.ends(pass);
-        for point in [begin, end, cycle.left(pass), cycle.clear(pass)] {
-            reach(point)?;
+        let (begin, end) = cycle.pass_ends(pass);
+        for point in [begin, end, cycle.run_out_end(pass), cycle.clear_point(pass)] {
+            check(point)?;
         }
     }
     Ok(cycle)
@@ -144,139 +145,150 @@ pub(crate) fn plan(
 
 impl CountedThread {
     /// Depth of a pass: `R·√(p/L)`, rounded to the least increment.
-    fn depth_of(&self, pass: i64) -> i64 {
+    fn pass_depth(&self, pass: i64) -> i64 {
         if pass >= self.passes {
             return self.depth;
         }
-        let part = (pass as f64 / self.passes as f64).sqrt();
-        to_units(self.depth as f64 * part / PER_MICRON as f64) * PER_MICRON
+        let share = (pass as f64 / self.passes as f64).sqrt();
+        round_to_units(self.depth as f64 * share / UNITS_PER_MICRON as f64) * UNITS_PER_MICRON
     }
 
     /// Start and end of the cut of a pass.
-    fn ends(&self, pass: i64) -> (Exact, Exact) {
-        let into = self.side.saturating_mul(self.depth_of(pass));
-        let at = |crest: Exact| Exact::new(crest.x.saturating_sub(into), crest.z);
-        (at(self.a), at(self.c))
+    fn pass_ends(&self, pass: i64) -> (ExactPoint, ExactPoint) {
+        let into = self.side.saturating_mul(self.pass_depth(pass));
+        let below_crest =
+            |crest: ExactPoint| ExactPoint::new(crest.x.saturating_sub(into), crest.z);
+        (below_crest(self.a), below_crest(self.c))
     }
 
     /// The point where the run-out of a pass ends.
-    fn left(&self, pass: i64) -> Exact {
-        let (_, end) = self.ends(pass);
-        Exact::new(
-            end.x.saturating_add(self.side.saturating_mul(self.out)),
+    fn run_out_end(&self, pass: i64) -> ExactPoint {
+        let (_, end) = self.pass_ends(pass);
+        ExactPoint::new(
+            end.x
+                .saturating_add(self.side.saturating_mul(self.run_out_height)),
             end.z,
         )
     }
 
     /// E: the end of the run-out, clear of the crest for the move back.
-    fn clear(&self, pass: i64) -> Exact {
+    fn clear_point(&self, pass: i64) -> ExactPoint {
         let outward = |x: i64| self.side.saturating_mul(x);
-        let left = self.left(pass);
+        let left = self.run_out_end(pass);
         let x = outward(left.x)
             .max(outward(self.a.x))
             .max(outward(self.c.x));
-        Exact::new(outward(x), left.z)
+        ExactPoint::new(outward(x), left.z)
     }
 
     /// The cut of a pass and its run-out.
-    fn thread(&self, pass: i64) -> (Option<Action>, Option<Action>) {
-        let (from, to) = self.ends(pass);
-        let tail = (self.back != 0).then(|| Tail {
-            length: self.back,
-            end: self.left(pass),
+    fn pass_actions(&self, pass: i64) -> (Option<Action>, Option<Action>) {
+        let (from, to) = self.pass_ends(pass);
+        let run_out = (self.run_out_length != 0).then(|| RunOut {
+            length: self.run_out_length,
+            end: self.run_out_end(pass),
         });
-        let cut = Cut {
+        let cut = ThreadCut {
             from,
             to,
-            long: long_axis(from, to),
+            long_axis: long_axis(from, to),
             lead: self.lead,
             increase: 0.0,
-            tail,
+            run_out,
         };
-        let degrees = phase(self.start, self.starts);
-        cut.actions(self.shift, ThreadStart::AtIndex { degrees })
+        let degrees = start_angle_degrees(self.start, self.starts);
+        cut.to_actions(self.shift, ThreadStart::AtIndex { degrees })
     }
 
     /// Greatest travel of each axis per revolution in a cut, mm. The run-out counts if it is
-    /// `tied` to the spindle.
-    pub(crate) fn per_revolution(&self, tied: bool) -> Point {
-        let (begin, _) = self.ends(self.pass);
-        let (cut, tail) = self.thread(self.pass);
-        let from = self.shift.machine(begin);
-        thread::per_revolution(from, [cut.as_ref(), tail.as_ref().filter(|_| tied)])
+    /// `is_run_out_tied` to the spindle.
+    pub(crate) fn travel_per_revolution(&self, is_run_out_tied: bool) -> Point {
+        let (begin, _) = self.pass_ends(self.pass);
+        let (cut, run_out) = self.pass_actions(self.pass);
+        let from = self.shift.to_machine(begin);
+        thread::travel_per_revolution(
+            from,
+            [cut.as_ref(), run_out.as_ref().filter(|_| is_run_out_tied)],
+        )
     }
 
-    /// `RunOut` or `Start` if the cuts have a run-out or several starts; `None` for straight
+    /// `RunOut` or `StartAngle` if the cuts have a run-out or several starts; `None` for straight
     /// passes.
-    pub(crate) const fn beyond_pass(&self) -> Option<BeyondPass> {
-        match (self.back, self.starts) {
+    pub(crate) const fn beyond_pass(&self) -> Option<ThreadPassFeature> {
+        match (self.run_out_length, self.starts) {
             (0, 0 | 1) => None,
-            (0, _) => Some(BeyondPass::Start),
-            _ => Some(BeyondPass::RunOut),
+            (0, _) => Some(ThreadPassFeature::StartAngle),
+            _ => Some(ThreadPassFeature::RunOut),
         }
     }
 
-    pub(crate) fn make(&mut self) -> Option<Move> {
+    pub(crate) fn next_move(&mut self) -> Option<Move> {
         let pass = self.pass;
-        let note = Note::CountedThread {
+        let note = PassNote::CountedThread {
             code: self.code,
             pass,
             passes: self.passes,
             start: self.start,
             starts: self.starts,
             crest: self.a.x,
-            depth: self.depth_of(pass),
+            depth: self.pass_depth(pass),
             whole: self.depth,
         };
-        let rapid = |to| Some(Move::rapid(self.shift.machine(to), note));
-        let (made, next) = match self.leg {
-            Leg::Infeed => (rapid(self.ends(pass).0), Leg::Thread),
-            Leg::Thread => {
-                let (cut, tail) = self.thread(pass);
+        let rapid = |to| Some(Move::rapid(self.shift.to_machine(to), note));
+        let (next_move, next) = match self.next_leg {
+            ThreadLeg::Infeed => (rapid(self.pass_ends(pass).0), ThreadLeg::Thread),
+            ThreadLeg::Thread => {
+                let (cut, tail) = self.pass_actions(pass);
                 let next = match tail.is_some() && cut.is_some() {
-                    true => Leg::Tail,
-                    false => Leg::Clear,
+                    true => ThreadLeg::Tail,
+                    false => ThreadLeg::Clear,
                 };
                 let made = cut.or(tail).map(|action| Move {
                     action,
-                    stops: next == Leg::Clear,
+                    stops: next == ThreadLeg::Clear,
                     note,
                 });
                 (made, next)
             }
-            Leg::Tail => {
-                let tail = self.thread(pass).1;
-                (tail.map(|action| Move::of(action, note)), Leg::Clear)
+            ThreadLeg::Tail => {
+                let tail = self.pass_actions(pass).1;
+                (
+                    tail.map(|action| Move::from_action(action, note)),
+                    ThreadLeg::Clear,
+                )
             }
-            Leg::Clear => (rapid(self.clear(pass)), Leg::Back),
-            Leg::Back => {
-                let at = self.clear(pass);
-                (rapid(Exact::new(at.x, self.a.z)), self.turn())
+            ThreadLeg::Clear => (rapid(self.clear_point(pass)), ThreadLeg::Back),
+            ThreadLeg::Back => {
+                let at = self.clear_point(pass);
+                (
+                    rapid(ExactPoint::new(at.x, self.a.z)),
+                    self.leg_after_return(),
+                )
             }
-            Leg::Home => (rapid(self.a), Leg::Done),
-            Leg::Done => (None, Leg::Done),
+            ThreadLeg::Home => (rapid(self.a), ThreadLeg::Done),
+            ThreadLeg::Done => (None, ThreadLeg::Done),
         };
-        if self.leg == Leg::Back && next == Leg::Infeed {
+        if self.next_leg == ThreadLeg::Back && next == ThreadLeg::Infeed {
             self.start += 1;
             if self.start >= self.starts {
                 self.start = 0;
                 self.pass += 1;
             }
         }
-        self.leg = next;
-        made
+        self.next_leg = next;
+        next_move
     }
 
     /// The move after a return along Z.
-    const fn turn(&self) -> Leg {
+    const fn leg_after_return(&self) -> ThreadLeg {
         match self.pass >= self.passes && self.start + 1 >= self.starts {
-            true => Leg::Home,
-            false => Leg::Infeed,
+            true => ThreadLeg::Home,
+            false => ThreadLeg::Infeed,
         }
     }
 }
 
-fn fault(code: u8, detail: Message) -> Alarm {
+fn thread_alarm(code: u8, detail: Message) -> Alarm {
     let detail = say::dialect_decided(say::cycle_in_code(code, detail));
-    Alarm::new(number::CYCLE_DATA).because(detail)
+    Alarm::new(number::CYCLE_DATA).with_detail(detail)
 }

@@ -4,53 +4,53 @@
 use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
-use crate::interpreter::context::exact::mm;
-use crate::interpreter::context::words::{LeadUnit, Words};
-use crate::interpreter::threads::thread::{LEADS, MM_PER_INCH, PER_INCH};
+use crate::interpreter::context::exact::to_mm;
+use crate::interpreter::context::words::{LeadUnit, SortedWords};
+use crate::interpreter::threads::thread::{LEAD_RANGE_MM, MM_PER_INCH, PER_INCH_RANGE};
 
 /// The lead of a thread block, mm per revolution. `code` is its G code, for messages.
 ///
 /// # Errors
 /// 011 without a lead, 043 for a lead out of range.
-pub(crate) fn lead(words: &Words, unit: LeadUnit, code: u8) -> Result<f64, Alarm> {
+pub(crate) fn read_lead(words: &SortedWords, unit: LeadUnit, code: u8) -> Result<f64, Alarm> {
     let given = match unit {
         LeadUnit::Millimetres => words.k.or(words.p_exact),
         LeadUnit::PerInch => words.k,
     };
-    of(given, unit, code)
+    check_lead(given, unit, code)
 }
 
 /// The lead of a tap block, mm per revolution; I may hold its threads per inch.
 ///
 /// # Errors
 /// As for [`lead`].
-pub(crate) fn tap_lead(words: &Words, unit: LeadUnit, code: u8) -> Result<f64, Alarm> {
+pub(crate) fn read_tap_lead(words: &SortedWords, unit: LeadUnit, code: u8) -> Result<f64, Alarm> {
     match unit {
-        LeadUnit::Millimetres => lead(words, unit, code),
-        LeadUnit::PerInch => of(words.i.or(words.k), unit, code),
+        LeadUnit::Millimetres => read_lead(words, unit, code),
+        LeadUnit::PerInch => check_lead(words.i.or(words.k), unit, code),
     }
 }
 
-fn of(given: Option<i64>, unit: LeadUnit, code: u8) -> Result<f64, Alarm> {
+fn check_lead(given: Option<i64>, unit: LeadUnit, code: u8) -> Result<f64, Alarm> {
     let Some(value) = given else {
         let missing = match unit {
             LeadUnit::Millimetres => say::thread_word_lead_missing(code),
             LeadUnit::PerInch => say::thread_word_per_inch_missing(code),
         };
-        return Err(Alarm::new(number::NO_FEED).because(say::dialect_decided(missing)));
+        return Err(Alarm::new(number::NO_FEED).with_detail(say::dialect_decided(missing)));
     };
-    let (lead, fits) = match unit {
-        LeadUnit::Millimetres => (mm(value), LEADS.contains(&mm(value))),
-        LeadUnit::PerInch => (MM_PER_INCH / mm(value), PER_INCH.contains(&value)),
+    let (lead, is_in_range) = match unit {
+        LeadUnit::Millimetres => (to_mm(value), LEAD_RANGE_MM.contains(&to_mm(value))),
+        LeadUnit::PerInch => (MM_PER_INCH / to_mm(value), PER_INCH_RANGE.contains(&value)),
     };
-    match fits {
+    match is_in_range {
         true => Ok(lead),
         false => {
             let rule = match unit {
-                LeadUnit::Millimetres => say::thread_word_lead_out_of_range(code, mm(value)),
-                LeadUnit::PerInch => say::thread_word_per_inch_out_of_range(code, mm(value)),
+                LeadUnit::Millimetres => say::thread_word_lead_out_of_range(code, to_mm(value)),
+                LeadUnit::PerInch => say::thread_word_per_inch_out_of_range(code, to_mm(value)),
             };
-            Err(Alarm::new(number::OUT_OF_RANGE).because(rule))
+            Err(Alarm::new(number::OUT_OF_RANGE).with_detail(rule))
         }
     }
 }

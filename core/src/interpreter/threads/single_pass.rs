@@ -13,15 +13,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::alarm::{Alarm, number};
 use crate::command::{Action, ThreadStart};
-use crate::interpreter::codes::positioning::within_stroke;
-use crate::interpreter::context::Context;
-use crate::interpreter::context::exact::Exact;
-use crate::interpreter::context::explanation::Note;
-use crate::interpreter::context::moves::{Move, Shift};
+use crate::interpreter::codes::positioning::check_stroke;
+use crate::interpreter::context::BlockContext;
+use crate::interpreter::context::exact::ExactPoint;
+use crate::interpreter::context::explanation::PassNote;
+use crate::interpreter::context::moves::{FrameShift, Move};
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, LeadUnit, Words};
+use crate::interpreter::context::words::{AxisWords, LeadUnit, SortedWords};
 use crate::interpreter::threads::lead_word;
-use crate::interpreter::threads::thread::{self, Cut, long_axis};
+use crate::interpreter::threads::thread::{self, ThreadCut, long_axis};
 use crate::units::Point;
 
 /// The three moves of a pass, machine coordinates.
@@ -30,7 +30,7 @@ pub(crate) struct SinglePass {
     begin: Point,
     thread: Action,
     leave: Point,
-    note: Note,
+    note: PassNote,
     step: u8,
 }
 
@@ -38,10 +38,10 @@ pub(crate) struct SinglePass {
 ///
 /// # Errors
 /// 062 for a pass without length, 011 or 043 for the lead, 043 for a point outside the stroke.
-pub(crate) fn plan(
+pub(crate) fn plan_pass(
     state: &mut State,
-    context: &Context<'_>,
-    words: &Words,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
     axes: &AxisWords,
     unit: LeadUnit,
 ) -> Result<SinglePass, Alarm> {
@@ -49,31 +49,37 @@ pub(crate) fn plan(
         LeadUnit::Millimetres => 33,
         LeadUnit::PerInch => 34,
     };
-    let lead = lead_word::lead(words, unit, code)?;
+    let lead = lead_word::read_lead(words, unit, code)?;
     let a = state.position;
-    let by = |x: Option<i64>| x.unwrap_or(0);
-    let reach = |point| within_stroke(point, context.reach());
-    let begin = reach(Exact::new(a.x.saturating_add(by(words.d_exact)), a.z))?;
-    let end = reach(axes.target(begin))?;
+    let or_zero = |x: Option<i64>| x.unwrap_or(0);
+    let check = |point| check_stroke(point, context.coordinate_range());
+    let begin = check(ExactPoint::new(
+        a.x.saturating_add(or_zero(words.d_exact)),
+        a.z,
+    ))?;
+    let end = check(axes.resolve_end(begin))?;
     if end == begin {
-        return Err(fault(code, say::thread_pass_without_length()));
+        return Err(pass_alarm(code, say::thread_pass_without_length()));
     }
-    let leave = reach(Exact::new(end.x.saturating_add(by(words.i)), end.z))?;
-    let cut = Cut {
+    let leave = check(ExactPoint::new(
+        end.x.saturating_add(or_zero(words.i)),
+        end.z,
+    ))?;
+    let cut = ThreadCut {
         from: begin,
         to: end,
-        long: long_axis(begin, end),
+        long_axis: long_axis(begin, end),
         lead,
         increase: 0.0,
-        tail: None,
+        run_out: None,
     };
-    let shift = Shift::of(state);
+    let shift = FrameShift::from_state(state);
     let start = ThreadStart::AtIndex { degrees: 0.0 };
     let pass = SinglePass {
-        begin: shift.machine(begin),
-        thread: cut.action(shift, end, lead, start),
-        leave: shift.machine(leave),
-        note: Note::SinglePass {
+        begin: shift.to_machine(begin),
+        thread: cut.thread_action(shift, end, lead, start),
+        leave: shift.to_machine(leave),
+        note: PassNote::SinglePass {
             code,
             a,
             begin,
@@ -82,29 +88,29 @@ pub(crate) fn plan(
         step: 0,
     };
     state.position = leave;
-    state.return_here();
+    state.end_at_position();
     Ok(pass)
 }
 
 impl SinglePass {
     /// Travel of each axis per revolution in the cut, mm.
-    pub(crate) fn per_revolution(&self) -> Point {
-        thread::per_revolution(self.begin, [Some(&self.thread), None])
+    pub(crate) fn travel_per_revolution(&self) -> Point {
+        thread::travel_per_revolution(self.begin, [Some(&self.thread), None])
     }
 
-    pub(crate) fn make(&mut self) -> Option<Move> {
+    pub(crate) fn next_move(&mut self) -> Option<Move> {
         let step = self.step;
         self.step = step.saturating_add(1);
         match step {
             0 => Some(Move::rapid(self.begin, self.note)),
-            1 => Some(Move::of(self.thread, self.note)),
+            1 => Some(Move::from_action(self.thread, self.note)),
             2 => Some(Move::rapid(self.leave, self.note)),
             _ => None,
         }
     }
 }
 
-fn fault(code: u8, detail: Message) -> Alarm {
+fn pass_alarm(code: u8, detail: Message) -> Alarm {
     let detail = say::dialect_decided(say::cycle_in_code(code, detail));
-    Alarm::new(number::CYCLE_DATA).because(detail)
+    Alarm::new(number::CYCLE_DATA).with_detail(detail)
 }

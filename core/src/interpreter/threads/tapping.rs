@@ -11,13 +11,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
-use crate::interpreter::codes::positioning::within_stroke;
-use crate::interpreter::context::Context;
-use crate::interpreter::context::exact::Reach;
-use crate::interpreter::context::explanation::Note;
-use crate::interpreter::context::moves::{Move, Shift};
+use crate::interpreter::codes::positioning::check_stroke;
+use crate::interpreter::context::BlockContext;
+use crate::interpreter::context::exact::CoordinateRange;
+use crate::interpreter::context::explanation::PassNote;
+use crate::interpreter::context::moves::{FrameShift, Move};
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, LeadUnit, Words};
+use crate::interpreter::context::words::{AxisWords, LeadUnit, SortedWords};
 use crate::interpreter::threads::lead_word;
 use crate::interpreter::threads::thread;
 use crate::units::Point;
@@ -28,7 +28,7 @@ pub(crate) struct Tapping {
     bottom: Point,
     /// Programmed Z of the start and of the bottom, units of [`Exact`].
     #[serde(rename = "way")]
-    way: (i64, i64),
+    z_range: (i64, i64),
     lead: f64,
     start: u32,
     starts: u32,
@@ -46,30 +46,30 @@ const fn tapping_code() -> u8 {
 ///
 /// # Errors
 /// 009 for a motion of X, 011 without a lead, 043 for an end outside the stroke.
-pub(crate) fn plan(
+pub(crate) fn plan_cycle(
     state: &mut State,
-    words: &Words,
+    words: &SortedWords,
     axes: &AxisWords,
-    reach: Reach<'_>,
+    range: CoordinateRange<'_>,
 ) -> Result<Option<Tapping>, Alarm> {
-    let to = within_stroke(axes.target(state.position), reach)?;
+    let to = check_stroke(axes.resolve_end(state.position), range)?;
     if to.x != state.position.x {
-        return Err(Alarm::new(number::BAD_ADDRESS).because(say::tap_moves_x()));
+        return Err(Alarm::new(number::BAD_ADDRESS).with_detail(say::tap_moves_x()));
     }
-    let lead = thread::lead(state)?;
+    let lead = thread::current_lead(state)?;
     if to == state.position {
         return Ok(None);
     }
     let starts = u32::try_from(words.l.unwrap_or(1)).unwrap_or(1);
     let tapping = Tapping {
-        bottom: Shift::of(state).machine(to),
-        way: (state.position.z, to.z),
+        bottom: FrameShift::from_state(state).to_machine(to),
+        z_range: (state.position.z, to.z),
         lead,
         start: 0,
         starts,
         code: tapping_code(),
     };
-    state.arrive(axes, state.position);
+    state.move_to(axes, state.position);
     Ok(Some(tapping))
 }
 
@@ -77,10 +77,10 @@ pub(crate) fn plan(
 ///
 /// # Errors
 /// 062 for wrong data, 011 or 043 for the lead, 043 for an end outside the stroke.
-pub(crate) fn rigid(
+pub(crate) fn plan_rigid(
     state: &mut State,
-    context: &Context<'_>,
-    words: &Words,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
     axes: &AxisWords,
     unit: LeadUnit,
 ) -> Result<Tapping, Alarm> {
@@ -89,57 +89,57 @@ pub(crate) fn rigid(
         LeadUnit::PerInch => 85,
     };
     let from = state.position;
-    let to = within_stroke(axes.target(from), context.reach())?;
-    let broken = if to.x != from.x {
+    let to = check_stroke(axes.resolve_end(from), context.coordinate_range())?;
+    let violation = if to.x != from.x {
         Some(say::hole_moves_x())
     } else if to.z == from.z {
         Some(say::cycle_end_at_start("Z"))
     } else {
         None
     };
-    if let Some(rule) = broken {
+    if let Some(rule) = violation {
         let rule = say::dialect_decided(say::cycle_in_code(code, rule));
-        return Err(Alarm::new(number::CYCLE_DATA).because(rule));
+        return Err(Alarm::new(number::CYCLE_DATA).with_detail(rule));
     }
     let tapping = Tapping {
-        bottom: Shift::of(state).machine(to),
-        way: (from.z, to.z),
-        lead: lead_word::tap_lead(words, unit, code)?,
+        bottom: FrameShift::from_state(state).to_machine(to),
+        z_range: (from.z, to.z),
+        lead: lead_word::read_tap_lead(words, unit, code)?,
         start: 0,
         starts: 1,
         code,
     };
-    state.arrive(axes, from);
+    state.move_to(axes, from);
     Ok(tapping)
 }
 
 impl Tapping {
-    fn tap(&self) -> Action {
+    fn tap_action(&self) -> Action {
         Action::Tap {
             to: self.bottom,
             lead: self.lead,
-            start_degrees: phase(self.start, self.starts),
+            start_degrees: start_angle_degrees(self.start, self.starts),
         }
     }
 
-    pub(crate) fn make(&mut self) -> Option<Move> {
+    pub(crate) fn next_move(&mut self) -> Option<Move> {
         if self.start >= self.starts {
             return None;
         }
-        let note = Note::Tap {
+        let note = PassNote::Tap {
             start: self.start + 1,
             starts: self.starts,
-            a: self.way.0,
-            bottom: self.way.1,
+            a: self.z_range.0,
+            bottom: self.z_range.1,
             code: self.code,
         };
-        let action = self.tap();
+        let action = self.tap_action();
         self.start += 1;
-        Some(Move::of(action, note))
+        Some(Move::from_action(action, note))
     }
 }
 
 /// The start angle of a start, counted from 0, of a multi-start thread, degrees.
-pub(crate) fn phase(start: u32, starts: u32) -> f64 {
+pub(crate) fn start_angle_degrees(start: u32, starts: u32) -> f64 {
     360.0 * f64::from(start) / f64::from(starts.max(1))
 }

@@ -13,23 +13,25 @@ use gsk_messages::{Message, say};
 
 use crate::alarm::{Alarm, number};
 use crate::command::{Action, ThreadStart};
-use crate::interpreter::codes::positioning::within_stroke;
-use crate::interpreter::context::exact::{Exact, PER_MM, Reach, along, mm, scaled};
-use crate::interpreter::context::moves::{Shift, Two};
+use crate::interpreter::codes::positioning::check_stroke;
+use crate::interpreter::context::exact::{
+    CoordinateRange, ExactPoint, UNITS_PER_MM, length_on_axis, scale_rounded, to_mm,
+};
+use crate::interpreter::context::moves::{FrameShift, MovePair};
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, OneShot, Words};
+use crate::interpreter::context::words::{AxisWords, OneShot, SortedWords};
 use crate::units::{Axis, Point};
 
 /// Leads of threads, mm per revolution.
-pub(super) const LEADS: core::ops::RangeInclusive<f64> = 0.001..=500.0;
+pub(super) const LEAD_RANGE_MM: core::ops::RangeInclusive<f64> = 0.001..=500.0;
 /// Threads per inch, in millionths.
-pub(super) const PER_INCH: core::ops::RangeInclusive<i64> = 60_000..=25_400 * PER_MM;
+pub(super) const PER_INCH_RANGE: core::ops::RangeInclusive<i64> = 60_000..=25_400 * UNITS_PER_MM;
 /// Change of the lead per revolution, in millionths of a millimetre.
-const CHANGES: core::ops::RangeInclusive<i64> = 1_000..=500 * PER_MM;
+const LEAD_CHANGE_RANGE: core::ops::RangeInclusive<i64> = 1_000..=500 * UNITS_PER_MM;
 pub(super) const MM_PER_INCH: f64 = 25.4;
 
 /// Whether F and I of a block set a thread lead.
-pub(crate) fn takes_lead(words: &Words, motion: u8) -> bool {
+pub(crate) fn is_lead_block(words: &SortedWords, motion: u8) -> bool {
     match words.one_shot {
         Some(OneShot::CompoundThread) => true,
         Some(_) => false,
@@ -42,19 +44,19 @@ pub(crate) fn takes_lead(words: &Words, motion: u8) -> bool {
 ///
 /// # Errors
 /// 043 for a lead out of range.
-pub(crate) fn take_lead(state: &mut State, words: &Words) -> Result<(), Alarm> {
+pub(crate) fn store_lead(state: &mut State, words: &SortedWords) -> Result<(), Alarm> {
     if let Some(lead) = words.f {
-        if !LEADS.contains(&lead) {
-            return Err(out_of_range(say::thread_lead_out_of_range(lead)));
+        if !LEAD_RANGE_MM.contains(&lead) {
+            return Err(out_of_range_alarm(say::thread_lead_out_of_range(lead)));
         }
         state.lead = lead;
     } else if let Some(threads) = words.i {
-        if !PER_INCH.contains(&threads) {
-            return Err(out_of_range(say::threads_per_inch_out_of_range(mm(
-                threads,
-            ))));
+        if !PER_INCH_RANGE.contains(&threads) {
+            return Err(out_of_range_alarm(say::threads_per_inch_out_of_range(
+                to_mm(threads),
+            )));
         }
-        state.lead = MM_PER_INCH / mm(threads);
+        state.lead = MM_PER_INCH / to_mm(threads);
     }
     Ok(())
 }
@@ -63,15 +65,15 @@ pub(crate) fn take_lead(state: &mut State, words: &Words) -> Result<(), Alarm> {
 ///
 /// # Errors
 /// 011 if it is unset.
-pub(crate) fn lead(state: &State) -> Result<f64, Alarm> {
+pub(crate) fn current_lead(state: &State) -> Result<f64, Alarm> {
     if state.lead > 0.0 {
         return Ok(state.lead);
     }
-    Err(Alarm::new(number::NO_FEED).because(say::thread_lead_missing()))
+    Err(Alarm::new(number::NO_FEED).with_detail(say::thread_lead_missing()))
 }
 
 /// The axis to which the lead applies: that of the greater displacement, X as a radius.
-pub(crate) const fn long_axis(from: Exact, to: Exact) -> Axis {
+pub(crate) const fn long_axis(from: ExactPoint, to: ExactPoint) -> Axis {
     let (x, z) = (to.x.abs_diff(from.x), to.z.abs_diff(from.z));
     if x >= z.saturating_mul(2) {
         Axis::X
@@ -82,68 +84,77 @@ pub(crate) const fn long_axis(from: Exact, to: Exact) -> Axis {
 
 /// A thread from one point to another, with or without a run-out.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Cut {
-    pub(crate) from: Exact,
-    pub(crate) to: Exact,
-    pub(crate) long: Axis,
+pub(crate) struct ThreadCut {
+    pub(crate) from: ExactPoint,
+    pub(crate) to: ExactPoint,
+    pub(crate) long_axis: Axis,
     pub(crate) lead: f64,
     /// Change of the lead, mm per revolution and revolution.
     pub(crate) increase: f64,
-    pub(crate) tail: Option<Tail>,
+    pub(crate) run_out: Option<RunOut>,
 }
 
 /// The run-out of a thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Tail {
+pub(crate) struct RunOut {
     /// Distance between its begin and the end of the thread, along the long axis (a radius for
     /// X).
     pub(crate) length: i64,
     /// The point where it ends.
-    pub(crate) end: Exact,
+    pub(crate) end: ExactPoint,
 }
 
-impl Cut {
+impl ThreadCut {
     /// The actions of the thread and of its run-out. The first is `None` if the run-out takes
     /// up the whole thread.
-    pub(crate) fn actions(
+    pub(crate) fn to_actions(
         &self,
-        shift: Shift,
+        shift: FrameShift,
         start: ThreadStart,
     ) -> (Option<Action>, Option<Action>) {
-        let Some(tail) = self.tail else {
-            return (Some(self.action(shift, self.to, self.lead, start)), None);
-        };
-        let whole = self.to.get(self.long) - self.from.get(self.long);
-        let cut = (whole.abs() - along(self.long, tail.length)).max(0);
-        let way = self.to - self.from;
-        let leaves = self.from
-            + Exact::new(
-                scaled(way.x, cut, whole.abs()),
-                scaled(way.z, cut, whole.abs()),
+        let Some(run_out) = self.run_out else {
+            return (
+                Some(self.thread_action(shift, self.to, self.lead, start)),
+                None,
             );
-        let run_out = |start, lead| Action::Thread {
-            to: shift.machine(tail.end),
-            long: self.long,
+        };
+        let total = self.to.get(self.long_axis) - self.from.get(self.long_axis);
+        let cut_length = (total.abs() - length_on_axis(self.long_axis, run_out.length)).max(0);
+        let displacement = self.to - self.from;
+        let run_out_start = self.from
+            + ExactPoint::new(
+                scale_rounded(displacement.x, cut_length, total.abs()),
+                scale_rounded(displacement.z, cut_length, total.abs()),
+            );
+        let run_out_action = |start, lead| Action::Thread {
+            to: shift.to_machine(run_out.end),
+            lead_axis: self.long_axis,
             lead,
             increase: self.increase,
             start,
             run_out: true,
         };
-        if cut == 0 {
-            return (None, Some(run_out(start, self.lead)));
+        if cut_length == 0 {
+            return (None, Some(run_out_action(start, self.lead)));
         }
-        let length = self.length(cut);
-        let lead_there = lead_after(self.lead, self.increase, length);
+        let length = self.length_mm(cut_length);
+        let run_out_lead = lead_after(self.lead, self.increase, length);
         (
-            Some(self.action(shift, leaves, self.lead, start)),
-            Some(run_out(ThreadStart::Continued, lead_there)),
+            Some(self.thread_action(shift, run_out_start, self.lead, start)),
+            Some(run_out_action(ThreadStart::Continued, run_out_lead)),
         )
     }
 
-    pub(super) fn action(&self, shift: Shift, to: Exact, lead: f64, start: ThreadStart) -> Action {
+    pub(super) fn thread_action(
+        &self,
+        shift: FrameShift,
+        to: ExactPoint,
+        lead: f64,
+        start: ThreadStart,
+    ) -> Action {
         Action::Thread {
-            to: shift.machine(to),
-            long: self.long,
+            to: shift.to_machine(to),
+            lead_axis: self.long_axis,
             lead,
             increase: self.increase,
             start,
@@ -152,9 +163,9 @@ impl Cut {
     }
 
     /// A distance on the long axis in mm, X as a radius.
-    fn length(&self, units: i64) -> f64 {
-        let length = mm(units);
-        match self.long {
+    fn length_mm(&self, units: i64) -> f64 {
+        let length = to_mm(units);
+        match self.long_axis {
             Axis::X => length / 2.0,
             Axis::Z => length,
         }
@@ -171,17 +182,23 @@ fn lead_after(lead: f64, increase: f64, travel: f64) -> f64 {
 }
 
 /// Greatest travel of each axis per revolution, mm, in cuts that begin at `from`.
-pub(crate) fn per_revolution(from: Point, cuts: [Option<&Action>; 2]) -> Point {
+pub(crate) fn travel_per_revolution(from: Point, cuts: [Option<&Action>; 2]) -> Point {
     let (mut at, mut fastest) = (from, Point::default());
     for cut in cuts.into_iter().flatten() {
-        let Action::Thread { to, long, lead, .. } = cut else {
+        let Action::Thread {
+            to,
+            lead_axis: long,
+            lead,
+            ..
+        } = cut
+        else {
             continue;
         };
-        let way = *to - at;
-        let turns = (way.get(*long) / lead).abs();
-        if turns > 0.0 {
-            fastest.x = fastest.x.max(way.x.abs() / turns);
-            fastest.z = fastest.z.max(way.z.abs() / turns);
+        let displacement = *to - at;
+        let revolutions = (displacement.get(*long) / lead).abs();
+        if revolutions > 0.0 {
+            fastest.x = fastest.x.max(displacement.x.abs() / revolutions);
+            fastest.z = fastest.z.max(displacement.z.abs() / revolutions);
         }
         at = *to;
     }
@@ -192,42 +209,42 @@ pub(crate) fn per_revolution(from: Point, cuts: [Option<&Action>; 2]) -> Point {
 ///
 /// # Errors
 /// 011 without a lead, 013 with R in G32, 043 for a lead or an end out of range.
-pub(crate) fn plan(
+pub(crate) fn plan_thread(
     state: &mut State,
-    words: &Words,
+    words: &SortedWords,
     axes: &AxisWords,
-    reach: Reach<'_>,
-) -> Result<Two, Alarm> {
-    let variable = state.modal.motion == 34;
-    if words.r.is_some() && !variable {
-        return Err(Alarm::new(number::ARC_DATA).because(say::thread_with_corner_arc()));
+    range: CoordinateRange<'_>,
+) -> Result<MovePair, Alarm> {
+    let is_variable_lead = state.modal.motion == 34;
+    if words.r.is_some() && !is_variable_lead {
+        return Err(Alarm::new(number::ARC_DATA).with_detail(say::thread_with_corner_arc()));
     }
     let (from, to) = (
         state.position,
-        within_stroke(axes.target(state.position), reach)?,
+        check_stroke(axes.resolve_end(state.position), range)?,
     );
-    let lead = lead(state)?;
+    let lead = current_lead(state)?;
     if from == to {
-        return Ok(Two::default());
+        return Ok(MovePair::default());
     }
     let long = long_axis(from, to);
-    let mut cut = Cut {
+    let mut cut = ThreadCut {
         from,
         to,
-        long,
+        long_axis: long,
         lead,
         increase: 0.0,
-        tail: None,
+        run_out: None,
     };
-    if variable {
-        cut.increase = change(words.r)?;
+    if is_variable_lead {
+        cut.increase = read_lead_change(words.r)?;
         let end = lead_after(
             lead,
             cut.increase,
-            cut.length((to.get(long) - from.get(long)).abs()),
+            cut.length_mm((to.get(long) - from.get(long)).abs()),
         );
-        if !LEADS.contains(&end) {
-            return Err(out_of_range(say::thread_lead_leaves_range(
+        if !LEAD_RANGE_MM.contains(&end) {
+            return Err(out_of_range_alarm(say::thread_lead_leaves_range(
                 lead,
                 cut.increase,
             )));
@@ -236,35 +253,40 @@ pub(crate) fn plan(
     let mut end = to;
     if let Some(height) = words.j.filter(|&height| height != 0) {
         let short = long.other();
-        end.set(short, to.get(short).saturating_add(along(short, height)));
-        cut.tail = Some(Tail {
+        end.set(
+            short,
+            to.get(short).saturating_add(length_on_axis(short, height)),
+        );
+        cut.run_out = Some(RunOut {
             length: words.k.unwrap_or(height).saturating_abs(),
-            end: within_stroke(end, reach)?,
+            end: check_stroke(end, range)?,
         });
     }
-    let start = if state.threading && !words.waits() {
+    let start = if state.is_threading && !words.needs_standstill() {
         ThreadStart::Continued
     } else {
         ThreadStart::AtIndex { degrees: 0.0 }
     };
-    let (first, second) = cut.actions(Shift::of(state), start);
-    let motion = Two { first, second };
-    state.arrive(axes, end);
-    state.ahead = state.ahead + to - end;
+    let (first, second) = cut.to_actions(FrameShift::from_state(state), start);
+    let motion = MovePair { first, second };
+    state.move_to(axes, end);
+    state.increment_offset = state.increment_offset + to - end;
     Ok(motion)
 }
 
 /// R of G34, the change of the lead.
-fn change(r: Option<i64>) -> Result<f64, Alarm> {
+fn read_lead_change(r: Option<i64>) -> Result<f64, Alarm> {
     let Some(r) = r else {
         return Ok(0.0);
     };
-    if !CHANGES.contains(&r.abs()) {
-        return Err(out_of_range(say::thread_lead_change_out_of_range(mm(r))));
+    if !LEAD_CHANGE_RANGE.contains(&r.abs()) {
+        return Err(out_of_range_alarm(say::thread_lead_change_out_of_range(
+            to_mm(r),
+        )));
     }
-    Ok(mm(r))
+    Ok(to_mm(r))
 }
 
-fn out_of_range(detail: Message) -> Alarm {
-    Alarm::new(number::OUT_OF_RANGE).because(detail)
+fn out_of_range_alarm(detail: Message) -> Alarm {
+    Alarm::new(number::OUT_OF_RANGE).with_detail(detail)
 }

@@ -13,50 +13,52 @@ use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::{Alarm, number};
-use crate::command::{Action, BeyondPass, ThreadStart};
-use crate::interpreter::codes::positioning::within_stroke;
+use crate::command::{Action, ThreadPassFeature, ThreadStart};
+use crate::interpreter::codes::positioning::check_stroke;
 use crate::interpreter::context::cycle_words::CycleData;
-use crate::interpreter::context::exact::along;
-use crate::interpreter::context::exact::{Exact, PER_MM, Reach, to_units};
-use crate::interpreter::context::explanation::Note;
-use crate::interpreter::context::moves::{Move, Shift};
+use crate::interpreter::context::exact::length_on_axis;
+use crate::interpreter::context::exact::{
+    CoordinateRange, ExactPoint, UNITS_PER_MM, round_to_units,
+};
+use crate::interpreter::context::explanation::PassNote;
+use crate::interpreter::context::moves::{FrameShift, Move};
 use crate::interpreter::context::state::State;
 use crate::interpreter::cycles::box_cycle::check_taper;
-use crate::interpreter::threads::tapping::phase;
-use crate::interpreter::threads::thread::{self, Cut, Tail, long_axis};
-use crate::memory::Parameters;
+use crate::interpreter::threads::tapping::start_angle_degrees;
+use crate::interpreter::threads::thread::{self, RunOut, ThreadCut, long_axis};
+use crate::memory::ControlParameters;
 use crate::units::Point;
 
 /// The size of a run-out, and the X that limits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Leaving {
+pub(crate) struct RunOutLimits {
     /// Height of the run-out on the short axis and its length on the long one; radii along X.
     pub(crate) height: i64,
     pub(crate) length: i64,
     /// The start A of the cycle: the run-out leads towards it and not beyond.
-    pub(crate) start: Exact,
+    pub(crate) start: ExactPoint,
 }
 
-impl Leaving {
+impl RunOutLimits {
     /// The cut from B to C with its run-out.
-    pub(crate) fn cut(self, from: Exact, to: Exact, lead: f64) -> Cut {
+    pub(crate) fn limited_cut(self, from: ExactPoint, to: ExactPoint, lead: f64) -> ThreadCut {
         let long = long_axis(from, to);
         let short = long.other();
-        let back = self.start.get(short) - to.get(short);
-        let height = along(short, self.height).min(back.abs());
+        let distance_back = self.start.get(short) - to.get(short);
+        let height = length_on_axis(short, self.height).min(distance_back.abs());
         let mut end = to;
-        end.set(short, to.get(short) + back.signum() * height);
-        let tail = (height != 0).then_some(Tail {
+        end.set(short, to.get(short) + distance_back.signum() * height);
+        let run_out = (height != 0).then_some(RunOut {
             length: self.length,
             end,
         });
-        Cut {
+        ThreadCut {
             from,
             to,
-            long,
+            long_axis: long,
             lead,
             increase: 0.0,
-            tail,
+            run_out,
         }
     }
 }
@@ -70,10 +72,10 @@ pub(crate) struct ThreadCycle {
     d: Point,
     thread: Option<Action>,
     #[serde(rename = "tail")]
-    tail: Option<Action>,
+    run_out: Option<Action>,
     /// The programmed A and C, R, and the run-out, for the explanation.
     #[serde(rename = "words")]
-    words: (Exact, Exact, i64, (i64, i64)),
+    programmed: (ExactPoint, ExactPoint, i64, (i64, i64)),
     start: u32,
     starts: u32,
     step: u8,
@@ -84,46 +86,46 @@ pub(crate) struct ThreadCycle {
 /// # Errors
 /// 015 for the taper or a thread without length, 011 without a lead, 043 for a corner outside
 /// the stroke.
-pub(crate) fn plan(
+pub(crate) fn plan_cycle(
     state: &State,
-    parameters: &Parameters,
+    parameters: &ControlParameters,
     data: CycleData,
-    reach: Reach<'_>,
+    range: CoordinateRange<'_>,
 ) -> Result<ThreadCycle, Alarm> {
     let (a, c) = (state.position, data.end);
     check_taper(data.r, (c.x - a.x) / 2, ("G92", "U/2"))?;
     if c.z == a.z {
-        return Err(Alarm::new(number::CYCLE_TAPER).because(say::thread_without_length()));
+        return Err(Alarm::new(number::CYCLE_TAPER).with_detail(say::thread_without_length()));
     }
-    let lead = thread::lead(state)?;
-    let b = Exact::new(c.x + 2 * data.r, a.z);
-    let d = Exact::new(a.x, c.z);
+    let lead = thread::current_lead(state)?;
+    let b = ExactPoint::new(c.x + 2 * data.r, a.z);
+    let d = ExactPoint::new(a.x, c.z);
     for corner in [b, c, d] {
-        within_stroke(corner, reach)?;
+        check_stroke(corner, range)?;
     }
-    let width = run_out_width(parameters, lead);
+    let width = run_out_width_units(parameters, lead);
     let height = data.j.map_or(width, i64::saturating_abs);
-    let leaving = Leaving {
+    let limits = RunOutLimits {
         height,
         length: data.k.map_or(height, i64::saturating_abs),
         start: a,
     };
-    let shift = Shift::of(state);
-    let (thread, tail) = leaving
-        .cut(b, c, lead)
-        .actions(shift, ThreadStart::AtIndex { degrees: 0.0 });
+    let shift = FrameShift::from_state(state);
+    let (thread, run_out) = limits
+        .limited_cut(b, c, lead)
+        .to_actions(shift, ThreadStart::AtIndex { degrees: 0.0 });
     // Move 3 is along X only, from the end of the run-out.
-    let mut d = shift.machine(d);
-    if let Some(Action::Thread { to, .. }) = tail.as_ref().or(thread.as_ref()) {
+    let mut d = shift.to_machine(d);
+    if let Some(Action::Thread { to, .. }) = run_out.as_ref().or(thread.as_ref()) {
         d.z = to.z;
     }
     let cycle = ThreadCycle {
-        a: shift.machine(a),
-        b: shift.machine(b),
+        a: shift.to_machine(a),
+        b: shift.to_machine(b),
         d,
         thread,
-        tail,
-        words: (a, c, data.r, (leaving.height, leaving.length)),
+        run_out,
+        programmed: (a, c, data.r, (limits.height, limits.length)),
         start: 0,
         starts: u32::try_from(data.starts).unwrap_or(1),
         step: 0,
@@ -131,37 +133,40 @@ pub(crate) fn plan(
     Ok(cycle)
 }
 
-/// Width of the run-out by parameter 019 (tenths of the lead), units of [`Exact`].
-pub(crate) fn run_out_width(parameters: &Parameters, lead: f64) -> i64 {
-    to_units(f64::from(parameters.run_out_tenths()) * 0.1 * lead * PER_MM as f64)
+/// Width of the run-out by parameter 019 (tenths of the lead), units of [`ExactPoint`].
+pub(crate) fn run_out_width_units(parameters: &ControlParameters, lead: f64) -> i64 {
+    round_to_units(f64::from(parameters.run_out_tenths()) * 0.1 * lead * UNITS_PER_MM as f64)
 }
 
 impl ThreadCycle {
     /// Greatest travel of each axis per revolution in a cut, mm. The run-out counts if it is
-    /// `tied` to the spindle.
-    pub(crate) fn per_revolution(&self, tied: bool) -> Point {
-        thread::per_revolution(
+    /// `is_run_out_tied` to the spindle.
+    pub(crate) fn travel_per_revolution(&self, is_run_out_tied: bool) -> Point {
+        thread::travel_per_revolution(
             self.b,
-            [self.thread.as_ref(), self.tail.as_ref().filter(|_| tied)],
+            [
+                self.thread.as_ref(),
+                self.run_out.as_ref().filter(|_| is_run_out_tied),
+            ],
         )
     }
 
-    /// `RunOut` or `Start` if the cuts have a run-out or several starts; `None` for straight
+    /// `RunOut` or `StartAngle` if the cuts have a run-out or several starts; `None` for straight
     /// passes.
-    pub(crate) const fn beyond_pass(&self) -> Option<BeyondPass> {
-        match (&self.tail, self.starts) {
-            (Some(_), _) => Some(BeyondPass::RunOut),
+    pub(crate) const fn beyond_pass(&self) -> Option<ThreadPassFeature> {
+        match (&self.run_out, self.starts) {
+            (Some(_), _) => Some(ThreadPassFeature::RunOut),
             (None, 0 | 1) => None,
-            (None, _) => Some(BeyondPass::Start),
+            (None, _) => Some(ThreadPassFeature::StartAngle),
         }
     }
 
-    pub(crate) fn make(&mut self) -> Option<Move> {
+    pub(crate) fn next_move(&mut self) -> Option<Move> {
         if self.start >= self.starts {
             return None;
         }
-        let (a, c, taper, run_out) = self.words;
-        let note = Note::Thread {
+        let (a, c, taper, run_out) = self.programmed;
+        let note = PassNote::Thread {
             start: self.start + 1,
             starts: self.starts,
             a,
@@ -169,26 +174,26 @@ impl ThreadCycle {
             taper,
             run_out,
         };
-        let degrees = phase(self.start, self.starts);
+        let degrees = start_angle_degrees(self.start, self.starts);
         let step = self.step;
         self.step += 1;
         match step {
             0 => Some(Move::rapid(self.b, note)),
-            1 => Some(match (&self.thread, &self.tail) {
+            1 => Some(match (&self.thread, &self.run_out) {
                 (Some(thread), tail) => Move {
-                    action: started(thread, degrees),
+                    action: with_start_angle(thread, degrees),
                     stops: tail.is_none(),
                     note,
                 },
                 (None, Some(tail)) => {
                     self.step += 1;
-                    Move::of(started(tail, degrees), note)
+                    Move::from_action(with_start_angle(tail, degrees), note)
                 }
                 (None, None) => return None,
             }),
-            2 => match &self.tail {
-                Some(tail) => Some(Move::of(*tail, note)),
-                None => self.make(),
+            2 => match &self.run_out {
+                Some(tail) => Some(Move::from_action(*tail, note)),
+                None => self.next_move(),
             },
             3 => Some(Move::rapid(self.d, note)),
             _ => {
@@ -201,7 +206,7 @@ impl ThreadCycle {
 }
 
 /// The same thread with another start angle, degrees.
-pub(crate) fn started(thread: &Action, degrees: f64) -> Action {
+pub(crate) fn with_start_angle(thread: &Action, degrees: f64) -> Action {
     let mut action = *thread;
     if let Action::Thread { start, .. } = &mut action {
         *start = ThreadStart::AtIndex { degrees };

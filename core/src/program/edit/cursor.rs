@@ -1,64 +1,64 @@
 //! Moves the cursor by lines, characters and screens, and searches for text.
 
-use super::Editing;
-use crate::program::head::Head;
+use super::ProgramEditor;
+use crate::program::block_head::BlockHead;
 
-impl Editing {
+impl ProgramEditor {
     /// Moves to the first line.
-    pub fn to_head(&mut self) {
-        self.leave();
+    pub fn move_to_head(&mut self) {
+        self.end_open_block();
         (self.line, self.column) = (self.program.first_listed(), 0);
     }
 
     /// Moves to a line; beyond the ends to the first or last one.
-    pub fn to_line(&mut self, line: u32) {
-        self.leave();
+    pub fn move_to_line(&mut self, line: u32) {
+        self.end_open_block();
         let (first, last) = (self.program.first_listed(), self.program.last_listed());
         (self.line, self.column) = (line.clamp(first, last), 0);
     }
 
     /// Moves one line up.
-    pub fn up(&mut self) {
+    pub fn move_up(&mut self) {
         if self.line > self.program.first_listed() {
-            self.leave();
+            self.end_open_block();
             self.line -= 1;
-            self.column = self.column.min(self.end_of(self.line));
+            self.column = self.column.min(self.end_column_of(self.line));
         }
     }
 
     /// Moves one line down.
-    pub fn down(&mut self) {
+    pub fn move_down(&mut self) {
         let open = self.open;
-        self.leave();
+        self.end_open_block();
         if open {
             self.column = 0;
         }
         if self.line < self.program.last_listed() {
             self.line += 1;
-            self.column = self.column.min(self.end_of(self.line));
+            self.column = self.column.min(self.end_column_of(self.line));
         }
     }
 
     /// Moves one character to the left; from the beginning of a line to the end of the line
     /// above.
-    pub fn left(&mut self) {
+    pub fn move_left(&mut self) {
         if self.column > 0 {
             self.column -= 1;
         } else if self.line > self.program.first_listed() {
-            self.leave();
+            self.end_open_block();
             self.line -= 1;
-            self.column = self.end_of(self.line);
+            self.column = self.end_column_of(self.line);
         }
     }
 
     /// Moves one character to the right; from the end of a line to the beginning of the next
     /// one.
-    pub fn right(&mut self) {
-        if self.column < self.end_of(self.line) {
+    pub fn move_right(&mut self) {
+        if self.column < self.end_column_of(self.line) {
             self.column += 1;
             return;
         }
-        self.leave();
+        self.end_open_block();
         if self.line < self.program.last_listed() {
             (self.line, self.column) = (self.line + 1, 0);
         }
@@ -67,7 +67,7 @@ impl Editing {
     /// Moves a screen of `rows` lines forward or back. The first screen begins after the
     /// name, the last one ends at the last line.
     pub fn turn_page(&mut self, forward: bool, rows: u32) {
-        self.leave();
+        self.end_open_block();
         let (first, last) = (self.program.first_listed(), self.program.last_listed());
         let shown = (self.line.max(first) - first) / rows.max(1);
         let line = match (forward, shown) {
@@ -80,28 +80,28 @@ impl Editing {
 
     /// Moves to the next occurrence of a text after or before the cursor. A sequence number
     /// is found in the whole program. Returns `false` if the text does not occur.
-    pub fn find(&mut self, wanted: &str, forward: bool) -> bool {
-        let Some(place) = self.found(wanted, forward) else {
+    pub fn move_to_text(&mut self, wanted: &str, forward: bool) -> bool {
+        let Some(position) = self.find_position(wanted, forward) else {
             return false;
         };
-        self.leave();
-        (self.line, self.column) = place;
+        self.end_open_block();
+        (self.line, self.column) = position;
         true
     }
 
-    fn found(&self, wanted: &str, forward: bool) -> Option<(u32, u32)> {
+    fn find_position(&self, wanted: &str, forward: bool) -> Option<(u32, u32)> {
         if wanted.is_empty() {
             return None;
         }
         let (first, last) = (self.program.first_listed(), self.program.last_listed());
         let here = (self.line, self.column);
         let on_line = |line: u32| {
-            let places = places(self.program.line(line), wanted);
-            let places = places.into_iter().map(move |column| (line, column));
+            let columns = find_columns(self.program.line(line), wanted);
+            let matches = columns.into_iter().map(move |column| (line, column));
             if forward {
-                places.filter(|place| *place > here).min()
+                matches.filter(|place| *place > here).min()
             } else {
-                places.filter(|place| *place < here).max()
+                matches.filter(|place| *place < here).max()
             }
         };
         let found = if forward {
@@ -112,7 +112,12 @@ impl Editing {
         found.or_else(|| {
             sequence_number(wanted)?;
             let mut lines = first..=last;
-            lines.find_map(|line| Some((line, *places(self.program.line(line), wanted).first()?)))
+            lines.find_map(|line| {
+                Some((
+                    line,
+                    *find_columns(self.program.line(line), wanted).first()?,
+                ))
+            })
         })
     }
 }
@@ -124,11 +129,11 @@ fn sequence_number(wanted: &str) -> Option<u32> {
 
 /// The columns at which a text occurs in a line. A sequence number, with or without leading
 /// zeros, occurs only at the beginning of a block.
-fn places(line: &str, wanted: &str) -> Vec<u32> {
+fn find_columns(line: &str, wanted: &str) -> Vec<u32> {
     if let Some(number) = sequence_number(wanted) {
         let blank = line.chars().take_while(|c| *c == '/' || c.is_whitespace());
         let column = blank.count() as u32;
-        return if Head::read(line).n == Some(number) {
+        return if BlockHead::read(line).n == Some(number) {
             vec![column]
         } else {
             Vec::new()

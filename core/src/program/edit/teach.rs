@@ -1,9 +1,9 @@
 //! Teach-in: writes the current position of an axis into its word.
 
-use super::Editing;
+use super::ProgramEditor;
 use crate::units::Axis;
 
-impl Editing {
+impl ProgramEditor {
     /// The axis of the word at the cursor, if the cursor is on its letter or directly after
     /// it.
     pub fn axis_word(&self) -> Option<Axis> {
@@ -12,8 +12,8 @@ impl Editing {
 
     /// Replaces the number of the axis word at the cursor and moves the cursor to the end of
     /// it. Returns `false` without such a word.
-    pub fn teach(&mut self, value: &str) -> bool {
-        let Some((_, letter)) = self.axis_letter().filter(|_| self.editable()) else {
+    pub fn teach_axis(&mut self, value: &str) -> bool {
+        let Some((_, letter)) = self.axis_letter().filter(|_| self.is_editable()) else {
             return false;
         };
         self.column = letter + 1;
@@ -22,7 +22,7 @@ impl Editing {
         let rest = number.trim_start_matches(|c: char| matches!(c, '0'..='9' | '.' | '+' | '-'));
         // A blank before the next word is kept.
         let rest = if rest == number { &after } else { rest };
-        self.put(self.line, self.line + 1, &format!("{before}{value}{rest}"));
+        self.replace_lines(self.line, self.line + 1, &format!("{before}{value}{rest}"));
         self.column += value.chars().count() as u32;
         self.numbered = false;
         true
@@ -30,11 +30,11 @@ impl Editing {
 
     /// The letter X or Z at or before the cursor, and its column.
     fn axis_letter(&self) -> Option<(Axis, u32)> {
-        if self.in_comment() || self.on_end_mark() {
+        if self.is_in_comment() || self.is_on_end_mark() {
             return None;
         }
-        let at = self.at_cursor().map(|letter| (letter, self.column));
-        let before = self.before_cursor();
+        let at = self.char_at_cursor().map(|letter| (letter, self.column));
+        let before = self.char_before_cursor();
         let before = before.map(|letter| (letter, self.column.saturating_sub(1)));
         [at, before]
             .into_iter()
@@ -52,28 +52,28 @@ mod tests {
     use super::*;
     use crate::program::Program;
 
-    fn editing(text: &str, line: u32, column: u32) -> Editing {
-        let mut editing = Editing::new(Program::new(text), line);
+    fn editing(text: &str, line: u32, column: u32) -> ProgramEditor {
+        let mut editing = ProgramEditor::new(Program::new(text), line);
         for _ in 0..column {
-            editing.right();
+            editing.move_right();
         }
         editing
     }
 
     #[test]
-    fn a_word_takes_the_value_behind_its_letter() {
+    fn a_word_takes_the_value_after_its_letter() {
         let mut edited = editing("O0001;\nG00 X;\nM30;\n", 2, 5);
         assert_eq!(edited.axis_word(), Some(Axis::X));
-        assert!(edited.teach("10.521"));
+        assert!(edited.teach_axis("10.521"));
         assert_eq!(edited.program().line(2), "G00 X10.521;");
         assert_eq!(edited.cursor(), (2, 11));
     }
 
     #[test]
-    fn a_value_that_stands_there_is_replaced() {
+    fn an_existing_value_is_replaced() {
         let mut edited = editing("O0001;\nG00 X12. Z-3.5;\nM30;\n", 2, 9);
         assert_eq!(edited.axis_word(), Some(Axis::Z));
-        assert!(edited.teach("-40.000"));
+        assert!(edited.teach_axis("-40.000"));
         assert_eq!(edited.program().line(2), "G00 X12. Z-40.000;");
     }
 
@@ -82,7 +82,7 @@ mod tests {
         for (line, column) in [(1, 0), (2, 1), (2, 10), (3, 1), (4, 0)] {
             let mut edited = editing("O0001;\nG00 U1.5 (X);\nM30;\n", line, column);
             assert_eq!(edited.axis_word(), None, "{line} {column}");
-            assert!(!edited.teach("1.000"));
+            assert!(!edited.teach_axis("1.000"));
         }
     }
 
@@ -92,7 +92,7 @@ mod tests {
         for character in "G01X".chars() {
             assert!(edited.insert(character));
         }
-        assert!(edited.teach("-0.004"));
+        assert!(edited.teach_axis("-0.004"));
         assert_eq!(edited.open_line(), Some(2));
         assert_eq!(edited.program().line(2), "G01X-0.004");
     }

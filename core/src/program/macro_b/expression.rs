@@ -13,11 +13,11 @@ use super::super::syntax::BlockError;
 use crate::alarm::number;
 
 /// Greatest nesting of brackets, including those of functions.
-const DEPTH: u8 = 5;
+const MAX_BRACKET_DEPTH: u8 = 5;
 
 /// One step of a formula. It operates on a stack of values.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Step {
+pub(crate) enum FormulaStep {
     /// Pushes a number.
     Number(f64),
     /// Replaces the number on the stack by the value of the variable with that number.
@@ -25,16 +25,16 @@ pub(crate) enum Step {
     /// Negates the value on the stack.
     Negate,
     /// Combines two values to one.
-    Operator(Operator),
+    Operator(FormulaOperator),
     /// Replaces one value by another.
-    Function(Function),
+    Function(FormulaFunction),
     /// Computes `ATAN[y]/[x]` from two values.
     ArcTangent,
 }
 
 /// An operator between two values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Operator {
+pub(crate) enum FormulaOperator {
     Add,
     Subtract,
     Multiply,
@@ -47,7 +47,7 @@ pub(crate) enum Operator {
 
 /// A function before a bracket.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Function {
+pub(crate) enum FormulaFunction {
     Sine,
     Cosine,
     Tangent,
@@ -69,39 +69,39 @@ pub(crate) enum Function {
 }
 
 /// The functions by name. The first two letters are sufficient.
-const FUNCTIONS: [(&str, Function); 14] = [
-    ("SIN", Function::Sine),
-    ("COS", Function::Cosine),
-    ("TAN", Function::Tangent),
-    ("ASIN", Function::ArcSine),
-    ("ACOS", Function::ArcCosine),
-    ("SQRT", Function::Root),
-    ("ABS", Function::Absolute),
-    ("ROUND", Function::Round),
-    ("FIX", Function::Fix),
-    ("FUP", Function::Up),
-    ("LN", Function::Logarithm),
-    ("EXP", Function::Exponential),
-    ("BIN", Function::Binary),
-    ("BCD", Function::DecimalCode),
+const FUNCTIONS: [(&str, FormulaFunction); 14] = [
+    ("SIN", FormulaFunction::Sine),
+    ("COS", FormulaFunction::Cosine),
+    ("TAN", FormulaFunction::Tangent),
+    ("ASIN", FormulaFunction::ArcSine),
+    ("ACOS", FormulaFunction::ArcCosine),
+    ("SQRT", FormulaFunction::Root),
+    ("ABS", FormulaFunction::Absolute),
+    ("ROUND", FormulaFunction::Round),
+    ("FIX", FormulaFunction::Fix),
+    ("FUP", FormulaFunction::Up),
+    ("LN", FormulaFunction::Logarithm),
+    ("EXP", FormulaFunction::Exponential),
+    ("BIN", FormulaFunction::Binary),
+    ("BCD", FormulaFunction::DecimalCode),
 ];
 
 /// Greatest number of steps of a formula; a line of the control has far fewer.
-const MOST_STEPS: usize = 1000;
+const MAX_STEPS: usize = 1000;
 
 /// A formula in postfix code.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Expression(Vec<Step>);
+pub(crate) struct FormulaCode(Vec<FormulaStep>);
 
-impl Expression {
+impl FormulaCode {
     /// The steps of the formula, in order.
-    pub(crate) fn steps(&self) -> &[Step] {
+    pub(crate) fn steps(&self) -> &[FormulaStep] {
         &self.0
     }
 
     /// A formula that consists of a number.
-    pub(in crate::program) fn number(value: f64) -> Self {
-        Self(vec![Step::Number(value)])
+    pub(in crate::program) fn from_number(value: f64) -> Self {
+        Self(vec![FormulaStep::Number(value)])
     }
 
     /// Reads a formula to its end.
@@ -109,8 +109,8 @@ impl Expression {
     /// # Errors
     /// 114 for an invalid formula, 118 for brackets that are nested too deep.
     pub(super) fn read(lexer: &mut Lexer<'_>) -> Result<Self, BlockError> {
-        let mut reader = Reader::new(lexer);
-        reader.sum()?;
+        let mut reader = FormulaReader::new(lexer);
+        reader.read_sum()?;
         Ok(Self(reader.steps))
     }
 
@@ -119,9 +119,9 @@ impl Expression {
     ///
     /// # Errors
     /// As [`Self::read`].
-    pub(super) fn value(lexer: &mut Lexer<'_>) -> Result<Self, BlockError> {
-        let mut reader = Reader::new(lexer);
-        reader.signed(Reader::operand)?;
+    pub(super) fn read_value(lexer: &mut Lexer<'_>) -> Result<Self, BlockError> {
+        let mut reader = FormulaReader::new(lexer);
+        reader.read_signed(FormulaReader::read_operand)?;
         Ok(Self(reader.steps))
     }
 
@@ -129,29 +129,31 @@ impl Expression {
     ///
     /// # Errors
     /// As [`Self::read`].
-    pub(super) fn variable(lexer: &mut Lexer<'_>) -> Result<Self, BlockError> {
-        let mut reader = Reader::new(lexer);
-        reader.variable_number()?;
+    pub(super) fn read_variable(lexer: &mut Lexer<'_>) -> Result<Self, BlockError> {
+        let mut reader = FormulaReader::new(lexer);
+        reader.read_variable_number()?;
         Ok(Self(reader.steps))
     }
 }
 
 /// Reads the `#i`, `#[formula]` or `[formula]` that a word has instead of a number.
-pub(in crate::program) fn in_word(lexer: &mut Lexer<'_>) -> Result<Expression, BlockError> {
-    let mut reader = Reader::new(lexer);
-    reader.operand()?;
-    Ok(Expression(reader.steps))
+pub(in crate::program) fn read_word_formula(
+    lexer: &mut Lexer<'_>,
+) -> Result<FormulaCode, BlockError> {
+    let mut reader = FormulaReader::new(lexer);
+    reader.read_operand()?;
+    Ok(FormulaCode(reader.steps))
 }
 
 /// The number after a `#`, without moving the lexer; `None` for a formula.
-pub(in crate::program) fn word_variable(text: &[u8]) -> Option<u32> {
+pub(in crate::program) fn parse_variable_number(text: &[u8]) -> Option<u32> {
     let digits = text.iter().take_while(|byte| byte.is_ascii_digit()).count();
     let digits = core::str::from_utf8(text.get(..digits)?).ok()?;
     digits.parse().ok()
 }
 
 /// Reads letters as one word of the language, in upper case, and moves past them.
-pub(super) fn letters(lexer: &mut Lexer<'_>) -> String {
+pub(super) fn read_letters(lexer: &mut Lexer<'_>) -> String {
     let mut letters = String::new();
     while let (byte, len @ 1..) = lexer.peek() {
         if !byte.is_ascii_alphabetic() {
@@ -164,9 +166,9 @@ pub(super) fn letters(lexer: &mut Lexer<'_>) -> String {
 }
 
 /// Skips one of these names and returns its meaning; `None` if the text has none of them.
-pub(super) fn keyword<T: Copy>(lexer: &mut Lexer<'_>, of: &[(&str, T)]) -> Option<T> {
+pub(super) fn skip_keyword<T: Copy>(lexer: &mut Lexer<'_>, of: &[(&str, T)]) -> Option<T> {
     let mut ahead = *lexer;
-    let (meant, taken) = leading(&letters(&mut ahead), of)?;
+    let (meant, taken) = find_leading_name(&read_letters(&mut ahead), of)?;
     for _ in 0..taken {
         lexer.at += lexer.peek().1;
     }
@@ -174,13 +176,13 @@ pub(super) fn keyword<T: Copy>(lexer: &mut Lexer<'_>, of: &[(&str, T)]) -> Optio
 }
 
 /// Whether letters are a name or its first two letters.
-pub(super) fn names(letters: &str, name: &str) -> bool {
+pub(super) fn is_name(letters: &str, name: &str) -> bool {
     letters == name || (letters.len() == 2 && name.starts_with(letters))
 }
 
 /// The first of these names that letters begin with, and the number of letters it takes: its
 /// full length or two. Only a function may follow directly, as in `ANDABS[#1]`.
-fn leading<'n, T: Copy>(letters: &str, of: &'n [(&'n str, T)]) -> Option<(T, usize)> {
+fn find_leading_name<'n, T: Copy>(letters: &str, of: &'n [(&'n str, T)]) -> Option<(T, usize)> {
     let fits = |name: &str, taken: usize| {
         let (head, rest) = letters.split_at_checked(taken)?;
         (name.get(..taken) == Some(head) && (rest.is_empty() || is_function(rest))).then_some(taken)
@@ -192,24 +194,24 @@ fn leading<'n, T: Copy>(letters: &str, of: &'n [(&'n str, T)]) -> Option<(T, usi
 }
 
 fn is_function(letters: &str) -> bool {
-    names(letters, "ATAN") || FUNCTIONS.iter().any(|(name, _)| names(letters, name))
+    is_name(letters, "ATAN") || FUNCTIONS.iter().any(|(name, _)| is_name(letters, name))
 }
 
 /// The error of an invalid formula.
 #[cold]
-pub(super) fn wrong(lexer: &Lexer<'_>, rule: gsk_messages::Message) -> BlockError {
+pub(super) fn formula_error(lexer: &Lexer<'_>, rule: gsk_messages::Message) -> BlockError {
     BlockError::at(number::BAD_OPERATION, lexer.at, rule)
 }
 
-struct Reader<'l, 't> {
+struct FormulaReader<'l, 't> {
     lexer: &'l mut Lexer<'t>,
-    steps: Vec<Step>,
+    steps: Vec<FormulaStep>,
     depth: u8,
 }
 
-type Read = Result<(), BlockError>;
+type ReadResult = Result<(), BlockError>;
 
-impl<'l, 't> Reader<'l, 't> {
+impl<'l, 't> FormulaReader<'l, 't> {
     const fn new(lexer: &'l mut Lexer<'t>) -> Self {
         Self {
             lexer,
@@ -219,14 +221,14 @@ impl<'l, 't> Reader<'l, 't> {
     }
 
     /// The next byte after blanks.
-    fn next(&mut self) -> Result<u8, BlockError> {
+    fn peek_byte(&mut self) -> Result<u8, BlockError> {
         skip_blanks(self.lexer)?;
         Ok(self.lexer.peek().0)
     }
 
     /// Skips this byte if it is the next one.
-    fn pass(&mut self, wanted: u8) -> Result<bool, BlockError> {
-        let here = self.next()? == wanted;
+    fn skip_byte(&mut self, wanted: u8) -> Result<bool, BlockError> {
+        let here = self.peek_byte()? == wanted;
         if here {
             self.lexer.at += self.lexer.peek().1;
         }
@@ -234,107 +236,110 @@ impl<'l, 't> Reader<'l, 't> {
     }
 
     /// The next operator if it is in the list.
-    fn operator(&mut self, of: &[(&str, Operator)]) -> Result<Option<Operator>, BlockError> {
-        let first = self.next()?;
+    fn read_operator(
+        &mut self,
+        of: &[(&str, FormulaOperator)],
+    ) -> Result<Option<FormulaOperator>, BlockError> {
+        let first = self.peek_byte()?;
         if !first.is_ascii_alphabetic() {
             let mark = char::from(first).to_string();
             let found = of.iter().find(|(name, _)| *name == mark);
             self.lexer.at += found.map_or(0, |_| self.lexer.peek().1);
             return Ok(found.map(|(_, operator)| *operator));
         }
-        Ok(keyword(self.lexer, of))
+        Ok(skip_keyword(self.lexer, of))
     }
 
-    fn sum(&mut self) -> Read {
-        const OF: [(&str, Operator); 4] = [
-            ("+", Operator::Add),
-            ("-", Operator::Subtract),
-            ("OR", Operator::Or),
-            ("XOR", Operator::Xor),
+    fn read_sum(&mut self) -> ReadResult {
+        const OF: [(&str, FormulaOperator); 4] = [
+            ("+", FormulaOperator::Add),
+            ("-", FormulaOperator::Subtract),
+            ("OR", FormulaOperator::Or),
+            ("XOR", FormulaOperator::Xor),
         ];
-        self.product()?;
-        while let Some(operator) = self.operator(&OF)? {
-            self.product()?;
-            self.steps.push(Step::Operator(operator));
+        self.read_product()?;
+        while let Some(operator) = self.read_operator(&OF)? {
+            self.read_product()?;
+            self.steps.push(FormulaStep::Operator(operator));
         }
         Ok(())
     }
 
-    fn product(&mut self) -> Read {
-        const OF: [(&str, Operator); 4] = [
-            ("*", Operator::Multiply),
-            ("/", Operator::Divide),
-            ("AND", Operator::And),
-            ("MOD", Operator::Modulo),
+    fn read_product(&mut self) -> ReadResult {
+        const OF: [(&str, FormulaOperator); 4] = [
+            ("*", FormulaOperator::Multiply),
+            ("/", FormulaOperator::Divide),
+            ("AND", FormulaOperator::And),
+            ("MOD", FormulaOperator::Modulo),
         ];
-        self.signed(Self::operand)?;
-        while let Some(operator) = self.operator(&OF)? {
-            self.signed(Self::operand)?;
-            self.steps.push(Step::Operator(operator));
+        self.read_signed(Self::read_operand)?;
+        while let Some(operator) = self.read_operator(&OF)? {
+            self.read_signed(Self::read_operand)?;
+            self.steps.push(FormulaStep::Operator(operator));
         }
         Ok(())
     }
 
-    fn signed(&mut self, read: fn(&mut Self) -> Read) -> Read {
-        if self.pass(b'-')? {
+    fn read_signed(&mut self, read: fn(&mut Self) -> ReadResult) -> ReadResult {
+        if self.skip_byte(b'-')? {
             read(self)?;
-            self.steps.push(Step::Negate);
+            self.steps.push(FormulaStep::Negate);
             return Ok(());
         }
-        self.pass(b'+')?;
+        self.skip_byte(b'+')?;
         read(self)
     }
 
     /// Reads a number, a variable, a formula in brackets or a function.
-    fn operand(&mut self) -> Read {
-        if self.steps.len() >= MOST_STEPS {
-            return Err(wrong(self.lexer, say::formula_too_long(MOST_STEPS)));
+    fn read_operand(&mut self) -> ReadResult {
+        if self.steps.len() >= MAX_STEPS {
+            return Err(formula_error(self.lexer, say::formula_too_long(MAX_STEPS)));
         }
-        match self.next()? {
+        match self.peek_byte()? {
             b'#' => {
-                self.variable_number()?;
-                self.steps.push(Step::Variable);
+                self.read_variable_number()?;
+                self.steps.push(FormulaStep::Variable);
                 Ok(())
             }
-            b'[' => self.bracket(),
-            b'0'..=b'9' | b'.' => self.number(),
-            byte if byte.is_ascii_alphabetic() => self.function(),
-            _ => Err(wrong(self.lexer, say::formula_value_missing())),
+            b'[' => self.read_bracket(),
+            b'0'..=b'9' | b'.' => self.read_number(),
+            byte if byte.is_ascii_alphabetic() => self.read_function(),
+            _ => Err(formula_error(self.lexer, say::formula_value_missing())),
         }
     }
 
-    fn bracket(&mut self) -> Read {
+    fn read_bracket(&mut self) -> ReadResult {
         let at = self.lexer.at;
-        if !self.pass(b'[')? {
-            return Err(wrong(self.lexer, say::formula_bracket_missing()));
+        if !self.skip_byte(b'[')? {
+            return Err(formula_error(self.lexer, say::formula_bracket_missing()));
         }
         self.depth += 1;
-        if self.depth > DEPTH {
-            let rule = say::formula_brackets_too_deep(DEPTH);
+        if self.depth > MAX_BRACKET_DEPTH {
+            let rule = say::formula_brackets_too_deep(MAX_BRACKET_DEPTH);
             return Err(BlockError::at(number::BRACKETS_TOO_DEEP, at, rule));
         }
-        self.sum()?;
-        if !self.pass(b']')? {
-            return Err(wrong(self.lexer, say::formula_bracket_open()));
+        self.read_sum()?;
+        if !self.skip_byte(b']')? {
+            return Err(formula_error(self.lexer, say::formula_bracket_open()));
         }
         self.depth -= 1;
         Ok(())
     }
 
-    fn variable_number(&mut self) -> Read {
-        self.pass(b'#')?;
+    fn read_variable_number(&mut self) -> ReadResult {
+        self.skip_byte(b'#')?;
         match self.lexer.peek().0 {
-            b'[' => self.bracket(),
-            b'0'..=b'9' => self.number(),
-            _ => Err(wrong(self.lexer, say::variable_number_missing())),
+            b'[' => self.read_bracket(),
+            b'0'..=b'9' => self.read_number(),
+            _ => Err(formula_error(self.lexer, say::variable_number_missing())),
         }
     }
 
-    fn number(&mut self) -> Read {
+    fn read_number(&mut self) -> ReadResult {
         let mut text = String::new();
         let mut point = false;
         loop {
-            if let Some(digit) = self.lexer.digit() {
+            if let Some(digit) = self.lexer.read_digit() {
                 text.push(char::from(b'0' + digit));
                 continue;
             }
@@ -352,33 +357,33 @@ impl<'l, 't> Reader<'l, 't> {
         }
         match text.parse() {
             Ok(value) => {
-                self.steps.push(Step::Number(value));
+                self.steps.push(FormulaStep::Number(value));
                 Ok(())
             }
             // Only a point.
-            Err(_) => Err(wrong(self.lexer, say::formula_value_missing())),
+            Err(_) => Err(formula_error(self.lexer, say::formula_value_missing())),
         }
     }
 
-    fn function(&mut self) -> Read {
+    fn read_function(&mut self) -> ReadResult {
         let at = self.lexer.at;
-        let name = letters(self.lexer);
-        if names(&name, "ATAN") {
-            self.bracket()?;
-            if !self.pass(b'/')? {
-                return Err(wrong(self.lexer, say::formula_arc_tangent()));
+        let name = read_letters(self.lexer);
+        if is_name(&name, "ATAN") {
+            self.read_bracket()?;
+            if !self.skip_byte(b'/')? {
+                return Err(formula_error(self.lexer, say::formula_arc_tangent()));
             }
-            self.bracket()?;
-            self.steps.push(Step::ArcTangent);
+            self.read_bracket()?;
+            self.steps.push(FormulaStep::ArcTangent);
             return Ok(());
         }
-        let found = FUNCTIONS.iter().find(|(full, _)| names(&name, full));
+        let found = FUNCTIONS.iter().find(|(full, _)| is_name(&name, full));
         let Some((_, function)) = found else {
             self.lexer.at = at;
-            return Err(wrong(self.lexer, say::formula_name_unknown(name)));
+            return Err(formula_error(self.lexer, say::formula_name_unknown(name)));
         };
-        self.bracket()?;
-        self.steps.push(Step::Function(*function));
+        self.read_bracket()?;
+        self.steps.push(FormulaStep::Function(*function));
         Ok(())
     }
 }

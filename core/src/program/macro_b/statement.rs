@@ -4,20 +4,20 @@ use gsk_messages::say;
 
 use super::super::lexer::{Lexer, skip_blanks};
 use super::super::syntax::BlockError;
-use super::expression::{self, Expression, letters, names, wrong};
+use super::expression::{self, FormulaCode, formula_error, is_name, read_letters};
 use crate::alarm::number;
 
 /// The macro B statement of a block.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Statement {
+pub(crate) enum MacroStatement {
     /// `#i=formula`.
-    Assign(Assignment),
+    Assign(MacroAssignment),
     /// `GOTO n`.
-    Goto(Expression),
+    Goto(FormulaCode),
     /// `IF [condition] GOTO n`, `IF [condition] THEN #i=formula`.
-    If(Condition, Then),
+    If(MacroCondition, IfAction),
     /// `WHILE [condition] DO m`; without a condition it repeats forever.
-    Do(Option<Condition>, u8),
+    Do(Option<MacroCondition>, u8),
     /// `END m`.
     End(u8),
     /// `G65 P`.
@@ -27,37 +27,37 @@ pub(crate) enum Statement {
     /// `G67`.
     CancelModalCall,
     /// Ordinary words. Words with formulas hold the index of their formula in this list.
-    Words(Vec<Expression>),
+    Words(Vec<FormulaCode>),
 }
 
 /// `#i=formula`.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Assignment {
+pub(crate) struct MacroAssignment {
     /// The formula of the variable number.
-    pub(crate) variable: Expression,
-    pub(crate) value: Expression,
+    pub(crate) variable: FormulaCode,
+    pub(crate) value: FormulaCode,
     /// The comment after it: the text of an alarm.
     pub(crate) comment: String,
 }
 
 /// The consequence of an `IF`.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Then {
-    Goto(Expression),
-    Assign(Assignment),
+pub(crate) enum IfAction {
+    Goto(FormulaCode),
+    Assign(MacroAssignment),
 }
 
 /// A comparison such as `[a EQ b]`.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Condition {
-    pub(crate) left: Expression,
-    pub(crate) relation: Relation,
-    pub(crate) right: Expression,
+pub(crate) struct MacroCondition {
+    pub(crate) left: FormulaCode,
+    pub(crate) relation: MacroRelation,
+    pub(crate) right: FormulaCode,
 }
 
 /// The comparison of two values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Relation {
+pub(crate) enum MacroRelation {
     Equal,
     NotEqual,
     Greater,
@@ -69,28 +69,28 @@ pub(crate) enum Relation {
 /// The words of a macro call: addresses and values in the order of the text.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MacroCall {
-    pub(crate) program: Option<Expression>,
-    pub(crate) runs: Option<Expression>,
-    pub(crate) arguments: Vec<(u8, Expression)>,
+    pub(crate) program: Option<FormulaCode>,
+    pub(crate) runs: Option<FormulaCode>,
+    pub(crate) arguments: Vec<(u8, FormulaCode)>,
 }
 
-const RELATIONS: [(&str, Relation); 6] = [
-    ("EQ", Relation::Equal),
-    ("NE", Relation::NotEqual),
-    ("GT", Relation::Greater),
-    ("GE", Relation::GreaterOrEqual),
-    ("LT", Relation::Less),
-    ("LE", Relation::LessOrEqual),
+const RELATIONS: [(&str, MacroRelation); 6] = [
+    ("EQ", MacroRelation::Equal),
+    ("NE", MacroRelation::NotEqual),
+    ("GT", MacroRelation::Greater),
+    ("GE", MacroRelation::GreaterOrEqual),
+    ("LT", MacroRelation::Less),
+    ("LE", MacroRelation::LessOrEqual),
 ];
 
 /// Whether a macro statement begins at the position: a variable, or two consecutive letters.
-pub(in crate::program) fn begins(lexer: &Lexer<'_>) -> bool {
+pub(in crate::program) fn is_statement_start(lexer: &Lexer<'_>) -> bool {
     let (byte, len) = lexer.peek();
     let next = lexer.moved_to(lexer.at + len).peek().0;
     byte == b'#' || byte.is_ascii_alphabetic() && next.is_ascii_alphabetic()
 }
 
-impl Statement {
+impl MacroStatement {
     /// Reads the statement at the position.
     ///
     /// # Errors
@@ -98,30 +98,30 @@ impl Statement {
     /// invalid loop number.
     pub(in crate::program) fn read(lexer: &mut Lexer<'_>) -> Result<Self, BlockError> {
         if lexer.peek().0 == b'#' {
-            return Ok(Self::Assign(assignment(lexer)?));
+            return Ok(Self::Assign(read_assignment(lexer)?));
         }
         let at = lexer.at;
-        let word = letters(lexer);
-        if names(&word, "GOTO") {
-            return Ok(Self::Goto(Expression::value(lexer)?));
+        let word = read_letters(lexer);
+        if is_name(&word, "GOTO") {
+            return Ok(Self::Goto(FormulaCode::read_value(lexer)?));
         }
-        if names(&word, "IF") {
-            let condition = condition(lexer)?;
-            return Ok(Self::If(condition, then(lexer)?));
+        if is_name(&word, "IF") {
+            let condition = read_condition(lexer)?;
+            return Ok(Self::If(condition, read_if_action(lexer)?));
         }
-        if names(&word, "WHILE") {
-            let condition = condition(lexer)?;
-            keyword(lexer, "DO")?;
-            return Ok(Self::Do(Some(condition), loop_number(lexer)?));
+        if is_name(&word, "WHILE") {
+            let condition = read_condition(lexer)?;
+            expect_keyword(lexer, "DO")?;
+            return Ok(Self::Do(Some(condition), read_loop_number(lexer)?));
         }
-        if names(&word, "DO") {
-            return Ok(Self::Do(None, loop_number(lexer)?));
+        if is_name(&word, "DO") {
+            return Ok(Self::Do(None, read_loop_number(lexer)?));
         }
-        if names(&word, "END") {
-            return Ok(Self::End(loop_number(lexer)?));
+        if is_name(&word, "END") {
+            return Ok(Self::End(read_loop_number(lexer)?));
         }
         lexer.at = at;
-        Err(wrong(lexer, say::formula_name_unknown(word)))
+        Err(formula_error(lexer, say::formula_name_unknown(word)))
     }
 }
 
@@ -129,7 +129,7 @@ impl Statement {
 ///
 /// # Errors
 /// 114 for an invalid word, 129 for an address that cannot be an argument.
-pub(in crate::program) fn arguments(lexer: &mut Lexer<'_>) -> Result<MacroCall, BlockError> {
+pub(in crate::program) fn read_arguments(lexer: &mut Lexer<'_>) -> Result<MacroCall, BlockError> {
     let mut call = MacroCall {
         program: None,
         runs: None,
@@ -146,9 +146,9 @@ pub(in crate::program) fn arguments(lexer: &mut Lexer<'_>) -> Result<MacroCall, 
                 return Err(BlockError::at(number::BAD_ARGUMENT, lexer.at, rule));
             }
             b'A'..=b'Z' => lexer.at += len,
-            _ => return Err(wrong(lexer, say::formula_address_missing())),
+            _ => return Err(formula_error(lexer, say::formula_address_missing())),
         }
-        let value = Expression::value(lexer)?;
+        let value = FormulaCode::read_value(lexer)?;
         match address {
             b'P' => call.program = Some(value),
             b'L' => call.runs = Some(value),
@@ -157,25 +157,25 @@ pub(in crate::program) fn arguments(lexer: &mut Lexer<'_>) -> Result<MacroCall, 
     }
 }
 
-fn assignment(lexer: &mut Lexer<'_>) -> Result<Assignment, BlockError> {
-    let variable = Expression::variable(lexer)?;
+fn read_assignment(lexer: &mut Lexer<'_>) -> Result<MacroAssignment, BlockError> {
+    let variable = FormulaCode::read_variable(lexer)?;
     skip_blanks(lexer)?;
     let (byte, len) = lexer.peek();
     if byte != b'=' {
-        return Err(wrong(lexer, say::formula_equals_missing()));
+        return Err(formula_error(lexer, say::formula_equals_missing()));
     }
     lexer.at += len;
     let begin = *lexer;
-    let value = Expression::read(lexer)?;
-    Ok(Assignment {
+    let value = FormulaCode::read(lexer)?;
+    Ok(MacroAssignment {
         variable,
         value,
-        comment: comment(begin, lexer.at),
+        comment: last_comment(begin, lexer.at),
     })
 }
 
 /// The last comment before a byte position.
-fn comment(mut lexer: Lexer<'_>, end: usize) -> String {
+fn last_comment(mut lexer: Lexer<'_>, end: usize) -> String {
     let mut last = String::new();
     while lexer.at < end {
         let (byte, len) = lexer.peek();
@@ -194,23 +194,23 @@ fn comment(mut lexer: Lexer<'_>, end: usize) -> String {
     last
 }
 
-fn condition(lexer: &mut Lexer<'_>) -> Result<Condition, BlockError> {
-    mark(lexer, b'[')?;
-    let left = Expression::read(lexer)?;
+fn read_condition(lexer: &mut Lexer<'_>) -> Result<MacroCondition, BlockError> {
+    expect_mark(lexer, b'[')?;
+    let left = FormulaCode::read(lexer)?;
     skip_blanks(lexer)?;
-    let Some(relation) = expression::keyword(lexer, &RELATIONS) else {
-        return Err(wrong(lexer, say::formula_relation_missing()));
+    let Some(relation) = expression::skip_keyword(lexer, &RELATIONS) else {
+        return Err(formula_error(lexer, say::formula_relation_missing()));
     };
-    let right = Expression::read(lexer)?;
-    mark(lexer, b']')?;
-    Ok(Condition {
+    let right = FormulaCode::read(lexer)?;
+    expect_mark(lexer, b']')?;
+    Ok(MacroCondition {
         left,
         relation,
         right,
     })
 }
 
-fn mark(lexer: &mut Lexer<'_>, wanted: u8) -> Result<(), BlockError> {
+fn expect_mark(lexer: &mut Lexer<'_>, wanted: u8) -> Result<(), BlockError> {
     skip_blanks(lexer)?;
     let (byte, len) = lexer.peek();
     if byte != wanted {
@@ -218,45 +218,45 @@ fn mark(lexer: &mut Lexer<'_>, wanted: u8) -> Result<(), BlockError> {
             b'[' => say::formula_bracket_missing(),
             _ => say::formula_bracket_open(),
         };
-        return Err(wrong(lexer, rule));
+        return Err(formula_error(lexer, rule));
     }
     lexer.at += len;
     Ok(())
 }
 
-fn then(lexer: &mut Lexer<'_>) -> Result<Then, BlockError> {
+fn read_if_action(lexer: &mut Lexer<'_>) -> Result<IfAction, BlockError> {
     skip_blanks(lexer)?;
     let at = lexer.at;
-    let word = letters(lexer);
-    if names(&word, "GOTO") {
-        return Ok(Then::Goto(Expression::value(lexer)?));
+    let word = read_letters(lexer);
+    if is_name(&word, "GOTO") {
+        return Ok(IfAction::Goto(FormulaCode::read_value(lexer)?));
     }
-    if !names(&word, "THEN") {
+    if !is_name(&word, "THEN") {
         lexer.at = at;
-        return Err(wrong(lexer, say::formula_then_missing()));
+        return Err(formula_error(lexer, say::formula_then_missing()));
     }
     skip_blanks(lexer)?;
     if lexer.peek().0 != b'#' {
-        return Err(wrong(lexer, say::formula_then_missing()));
+        return Err(formula_error(lexer, say::formula_then_missing()));
     }
-    Ok(Then::Assign(assignment(lexer)?))
+    Ok(IfAction::Assign(read_assignment(lexer)?))
 }
 
-fn keyword(lexer: &mut Lexer<'_>, name: &'static str) -> Result<(), BlockError> {
+fn expect_keyword(lexer: &mut Lexer<'_>, name: &'static str) -> Result<(), BlockError> {
     skip_blanks(lexer)?;
     let at = lexer.at;
-    if names(&letters(lexer), name) {
+    if is_name(&read_letters(lexer), name) {
         return Ok(());
     }
     lexer.at = at;
-    Err(wrong(lexer, say::formula_keyword_missing(name)))
+    Err(formula_error(lexer, say::formula_keyword_missing(name)))
 }
 
-fn loop_number(lexer: &mut Lexer<'_>) -> Result<u8, BlockError> {
+fn read_loop_number(lexer: &mut Lexer<'_>) -> Result<u8, BlockError> {
     skip_blanks(lexer)?;
     let at = lexer.at;
-    let digit = lexer.digit();
-    match (digit, lexer.digit()) {
+    let digit = lexer.read_digit();
+    match (digit, lexer.read_digit()) {
         (Some(number @ 1..=3), None) => Ok(number),
         _ => {
             let rule = say::loop_number_wrong();

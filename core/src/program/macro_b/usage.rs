@@ -1,18 +1,18 @@
 //! Detects whether a program uses macro B or the macro language of G65 H.
 
 use super::super::lexer::Lexer;
-use super::expression::word_variable;
+use super::expression::parse_variable_number;
 use crate::memory::Variables;
 
 /// Whether both languages have a variable: the variables of macro A, direct or indirect, and
 /// the signals of the ladder.
-fn is_of_both(number: u32) -> bool {
+fn is_shared_variable(number: u32) -> bool {
     let Ok(number) = u16::try_from(number) else {
         return false;
     };
     let through = number.checked_sub(9000);
-    Variables::has(number)
-        || through.is_some_and(Variables::has)
+    Variables::has_integer(number)
+        || through.is_some_and(Variables::has_integer)
         || matches!(number, 1000..=1015 | 1032 | 1100..=1115 | 1132 | 1133)
 }
 
@@ -33,11 +33,13 @@ pub(in crate::program) fn uses_macro_b(text: &str) -> bool {
             b'[' | b']' | b'=' => return true,
             b'#' => {
                 let after = lexer.moved_to(lexer.at + len);
-                if word_variable(after.rest()).is_none_or(|number| !is_of_both(number)) {
+                if parse_variable_number(after.rest())
+                    .is_none_or(|number| !is_shared_variable(number))
+                {
                     return true;
                 }
             }
-            b'G' | b'g' if calls(lexer.moved_to(lexer.at + len)) => return true,
+            b'G' | b'g' if is_macro_call(lexer.moved_to(lexer.at + len)) => return true,
             _ if letter && before.is_ascii_alphabetic() => return true,
             _ => {}
         }
@@ -48,9 +50,9 @@ pub(in crate::program) fn uses_macro_b(text: &str) -> bool {
 }
 
 /// Whether a G code is G66, G67, or G65 without H.
-fn calls(mut lexer: Lexer<'_>) -> bool {
+fn is_macro_call(mut lexer: Lexer<'_>) -> bool {
     let mut code = 0_u32;
-    while let Some(digit) = lexer.digit() {
+    while let Some(digit) = lexer.read_digit() {
         code = code.saturating_mul(10).saturating_add(digit.into());
     }
     match code {

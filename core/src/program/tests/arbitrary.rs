@@ -3,19 +3,19 @@
 use proptest::prelude::*;
 
 use super::super::*;
-use crate::memory::Parameters;
+use crate::memory::ControlParameters;
 
 #[derive(Debug, PartialEq)]
-struct Meaning {
+struct BlockMeaning {
     n: Option<u32>,
     o: Option<u16>,
     skip: bool,
-    words: Vec<(u8, Number)>,
+    words: Vec<(u8, WordNumber)>,
 }
 
-fn without_spans(block: &Block) -> Meaning {
+fn without_spans(block: &ProgramBlock) -> BlockMeaning {
     let words = block.words().iter();
-    Meaning {
+    BlockMeaning {
         n: block.n,
         o: block.o,
         skip: block.skip,
@@ -24,7 +24,7 @@ fn without_spans(block: &Block) -> Meaning {
 }
 
 /// A number in the range of most addresses, as text.
-fn number(address: char) -> BoxedStrategy<String> {
+fn number_text(address: char) -> BoxedStrategy<String> {
     match address {
         'G' => prop::sample::select(vec![0, 1, 2, 3, 4, 28, 32, 50, 71, 76, 92, 97])
             .prop_map(|code: u8| format!("{code:02}"))
@@ -47,7 +47,7 @@ fn block_text() -> impl Strategy<Value = String> {
     let words = letters.prop_shuffle().prop_flat_map(|letters| {
         letters
             .into_iter()
-            .map(|letter| (Just(letter), number(letter), 0..3_u8))
+            .map(|letter| (Just(letter), number_text(letter), 0..3_u8))
             .collect::<Vec<_>>()
     });
     let end = prop::sample::select(vec!["", ";", "*", "；", "\r\n"]);
@@ -101,8 +101,8 @@ proptest! {
         let syntax = Syntax { point_required, inch, ..Syntax::default() };
         // A block that begins with a variable has a separate message.
         prop_assume!(!text.trim_start().starts_with('#'));
-        let behind = format!("(){text}");
-        match (parse_block(&text, syntax), parse_block(&behind, syntax)) {
+        let after_comment = format!("(){text}");
+        match (parse_block(&text, syntax), parse_block(&after_comment, syntax)) {
             (Ok(plain), Ok(whole)) => {
                 prop_assert_eq!(without_spans(&plain), without_spans(&whole));
                 for (plain, whole) in plain.words().iter().zip(whole.words()) {
@@ -157,7 +157,7 @@ proptest! {
                 prop_assert!(something || mark, "block {} {:?}", index, start);
             }
         }
-        let parts = split(&text);
+        let parts = split_programs(&text);
         let blocks: u32 = parts.iter().map(Program::block_count).sum();
         prop_assert_eq!(blocks, program.block_count());
         prop_assert_eq!(program.renumbered(77).number(), Some(77));
@@ -167,7 +167,7 @@ proptest! {
 
     #[test]
     fn no_text_breaks_the_mdi_block(words in prop::collection::vec(messy_text(), 0..4)) {
-        let parameters = Parameters::default();
+        let parameters = ControlParameters::default();
         let mut mdi = MdiBlock::default();
         for word in words {
             let _ = mdi.enter(&word, &parameters, false);

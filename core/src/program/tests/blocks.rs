@@ -2,7 +2,7 @@
 
 use super::super::*;
 
-fn lines(text: &str) -> Vec<u32> {
+fn block_lines(text: &str) -> Vec<u32> {
     let program = Program::new(text);
     (0..program.block_count())
         .map(|index| program.block_line(index))
@@ -10,7 +10,7 @@ fn lines(text: &str) -> Vec<u32> {
 }
 
 #[test]
-fn what_is_a_block() {
+fn texts_are_split_into_blocks() {
     for (text, expected) in [
         ("", &[][..]),
         ("\n\n", &[]),
@@ -29,7 +29,7 @@ fn what_is_a_block() {
         ("％\nG0；Ｘ１＊\n％X1", &[2, 2]),
         ("G0\r\nX1\rZ1\r\n", &[1, 2, 3]),
     ] {
-        assert_eq!(lines(text), expected, "{text:?}");
+        assert_eq!(block_lines(text), expected, "{text:?}");
     }
 }
 
@@ -73,7 +73,7 @@ fn lines_of_the_file() {
 }
 
 #[test]
-fn parsing_by_index() {
+fn blocks_are_parsed_by_index() {
     let program = Program::new("O7;\nG0 X#1;\nX5;\nG65 H1 P#1 Q2;\nX99999;");
     let syntax = Syntax::default();
     assert_eq!(program.parse(0, syntax).unwrap().o, Some(7));
@@ -124,7 +124,7 @@ fn renumbering_replaces_the_name_only() {
 
 #[test]
 fn a_file_of_several_programs() {
-    let programs = split("%\n(job)\nO1;\nM98 P2;\nM30;\nO0002;\nX1;\nM99;\n%\nO3");
+    let programs = split_programs("%\n(job)\nO1;\nM98 P2;\nM30;\nO0002;\nX1;\nM99;\n%\nO3");
     assert_eq!(programs.len(), 2);
     assert_eq!(programs[0].number(), Some(1));
     assert_eq!(programs[1].number(), Some(2));
@@ -135,12 +135,12 @@ fn a_file_of_several_programs() {
     assert_eq!(programs[1].find_sequence(1, 1), None);
     let text = ron::to_string(&programs).unwrap();
     assert_eq!(ron::from_str::<Vec<Program>>(&text).unwrap(), programs);
-    assert_eq!(split("G0;").len(), 1);
-    assert_eq!(split("").len(), 1);
+    assert_eq!(split_programs("G0;").len(), 1);
+    assert_eq!(split_programs("").len(), 1);
 }
 
 #[test]
-fn full_width_is_noticed_outside_comments() {
+fn full_width_is_reported_outside_comments() {
     assert_eq!(
         Program::new("(全角：Ａ)\nG0\nＸ1").full_width_line(),
         Some(3)

@@ -2,23 +2,23 @@
 
 use super::super::*;
 use crate::command::ProgramId;
-use crate::memory::Parameters;
+use crate::memory::ControlParameters;
 
 #[test]
-fn storing_and_selecting() {
+fn programs_are_stored_and_selected() {
     let mut memory = ProgramMemory::default();
-    assert_eq!(memory.current(), None);
+    assert_eq!(memory.selected(), None);
     assert_eq!(memory.store("G0 X1;").unwrap_err().number, 74);
     assert_eq!(memory.store("O5;\nM30;").unwrap(), 5);
     assert_eq!(memory.store("O3;\nM30;\n").unwrap(), 3);
-    assert_eq!(memory.current(), Some(ProgramId::Stored(5)));
+    assert_eq!(memory.selected(), Some(ProgramId::Stored(5)));
     assert!(!memory.select(ProgramId::Stored(9)));
     assert!(memory.select(ProgramId::Stored(3)));
     assert!(!memory.select(ProgramId::External));
     memory.open_external(Program::new("G0 X1;"));
     assert!(memory.select(ProgramId::External));
     assert!(memory.select(ProgramId::Stored(5)));
-    assert_eq!(memory.current(), Some(ProgramId::Stored(5)));
+    assert_eq!(memory.selected(), Some(ProgramId::Stored(5)));
     assert_eq!(
         memory.iter().map(|(number, _)| number).collect::<Vec<_>>(),
         [3, 5]
@@ -35,7 +35,7 @@ fn storing_and_selecting() {
 }
 
 #[test]
-fn managing() {
+fn programs_are_managed() {
     let mut memory = ProgramMemory::default();
     memory.create(1).unwrap();
     assert_eq!(memory.create(1).unwrap_err().number, 110);
@@ -45,19 +45,19 @@ fn managing() {
     assert_eq!(memory.copy(9, 3).unwrap_err().number, 71);
     assert_eq!(memory.copy(1, 2).unwrap_err().number, 110);
     memory.rename(1, 7).unwrap();
-    assert_eq!(memory.current(), Some(ProgramId::Stored(7)));
+    assert_eq!(memory.selected(), Some(ProgramId::Stored(7)));
     assert_eq!(memory.rename(7, 2).unwrap_err().number, 110);
     assert_eq!(memory.rename(1, 3).unwrap_err().number, 71);
     assert_eq!(memory.rename(7, 10_000).unwrap_err().number, 74);
     memory.delete(7).unwrap();
-    assert_eq!(memory.current(), Some(ProgramId::Stored(2)));
+    assert_eq!(memory.selected(), Some(ProgramId::Stored(2)));
     assert_eq!(memory.delete(7).unwrap_err().number, 71);
     memory.delete_range(&(0..=8999));
-    assert_eq!((memory.count(), memory.current()), (0, None));
+    assert_eq!((memory.count(), memory.selected()), (0, None));
 }
 
 #[test]
-fn the_memory_is_full() {
+fn a_full_memory_raises_alarms() {
     let mut memory = ProgramMemory::default();
     for number in 0..193 {
         memory.create(number).unwrap();
@@ -75,8 +75,8 @@ fn the_memory_is_full() {
 }
 
 #[test]
-fn keying_in_an_mdi_block() {
-    let parameters = Parameters::default();
+fn an_mdi_block_is_typed() {
+    let parameters = ControlParameters::default();
     let mut mdi = MdiBlock::default();
     assert!(mdi.is_empty());
     mdi.enter("G50", &parameters, false).unwrap();
@@ -84,8 +84,8 @@ fn keying_in_an_mdi_block() {
     mdi.enter("z 100;", &parameters, false).unwrap();
     assert_eq!(mdi.text(), "G50 X50 Z 100");
     mdi.enter("X-12.5", &parameters, false).unwrap();
-    assert_eq!(mdi.entered(b'X'), Some("-12.5"));
-    assert_eq!(mdi.entered(b'U'), None);
+    assert_eq!(mdi.entered_number(b'X'), Some("-12.5"));
+    assert_eq!(mdi.entered_number(b'U'), None);
     assert_eq!(
         mdi.block(&parameters).unwrap().to_string(),
         "G50 X-12.5 Z100;"

@@ -3,16 +3,16 @@
 use super::super::block::MAX_WORDS;
 use super::super::*;
 
-fn parse(text: &str) -> Result<Block, BlockError> {
+fn parse(text: &str) -> Result<ProgramBlock, BlockError> {
     parse_block(text, Syntax::default())
 }
 
-fn printed(text: &str) -> String {
+fn print_block(text: &str) -> String {
     parse(text).unwrap().to_string()
 }
 
 #[track_caller]
-fn alarms(cases: &[(&str, u16)]) {
+fn assert_alarms(cases: &[(&str, u16)]) {
     for (text, alarm) in cases {
         let error = parse(text).expect_err(text);
         assert_eq!(error.alarm, *alarm, "{text}: {error}");
@@ -20,14 +20,14 @@ fn alarms(cases: &[(&str, u16)]) {
 }
 
 #[track_caller]
-fn accepts(cases: &[&str]) {
+fn assert_accepted(cases: &[&str]) {
     for text in cases {
         parse(text).unwrap_or_else(|error| panic!("{text}: {error}"));
     }
 }
 
 #[test]
-fn words_in_order() {
+fn words_keep_their_order() {
     let block = parse("/N10 G01 G98 X-50.5 Z2 F100;").unwrap();
     assert!(block.skip);
     assert_eq!(block.n, Some(10));
@@ -49,7 +49,7 @@ fn words_in_order() {
     assert_eq!(block.g_codes().collect::<Vec<_>>(), [1, 98]);
     assert!(block.has_g(98) && !block.has_g(0) && !block.has_g(200));
     assert_eq!(
-        block.number(b'X').map(Number::millionths),
+        block.number(b'X').map(WordNumber::millionths),
         Some(-50_500_000)
     );
     assert!(block.number(b'X').unwrap().has_point() && !block.number(b'Z').unwrap().has_point());
@@ -58,7 +58,7 @@ fn words_in_order() {
 }
 
 #[test]
-fn printing() {
+fn blocks_are_printed() {
     for (text, print) in [
         ("o1", "O0001 ;"),
         ("g1x-.5z+3.250", "G1 X-0.5 Z3.25;"),
@@ -89,7 +89,7 @@ fn the_block_ends() {
         "G0 X1\r\nZ2",
         "G0 X1\rZ2",
     ] {
-        assert_eq!(printed(text), "G0 X1;", "{text:?}");
+        assert_eq!(print_block(text), "G0 X1;", "{text:?}");
     }
 }
 
@@ -105,9 +105,9 @@ fn comments_and_full_width() {
         "\u{feff}G0\u{a0}X\t1",
         "g0 x1",
     ] {
-        assert_eq!(printed(text), "G0 X1;", "{text}");
+        assert_eq!(print_block(text), "G0 X1;", "{text}");
     }
-    alarms(&[
+    assert_alarms(&[
         ("G0 (open", 6),
         ("G0 (open\n)", 6),
         ("G0 )", 6),
@@ -118,7 +118,7 @@ fn comments_and_full_width() {
 }
 
 #[test]
-fn places_of_errors() {
+fn errors_name_their_columns() {
     for (text, column) in [
         ("G0 (外圆) X1 A5", 12),
         ("外", 1),
@@ -137,7 +137,7 @@ fn places_of_errors() {
 
 #[test]
 fn values_that_cannot_be_read() {
-    alarms(&[
+    assert_alarms(&[
         ("X-", 2),
         ("X.", 2),
         ("X-.", 2),
@@ -158,7 +158,7 @@ fn values_that_cannot_be_read() {
 
 #[test]
 fn missing_numbers_and_characters() {
-    alarms(&[
+    assert_alarms(&[
         ("X", 5),
         ("X;", 5),
         ("G X5", 5),
@@ -182,12 +182,12 @@ fn missing_numbers_and_characters() {
 #[test]
 fn addresses() {
     for letter in "ABCDEVYabcdevy".chars() {
-        alarms(&[(&format!("{letter}1"), 9)]);
+        assert_alarms(&[(&format!("{letter}1"), 9)]);
     }
     for letter in "FGHIJKLMNOPQRSTUWXZ".chars() {
-        accepts(&[&format!("{letter}1")]);
+        assert_accepted(&[&format!("{letter}1")]);
     }
-    alarms(&[
+    assert_alarms(&[
         ("X1 Z1 X2", 18),
         ("M3 M8", 18),
         ("N1 G0 N2", 18),
@@ -195,17 +195,17 @@ fn addresses() {
         ("T0101 T0202", 18),
         ("x1 X1", 18),
     ]);
-    accepts(&["G0 G1 G98 G40", "X1 U1 Z1 W1", "G0 X1 N10", "O1 N1 G0"]);
+    assert_accepted(&["G0 G1 G98 G40", "X1 U1 Z1 W1", "G0 X1 N10", "O1 N1 G0"]);
 }
 
 #[test]
 fn decimal_points() {
     for letter in "GHLMNOPQST".chars() {
-        alarms(&[(&format!("{letter}1."), 7), (&format!("{letter}1.0"), 7)]);
+        assert_alarms(&[(&format!("{letter}1."), 7), (&format!("{letter}1.0"), 7)]);
     }
     for letter in "FIJKRUWXZ".chars() {
-        accepts(&[&format!("{letter}1."), &format!("{letter}.1")]);
-        alarms(&[(&format!("{letter}1.."), 7), (&format!("{letter}1.1.1"), 7)]);
+        assert_accepted(&[&format!("{letter}1."), &format!("{letter}.1")]);
+        assert_alarms(&[(&format!("{letter}1.."), 7), (&format!("{letter}1.1.1"), 7)]);
     }
     let syntax = Syntax {
         point_required: true,
@@ -223,7 +223,7 @@ fn decimal_points() {
 
 #[test]
 fn ranges() {
-    accepts(&[
+    assert_accepted(&[
         "X9999.999",
         "X-9999.999",
         "U9999.999",
@@ -266,7 +266,7 @@ fn ranges() {
         "R9999999 G76",
         "G65 H2 P#200 Q-4294967296 R4294967296",
     ]);
-    alarms(&[
+    assert_alarms(&[
         ("X10000", 43),
         ("X-10000.", 43),
         ("X9999.9996", 43),
@@ -306,8 +306,8 @@ fn ranges() {
 
 #[test]
 fn macro_blocks() {
-    accepts(&["O1 N1 G65 H81 P10 Q#200 R-#201", "G65 P#200 H1 Q1", "G65"]);
-    alarms(&[
+    assert_accepted(&["O1 N1 G65 H81 P10 Q#200 R-#201", "G65 P#200 H1 Q1", "G65"]);
+    assert_alarms(&[
         ("X1 G65 H1", 125),
         ("H1 G65 P1", 125),
         ("G0 G65 H1", 125),
@@ -323,15 +323,15 @@ fn macro_blocks() {
 #[test]
 fn too_many_words() {
     let codes = "G0 ".repeat(MAX_WORDS);
-    accepts(&[&codes, &format!("N1 {codes}")]);
-    alarms(&[(&format!("{codes} X1"), 12), (&"G0".repeat(10_000), 12)]);
+    assert_accepted(&[&codes, &format!("N1 {codes}")]);
+    assert_alarms(&[(&format!("{codes} X1"), 12), (&"G0".repeat(10_000), 12)]);
 }
 
 #[test]
 fn variables_get_values() {
     let block = parse("G#1 X#2 U-#2 F#3 T#4").unwrap();
     assert!(block.has_variables());
-    let value = |variable: Variable| match variable.number {
+    let value = |variable: VariableReference| match variable.number {
         1 => Ok(3),
         2 => Ok(10),
         3 => Ok(15),
@@ -376,6 +376,6 @@ fn variables_get_values() {
 fn blocks_are_stored_as_their_words() {
     let block = parse("/N5 G1 X-1.5 F#200").unwrap();
     let text = ron::to_string(&block).unwrap();
-    assert_eq!(ron::from_str::<Block>(&text).unwrap(), block);
-    assert!(ron::from_str::<Block>(&text.replace("-1500000", "-15000000000")).is_err());
+    assert_eq!(ron::from_str::<ProgramBlock>(&text).unwrap(), block);
+    assert!(ron::from_str::<ProgramBlock>(&text.replace("-1500000", "-15000000000")).is_err());
 }

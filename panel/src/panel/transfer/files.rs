@@ -2,7 +2,7 @@
 //! pitch errors and parameters one a line.
 
 use gsk_core::alarm::Alarm;
-use gsk_core::cnc::{Cnc, Received};
+use gsk_core::cnc::{Cnc, ReceivedData};
 use gsk_core::memory::{Offsets, PitchError, PitchTable, ToolOffset};
 use gsk_core::program::Program;
 use gsk_core::units::{Axis, parse_finite};
@@ -32,7 +32,7 @@ pub(super) fn files_to_send(wanted: Wanted, cnc: &Cnc) -> Vec<SerialFile> {
             let rights = cnc.rights();
             let programs = cnc.programs().iter();
             programs
-                .filter(|(number, _)| rights.send_program(*number).is_ok())
+                .filter(|(number, _)| rights.check_send_program(*number).is_ok())
                 .map(|(number, program)| program_file(number, program))
                 .collect()
         }
@@ -132,13 +132,13 @@ impl DataLineError {
 /// # Errors
 ///
 /// Returns the first invalid line.
-pub(super) fn read(file: &SerialFile) -> Result<Received, DataLineError> {
+pub(super) fn read(file: &SerialFile) -> Result<ReceivedData, DataLineError> {
     let extension = file.name.rsplit('.').next().unwrap_or_default();
     match extension.to_ascii_lowercase().as_str() {
-        "ofs" => read_offsets(&file.text).map(Received::Offsets),
-        "wmp" => read_pitch(&file.text).map(Received::Pitch),
-        "par" => read_parameters(&file.text).map(Received::Parameters),
-        _ => Ok(Received::Program(file.text.clone())),
+        "ofs" => read_offsets(&file.text).map(ReceivedData::Offsets),
+        "wmp" => read_pitch(&file.text).map(ReceivedData::Pitch),
+        "par" => read_parameters(&file.text).map(ReceivedData::Parameters),
+        _ => Ok(ReceivedData::Program(file.text.clone())),
     }
 }
 
@@ -266,13 +266,13 @@ mod tests {
     fn names_determine_the_kind_of_a_file() {
         assert!(matches!(
             read(&file("TOFS.OFS", "")),
-            Ok(Received::Offsets(_))
+            Ok(ReceivedData::Offsets(_))
         ));
         assert!(matches!(
             read(&file("O1", "O0001;")),
-            Ok(Received::Program(_))
+            Ok(ReceivedData::Program(_))
         ));
         let read = read(&file("ParaW.par", "001=00000101\n022=-7\n"));
-        assert_eq!(read, Ok(Received::Parameters(vec![(1, 5), (22, -7)])));
+        assert_eq!(read, Ok(ReceivedData::Parameters(vec![(1, 5), (22, -7)])));
     }
 }

@@ -2,8 +2,8 @@
 //! rights (manual III-9.8.2, V-3.5).
 
 use gsk_core::alarm::{Alarm, number};
-use gsk_core::cnc::{Cnc, Received, Request, SerialPort};
-use gsk_core::memory::Refusal;
+use gsk_core::cnc::{Cnc, ControlRequest, ReceivedData, SerialPort};
+use gsk_core::memory::WriteRefusal;
 use gsk_messages::{Message, say};
 
 use super::{DataLineError, Panel, Partner, SerialFile, files, reason};
@@ -53,7 +53,7 @@ impl FileId {
 #[error("{}", self.message())]
 pub enum FileRefusal {
     /// A right, a switch or a mode forbids it.
-    Refused(Refusal),
+    Refused(WriteRefusal),
     /// The file does not exist.
     Missing,
     /// The file exists already.
@@ -95,7 +95,7 @@ impl FileRefusal {
 /// # Errors
 ///
 /// Returns the first invalid line.
-pub fn read_data(file: &SerialFile) -> Result<Received, DataLineError> {
+pub fn read_data(file: &SerialFile) -> Result<ReceivedData, DataLineError> {
     files::read(file)
 }
 
@@ -113,8 +113,8 @@ pub fn number_of_name(name: &str) -> Option<u16> {
     (digits.len() <= 4).then_some(number)
 }
 
-impl From<Refusal> for FileRefusal {
-    fn from(refusal: Refusal) -> Self {
+impl From<WriteRefusal> for FileRefusal {
+    fn from(refusal: WriteRefusal) -> Self {
         Self::Refused(refusal)
     }
 }
@@ -144,7 +144,7 @@ impl Panel {
     }
 
     /// Sets the state of the serial port: the word on the LCD, and F213.
-    pub fn show_port_state(&mut self, shown: Communication, requests: &mut Vec<Request>) {
+    pub fn show_port_state(&mut self, shown: Communication, requests: &mut Vec<ControlRequest>) {
         let port = match shown {
             Communication::Sending => SerialPort::Sending,
             Communication::Receiving => SerialPort::Receiving,

@@ -5,39 +5,39 @@ use std::collections::BTreeMap;
 use gsk_core::memory::{Offsets, ToolOffset};
 use gsk_workpiece::tool::{Holder, Insert, InsertLetter, Tool};
 
-use super::uses::{Use, Work};
+use super::tool_uses::{ToolUse, ToolWork};
 
 /// Width of a grooving tool if the program does not show it, mm.
-const GROOVE: f64 = 3.0;
+const DEFAULT_GROOVE_WIDTH_MM: f64 = 3.0;
 /// Overlap of the steps of a wide groove, mm.
-const OVERLAP: f64 = 0.5;
+const GROOVE_OVERLAP_MM: f64 = 0.5;
 /// Diameter of a drill if the program does not show it, mm.
-const DRILL: f64 = 10.0;
+const DEFAULT_DRILL_DIAMETER_MM: f64 = 10.0;
 /// Greatest depth of a centre drill, mm: another drill goes deeper.
-const CENTER_DEPTH: f64 = 8.0;
+const MAX_CENTER_DRILL_DEPTH_MM: f64 = 8.0;
 /// Diameter of a centre drill, mm.
-const CENTER: f64 = 4.0;
+const CENTER_DRILL_DIAMETER_MM: f64 = 4.0;
 /// Extra reach of a blade or drill beyond its depth of cut, mm.
-const SPARE: f64 = 2.0;
+const EXTRA_REACH_MM: f64 = 2.0;
 /// Share of a hole that the boring bar in it fills.
-const FILLS: f64 = 0.7;
+const BAR_TO_HOLE_RATIO: f64 = 0.7;
 /// Entering angle of an edge that finishes a shoulder, degrees.
-const RIGHT_ANGLE: f64 = 90.0;
+const SHOULDER_ANGLE_DEG: f64 = 90.0;
 /// Depth of an internal groove if the program does not show it, mm.
-const INSIDE_GROOVE: f64 = 3.0;
+const DEFAULT_INSIDE_GROOVE_DEPTH_MM: f64 = 3.0;
 
 /// The orientation of a tool relative to the part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Pose {
+pub(super) struct ToolPose {
     /// Whether it cuts the inside.
     pub(super) internal: bool,
     /// Whether it cuts away from the chuck.
     pub(super) left_hand: bool,
 }
 
-impl Pose {
+impl ToolPose {
     /// The number of the imaginary tip. Beyond the spindle axis the directions are reversed.
-    const fn tip(self, beyond: bool) -> u8 {
+    const fn tip_number(self, beyond: bool) -> u8 {
         match (self.internal != beyond, self.left_hand) {
             (false, false) => 3,
             (false, true) => 4,
@@ -48,16 +48,16 @@ impl Pose {
 
     /// The slimness levels with which a pose is judged, in their order. A square insert leaves
     /// nothing on shoulders and steps that a rapid would hit.
-    pub(super) const fn levels(self) -> [u8; 3] {
+    pub(super) const fn slimness_levels(self) -> [u8; 3] {
         if self.internal {
-            [0, SQUARE, SLIMMEST]
+            [0, SQUARE_BLADE_LEVEL, MAX_SLIMNESS]
         } else {
-            [SQUARE, 0, SLIMMEST]
+            [SQUARE_BLADE_LEVEL, 0, MAX_SLIMNESS]
         }
     }
 
     /// All poses, the most probable first.
-    fn all(used: &Use) -> [Self; 4] {
+    fn probable_poses(used: &ToolUse) -> [Self; 4] {
         let (internal, left_hand) = (used.is_internal(), used.is_left_hand());
         let pose = |internal, left_hand| Self {
             internal,
@@ -73,58 +73,58 @@ impl Pose {
 }
 
 /// What is known of the tools besides the use of each of them.
-pub(super) struct Known<'a> {
-    pub(super) uses: &'a BTreeMap<u8, Use>,
+pub(super) struct ToolKnowledge<'a> {
+    pub(super) uses: &'a BTreeMap<u8, ToolUse>,
     pub(super) offsets: &'a Offsets,
     /// Greatest radius and face of the stock, mm.
     pub(super) radius: f64,
     pub(super) front: f64,
 }
 
-impl Known<'_> {
+impl ToolKnowledge<'_> {
     /// The possible poses of a tool. A tip number in the offset table decides.
-    pub(super) fn poses(&self, used: &Use) -> Vec<Pose> {
-        let all = Pose::all(used);
-        match (used.work, self.row(used).t) {
-            (Some(Work::Drill | Work::FaceGroove), _) => vec![all[0]],
-            (Some(Work::Thread), 6 | 1 | 2) => vec![Pose {
-                internal: !used.beyond,
+    pub(super) fn possible_poses(&self, used: &ToolUse) -> Vec<ToolPose> {
+        let all = ToolPose::probable_poses(used);
+        match (used.work, self.offset_row(used).t) {
+            (Some(ToolWork::Drill | ToolWork::FaceGroove), _) => vec![all[0]],
+            (Some(ToolWork::Thread), 6 | 1 | 2) => vec![ToolPose {
+                internal: !used.is_beyond_axis,
                 ..all[0]
             }],
-            (Some(Work::Thread), 8 | 3 | 4) => vec![Pose {
-                internal: used.beyond,
+            (Some(ToolWork::Thread), 8 | 3 | 4) => vec![ToolPose {
+                internal: used.is_beyond_axis,
                 ..all[0]
             }],
             (_, tip @ 1..=4) => all
                 .into_iter()
-                .filter(|pose| pose.tip(used.beyond) == tip)
+                .filter(|pose| pose.tip_number(used.is_beyond_axis) == tip)
                 .collect(),
-            (Some(Work::Thread | Work::Groove), _) => vec![all[0], all[2]],
+            (Some(ToolWork::Thread | ToolWork::Groove), _) => vec![all[0], all[2]],
             _ => all.to_vec(),
         }
     }
 
-    fn row(&self, used: &Use) -> ToolOffset {
+    fn offset_row(&self, used: &ToolUse) -> ToolOffset {
         self.offsets.get(used.offset)
     }
 
-    /// The tool for a use in a pose. `slim` goes from 0, the usual tool, to [`SLIMMEST`], the
+    /// The tool for a use in a pose. `slim` goes from 0, the usual tool, to [`MAX_SLIMNESS`], the
     /// tool that touches least.
-    pub(super) fn tool(&self, used: &Use, pose: Pose, slim: u8) -> Tool {
+    pub(super) fn build_tool(&self, used: &ToolUse, pose: ToolPose, slimness: u8) -> Tool {
         let mut tool = match used.work {
-            Some(Work::Drill) => return self.drill(used),
-            Some(Work::FaceGroove) => self.face_groove(used),
-            Some(Work::Groove) => self.groove(used, pose, slim),
-            Some(Work::Thread) => self.thread(used, pose, slim),
-            Some(Work::Turn) | None if pose.internal => self.boring(used, slim),
-            Some(Work::Turn) | None => turning(used.steepest, slim),
+            Some(ToolWork::Drill) => return self.build_drill(used),
+            Some(ToolWork::FaceGroove) => self.build_face_groover(used),
+            Some(ToolWork::Groove) => self.build_groover(used, pose, slimness),
+            Some(ToolWork::Thread) => self.build_threading_tool(used, pose, slimness),
+            Some(ToolWork::Turn) | None if pose.internal => self.build_boring_tool(used, slimness),
+            Some(ToolWork::Turn) | None => build_turning_tool(used.steepest_deg, slimness),
         };
-        let row = self.row(used);
-        let upright = matches!(used.work, Some(Work::Thread | Work::FaceGroove));
+        let row = self.offset_row(used);
+        let upright = matches!(used.work, Some(ToolWork::Thread | ToolWork::FaceGroove));
         tool.tip = match (row.t, upright) {
             (_, true) => tool.tip,
             (tip @ 1..=8, false) => tip,
-            (_, false) => pose.tip(used.beyond),
+            (_, false) => pose.tip_number(used.is_beyond_axis),
         };
         let nose = row.r.abs();
         if nose > 0.0 {
@@ -143,86 +143,92 @@ impl Known<'_> {
     }
 
     /// Depth of a tool's cuts from the face, mm.
-    fn depth(&self, used: &Use) -> f64 {
-        (self.front - used.deepest).max(0.0)
+    fn cut_depth(&self, used: &ToolUse) -> f64 {
+        (self.front - used.deepest_z).max(0.0)
     }
 
-    fn drill(&self, used: &Use) -> Tool {
-        let depth = self.depth(used);
-        let deepest = |other: &Use| other.is_drill() && self.depth(other) > depth;
+    fn build_drill(&self, used: &ToolUse) -> Tool {
+        let depth = self.cut_depth(used);
+        let deepest = |other: &ToolUse| other.is_drill() && self.cut_depth(other) > depth;
         let bored = self.uses.values().filter(|other| {
-            other.is_internal() && !other.is_drill() && other.work != Some(Work::FaceGroove)
+            other.is_internal() && !other.is_drill() && other.work != Some(ToolWork::FaceGroove)
         });
-        let nearest = bored.filter_map(|other| other.nearest).reduce(f64::min);
+        let nearest = bored.filter_map(|other| other.nearest_mm).reduce(f64::min);
         let diameter = match nearest {
-            _ if depth <= CENTER_DEPTH && self.uses.values().any(deepest) => CENTER,
+            _ if depth <= MAX_CENTER_DRILL_DEPTH_MM && self.uses.values().any(deepest) => {
+                CENTER_DRILL_DIAMETER_MM
+            }
             Some(radius) if radius > 0.5 => 2.0 * radius,
-            _ => DRILL,
+            _ => DEFAULT_DRILL_DIAMETER_MM,
         };
         let mut tool = Tool::drill(diameter.max(1.0));
         if let Insert::Drill { reach, .. } = &mut tool.insert {
-            *reach = reach.max(depth + diameter + SPARE).min(1000.0);
+            *reach = reach.max(depth + diameter + EXTRA_REACH_MM).min(1000.0);
         }
         tool
     }
 
     /// A blade parallel to the spindle axis; its programmed point is the middle of the edge.
-    fn face_groove(&self, used: &Use) -> Tool {
-        let mut tool = Tool::grooving(width(used));
+    fn build_face_groover(&self, used: &ToolUse) -> Tool {
+        let mut tool = Tool::grooving(groove_blade_width(used));
         tool.tip = 7;
         tool.holder = Holder::None;
         if let Insert::Grooving { reach, .. } = &mut tool.insert {
-            *reach = reach.max(self.depth(used) + SPARE).min(200.0);
+            *reach = reach.max(self.cut_depth(used) + EXTRA_REACH_MM).min(200.0);
         }
         tool
     }
 
-    fn groove(&self, used: &Use, pose: Pose, slim: u8) -> Tool {
-        let mut tool = Tool::grooving(width(used));
+    fn build_groover(&self, used: &ToolUse, pose: ToolPose, slimness: u8) -> Tool {
+        let mut tool = Tool::grooving(groove_blade_width(used));
         let deep = if pose.internal {
-            used.farthest_cut - used.nearest.unwrap_or(0.0).max(0.0)
+            used.farthest_cut_mm - used.nearest_mm.unwrap_or(0.0).max(0.0)
         } else {
-            self.radius - used.nearest_cut.max(0.0)
+            self.radius - used.nearest_cut_mm.max(0.0)
         };
         if let Insert::Grooving { reach, .. } = &mut tool.insert {
             *reach = match pose.internal {
-                true => (deep.max(INSIDE_GROOVE) + SPARE).min(200.0),
-                false => reach.max(deep + SPARE).min(200.0),
+                true => (deep.max(DEFAULT_INSIDE_GROOVE_DEPTH_MM) + EXTRA_REACH_MM).min(200.0),
+                false => reach.max(deep + EXTRA_REACH_MM).min(200.0),
             };
             if pose.internal {
-                tool.holder = self.bar(used, *reach, slim);
+                tool.holder = self.build_bar(used, *reach, slimness);
             }
         }
-        if slim > 0 {
+        if slimness > 0 {
             tool.holder = Holder::None;
         }
         tool
     }
 
-    fn thread(&self, used: &Use, pose: Pose, slim: u8) -> Tool {
+    fn build_threading_tool(&self, used: &ToolUse, pose: ToolPose, slimness: u8) -> Tool {
         let mut tool = Tool::threading(60.0);
-        tool.tip = if pose.internal != used.beyond { 6 } else { 8 };
+        tool.tip = if pose.internal != used.is_beyond_axis {
+            6
+        } else {
+            8
+        };
         if let Insert::Threading { height, .. } = &mut tool.insert {
             // The profile of a coarse thread is higher.
-            *height = height.max(used.lead).min(30.0);
-            if slim > 0 {
+            *height = height.max(used.lead_mm).min(30.0);
+            if slimness > 0 {
                 *height = (*height * 2.0).min(30.0);
             }
             if pose.internal {
-                tool.holder = self.bar(used, *height, slim);
+                tool.holder = self.build_bar(used, *height, slimness);
             }
         }
-        if slim > 0 {
+        if slimness > 0 {
             tool.holder = Holder::None;
         }
         tool
     }
 
-    fn boring(&self, used: &Use, slim: u8) -> Tool {
+    fn build_boring_tool(&self, used: &ToolUse, slimness: u8) -> Tool {
         let mut tool = Tool::boring();
         // The hole must also have space for the insert.
-        let hole = 2.0 * used.nearest.unwrap_or(f64::INFINITY).max(1.0);
-        let scale = match slim {
+        let hole = 2.0 * used.nearest_mm.unwrap_or(f64::INFINITY).max(1.0);
+        let scale = match slimness {
             0 => (hole / 15.0).min(1.0),
             slim => (hole / 15.0).min(1.0) / f64::from(1_u32 << slim.min(8)),
         };
@@ -232,41 +238,45 @@ impl Known<'_> {
         {
             *size = (*size * scale).max(2.0);
             *nose = nose.min(*size / 4.0);
-            if slim > 1 {
+            if slimness > 1 {
                 *letter = InsertLetter::V;
             }
-            tool.holder = self.bar(used, *size / 2.0, slim);
+            tool.holder = self.build_bar(used, *size / 2.0, slimness);
         }
         tool
     }
 
     /// A bar that fits into the hole of the tool with its insert at `out`, mm.
-    fn bar(&self, used: &Use, out: f64, slim: u8) -> Holder {
-        if slim > 1 {
+    fn build_bar(&self, used: &ToolUse, out: f64, slimness: u8) -> Holder {
+        if slimness > 1 {
             return Holder::None;
         }
-        let hole = 2.0 * used.nearest.unwrap_or(f64::INFINITY).max(1.0);
-        let diameter = ((hole - out) * FILLS).min(12.0) / f64::from(1 + slim);
+        let hole = 2.0 * used.nearest_mm.unwrap_or(f64::INFINITY).max(1.0);
+        let diameter = ((hole - out) * BAR_TO_HOLE_RATIO).min(12.0) / f64::from(1 + slimness);
         Holder::Bar {
             diameter: diameter.max(2.0),
-            length: (self.depth(used) + 20.0).clamp(80.0, 500.0),
+            length: (self.cut_depth(used) + 20.0).clamp(80.0, 500.0),
         }
     }
 }
 
 /// The level with a square blade, where the contour allows it.
-const SQUARE: u8 = 2;
+const SQUARE_BLADE_LEVEL: u8 = 2;
 /// The last level, with the tool that touches least.
-pub(super) const SLIMMEST: u8 = 6;
+pub(super) const MAX_SLIMNESS: u8 = 6;
 
 /// Width of a blade. A groove wider than its tool is cut in smaller steps.
-fn width(used: &Use) -> f64 {
-    let step = used.step().filter(|step| *step < GROOVE);
-    step.map_or(GROOVE, |step| (step + OVERLAP).min(GROOVE))
+fn groove_blade_width(used: &ToolUse) -> f64 {
+    let step = used
+        .plunge_step()
+        .filter(|step| *step < DEFAULT_GROOVE_WIDTH_MM);
+    step.map_or(DEFAULT_GROOVE_WIDTH_MM, |step| {
+        (step + GROOVE_OVERLAP_MM).min(DEFAULT_GROOVE_WIDTH_MM)
+    })
 }
 
 /// An outside tool whose back clears a contour of this steepness, degrees.
-fn turning(steepest: f64, slim: u8) -> Tool {
+fn build_turning_tool(steepest: f64, slimness: u8) -> Tool {
     // Angle left between the second edge and the spindle axis.
     let clears = |letter: InsertLetter, entering: f64| 180.0 - entering - letter.corner();
     let (letter, entering, nose) = if steepest <= clears(InsertLetter::C, 95.0) {
@@ -279,7 +289,7 @@ fn turning(steepest: f64, slim: u8) -> Tool {
     // An edge of 16 mm finishes shoulders in one pass. A right-angled edge leaves nothing on a
     // shoulder for the rapid away from it; a blade leaves nothing on a faced step either.
     let usual = Tool::turning().holder;
-    if slim == SQUARE && steepest <= 0.0 {
+    if slimness == SQUARE_BLADE_LEVEL && steepest <= 0.0 {
         let (width, reach) = (12.0, 16.0);
         let insert = Insert::Grooving { width, nose, reach };
         return Tool {
@@ -288,13 +298,13 @@ fn turning(steepest: f64, slim: u8) -> Tool {
             holder: usual,
         };
     }
-    let (letter, entering, size, holder) = match slim {
+    let (letter, entering, size, holder) = match slimness {
         0 => (letter, entering, 15.875, usual),
-        1 => (letter, RIGHT_ANGLE, 15.875, usual),
-        SQUARE | 3 => (letter, RIGHT_ANGLE, 15.875, Holder::None),
-        4 => (letter, RIGHT_ANGLE, 40.0, Holder::None),
-        5 => (InsertLetter::D, RIGHT_ANGLE, 50.0, Holder::None),
-        _ => (InsertLetter::V, RIGHT_ANGLE, 50.0, Holder::None),
+        1 => (letter, SHOULDER_ANGLE_DEG, 15.875, usual),
+        SQUARE_BLADE_LEVEL | 3 => (letter, SHOULDER_ANGLE_DEG, 15.875, Holder::None),
+        4 => (letter, SHOULDER_ANGLE_DEG, 40.0, Holder::None),
+        5 => (InsertLetter::D, SHOULDER_ANGLE_DEG, 50.0, Holder::None),
+        _ => (InsertLetter::V, SHOULDER_ANGLE_DEG, 50.0, Holder::None),
     };
     Tool {
         insert: Insert::Turning {

@@ -2,8 +2,8 @@
 
 use core::time::Duration;
 
-use gsk_core::cnc::Request;
-use gsk_core::linked::{Linked, Note};
+use gsk_core::cnc::ControlRequest;
+use gsk_core::linked::{LinkNote, LinkedControl};
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::program::Program;
@@ -18,12 +18,12 @@ use gsk_twins::wire::Wire;
 use super::keys::{AUTO, CYCLE_START, MDI, RESET, X_PLUS, Z_PLUS, ZERO};
 
 /// One millisecond, ns.
-const MS: u64 = 1_000_000;
+const MS_IN_NS: u64 = 1_000_000;
 /// Pulses of X and Z from the initial position of the slides to the reference switches.
-const SWITCHES: [i64; 2] = [800, 400];
+const SWITCH_PULSES: [i64; 2] = [800, 400];
 
 /// What tests of both kinds of board need of a twin.
-pub trait Board: Clone {
+pub trait BenchBoard: Clone {
     fn now(&self) -> u64;
     fn advance(&mut self, ns: u64);
     fn read(&mut self) -> Vec<u8>;
@@ -43,7 +43,7 @@ pub trait Board: Clone {
     fn wires(&mut self) -> [&mut Wire; 2];
 }
 
-impl Board for GrblTwin {
+impl BenchBoard for GrblTwin {
     fn now(&self) -> u64 {
         self.now()
     }
@@ -82,16 +82,16 @@ impl Board for GrblTwin {
 /// A board of timed steps, with limit switches of X and Z at these pulses. They are the
 /// reference too. The switch of Z may also be pressed by hand.
 #[derive(Clone)]
-pub struct Timed(pub KlipperTwin, pub [i64; 2], pub bool);
+pub struct TimedBoard(pub KlipperTwin, pub [i64; 2], pub bool);
 
-impl Board for Timed {
+impl BenchBoard for TimedBoard {
     fn now(&self) -> u64 {
         self.0.now()
     }
     fn advance(&mut self, ns: u64) {
         let end = self.0.now() + ns;
         while self.0.now() < end {
-            self.0.advance(MS.min(end - self.0.now()));
+            self.0.advance(MS_IN_NS.min(end - self.0.now()));
             let ([x, z], [at_x, at_z]) = (self.0.pulses(), self.1);
             self.0.set_pin("PC0", x >= at_x);
             self.0.set_pin("PC1", z >= at_z || self.2);
@@ -129,11 +129,11 @@ impl Board for Timed {
 }
 
 #[derive(Clone)]
-pub struct Machine<T = GrblTwin> {
+pub struct LinkedMachine<T = GrblTwin> {
     pub simulation: Simulation,
-    pub linked: Linked,
+    pub linked: LinkedControl,
     pub twin: T,
-    pub notes: Vec<Note>,
+    pub notes: Vec<LinkNote>,
     /// Speed of the computer's clock relative to the board's.
     pub clock_rate: f64,
     /// Board time, ns, and host time at the last call.
@@ -159,9 +159,9 @@ pub struct Machine<T = GrblTwin> {
 }
 
 /// Two pulses farther apart than this, ms, belong to different motions.
-pub const APART: u64 = 120;
+pub const MAX_PULSE_GAP_MS: u64 = 120;
 
-impl Machine {
+impl LinkedMachine {
     /// A training lathe with electronic gear 1/5 and a board as delivered.
     pub fn new(variant: Variant, flush_keep_speed: u32, divide: i32) -> Self {
         let config = LinkConfig {
@@ -169,7 +169,7 @@ impl Machine {
             ..LinkConfig::default()
         };
         let twin = GrblTwin::new(variant, GrblSettings::default());
-        Self::wired(twin, config, &[(17, divide), (18, divide)])
+        Self::with_wiring(twin, config, &[(17, divide), (18, divide)])
     }
 
     /// Settings written, board unlocked, position unknown.
@@ -184,43 +184,47 @@ impl Machine {
     /// Writes the settings and unlocks the board.
     pub fn open(self) -> Self {
         let mut machine = self;
-        machine.wait(6000, |machine| machine.alarms() == [603]);
+        machine.run_until(6000, |machine| machine.alarms() == [603]);
         machine.linked.write_settings();
-        machine.wait(3000, |machine| machine.linked.state() == LinkState::Locked);
+        machine.run_until(3000, |machine| machine.linked.state() == LinkState::Locked);
         machine.press(RESET);
-        machine.pass(500);
+        machine.run_ms(500);
         machine
     }
 
     /// A machine after its reference return.
     pub fn referenced(variant: Variant) -> Self {
-        Self::with(variant, 10_000)
+        Self::with_flush_speed(variant, 10_000)
     }
 
     /// The same with another speed (mm/min) up to which a stop keeps the steps.
-    pub fn with(variant: Variant, flush_keep_speed: u32) -> Self {
-        Self::unlocked(variant, flush_keep_speed, 5).homed()
+    pub fn with_flush_speed(variant: Variant, flush_keep_speed: u32) -> Self {
+        Self::unlocked(variant, flush_keep_speed, 5).returned()
     }
 
     /// The same with electronic gear 1/`divide`.
-    pub fn geared(variant: Variant, divide: i32) -> Self {
-        Self::unlocked(variant, 10_000, divide).homed()
+    pub fn with_gear(variant: Variant, divide: i32) -> Self {
+        Self::unlocked(variant, 10_000, divide).returned()
     }
 
     /// A lathe with grblHAL and an encoder, with a machine file, settings of the board, and
     /// parameters besides the gear 1/5.
-    pub fn threading(config: LinkConfig, settings: GrblSettings, changes: &[(u16, i32)]) -> Self {
+    pub fn for_threading(
+        config: LinkConfig,
+        settings: GrblSettings,
+        changes: &[(u16, i32)],
+    ) -> Self {
         let gear = [(17, 5), (18, 5)];
         let changes = [&gear[..], changes].concat();
-        Self::wired(GrblTwin::new(Variant::GrblHal, settings), config, &changes)
+        Self::with_wiring(GrblTwin::new(Variant::GrblHal, settings), config, &changes)
             .open()
-            .homed()
+            .returned()
     }
 }
 
-impl Machine<Timed> {
+impl LinkedMachine<TimedBoard> {
     /// A training lathe with electronic gear 1/5 and a board of timed steps after power-on.
-    pub fn timed(flush_keep_speed: u32) -> Self {
+    pub fn timed_unlocked(flush_keep_speed: u32) -> Self {
         let config: LinkConfig = ron::from_str(
             r#"(
                 protocol: StepQueue,
@@ -237,36 +241,40 @@ impl Machine<Timed> {
             flush_keep_speed,
             ..config
         };
-        Self::wired(Timed(twin, SWITCHES, false), config, &[(17, 5), (18, 5)])
+        Self::with_wiring(
+            TimedBoard(twin, SWITCH_PULSES, false),
+            config,
+            &[(17, 5), (18, 5)],
+        )
     }
 
     /// Set up, position unknown.
     pub fn timed_connected() -> Self {
-        let mut machine = Self::timed(10_000);
-        machine.wait(6000, |machine| machine.linked.state() == LinkState::Locked);
+        let mut machine = Self::timed_unlocked(10_000);
+        machine.run_until(6000, |machine| machine.linked.state() == LinkState::Locked);
         machine.press(RESET);
-        machine.pass(500);
+        machine.run_ms(500);
         machine
     }
 
     /// A machine after its reference return.
     pub fn timed_referenced() -> Self {
-        Self::timed_connected().homed()
+        Self::timed_connected().returned()
     }
 
     /// The same with another speed (mm/min) up to which a stop keeps the steps.
-    pub fn timed_with(flush_keep_speed: u32) -> Self {
-        let mut machine = Self::timed(flush_keep_speed);
-        machine.wait(6000, |machine| machine.linked.state() == LinkState::Locked);
+    pub fn timed_with_flush_speed(flush_keep_speed: u32) -> Self {
+        let mut machine = Self::timed_unlocked(flush_keep_speed);
+        machine.run_until(6000, |machine| machine.linked.state() == LinkState::Locked);
         machine.press(RESET);
-        machine.pass(500);
-        machine.homed()
+        machine.run_ms(500);
+        machine.returned()
     }
 }
 
-impl<T: Board> Machine<T> {
+impl<T: BenchBoard> LinkedMachine<T> {
     /// A board with these wires and parameters.
-    pub fn wired(twin: T, config: LinkConfig, changes: &[(u16, i32)]) -> Self {
+    pub fn with_wiring(twin: T, config: LinkConfig, changes: &[(u16, i32)]) -> Self {
         let mut setup = Setup::delivered();
         for (number, value) in changes {
             setup.memory.parameters.set(*number, *value).unwrap();
@@ -275,7 +283,7 @@ impl<T: Board> Machine<T> {
         for _ in 0..100 {
             simulation.tick();
         }
-        let linked = Linked::open(config, &mut simulation, Duration::ZERO);
+        let linked = LinkedControl::open(config, &mut simulation, Duration::ZERO);
         Self {
             simulation,
             linked,
@@ -296,28 +304,29 @@ impl<T: Board> Machine<T> {
         }
     }
 
-    fn homed(self) -> Self {
+    fn returned(self) -> Self {
         let mut machine = self;
-        machine.reference();
+        machine.return_to_reference();
         machine
     }
 
     /// Makes the reference return. A board that seeks both switches with one key is done after
     /// the first key.
-    pub fn reference(&mut self) {
+    pub fn return_to_reference(&mut self) {
         self.press(ZERO);
         for (key, axis) in [(X_PLUS, Axis::X), (Z_PLUS, Axis::Z)] {
-            if !self.simulation.cnc.referenced().get(axis) {
+            if !self.simulation.cnc.referenced_axes().get(axis) {
                 // 011.2 ZNIK is off: where the control makes the return, the key must be held.
                 self.simulation.cnc.set_panel_key(key, true);
-                self.wait(60_000, |machine| {
-                    *machine.simulation.cnc.referenced().get(axis) || !machine.alarms().is_empty()
+                self.run_until(60_000, |machine| {
+                    *machine.simulation.cnc.referenced_axes().get(axis)
+                        || !machine.alarms().is_empty()
                 });
                 self.simulation.cnc.set_panel_key(key, false);
-                self.pass(300);
+                self.run_ms(300);
             }
         }
-        let ready = self.wait(2000, |machine| machine.linked.state() == LinkState::Ready);
+        let ready = self.run_until(2000, |machine| machine.linked.state() == LinkState::Ready);
         assert!(ready, "{:?} {:?}", self.linked.state(), self.alarms());
         let (board, kernel) = (self.twin.pulses(), self.simulation.cnc.pulses());
         self.origin = [board[0] - kernel.x.0, board[1] - kernel.z.0];
@@ -325,99 +334,99 @@ impl<T: Board> Machine<T> {
     }
 
     /// Runs a short program to its end and checks the pulse count.
-    pub fn works(&mut self) {
+    pub fn check_program_runs(&mut self) {
         self.load(
             "O1\nG50 X60 Z20\nG98 G00 X50 Z5\nG01 Z0 F600\nG00 X60 Z20\nM30\n",
             None,
         );
-        self.start();
+        self.start_program();
         self.run_to_end(60_000);
         assert_eq!(self.alarms(), [0_u16; 0]);
         let stood = self.simulation.cnc.pulses();
-        assert_eq!(self.made(), [stood.x.0, stood.z.0]);
+        assert_eq!(self.made_pulses(), [stood.x.0, stood.z.0]);
         assert_eq!(self.linked.state(), LinkState::Ready);
     }
 
     /// Sets a parameter as the operator does.
-    pub fn set(&mut self, number: u16, value: i32) {
+    pub fn set_parameter(&mut self, number: u16, value: i32) {
         self.press(MDI);
         for request in [
-            Request::SetParameterSwitch(true),
-            Request::SetParameter { number, value },
-            Request::SetParameterSwitch(false),
+            ControlRequest::SetParameterSwitch(true),
+            ControlRequest::SetParameter { number, value },
+            ControlRequest::SetParameterSwitch(false),
         ] {
             self.simulation.cnc.request(request).unwrap();
-            self.pass(100);
+            self.run_ms(100);
         }
         self.press(RESET);
     }
 
     /// Starts a program and checks that the machine does not move.
-    pub fn starts_nothing(&mut self) {
+    pub fn check_nothing_starts(&mut self) {
         let stood = self.twin.pulses();
-        self.start();
-        self.pass(1000);
+        self.start_program();
+        self.run_ms(1000);
         assert_eq!(self.twin.pulses(), stood, "{:?}", self.alarms());
     }
 
-    pub fn ms(&mut self) {
-        self.twin.advance(MS);
+    pub fn run_one_ms(&mut self) {
+        self.twin.advance(MS_IN_NS);
         let passed = Duration::from_nanos(self.twin.now() - self.clock.0);
         let now = self.clock.1 + passed.mul_f64(self.clock_rate);
         self.clock = (self.twin.now(), now);
         let bytes = self.twin.read();
         self.linked.pump(&bytes, now);
-        while self.linked.may_tick() {
+        while self.linked.can_tick() {
             self.linked.tick(&mut self.simulation);
             self.ticks += 1;
             if self.recording {
-                self.note_way();
+                self.record_pulses();
             }
         }
         let mut tx = self.linked.tx().to_vec();
         tx.truncate(self.takes_at_most.unwrap_or(usize::MAX));
         self.twin.write(&tx);
-        self.linked.consumed(tx.len());
+        self.linked.mark_written(tx.len());
         if self.recording {
             self.sent.extend(&tx);
         }
-        self.notes.extend(self.linked.notes());
+        self.notes.extend(self.linked.take_notes());
         if let Some(watch) = self.watch {
             watch(self);
         }
     }
 
     /// Records the kernel's path from now on.
-    pub fn record(&mut self) {
+    pub fn record_path(&mut self) {
         self.recording = true;
-        self.note_way();
+        self.record_pulses();
     }
 
-    fn note_way(&mut self) {
+    fn record_pulses(&mut self) {
         let cnc = &self.simulation.cnc;
         let pulses = cnc.pulses();
         let at = [pulses.x.0, pulses.z.0];
         if self.path.last() != Some(&at) {
             self.path.push(at);
             let gap = self.ticks - core::mem::replace(&mut self.last_pulse, self.ticks);
-            if gap < APART {
+            if gap < MAX_PULSE_GAP_MS {
                 self.moving_ticks += gap;
             }
         }
     }
 
-    pub fn pass(&mut self, ms: u32) {
+    pub fn run_ms(&mut self, ms: u32) {
         for _ in 0..ms {
-            self.ms();
+            self.run_one_ms();
         }
     }
 
-    pub fn wait(&mut self, limit_ms: u32, until: impl Fn(&Self) -> bool) -> bool {
+    pub fn run_until(&mut self, limit_ms: u32, until: impl Fn(&Self) -> bool) -> bool {
         for _ in 0..limit_ms {
             if until(self) {
                 return true;
             }
-            self.ms();
+            self.run_one_ms();
         }
         until(self)
     }
@@ -425,21 +434,21 @@ impl<T: Board> Machine<T> {
     pub fn press(&mut self, key: BitAddress) {
         for down in [true, false] {
             self.simulation.cnc.set_panel_key(key, down);
-            self.pass(100);
+            self.run_ms(100);
         }
     }
 
     /// Holds a key for a time.
-    pub fn hold(&mut self, key: BitAddress, ms: u32) {
+    pub fn hold_key(&mut self, key: BitAddress, ms: u32) {
         self.simulation.cnc.set_panel_key(key, true);
-        self.pass(ms);
+        self.run_ms(ms);
         self.simulation.cnc.set_panel_key(key, false);
-        self.pass(100);
+        self.run_ms(100);
     }
 
     /// The computer is busy for a time.
-    pub fn pause(&mut self, ms: u64) {
-        self.twin.advance(ms * MS);
+    pub fn pause_host(&mut self, ms: u64) {
+        self.twin.advance(ms * MS_IN_NS);
     }
 
     pub fn cut_cable(&mut self) {
@@ -448,7 +457,7 @@ impl<T: Board> Machine<T> {
         }
     }
 
-    pub fn mend_cable(&mut self) {
+    pub fn reconnect_cable(&mut self) {
         for wire in self.twin.wires() {
             wire.set_cut(false);
         }
@@ -458,7 +467,7 @@ impl<T: Board> Machine<T> {
     pub fn reconnect(&mut self) {
         let now = self.clock.1;
         let config = self.linked.config().clone();
-        self.linked = Linked::open(config, &mut self.simulation, now);
+        self.linked = LinkedControl::open(config, &mut self.simulation, now);
     }
 
     /// The kernel's count at the machine zero.
@@ -468,15 +477,15 @@ impl<T: Board> Machine<T> {
 
     pub fn load(&mut self, main: &str, sub: Option<&str>) {
         if let Some(sub) = sub {
-            let stored = Request::StoreProgram(sub.to_owned());
+            let stored = ControlRequest::StoreProgram(sub.to_owned());
             self.simulation.cnc.request(stored).unwrap();
         }
-        let opened = Request::OpenExternal(Program::new(main));
+        let opened = ControlRequest::OpenExternal(Program::new(main));
         self.simulation.cnc.request(opened).unwrap();
     }
 
     /// Selects AUTO and presses cycle start.
-    pub fn start(&mut self) {
+    pub fn start_program(&mut self) {
         self.press(AUTO);
         self.press(CYCLE_START);
     }
@@ -484,8 +493,8 @@ impl<T: Board> Machine<T> {
     /// Runs until the program has ended and all motion is made. M00 is continued.
     pub fn run_to_end(&mut self, limit_ms: u32) {
         for _ in 0..limit_ms {
-            self.ms();
-            if self.linked.is_behind() || self.simulation.cnc.is_moving() {
+            self.run_one_ms();
+            if self.linked.has_pending_motion() || self.simulation.cnc.is_moving() {
                 continue;
             }
             match self.simulation.cnc.run_state() {
@@ -498,7 +507,7 @@ impl<T: Board> Machine<T> {
     }
 
     /// Pulses at the pins, in the counts of the kernel.
-    pub fn made(&self) -> [i64; 2] {
+    pub fn made_pulses(&self) -> [i64; 2] {
         let [x, z] = self.twin.pulses();
         [x - self.origin[0], z - self.origin[1]]
     }

@@ -9,7 +9,7 @@ use gsk_core::plc::address::BitAddress;
 use gsk_core::simulation::Simulation;
 
 /// Simulates a number of milliseconds.
-pub fn ticks(simulation: &mut Simulation, count: u32) {
+pub fn run_ticks(simulation: &mut Simulation, count: u32) {
     for _ in 0..count {
         simulation.tick();
     }
@@ -19,6 +19,6 @@ pub fn ticks(simulation: &mut Simulation, count: u32) {
 pub fn press(simulation: &mut Simulation, key: BitAddress) {
     for down in [true, false] {
         simulation.cnc.set_panel_key(key, down);
-        ticks(simulation, 100);
+        run_ticks(simulation, 100);
     }
 }

@@ -1,6 +1,6 @@
 //! A machine with a program, for tests of the whole control.
 
-use gsk_core::cnc::Request;
+use gsk_core::cnc::ControlRequest;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
@@ -12,7 +12,7 @@ pub fn with_program(setup: Setup, text: &str) -> Simulation {
     for _ in 0..100 {
         simulation.tick();
     }
-    let program = Request::OpenExternal(Program::new(text));
+    let program = ControlRequest::OpenExternal(Program::new(text));
     assert_eq!(simulation.cnc.request(program), Ok(()));
     simulation
 }

@@ -1,73 +1,84 @@
 //! When the board's count is compared with the commanded one: a lost pulse is detected at the
 //! next standstill, whatever its cause.
 
-use gsk_core::linked::Note;
+use gsk_core::linked::LinkNote;
 use gsk_link::LinkState;
 use gsk_twins::grbl::Variant;
 
 use super::SHORT;
-use crate::bench::board::{Board, Machine};
+use crate::bench::board::{BenchBoard, LinkedMachine};
 use crate::bench::keys::{CYCLE_START, FEED_HOLD, RESET, SINGLE_BLOCK, X_PLUS, ZERO};
 
 /// A line of Z, then the words that stop the slides.
-fn program(behind: &str) -> String {
-    format!("O1\nG50 X60 Z20\nG98 G01 Z10 F600\n{behind}G01 Z0\nM30\n")
+fn program_with(words_after: &str) -> String {
+    format!("O1\nG50 X60 Z20\nG98 G01 Z10 F600\n{words_after}G01 Z0\nM30\n")
 }
 
 /// In the first cut the board counts a pulse of Z too many.
-fn cutting<T: Board>(ready: &Machine<T>, text: &str) -> Machine<T> {
+fn machine_in_cut<T: BenchBoard>(ready: &LinkedMachine<T>, text: &str) -> LinkedMachine<T> {
     let mut machine = ready.clone();
     machine.load(text, None);
-    machine.start();
-    assert!(machine.wait(3000, |machine| machine.simulation.cnc.feed_actual() > 500.0));
+    machine.start_program();
+    assert!(machine.run_until(3000, |machine| machine.simulation.cnc.feed_actual() > 500.0));
     machine.twin.add_position_error([0, 1]);
     machine
 }
 
-fn is_found_out<T: Board>(mut machine: Machine<T>, limit_ms: u32, place: &str) {
-    let told = |machine: &Machine<T>| machine.alarms().contains(&611);
-    assert!(machine.wait(limit_ms, told), "{place}: not found out");
+fn check_detection<T: BenchBoard>(mut machine: LinkedMachine<T>, limit_ms: u32, place: &str) {
+    let has_alarm = |machine: &LinkedMachine<T>| machine.alarms().contains(&611);
+    assert!(
+        machine.run_until(limit_ms, has_alarm),
+        "{place}: not found out"
+    );
     let detail = machine.simulation.cnc.alarms()[0].detail_en();
-    let [_, z] = machine.made();
+    let [_, z] = machine.made_pulses();
     for count in [z, z + 1] {
         assert!(detail.contains(&format!("Z {count}")), "{place}: {detail}");
     }
-    machine.pass(300);
+    machine.run_ms(300);
     assert_eq!(machine.linked.state(), LinkState::Locked, "{place}");
-    let referenced = machine.simulation.cnc.referenced();
+    let referenced = machine.simulation.cnc.referenced_axes();
     assert!(!referenced.x && !referenced.z, "{place}");
     assert!(
         machine
             .notes
             .iter()
-            .any(|note| matches!(note, Note::Checked { agrees: false, .. })),
+            .any(|note| matches!(note, LinkNote::CountChecked { agrees: false, .. })),
         "{place}: {:?}",
         machine.notes
     );
-    machine.starts_nothing();
+    machine.check_nothing_starts();
     machine.press(RESET);
-    machine.starts_nothing();
+    machine.check_nothing_starts();
     assert_eq!(machine.alarms(), [610], "{place}");
     machine.press(RESET);
-    machine.reference();
-    machine.works();
+    machine.return_to_reference();
+    machine.check_program_runs();
 }
 
-fn every_standstill<T: Board>(ready: &Machine<T>) {
-    is_found_out(cutting(ready, &program("M30\n")), 5000, "the end");
-    is_found_out(cutting(ready, &program("M00\n")), 5000, "M00");
-    is_found_out(cutting(ready, &program("G04 X2\n")), 3000, "a dwell");
-    let mut machine = cutting(ready, &program(""));
+fn check_every_standstill<T: BenchBoard>(ready: &LinkedMachine<T>) {
+    check_detection(
+        machine_in_cut(ready, &program_with("M30\n")),
+        5000,
+        "the end",
+    );
+    check_detection(machine_in_cut(ready, &program_with("M00\n")), 5000, "M00");
+    check_detection(
+        machine_in_cut(ready, &program_with("G04 X2\n")),
+        3000,
+        "a dwell",
+    );
+    let mut machine = machine_in_cut(ready, &program_with(""));
     machine.press(SINGLE_BLOCK);
-    is_found_out(machine, 3000, "single block");
-    let mut machine = cutting(ready, &program(""));
+    check_detection(machine, 3000, "single block");
+    let mut machine = machine_in_cut(ready, &program_with(""));
     machine.press(FEED_HOLD);
-    is_found_out(machine, 1500, "hold");
+    check_detection(machine, 1500, "hold");
     // Before any further motion.
     let mut machine = ready.clone();
     machine.twin.add_position_error([0, 1]);
-    is_found_out(machine.clone(), 1500, "standing");
-    machine.pass(1100);
+    check_detection(machine.clone(), 1500, "standing");
+    machine.run_ms(1100);
     machine.press(ZERO);
     machine.press(X_PLUS);
     assert_eq!(machine.alarms(), [611], "before a reference return");
@@ -75,14 +86,14 @@ fn every_standstill<T: Board>(ready: &Machine<T>) {
 
 #[test]
 fn a_lost_pulse_is_found_at_every_standstill() {
-    every_standstill(&Machine::referenced(Variant::Grbl));
-    every_standstill(&Machine::timed_referenced());
+    check_every_standstill(&LinkedMachine::referenced(Variant::Grbl));
+    check_every_standstill(&LinkedMachine::timed_referenced());
 }
 
-fn on_demand<T: Board>(ready: &Machine<T>) {
-    let checks = |machine: &Machine<T>| {
-        let agrees = |note: &Note| match note {
-            Note::Checked {
+fn check_on_demand<T: BenchBoard>(ready: &LinkedMachine<T>) {
+    let checks = |machine: &LinkedMachine<T>| {
+        let agrees = |note: &LinkNote| match note {
+            LinkNote::CountChecked {
                 commanded,
                 counted: Some(counted),
                 agrees,
@@ -96,67 +107,67 @@ fn on_demand<T: Board>(ready: &Machine<T>) {
         machine.notes.iter().filter_map(agrees).collect::<Vec<_>>()
     };
     let mut machine = ready.clone();
-    machine.pass(2000);
+    machine.run_ms(2000);
     machine.notes.clear();
-    machine.linked.check();
-    machine.pass(300);
+    machine.linked.check_count();
+    machine.run_ms(300);
     assert_eq!(checks(&machine), [true]);
     // As when the port is closed.
-    machine.linked.check_last();
-    machine.pass(5);
+    machine.linked.check_count_before_close();
+    machine.run_ms(5);
     assert_eq!(checks(&machine), [true, true]);
     machine.notes.clear();
     machine.twin.add_position_error([0, 1]);
-    machine.pass(1500);
-    machine.linked.check();
-    machine.pass(300);
+    machine.run_ms(1500);
+    machine.linked.check_count();
+    machine.run_ms(300);
     assert!(
         machine
             .notes
             .iter()
-            .any(|note| matches!(note, Note::Checked { agrees: false, .. }))
+            .any(|note| matches!(note, LinkNote::CountChecked { agrees: false, .. }))
     );
     assert!(
         !machine
             .notes
             .iter()
-            .any(|note| matches!(note, Note::Checked { agrees: true, .. }))
+            .any(|note| matches!(note, LinkNote::CountChecked { agrees: true, .. }))
     );
     assert_eq!(machine.alarms(), [611]);
 }
 
 #[test]
 fn a_count_is_compared_on_demand() {
-    on_demand(&Machine::referenced(Variant::Grbl));
-    on_demand(&Machine::timed_referenced());
+    check_on_demand(&LinkedMachine::referenced(Variant::Grbl));
+    check_on_demand(&LinkedMachine::timed_referenced());
 }
 
 /// The log contains every stop of a program and its end.
-fn is_logged<T: Board>(ready: &Machine<T>) {
+fn check_log<T: BenchBoard>(ready: &LinkedMachine<T>) {
     let mut machine = ready.clone();
     machine.notes.clear();
     machine.load(&SHORT.replace("N70 G04 X0.2", "N70 M00"), None);
-    machine.start();
-    machine.wait(5000, |machine| machine.simulation.cnc.feed_actual() > 200.0);
+    machine.start_program();
+    machine.run_until(5000, |machine| machine.simulation.cnc.feed_actual() > 200.0);
     machine.press(FEED_HOLD);
-    machine.pass(1000);
-    let count = |machine: &Machine<T>| machine.notes.len();
+    machine.run_ms(1000);
+    let count = |machine: &LinkedMachine<T>| machine.notes.len();
     assert_eq!(count(&machine), 1, "hold: {:?}", machine.notes);
     machine.press(CYCLE_START);
-    machine.wait(20_000, |machine| {
-        machine.simulation.cnc.cursor().line == 8 && !machine.linked.is_behind()
+    machine.run_until(20_000, |machine| {
+        machine.simulation.cnc.cursor().line == 8 && !machine.linked.has_pending_motion()
     });
-    machine.pass(500);
+    machine.run_ms(500);
     assert_eq!(count(&machine), 2, "M00: {:?}", machine.notes);
-    machine.pass(5000);
+    machine.run_ms(5000);
     assert_eq!(count(&machine), 2, "once a stop: {:?}", machine.notes);
     machine.press(CYCLE_START);
     machine.run_to_end(20_000);
-    machine.pass(500);
+    machine.run_ms(500);
     assert_eq!(count(&machine), 3, "the end: {:?}", machine.notes);
     assert!(matches!(
         machine.notes[2],
-        Note::Checked {
+        LinkNote::CountChecked {
             program: Some(_),
             agrees: true,
             ..
@@ -166,6 +177,6 @@ fn is_logged<T: Board>(ready: &Machine<T>) {
 
 #[test]
 fn every_stop_of_a_program_is_in_the_log() {
-    is_logged(&Machine::referenced(Variant::Grbl));
-    is_logged(&Machine::timed_referenced());
+    check_log(&LinkedMachine::referenced(Variant::Grbl));
+    check_log(&LinkedMachine::timed_referenced());
 }

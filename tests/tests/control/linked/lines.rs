@@ -6,86 +6,86 @@ use gsk_link::LinkState;
 use gsk_twins::grbl::{GrblTwin, Variant};
 use gsk_twins::wire::{Damage, Wire};
 
-use super::{SHORT, assert_together};
-use crate::bench::board::Machine;
+use super::{SHORT, assert_counts_agree};
+use crate::bench::board::LinkedMachine;
 use crate::bench::keys::RESET;
 
 const MS: u64 = 1_000_000;
 
 /// A disturbance of the future traffic.
-type Trouble = fn(&mut GrblTwin);
+type LineDisturbance = fn(&mut GrblTwin);
 
-fn again_and_again(wire: &mut Wire, every: u64, damage: Damage) {
+fn repeat_damage(wire: &mut Wire, every: u64, damage: Damage) {
     let from = wire.sent_count();
     for count in 1..400 {
         wire.damage(from + count * every, damage);
     }
 }
 
-fn once(wire: &mut Wire, damage: Damage) {
+fn damage_once(wire: &mut Wire, damage: Damage) {
     let byte = wire.sent_count() + 1500;
     wire.damage(byte, damage);
 }
 
 /// Name, the computer's clock relative to the board's, the disturbance, and whether it must
 /// remain unnoticed. The link repeats nothing on this wire, so damage leads to a stop.
-const LINES: [(&str, f64, Trouble, bool); 11] = [
+const LINES: [(&str, f64, LineDisturbance, bool); 11] = [
     ("whole", 1.0, |_| {}, true),
     ("the board's clock is fast", 1.0 - 100e-6, |_| {}, true),
     ("the board's clock is slow", 1.0 + 100e-6, |_| {}, true),
     (
         "it waits, to the board",
         1.0,
-        |twin| again_and_again(&mut twin.to_board, 900, Damage::Stalled(100 * MS)),
+        |twin| repeat_damage(&mut twin.to_board, 900, Damage::Stalled(100 * MS)),
         true,
     ),
     (
         "it waits, to the host",
         1.0,
-        |twin| again_and_again(&mut twin.to_host, 900, Damage::Stalled(100 * MS)),
+        |twin| repeat_damage(&mut twin.to_host, 900, Damage::Stalled(100 * MS)),
         true,
     ),
     (
         "it becomes slow, to the board",
         1.0,
-        |twin| once(&mut twin.to_board, Damage::Delayed(50 * MS)),
+        |twin| damage_once(&mut twin.to_board, Damage::Delayed(50 * MS)),
         true,
     ),
     (
         "it becomes slow, to the host",
         1.0,
-        |twin| once(&mut twin.to_host, Damage::Delayed(100 * MS)),
+        |twin| damage_once(&mut twin.to_host, Damage::Delayed(100 * MS)),
         true,
     ),
     (
         "it becomes very slow, to the board",
         1.0,
-        |twin| once(&mut twin.to_board, Damage::Delayed(100 * MS)),
+        |twin| damage_once(&mut twin.to_board, Damage::Delayed(100 * MS)),
         true,
     ),
     (
         "bytes are lost",
         1.0,
-        |twin| again_and_again(&mut twin.to_board, 700, Damage::Lost),
+        |twin| repeat_damage(&mut twin.to_board, 700, Damage::Lost),
         false,
     ),
     (
         "bytes are changed",
         1.0,
-        |twin| again_and_again(&mut twin.to_board, 700, Damage::Changed(0x10)),
+        |twin| repeat_damage(&mut twin.to_board, 700, Damage::Changed(0x10)),
         false,
     ),
     (
         "bytes come twice",
         1.0,
-        |twin| again_and_again(&mut twin.to_board, 700, Damage::Doubled),
+        |twin| repeat_damage(&mut twin.to_board, 700, Damage::Doubled),
         false,
     ),
 ];
 
 #[test]
-fn lines_as_they_are_are_survived_or_stop_the_board() {
-    let ready = Machine::referenced(Variant::Grbl);
+fn disturbed_lines_are_survived_or_stop_the_board() {
+    let ready = LinkedMachine::referenced(Variant::Grbl);
     let mut whole_ms = 0;
     for (name, clock_rate, trouble, unnoticed) in LINES {
         let mut machine = ready.clone();
@@ -93,17 +93,17 @@ fn lines_as_they_are_are_survived_or_stop_the_board() {
         machine.load(SHORT, None);
         trouble(&mut machine.twin);
         let from = machine.twin.now();
-        machine.start();
-        let over = machine.wait(60_000, |machine| {
+        machine.start_program();
+        let over = machine.run_until(60_000, |machine| {
             let idle = machine.simulation.cnc.run_state() == RunState::Reset;
-            !machine.alarms().is_empty() || (idle && !machine.linked.is_behind())
+            !machine.alarms().is_empty() || (idle && !machine.linked.has_pending_motion())
         });
         assert!(over, "{name}: it hangs");
         let took = (machine.twin.now() - from) / MS;
-        machine.pass(2000);
+        machine.run_ms(2000);
         println!("{name}: {took} ms, {:?}", machine.alarms());
         if machine.alarms().is_empty() {
-            assert_together(&machine);
+            assert_counts_agree(&machine);
             if whole_ms == 0 {
                 whole_ms = took;
             }
@@ -114,10 +114,10 @@ fn lines_as_they_are_are_survived_or_stop_the_board() {
         assert!(!unnoticed, "{name}: {:?}", machine.alarms());
         let stood = machine.twin.pulses();
         machine.press(RESET);
-        machine.pass(1500);
+        machine.run_ms(1500);
         assert_eq!(machine.twin.pulses(), stood, "{name}: it moves on");
         if machine.linked.state() == LinkState::Ready {
-            assert_together(&machine);
+            assert_counts_agree(&machine);
         }
     }
 }
@@ -126,7 +126,7 @@ fn lines_as_they_are_are_survived_or_stop_the_board() {
 /// is compared.
 #[test]
 fn a_computer_that_pauses_is_not_noticed_or_stops_the_slides() {
-    let ready = Machine::referenced(Variant::Grbl);
+    let ready = LinkedMachine::referenced(Variant::Grbl);
     for (pause, noticed) in [
         (10, false),
         (50, false),
@@ -136,22 +136,22 @@ fn a_computer_that_pauses_is_not_noticed_or_stops_the_slides() {
     ] {
         let mut machine = ready.clone();
         machine.load("O1\nG50 X60 Z20\nG98 G01 X50 Z-180 F600\nM30\n", None);
-        machine.start();
-        machine.wait(5000, |machine| machine.simulation.cnc.feed_actual() > 590.0);
+        machine.start_program();
+        machine.run_until(5000, |machine| machine.simulation.cnc.feed_actual() > 590.0);
         for _ in 0..3 {
-            machine.pass(400);
+            machine.run_ms(400);
             if machine.alarms().is_empty() {
-                machine.pause(pause);
+                machine.pause_host(pause);
             }
         }
-        machine.pass(2000);
+        machine.run_ms(2000);
         if noticed {
             assert_eq!(machine.alarms(), [612], "{pause}");
-            assert_together(&machine);
+            assert_counts_agree(&machine);
         } else {
             assert_eq!(machine.alarms(), [0_u16; 0], "{pause}");
             machine.run_to_end(120_000);
-            assert_together(&machine);
+            assert_counts_agree(&machine);
         }
     }
 }

@@ -7,18 +7,18 @@ mod checks;
 mod faults;
 mod limits;
 mod lines;
+mod long_run;
 mod motion;
 mod parameters;
 mod passes;
-mod place;
+mod path;
 mod programs;
 mod reference;
-mod shift;
 mod states;
+mod stop_position;
 mod stops;
-mod way;
 
-use super::bench::board::{Board, Machine};
+use super::bench::board::{BenchBoard, LinkedMachine};
 use gsk_twins::grbl::Variant;
 
 /// The firmwares that read lines.
@@ -35,7 +35,7 @@ const SHORT: &str = "O9\nN10 G50 X60 Z20\nN20 G98 G97 S500 M03\nN30 G00 X40 Z5 M
     N80 G00 X60 Z20\nN90 M05\nN95 M09\nN99 M30\n";
 
 #[track_caller]
-fn assert_together<T: Board>(machine: &Machine<T>) {
+fn assert_counts_agree<T: BenchBoard>(machine: &LinkedMachine<T>) {
     let stood = machine.simulation.cnc.pulses();
-    assert_eq!(machine.made(), [stood.x.0, stood.z.0]);
+    assert_eq!(machine.made_pulses(), [stood.x.0, stood.z.0]);
 }

@@ -2,15 +2,15 @@
 
 use core::time::Duration;
 
-use gsk_core::linked::drives;
-use gsk_core::memory::Parameters;
+use gsk_core::linked::drives_from_parameters;
+use gsk_core::memory::ControlParameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::step_queue::StepLink;
 use gsk_link::{Backend, FINE, LinkConfig, LinkEvent, LinkState, MotionRefused, RunTime, Sample};
 use gsk_twins::klipper::{KlipperHardware, KlipperTwin};
 
 /// One millisecond, ns.
-pub const MS: u64 = 1_000_000;
+pub const MS_IN_NS: u64 = 1_000_000;
 
 pub const WIRED: &str = r#"(
     protocol: StepQueue,
@@ -21,7 +21,7 @@ pub const WIRED: &str = r#"(
 )"#;
 
 #[derive(Clone)]
-pub struct Bench {
+pub struct StepBench {
     pub link: StepLink,
     pub twin: KlipperTwin,
     pub run: RunTime,
@@ -35,15 +35,15 @@ pub fn config() -> LinkConfig {
     config
 }
 
-pub fn parameters() -> Parameters {
-    let mut parameters = Parameters::default();
+pub fn parameters() -> ControlParameters {
+    let mut parameters = ControlParameters::default();
     for number in [17, 18] {
         parameters.set(number, 5).unwrap();
     }
     parameters
 }
 
-impl Bench {
+impl StepBench {
     /// A board after power-on, on a control with electronic gear 1/5.
     pub fn new(make: KlipperHardware) -> Self {
         Self::wired(config(), make)
@@ -54,7 +54,11 @@ impl Bench {
         let mut twin = KlipperTwin::new(make);
         twin.set_pin("PC2", true);
         Self {
-            link: StepLink::open(config, &drives(&parameters()), Duration::ZERO),
+            link: StepLink::open(
+                config,
+                &drives_from_parameters(&parameters()),
+                Duration::ZERO,
+            ),
             twin,
             run: RunTime::ZERO,
             at: (0.0, 0.0),
@@ -70,9 +74,13 @@ impl Bench {
     /// The same with another board.
     pub fn ready_with(make: KlipperHardware) -> Self {
         let mut bench = Self::new(make);
-        assert!(bench.gets(LinkState::Locked, 5000), "{:?}", bench.events);
+        assert!(
+            bench.reaches_state(LinkState::Locked, 5000),
+            "{:?}",
+            bench.events
+        );
         bench.set_position();
-        bench.pass(300);
+        bench.run_ms(300);
         bench.events.clear();
         bench
     }
@@ -80,12 +88,12 @@ impl Bench {
     /// Closes and opens the port again, without a message to the board.
     pub fn open_again(&mut self) {
         let now = Duration::from_nanos(self.twin.now());
-        self.link = StepLink::open(config(), &drives(&parameters()), now);
+        self.link = StepLink::open(config(), &drives_from_parameters(&parameters()), now);
         self.events.clear();
     }
 
     pub fn set_position(&mut self) {
-        self.pass(200);
+        self.run_ms(200);
         self.link.set_position(self.pulses(), self.run).unwrap();
     }
 
@@ -94,13 +102,13 @@ impl Bench {
         PerAxis::new(whole(self.at.0), whole(self.at.1))
     }
 
-    pub fn ms(&mut self) {
-        self.twin.advance(MS);
-        self.host();
+    pub fn run_one_ms(&mut self) {
+        self.twin.advance(MS_IN_NS);
+        self.run_host();
     }
 
     /// Runs the host once; between two calls it sleeps.
-    pub fn host(&mut self) {
+    pub fn run_host(&mut self) {
         let now = Duration::from_nanos(self.twin.now());
         let bytes = self.twin.read();
         self.link.rx(&bytes, now);
@@ -115,41 +123,41 @@ impl Bench {
         self.link.consumed(tx.len());
     }
 
-    pub fn pass(&mut self, ms: u32) {
+    pub fn run_ms(&mut self, ms: u32) {
         for _ in 0..ms {
-            self.ms();
+            self.run_one_ms();
         }
     }
 
-    pub fn wait(&mut self, limit_ms: u32, until: impl Fn(&Self) -> bool) -> bool {
+    pub fn run_until(&mut self, limit_ms: u32, until: impl Fn(&Self) -> bool) -> bool {
         for _ in 0..limit_ms {
             if until(self) {
                 return true;
             }
-            self.ms();
+            self.run_one_ms();
         }
         until(self)
     }
 
-    pub fn gets(&mut self, state: LinkState, limit_ms: u32) -> bool {
-        self.wait(limit_ms, |bench| bench.link.state() == state)
+    pub fn reaches_state(&mut self, state: LinkState, limit_ms: u32) -> bool {
+        self.run_until(limit_ms, |bench| bench.link.state() == state)
     }
 
     /// Sends one tick of motion when there is space for it. Returns false if it is refused.
-    pub fn sample(&mut self, x: f64, z: f64) -> bool {
+    pub fn send_sample(&mut self, x: f64, z: f64) -> bool {
         for _ in 0..3000 {
             if !self.link.state().takes_motion() {
                 return false;
             }
             if self.link.free_lookahead() >= Duration::from_millis(1) {
-                return self.give(x, z).is_ok();
+                return self.try_sample(x, z).is_ok();
             }
-            self.ms();
+            self.run_one_ms();
         }
         false
     }
 
-    pub fn give(&mut self, x: f64, z: f64) -> Result<(), MotionRefused> {
+    pub fn try_sample(&mut self, x: f64, z: f64) -> Result<(), MotionRefused> {
         let before = (self.run, self.at);
         self.run += Duration::from_millis(1);
         self.at = (x, z);
@@ -167,13 +175,13 @@ impl Bench {
 
     /// Moves both axes there and back with ramps and a reversal, and Z 100 pulses farther.
     /// Returns false if the motion is interrupted.
-    pub fn job(&mut self) -> bool {
+    pub fn run_job(&mut self) -> bool {
         let (x0, z0) = self.at;
         for k in 1..=1000_i64 {
             let share = 0.5 - 0.5 * libm::cos(core::f64::consts::TAU * k as f64 / 1000.0);
             let done = k as f64 / 1000.0;
             let rest = done * done * (3.0 - 2.0 * done);
-            if !self.sample(x0 + 800.0 * share, z0 - 2400.0 * share - 100.0 * rest) {
+            if !self.send_sample(x0 + 800.0 * share, z0 - 2400.0 * share - 100.0 * rest) {
                 return false;
             }
         }
@@ -182,17 +190,17 @@ impl Bench {
 
     /// Follows a path, tick by tick from the current position. Returns false if the motion is
     /// interrupted.
-    pub fn follow(&mut self, ms: u32, path: impl Fn(f64) -> (f64, f64)) -> bool {
+    pub fn follow_path(&mut self, ms: u32, path: impl Fn(f64) -> (f64, f64)) -> bool {
         let (x, z) = self.at;
         (1..=ms).all(|tick| {
             let (dx, dz) = path(f64::from(tick));
-            self.sample(x + dx, z + dz)
+            self.send_sample(x + dx, z + dz)
         })
     }
 
     /// Moves Z at a speed, pulses a ms, for some ms.
-    pub fn feed(&mut self, speed: f64, ms: u32) -> bool {
-        (0..ms).all(|_| self.sample(self.at.0, self.at.1 + speed))
+    pub fn feed_z(&mut self, speed: f64, ms: u32) -> bool {
+        (0..ms).all(|_| self.send_sample(self.at.0, self.at.1 + speed))
     }
 
     pub fn alarms(&self) -> Vec<u16> {
@@ -204,7 +212,7 @@ impl Bench {
     }
 
     /// The dictionaries that were read.
-    pub fn learned(&self) -> Vec<(String, Vec<u8>)> {
+    pub fn read_dictionaries(&self) -> Vec<(String, Vec<u8>)> {
         let learned = |event: &LinkEvent| match event {
             LinkEvent::Learned { name, packed } => Some((name.clone(), packed.clone())),
             _ => None,
@@ -212,19 +220,19 @@ impl Bench {
         self.events.iter().filter_map(learned).collect()
     }
 
-    pub fn counted(&self) -> (i64, i64) {
+    pub fn counted_pulses(&self) -> (i64, i64) {
         (self.pulses().x.0, self.pulses().z.0)
     }
 
-    pub fn made(&self) -> (i64, i64) {
+    pub fn made_pulses(&self) -> (i64, i64) {
         let [x, z] = self.twin.pulses();
         (x, z)
     }
 
     /// Checks that nothing moves any more, even without the operator.
-    pub fn stands(&mut self, ms: u32) {
+    pub fn assert_stands_still(&mut self, ms: u32) {
         let stood = self.twin.pulses();
-        self.pass(ms);
+        self.run_ms(ms);
         assert_eq!(self.twin.pulses(), stood, "it moves on");
     }
 }

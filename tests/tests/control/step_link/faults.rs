@@ -2,43 +2,43 @@
 
 use core::time::Duration;
 
-use gsk_core::linked::drives;
+use gsk_core::linked::drives_from_parameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::step_queue::StepLink;
 use gsk_link::{Backend, LinkEvent, LinkState, Stop};
 use gsk_twins::klipper::KlipperState;
 use gsk_twins::wire::Damage;
 
-use super::bench::{Bench, MS, config, parameters};
+use super::bench::{MS_IN_NS, StepBench, config, parameters};
 
 /// The host dies: nothing renews the heartbeat any more.
 #[test]
 fn a_dead_host_stops_the_axes_within_250_ms() {
-    let mut bench = Bench::ready();
+    let mut bench = StepBench::ready();
     // The board holds motion for longer than the heartbeat is valid.
     let mut long = config();
     long.lookahead_ms = Some(400);
     bench.link = StepLink::open(
         long,
-        &drives(&parameters()),
+        &drives_from_parameters(&parameters()),
         Duration::from_nanos(bench.twin.now()),
     );
-    bench.pass(1500);
+    bench.run_ms(1500);
     assert_eq!(bench.link.state(), LinkState::Locked, "{:?}", bench.events);
     bench.set_position();
-    assert!(bench.feed(-4.0, 800));
+    assert!(bench.feed_z(-4.0, 800));
     let died = bench.twin.now();
-    bench.twin.advance(2000 * MS);
+    bench.twin.advance(2000 * MS_IN_NS);
     let stood = bench.twin.last_pulse_ns() - died;
-    assert!(stood <= 250 * MS, "{stood}");
+    assert!(stood <= 250 * MS_IN_NS, "{stood}");
     assert!(
         matches!(bench.twin.state(), KlipperState::Shutdown(text) if text.starts_with("Missed"))
     );
-    let made = bench.made();
+    let made = bench.made_pulses();
     // It returns and finds all it needs.
-    bench.host();
-    bench.pass(100);
-    assert_eq!(bench.made(), made);
+    bench.run_host();
+    bench.run_ms(100);
+    assert_eq!(bench.made_pulses(), made);
     assert!(bench.alarms().contains(&605), "{:?}", bench.events);
     assert_eq!(bench.link.position(), None);
 }
@@ -53,18 +53,18 @@ fn a_host_that_pauses_is_not_noticed_or_ends_in_the_defined_stop() {
         (400, true),
         (2000, true),
     ] {
-        let mut bench = Bench::ready();
-        let mut whole = bench.feed(-4.0, 500);
-        bench.twin.advance(pause * MS);
-        bench.host();
-        whole &= bench.feed(-4.0, 500);
+        let mut bench = StepBench::ready();
+        let mut whole = bench.feed_z(-4.0, 500);
+        bench.twin.advance(pause * MS_IN_NS);
+        bench.run_host();
+        whole &= bench.feed_z(-4.0, 500);
         assert_eq!(whole, !noticed, "{pause}: {:?}", bench.events);
         assert!(
             bench.twin.statistics().min_lead_ns > 0,
             "{pause}: a step came late"
         );
         if noticed {
-            bench.pass(1000);
+            bench.run_ms(1000);
             let known = [605, 612];
             assert!(
                 bench.alarms().iter().all(|number| known.contains(number)),
@@ -75,58 +75,58 @@ fn a_host_that_pauses_is_not_noticed_or_ends_in_the_defined_stop() {
             assert_eq!(bench.link.position(), None, "{pause}: it was stopped fast");
             assert!(!bench.link.state().takes_motion());
             if bench.twin.state() == KlipperState::Running {
-                let (x, z) = bench.made();
+                let (x, z) = bench.made_pulses();
                 let stood = LinkEvent::Position(PerAxis::new(Pulses(x), Pulses(z)));
                 assert!(bench.events.contains(&stood), "{pause}: {:?}", bench.events);
             }
-            bench.stands(2000);
+            bench.assert_stands_still(2000);
         } else {
             bench.link.finish().unwrap();
             assert!(
-                bench.gets(LinkState::Ready, 500),
+                bench.reaches_state(LinkState::Ready, 500),
                 "{pause}: {:?}",
                 bench.events
             );
-            assert_eq!(bench.made(), (0, -4000));
+            assert_eq!(bench.made_pulses(), (0, -4000));
         }
     }
 }
 
 #[test]
 fn a_slow_motion_that_runs_dry_keeps_its_position() {
-    let mut bench = Bench::ready();
-    assert!(bench.feed(-0.9, 500));
-    bench.twin.advance(180 * MS);
-    bench.pass(300);
+    let mut bench = StepBench::ready();
+    assert!(bench.feed_z(-0.9, 500));
+    bench.twin.advance(180 * MS_IN_NS);
+    bench.run_ms(300);
     assert_eq!(
         (bench.link.state(), bench.alarms()),
         (LinkState::Fault, vec![612])
     );
-    let (x, z) = bench.made();
+    let (x, z) = bench.made_pulses();
     assert_eq!(
         bench.link.position(),
         Some(PerAxis::new(Pulses(x), Pulses(z)))
     );
-    bench.stands(500);
+    bench.assert_stands_still(500);
     bench.link.reset();
     assert_eq!(bench.link.state(), LinkState::Locked);
     bench.at = (x as f64, z as f64);
     bench.set_position();
-    assert!(bench.job() && bench.gets(LinkState::Ready, 500));
-    assert_eq!(bench.made(), bench.counted());
+    assert!(bench.run_job() && bench.reaches_state(LinkState::Ready, 500));
+    assert_eq!(bench.made_pulses(), bench.counted_pulses());
 }
 
 #[test]
 fn a_board_that_restarts_is_noticed_in_every_state() {
     for state in 0..3 {
-        let mut bench = Bench::ready();
+        let mut bench = StepBench::ready();
         match state {
             0 => {}
-            1 => assert!(bench.feed(-4.0, 300)),
+            1 => assert!(bench.feed_z(-4.0, 300)),
             _ => bench.link.stop(Stop::Flush),
         }
         bench.twin.press_reset();
-        bench.pass(1500);
+        bench.run_ms(1500);
         assert_eq!(
             bench.link.state(),
             LinkState::Fault,
@@ -135,10 +135,10 @@ fn a_board_that_restarts_is_noticed_in_every_state() {
         );
         assert_eq!(bench.alarms(), [606], "{state}");
         assert_eq!(bench.link.position(), None);
-        bench.stands(500);
+        bench.assert_stands_still(500);
         bench.link.reset();
         assert!(
-            bench.gets(LinkState::Locked, 3000),
+            bench.reaches_state(LinkState::Locked, 3000),
             "{state}: {:?}",
             bench.events
         );
@@ -147,38 +147,38 @@ fn a_board_that_restarts_is_noticed_in_every_state() {
 
 #[test]
 fn an_unplugged_cable_is_605() {
-    let mut bench = Bench::ready();
-    assert!(bench.feed(-4.0, 300));
+    let mut bench = StepBench::ready();
+    assert!(bench.feed_z(-4.0, 300));
     bench.twin.to_host.set_cut(true);
     bench.twin.to_board.set_cut(true);
-    bench.pass(1000);
+    bench.run_ms(1000);
     assert_eq!(
         (bench.link.state(), bench.alarms()),
         (LinkState::Lost, vec![605])
     );
-    bench.stands(2000);
+    bench.assert_stands_still(2000);
 }
 
 /// Runs the job with damage on the wire. It ends on the pulse with the count compared, or it
 /// stops with an alarm that states whether the position is known. There is no third result.
-fn ends_defined(mut bench: Bench, place: &str) -> (bool, i64) {
-    let whole = bench.job();
-    bench.pass(1500);
+fn run_to_defined_end(mut bench: StepBench, place: &str) -> (bool, i64) {
+    let whole = bench.run_job();
+    bench.run_ms(1500);
     let proved = match bench.link.state() {
         LinkState::Ready if whole && bench.alarms().is_empty() => {
-            assert_eq!(bench.made(), (0, -100), "{place}");
+            assert_eq!(bench.made_pulses(), (0, -100), "{place}");
             true
         }
         LinkState::Locked | LinkState::Fault | LinkState::Lost | LinkState::Tripped => {
             assert!(!bench.alarms().is_empty(), "{place}: {:?}", bench.events);
             if let Some(position) = bench.link.position() {
-                assert_eq!((position.x.0, position.z.0), bench.made(), "{place}");
+                assert_eq!((position.x.0, position.z.0), bench.made_pulses(), "{place}");
             }
             false
         }
         state => panic!("{place}: {state:?} {:?}", bench.events),
     };
-    bench.stands(500);
+    bench.assert_stands_still(500);
     (proved, bench.twin.statistics().min_lead_ns)
 }
 
@@ -192,13 +192,13 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
         Damage::Lost,
         Damage::Changed(0x15),
         Damage::Doubled,
-        Damage::Delayed(100 * MS),
+        Damage::Delayed(100 * MS_IN_NS),
         Damage::Cut,
     ];
-    let ready = Bench::ready();
+    let ready = StepBench::ready();
     let clean = {
         let mut bench = ready.clone();
-        assert!(bench.job() && bench.gets(LinkState::Ready, 1000));
+        assert!(bench.run_job() && bench.reaches_state(LinkState::Ready, 1000));
         (
             bench.twin.to_board.sent_count(),
             bench.twin.to_host.sent_count(),
@@ -226,10 +226,10 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
                     bench.twin.to_host.damage(byte, damage);
                 }
                 let place = format!("{damage:?} at {byte}, to the board: {to_board}");
-                let (proves, lead) = ends_defined(bench, &place);
+                let (proves, lead) = run_to_defined_end(bench, &place);
                 assert!(lead > 0, "{place}: a step came late");
-                slow += i32::from(damage == Damage::Delayed(100 * MS));
-                too_slow += i32::from(damage == Damage::Delayed(100 * MS) && !proves);
+                slow += i32::from(damage == Damage::Delayed(100 * MS_IN_NS));
+                too_slow += i32::from(damage == Damage::Delayed(100 * MS_IN_NS) && !proves);
                 if proves {
                     proved += 1;
                     assert_ne!(damage, Damage::Cut);
@@ -248,21 +248,21 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
 /// The board loses power at any moment of a job.
 #[test]
 fn a_reset_at_any_moment_of_a_job_is_606() {
-    let ready = Bench::ready();
+    let ready = StepBench::ready();
     for at in (0..1200).step_by(97) {
         let mut bench = ready.clone();
         for k in 0..1000_i64 {
             if k == at {
                 bench.twin.press_reset();
             }
-            if !bench.feed(if k < 500 { -3.0 } else { 3.0 }, 1) {
+            if !bench.feed_z(if k < 500 { -3.0 } else { 3.0 }, 1) {
                 break;
             }
         }
         if at >= 1000 {
             bench.twin.press_reset();
         }
-        bench.pass(1500);
+        bench.run_ms(1500);
         assert_eq!(
             bench.link.state(),
             LinkState::Fault,
@@ -271,14 +271,14 @@ fn a_reset_at_any_moment_of_a_job_is_606() {
         );
         assert!(bench.alarms().contains(&606), "{at}: {:?}", bench.alarms());
         assert_eq!(bench.link.position(), None);
-        bench.stands(500);
+        bench.assert_stands_still(500);
     }
 }
 
 /// On a line that loses bytes at a regular distance, complete messages still arrive.
 #[test]
 fn a_bad_line_is_survived() {
-    let mut bench = Bench::ready();
+    let mut bench = StepBench::ready();
     let (out, back) = (
         bench.twin.to_board.sent_count(),
         bench.twin.to_host.sent_count(),
@@ -292,9 +292,13 @@ fn a_bad_line_is_survived() {
         bench.twin.to_host.damage(back + k * 701, Damage::Doubled);
         bench.twin.to_host.damage(back + k * 1103, Damage::Lost);
     }
-    assert!(bench.job(), "{:?}", bench.events);
-    assert!(bench.gets(LinkState::Ready, 1000), "{:?}", bench.events);
-    assert_eq!((bench.made(), bench.alarms()), ((0, -100), vec![]));
+    assert!(bench.run_job(), "{:?}", bench.events);
+    assert!(
+        bench.reaches_state(LinkState::Ready, 1000),
+        "{:?}",
+        bench.events
+    );
+    assert_eq!((bench.made_pulses(), bench.alarms()), ((0, -100), vec![]));
     assert!(
         bench.link.traffic().resent > 10,
         "{:?}",
@@ -308,17 +312,17 @@ fn a_bad_line_is_survived() {
 fn a_heartbeat_lost_at_rest_leaves_the_board_running() {
     for lookahead in [100, 400] {
         for phase in (0..100).step_by(13) {
-            let mut bench = Bench::ready();
+            let mut bench = StepBench::ready();
             let mut config = config();
             config.lookahead_ms = Some(lookahead);
             let now = Duration::from_nanos(bench.twin.now());
-            bench.link = StepLink::open(config, &drives(&parameters()), now);
-            bench.pass(2000);
+            bench.link = StepLink::open(config, &drives_from_parameters(&parameters()), now);
+            bench.run_ms(2000);
             bench.set_position();
-            bench.pass(500 + phase);
+            bench.run_ms(500 + phase);
             bench.events.clear();
-            bench.twin.advance(430 * MS);
-            bench.pass(500);
+            bench.twin.advance(430 * MS_IN_NS);
+            bench.run_ms(500);
             let place = format!("{lookahead} {phase}: {:?}", bench.events);
             assert_eq!(bench.twin.state(), KlipperState::Running, "{place}");
             assert_eq!(bench.link.state(), LinkState::Tripped, "{place}");

@@ -5,7 +5,7 @@ use gsk_link::LinkConfig;
 use gsk_twins::klipper::{KlipperHardware, SpindleWiring};
 
 use super::bench::WIRED;
-use super::machine::Machine;
+use super::machine::StepMachine;
 
 /// The wires of a machine file, optionally without its index.
 fn wires(index: bool) -> LinkConfig {
@@ -20,18 +20,22 @@ fn wires(index: bool) -> LinkConfig {
 }
 
 /// Referenced, with gear 1/5: a pulse of Z is 5 µm. Its steps are recorded.
-pub fn turning(index: bool, parameters: &[(u16, i32)]) -> Machine {
-    turning_with(KlipperHardware::default(), index, parameters)
+pub fn referenced_lathe(index: bool, parameters: &[(u16, i32)]) -> StepMachine {
+    referenced_lathe_with(KlipperHardware::default(), index, parameters)
 }
 
 /// The same with another board.
-pub fn turning_with(make: KlipperHardware, index: bool, parameters: &[(u16, i32)]) -> Machine {
+pub fn referenced_lathe_with(
+    make: KlipperHardware,
+    index: bool,
+    parameters: &[(u16, i32)],
+) -> StepMachine {
     let mut setup = Setup::delivered();
     setup.memory.parameters.set(37, 2000).unwrap();
     for (number, value) in parameters {
         setup.memory.parameters.set(*number, *value).unwrap();
     }
-    let mut machine = Machine::one_switch(make, wires(index), setup);
+    let mut machine = StepMachine::one_switch(make, wires(index), setup);
     machine.twin.attach_spindle(SpindleWiring {
         index_pin: "PC3",
         forward_pin: "PB4",

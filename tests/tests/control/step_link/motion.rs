@@ -5,22 +5,26 @@ use core::time::Duration;
 use gsk_link::{Backend, LinkEvent, LinkState, MotionRefused};
 use gsk_twins::klipper::KlipperHardware;
 
-use super::bench::{Bench, MS, config};
+use super::bench::{MS_IN_NS, StepBench, config};
 
 #[test]
 fn a_job_ends_on_the_commanded_pulse() {
     for ppm in [-100, 0, 100] {
-        let mut bench = Bench::new(KlipperHardware {
+        let mut bench = StepBench::new(KlipperHardware {
             clock_error_ppm: ppm,
             ..KlipperHardware::default()
         });
-        assert!(bench.gets(LinkState::Locked, 3000));
+        assert!(bench.reaches_state(LinkState::Locked, 3000));
         bench.set_position();
         for count in 1..=3 {
-            assert!(bench.job(), "{:?}", bench.events);
-            assert!(bench.gets(LinkState::Ready, 1000), "{:?}", bench.events);
-            assert_eq!(bench.counted(), (0, -100 * count));
-            assert_eq!(bench.made(), bench.counted());
+            assert!(bench.run_job(), "{:?}", bench.events);
+            assert!(
+                bench.reaches_state(LinkState::Ready, 1000),
+                "{:?}",
+                bench.events
+            );
+            assert_eq!(bench.counted_pulses(), (0, -100 * count));
+            assert_eq!(bench.made_pulses(), bench.counted_pulses());
         }
         assert_eq!(bench.alarms(), [0_u16; 0]);
         assert!(bench.events.contains(&LinkEvent::Drained));
@@ -34,63 +38,67 @@ fn a_job_ends_on_the_commanded_pulse() {
 
 #[test]
 fn motion_keeps_the_time_of_the_kernel_and_the_lookahead() {
-    let mut bench = Bench::ready();
-    assert!(bench.feed(-0.5, 100));
+    let mut bench = StepBench::ready();
+    assert!(bench.feed_z(-0.5, 100));
     let (from, run) = (bench.twin.now(), bench.run);
     for _ in 0..2000 {
-        assert!(bench.feed(-5.0, 1));
+        assert!(bench.feed_z(-5.0, 1));
         assert!(bench.link.outstanding() <= Duration::from_millis(135));
     }
     let took = (bench.twin.now() - from) as f64 * 1e-9;
     assert!((took - 2.0).abs() < 0.01, "{took}");
     bench.link.finish().unwrap();
     // The executed motion is shown, never more.
-    let behind = bench.run - bench.link.executed();
+    let lag = bench.run - bench.link.executed();
     assert!(
-        (Duration::from_millis(90)..Duration::from_millis(135)).contains(&behind),
-        "{behind:?}"
+        (Duration::from_millis(90)..Duration::from_millis(135)).contains(&lag),
+        "{lag:?}"
     );
     assert!(run < bench.link.executed());
-    assert!(bench.gets(LinkState::Ready, 500), "{:?}", bench.events);
-    assert_eq!(bench.made(), bench.counted());
+    assert!(
+        bench.reaches_state(LinkState::Ready, 500),
+        "{:?}",
+        bench.events
+    );
+    assert_eq!(bench.made_pulses(), bench.counted_pulses());
     assert_eq!(bench.link.executed(), bench.run);
 }
 
 #[test]
 fn a_rate_the_board_cannot_make_is_refused() {
-    let mut bench = Bench::ready();
-    assert!(bench.feed(32.0, 50));
+    let mut bench = StepBench::ready();
+    assert!(bench.feed_z(32.0, 50));
     assert_eq!(
-        bench.give(0.0, bench.at.1 + 40.0),
+        bench.try_sample(0.0, bench.at.1 + 40.0),
         Err(MotionRefused::TooFast)
     );
     bench.link.finish().unwrap();
-    assert!(bench.gets(LinkState::Ready, 500));
-    assert_eq!(bench.made(), (0, 1600));
+    assert!(bench.reaches_state(LinkState::Ready, 500));
+    assert_eq!(bench.made_pulses(), (0, 1600));
 }
 
 #[test]
 fn a_dwell_takes_its_time_and_a_pause_at_rest_is_none() {
-    let mut bench = Bench::ready();
-    assert!(bench.feed(-1.0, 100));
+    let mut bench = StepBench::ready();
+    assert!(bench.feed_z(-1.0, 100));
     let from = bench.twin.now();
-    assert!(bench.feed(0.0, 3000));
-    let took = (bench.twin.now() - from) / MS;
+    assert!(bench.feed_z(0.0, 3000));
+    let took = (bench.twin.now() - from) / MS_IN_NS;
     assert!((2990..=3010).contains(&took), "{took}");
-    bench.twin.advance(150 * MS);
+    bench.twin.advance(150 * MS_IN_NS);
     assert!(
-        bench.feed(-1.0, 100),
+        bench.feed_z(-1.0, 100),
         "{:?} {:?}",
         bench.link.state(),
         bench.events
     );
     bench.link.finish().unwrap();
-    bench.pass(800);
+    bench.run_ms(800);
     assert_eq!(
         (bench.link.state(), bench.alarms()),
         (LinkState::Ready, vec![])
     );
-    assert_eq!(bench.made(), (0, -200));
+    assert_eq!(bench.made_pulses(), (0, -200));
 }
 
 /// `!` before the pin of a direction acts as before every other pin: it inverts the axis, and
@@ -108,14 +116,22 @@ fn a_direction_is_turned_over_by_its_pin_or_by_its_axis() {
         config.z.invert_direction = invert;
         config.x.dir = format!("{sign}PA1");
         config.x.invert_direction = invert;
-        let mut bench = Bench::wired(config, KlipperHardware::default());
-        assert!(bench.gets(LinkState::Locked, 3000));
+        let mut bench = StepBench::wired(config, KlipperHardware::default());
+        assert!(bench.reaches_state(LinkState::Locked, 3000));
         bench.set_position();
-        assert!(bench.follow(500, |ms| (0.4 * ms, -0.8 * ms)));
+        assert!(bench.follow_path(500, |ms| (0.4 * ms, -0.8 * ms)));
         bench.link.finish().unwrap();
-        assert!(bench.gets(LinkState::Ready, 1000), "{:?}", bench.events);
+        assert!(
+            bench.reaches_state(LinkState::Ready, 1000),
+            "{:?}",
+            bench.events
+        );
         assert_eq!(bench.alarms(), [0_u16; 0]);
-        assert_eq!(bench.made(), (way * 200, way * -400), "{sign:?} {invert}");
+        assert_eq!(
+            bench.made_pulses(),
+            (way * 200, way * -400),
+            "{sign:?} {invert}"
+        );
     }
 }
 
@@ -124,35 +140,35 @@ fn a_direction_is_turned_over_by_its_pin_or_by_its_axis() {
 /// steps of the other axis, and no later.
 #[test]
 fn steps_of_two_fast_axes_keep_their_times() {
-    const TOP: f64 = 25.0;
-    const APART: f64 = 1e6 / 25_000.0;
-    let mut bench = Bench::ready();
-    let ramp = |k: u32| TOP * f64::from(k.min(500)) / 500.0;
+    const TOP_SPEED: f64 = 25.0;
+    const STEP_INTERVAL_US: f64 = 1e6 / 25_000.0;
+    let mut bench = StepBench::ready();
+    let ramp = |k: u32| TOP_SPEED * f64::from(k.min(500)) / 500.0;
     bench.twin.start_recording_steps();
     let mut steps = Vec::new();
     for k in 0..2000 {
         let (x, z) = bench.at;
         assert!(
-            bench.sample(x + ramp(k), z + 0.97 * ramp(k)),
+            bench.send_sample(x + ramp(k), z + 0.97 * ramp(k)),
             "{:?}",
             bench.events
         );
         steps.extend(bench.twin.take_recorded_steps());
     }
-    for (axis, apart) in [(0, APART), (1, APART / 0.97)] {
+    for (axis, apart) in [(0, STEP_INTERVAL_US), (1, STEP_INTERVAL_US / 0.97)] {
         let fast: Vec<_> = steps
             .iter()
             .filter(|step| step.stepper == axis)
             .skip(10_000)
             .collect();
         assert!(fast.len() > 10_000, "{}", fast.len());
-        let told: Vec<f64> = fast
+        let sent_times: Vec<f64> = fast
             .iter()
             .map(|step| step.due_ns as f64 / 1000.0)
             .collect();
         let made: Vec<f64> = fast.iter().map(|step| step.at_ns as f64 / 1000.0).collect();
-        let begin = told[0];
-        let off = |times: &[f64]| {
+        let begin = sent_times[0];
+        let max_error = |times: &[f64]| {
             let off = times
                 .iter()
                 .enumerate()
@@ -163,7 +179,15 @@ fn steps_of_two_fast_axes_keep_their_times() {
             most - least
         };
         // To either side.
-        assert!(off(&told) <= 2.0 * apart / 4.0, "{}", off(&told));
-        assert!(off(&made) <= 2.0 * apart / 4.0 + 11.0, "{}", off(&made));
+        assert!(
+            max_error(&sent_times) <= 2.0 * apart / 4.0,
+            "{}",
+            max_error(&sent_times)
+        );
+        assert!(
+            max_error(&made) <= 2.0 * apart / 4.0 + 11.0,
+            "{}",
+            max_error(&made)
+        );
     }
 }

@@ -6,22 +6,22 @@ use gsk_link::{LinkConfig, LinkState};
 use gsk_twins::klipper::{KlipperHardware, TravelSwitch};
 
 use super::bench::config;
-use super::machine::Machine;
-use crate::bench::dice::{Dice, rounds};
+use super::machine::StepMachine;
+use crate::bench::dice::{TestRandom, round_count};
 use crate::bench::keys::{FEED_HOLD, JOG, RESET, X_MINUS, X_PLUS, Z_MINUS, Z_PLUS, ZERO};
 
 /// Switches of the lathe: X closes at -6000 and opens at -4000 (5 mm at 400
 /// pulses/mm), Z at -3000 and -2000. The motors turn once in 1600 and 1000 pulses. When
 /// the switch of Z opens its zero signal is on.
-const DOG_X: TravelSwitch = travel(0, -6000, -4000, None);
-const DOG_Z: TravelSwitch = travel(1, -3000, -2000, None);
-const ZERO_X: TravelSwitch = travel(0, 0, 31, Some(1600));
-const ZERO_Z: TravelSwitch = travel(1, 0, 19, Some(1000));
+const DOG_X: TravelSwitch = travel_switch(0, -6000, -4000, None);
+const DOG_Z: TravelSwitch = travel_switch(1, -3000, -2000, None);
+const ZERO_X: TravelSwitch = travel_switch(0, 0, 31, Some(1600));
+const ZERO_Z: TravelSwitch = travel_switch(1, 0, 19, Some(1000));
 /// First edges after the dogs; the far edges of the dogs.
-const PLACE_B: [i64; 2] = [-3200, -1980];
-const PLACE_C: [i64; 2] = [-4000, -2000];
+const ZERO_B: [i64; 2] = [-3200, -1980];
+const ZERO_C: [i64; 2] = [-4000, -2000];
 
-const fn travel(axis: usize, from: i64, to: i64, turn: Option<i64>) -> TravelSwitch {
+const fn travel_switch(axis: usize, from: i64, to: i64, turn: Option<i64>) -> TravelSwitch {
     TravelSwitch {
         stepper: axis,
         first_pulse: from,
@@ -37,47 +37,47 @@ fn wires() -> LinkConfig {
 }
 
 /// `one`: one switch for each axis (method C); the keys need not be held.
-fn machine(one: bool, slides: [i64; 2]) -> Machine {
+fn machine(one: bool, slides: [i64; 2]) -> StepMachine {
     let mut machine = power_on(wires(), one, slides);
     machine.press(RESET);
     machine.press(ZERO);
-    machine.pass(300);
+    machine.run_ms(300);
     machine
 }
 
-fn power_on(config: LinkConfig, one: bool, slides: [i64; 2]) -> Machine {
-    keyed(config, one, true, slides)
+fn power_on(config: LinkConfig, one: bool, slides: [i64; 2]) -> StepMachine {
+    machine_with_keys(config, one, true, slides)
 }
 
 /// `press`: a press of the key is enough (011.2 ZNIK).
-fn keyed(config: LinkConfig, one: bool, press: bool, slides: [i64; 2]) -> Machine {
+fn machine_with_keys(config: LinkConfig, one: bool, press: bool, slides: [i64; 2]) -> StepMachine {
     let mut setup = Setup::delivered();
     for (number, bit, value) in [(7, 0, one), (7, 1, one), (11, 2, press)] {
         setup.memory.parameters.set_bit(number, bit, value).unwrap();
     }
-    let mut machine = Machine::wired(KlipperHardware::default(), config, setup);
+    let mut machine = StepMachine::with_wiring(KlipperHardware::default(), config, setup);
     machine.twin.place_slides(slides);
     for (pin, travel) in [
         ("PC4", DOG_X),
         ("PC6", DOG_Z),
         ("PC5", ZERO_X),
         ("PC7", ZERO_Z),
-        ("PC0", travel(0, 8000, 1 << 40, None)),
-        ("PC1", travel(1, 8000, 1 << 40, None)),
+        ("PC0", travel_switch(0, 8000, 1 << 40, None)),
+        ("PC1", travel_switch(1, 8000, 1 << 40, None)),
     ] {
         machine.twin.place_switch(pin, travel);
     }
-    assert!(machine.wait(3000, |machine| machine.linked.state() == LinkState::Locked));
+    assert!(machine.run_until(3000, |machine| machine.linked.state() == LinkState::Locked));
     machine.press(RESET);
     machine.press(ZERO);
-    machine.pass(300);
+    machine.run_ms(300);
     machine
 }
 
 #[track_caller]
-fn returned(machine: &mut Machine) -> [i64; 2] {
-    let ready = machine.wait(120_000, |machine| {
-        let referenced = machine.simulation.cnc.referenced();
+fn return_axes(machine: &mut StepMachine) -> [i64; 2] {
+    let ready = machine.run_until(120_000, |machine| {
+        let referenced = machine.simulation.cnc.referenced_axes();
         let returned = referenced.x && referenced.z;
         returned && machine.linked.state() == LinkState::Ready || !machine.alarms().is_empty()
     });
@@ -88,8 +88,8 @@ fn returned(machine: &mut Machine) -> [i64; 2] {
         machine.alarms(),
         machine.twin.pulses()
     );
-    machine.pass(300);
-    let referenced = machine.simulation.cnc.referenced();
+    machine.run_ms(300);
+    let referenced = machine.simulation.cnc.referenced_axes();
     assert!(referenced.x && referenced.z);
     let at = machine.simulation.cnc.position_machine();
     assert_eq!((at.x, at.z), (0.0, 0.0));
@@ -99,103 +99,107 @@ fn returned(machine: &mut Machine) -> [i64; 2] {
 /// From any start position and with any timing of the keys, the return ends on the same pulse.
 #[test]
 fn all_starts_end_on_the_same_pulse() {
-    let mut dice = Dice(5);
-    for round in 0..rounds(6) {
+    let mut dice = TestRandom(5);
+    for round in 0..round_count(6) {
         let one = dice.below(2) == 0;
         let slides = [
             -6100 - i64::from(dice.below(20_000)),
             -3100 - i64::from(dice.below(12_000)),
         ];
         let mut machine = machine(one, slides);
-        machine.pass(dice.below(50));
+        machine.run_ms(dice.below(50));
         machine.twin.advance(u64::from(dice.below(1_000_000)));
         let keys = match dice.below(2) {
             0 => [X_PLUS, Z_PLUS],
             _ => [Z_PLUS, X_PLUS],
         };
         machine.press(keys[0]);
-        machine.pass(dice.below(4000));
+        machine.run_ms(dice.below(4000));
         // It holds programs only.
         machine.press(FEED_HOLD);
         machine.press(keys[1]);
-        let place = if one { PLACE_C } else { PLACE_B };
-        assert_eq!(returned(&mut machine), place, "{round}: {one} {slides:?}");
+        let place = if one { ZERO_C } else { ZERO_B };
+        assert_eq!(
+            return_axes(&mut machine),
+            place,
+            "{round}: {one} {slides:?}"
+        );
     }
 }
 
 #[test]
-fn both_axes_at_once_return_to_the_first_edge_behind_the_switch() {
+fn both_axes_at_once_return_to_the_first_edge_after_the_switch() {
     let mut machine = machine(false, [-40_000, -20_000]);
     machine.press(X_PLUS);
     machine.press(Z_PLUS);
-    machine.pass(1000);
+    machine.run_ms(1000);
     let before = machine.twin.pulses();
-    machine.pass(500);
+    machine.run_ms(500);
     let now = machine.twin.pulses();
     assert!(now[0] > before[0] && now[1] > before[1], "both move");
-    assert_eq!(returned(&mut machine), PLACE_B);
+    assert_eq!(return_axes(&mut machine), ZERO_B);
     // The lamps, and again: it is on its zero.
     for bit in [5, 7] {
         let lamp = BitAddress::new(Area::Y, 4, bit);
         assert!(machine.simulation.cnc.plc().memory().bit(lamp));
     }
     machine.press(X_PLUS);
-    machine.pass(500);
-    assert_eq!(machine.twin.pulses(), PLACE_B);
+    machine.run_ms(500);
+    assert_eq!(machine.twin.pulses(), ZERO_B);
 }
 
 /// The phase of the return, as far as it is visible from outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Phase {
+enum ReturnPhase {
     Approach,
     OnSwitch,
-    Behind,
+    PastSwitch,
 }
 
-fn phase(machine: &Machine) -> Phase {
+fn return_phase(machine: &StepMachine) -> ReturnPhase {
     match machine.twin.pulses()[1] {
-        ..-3000 => Phase::Approach,
-        -3000..-1995 => Phase::OnSwitch,
-        _ => Phase::Behind,
+        ..-3000 => ReturnPhase::Approach,
+        -3000..-1995 => ReturnPhase::OnSwitch,
+        _ => ReturnPhase::PastSwitch,
     }
 }
 
 /// A return of both axes in some phase of Z's, and a little later.
-fn under_way(one: bool, wanted: Phase, later: u32) -> Machine {
+fn machine_in_phase(one: bool, wanted: ReturnPhase, later: u32) -> StepMachine {
     let mut machine = machine(one, [-30_000, -9000]);
     machine.press(X_PLUS);
     machine.press(Z_PLUS);
-    assert!(machine.wait(60_000, |machine| phase(machine) == wanted));
-    machine.pass(later);
+    assert!(machine.run_until(60_000, |machine| return_phase(machine) == wanted));
+    machine.run_ms(later);
     machine
 }
 
-const PHASES: [(Phase, u32); 7] = [
-    (Phase::Approach, 10),
-    (Phase::Approach, 1300),
-    (Phase::OnSwitch, 0),
-    (Phase::OnSwitch, 5),
-    (Phase::OnSwitch, 700),
-    (Phase::Behind, 3),
-    (Phase::Behind, 120),
+const PHASES: [(ReturnPhase, u32); 7] = [
+    (ReturnPhase::Approach, 10),
+    (ReturnPhase::Approach, 1300),
+    (ReturnPhase::OnSwitch, 0),
+    (ReturnPhase::OnSwitch, 5),
+    (ReturnPhase::OnSwitch, 700),
+    (ReturnPhase::PastSwitch, 3),
+    (ReturnPhase::PastSwitch, 120),
 ];
 
 /// All of them with `ROUNDS` in the environment.
-fn some_phases() -> impl Iterator<Item = (Phase, u32)> {
+fn some_phases() -> impl Iterator<Item = (ReturnPhase, u32)> {
     PHASES
         .into_iter()
-        .step_by(if rounds(6) > 6 { 1 } else { 3 })
+        .step_by(if round_count(6) > 6 { 1 } else { 3 })
 }
 
 /// Moves manually off the switch, and back to the mode of the return.
 #[track_caller]
-fn off_the_switch(machine: &mut Machine, key: BitAddress, axis: usize, below: i64) {
+fn leave_switch(machine: &mut StepMachine, key: BitAddress, axis: usize, below: i64) {
     machine.press(JOG);
     machine.simulation.cnc.set_panel_key(key, true);
-    let off = machine.wait(60_000, |machine| machine.twin.pulses()[axis] < below);
+    let off = machine.run_until(60_000, |machine| machine.twin.pulses()[axis] < below);
     assert!(off, "{:?}", machine.twin.pulses());
     machine.simulation.cnc.set_panel_key(key, false);
-    machine.pass(500);
+    machine.run_ms(500);
     machine.press(ZERO);
 }
 
@@ -204,54 +208,59 @@ fn off_the_switch(machine: &mut Machine, key: BitAddress, axis: usize, below: i6
 fn reset_ends_the_return_in_every_phase_and_another_one_ends_at_the_zero() {
     for one in [false, true] {
         for (wanted, later) in some_phases() {
-            let mut machine = under_way(one, wanted, later);
+            let mut machine = machine_in_phase(one, wanted, later);
             machine.press(if later % 2 == 0 { RESET } else { JOG });
-            machine.pass(500);
+            machine.run_ms(500);
             let stood = machine.twin.pulses();
-            machine.pass(1000);
+            machine.run_ms(1000);
             let place = format!("{one} {wanted:?} {later}");
             assert_eq!(machine.twin.pulses(), stood, "{place}");
             assert_eq!(machine.alarms(), Vec::<String>::new(), "{place}");
             for (key, axis, from) in [(X_MINUS, 0, -6500), (Z_MINUS, 1, -3500)] {
-                off_the_switch(&mut machine, key, axis, from);
+                leave_switch(&mut machine, key, axis, from);
             }
             machine.press(X_PLUS);
             machine.press(Z_PLUS);
-            let home = if one { PLACE_C } else { PLACE_B };
-            assert_eq!(returned(&mut machine), home, "{place}");
+            let home = if one { ZERO_C } else { ZERO_B };
+            assert_eq!(return_axes(&mut machine), home, "{place}");
         }
     }
 }
 
 /// With 011.2 ZNIK = 0 the axis moves only while its key is held.
 #[test]
-fn a_key_let_go_stops_the_axis_and_pressed_again_it_goes_on() {
+fn a_released_key_stops_the_axis_and_pressed_again_it_continues() {
     for one in [false, true] {
         for (wanted, later) in some_phases() {
-            let mut machine = keyed(wires(), one, false, [-7000, -9000]);
+            let mut machine = machine_with_keys(wires(), one, false, [-7000, -9000]);
             machine.press(RESET);
             machine.press(ZERO);
             machine.simulation.cnc.set_panel_key(X_PLUS, true);
-            assert!(machine.wait(60_000, |machine| machine.simulation.cnc.referenced().x));
+            assert!(
+                machine.run_until(60_000, |machine| machine.simulation.cnc.referenced_axes().x)
+            );
             machine.simulation.cnc.set_panel_key(X_PLUS, false);
-            machine.pass(300);
+            machine.run_ms(300);
             machine.simulation.cnc.set_panel_key(Z_PLUS, true);
-            assert!(machine.wait(60_000, |machine| phase(machine) == wanted));
-            machine.pass(later);
+            assert!(machine.run_until(60_000, |machine| return_phase(machine) == wanted));
+            machine.run_ms(later);
             machine.simulation.cnc.set_panel_key(Z_PLUS, false);
-            machine.pass(1000);
+            machine.run_ms(1000);
             let stood = machine.twin.pulses();
-            machine.pass(1000);
+            machine.run_ms(1000);
             assert_eq!(machine.twin.pulses(), stood);
-            assert!(machine.simulation.cnc.referenced().x, "X keeps its own");
+            assert!(
+                machine.simulation.cnc.referenced_axes().x,
+                "X keeps its own"
+            );
             // It may have braked onto the switch.
-            if wanted != Phase::Approach || stood[1] > -3500 {
-                off_the_switch(&mut machine, Z_MINUS, 1, -3500);
+            if wanted != ReturnPhase::Approach || stood[1] > -3500 {
+                leave_switch(&mut machine, Z_MINUS, 1, -3500);
             }
             machine.simulation.cnc.set_panel_key(Z_PLUS, true);
-            machine.pass(300);
-            let home = if one { PLACE_C } else { PLACE_B };
-            assert_eq!(returned(&mut machine), home, "{one} {wanted:?} {later}");
+            machine.run_ms(300);
+            let home = if one { ZERO_C } else { ZERO_B };
+            assert_eq!(return_axes(&mut machine), home, "{one} {wanted:?} {later}");
         }
     }
 }
@@ -259,7 +268,7 @@ fn a_key_let_go_stops_the_axis_and_pressed_again_it_goes_on() {
 #[test]
 fn a_board_that_fails_in_any_phase_ends_the_return() {
     for (wanted, later) in some_phases() {
-        let start = under_way(false, wanted, later);
+        let start = machine_in_phase(false, wanted, later);
         for fault in 0..3 {
             let mut machine = start.clone();
             let number = match fault {
@@ -277,9 +286,9 @@ fn a_board_that_fails_in_any_phase_ends_the_return() {
                     207
                 }
             };
-            machine.pass(1500);
+            machine.run_ms(1500);
             let stood = machine.twin.pulses();
-            machine.pass(1000);
+            machine.run_ms(1000);
             let place = format!("{wanted:?} {later} {number}");
             assert_eq!(machine.twin.pulses(), stood, "{place}");
             let alarm = format!("{number}");
@@ -288,7 +297,7 @@ fn a_board_that_fails_in_any_phase_ends_the_return() {
                 alarms.iter().any(|text| text.contains(&alarm)),
                 "{place}: {alarms:?}"
             );
-            let referenced = machine.simulation.cnc.referenced();
+            let referenced = machine.simulation.cnc.referenced_axes();
             assert!(!referenced.x && !referenced.z, "{place}");
         }
     }
@@ -316,13 +325,13 @@ fn what_is_not_wired_is_named_and_nothing_moves() {
         let Some(text) = text else {
             machine.press(X_PLUS);
             assert_eq!(
-                returned(&mut machine),
-                PLACE_C,
+                return_axes(&mut machine),
+                ZERO_C,
                 "method C needs no zero signal"
             );
             continue;
         };
-        machine.pass(500);
+        machine.run_ms(500);
         assert_eq!(machine.twin.pulses()[1], -4000);
         let alarms = machine.alarms();
         assert!(
@@ -335,14 +344,14 @@ fn what_is_not_wired_is_named_and_nothing_moves() {
 #[test]
 fn a_return_that_begins_on_the_switch_is_alarm_090_and_the_ladder_sees_switch_and_signal() {
     let mut machine = machine(false, [-5000, -3500]);
-    let contact = |machine: &Machine, byte, bit| {
+    let contact = |machine: &StepMachine, byte, bit| {
         let address = BitAddress::new(Area::X, byte, bit);
         machine.simulation.cnc.plc().memory().bit(address)
     };
     // Open when pressed (004.5 DECI = 0).
     assert!(!contact(&machine, 0, 3) && contact(&machine, 1, 3));
     machine.press(X_PLUS);
-    machine.pass(200);
+    machine.run_ms(200);
     assert!(
         machine.alarms()[0].contains("090"),
         "{:?}",
@@ -350,7 +359,7 @@ fn a_return_that_begins_on_the_switch_is_alarm_090_and_the_ladder_sees_switch_an
     );
     assert_eq!(machine.twin.pulses(), [-5000, -3500]);
     machine.twin.set_pin("PC5", true);
-    machine.pass(500);
+    machine.run_ms(500);
     assert!(machine.simulation.cnc.sensors().zero_signal.x);
 }
 
@@ -368,9 +377,9 @@ fn without_another_switch_the_limit_switch_is_the_reference() {
     machine.press(ZERO);
     machine.press(X_PLUS);
     machine.press(Z_PLUS);
-    assert!(machine.wait(120_000, |machine| machine.linked.state()
+    assert!(machine.run_until(120_000, |machine| machine.linked.state()
         == LinkState::Ready));
-    machine.pass(500);
+    machine.run_ms(500);
     // A millimetre off the position where it opens.
     assert_eq!(machine.twin.pulses(), [7999 - 400, 7999 - 200]);
     assert_eq!(machine.alarms(), Vec::<String>::new());
@@ -390,13 +399,13 @@ fn a_switch_that_does_not_come_within_the_length_of_the_slide_is_alarm_609() {
         let mut machine = machine(false, start);
         machine
             .twin
-            .place_switch("PC4", travel(0, 1 << 39, 1 << 40, None));
+            .place_switch("PC4", travel_switch(0, 1 << 39, 1 << 40, None));
         machine
             .twin
-            .place_switch("PC6", travel(1, 1 << 39, 1 << 40, None));
+            .place_switch("PC6", travel_switch(1, 1 << 39, 1 << 40, None));
         machine.press(key);
-        assert!(machine.wait(60_000, |machine| !machine.alarms().is_empty()));
-        machine.pass(2000);
+        assert!(machine.run_until(60_000, |machine| !machine.alarms().is_empty()));
+        machine.run_ms(2000);
         let alarms = machine.alarms();
         assert!(
             alarms[0].contains("609") && alarms[0].contains(name),
@@ -413,6 +422,6 @@ fn a_switch_that_does_not_come_within_the_length_of_the_slide_is_alarm_609() {
         machine.press(ZERO);
         machine.press(X_PLUS);
         machine.press(Z_PLUS);
-        assert_eq!(returned(&mut machine), PLACE_B);
+        assert_eq!(return_axes(&mut machine), ZERO_B);
     }
 }

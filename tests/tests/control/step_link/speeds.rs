@@ -3,29 +3,32 @@
 use gsk_core::operation::RunState;
 
 use super::bench::config;
-use super::lathe::turning;
-use super::machine::Machine;
+use super::lathe::referenced_lathe;
+use super::machine::StepMachine;
 
 const BUSHING: &str = include_str!("../../../../assets/programs/02-bushing.CNC");
 
 /// With an analog spindle.
-fn analog(pwm: bool) -> Machine {
+fn analog(pwm: bool) -> StepMachine {
     let mut config = config();
     if !pwm {
         config.io.spindle_pwm = String::new();
     }
-    let mut machine = Machine::with(config, &[(1, 4, true)]);
+    let mut machine = StepMachine::with_config(config, &[(1, 4, true)]);
     machine.return_axes();
     machine
 }
 
 /// Runs to the end and calls `look` every millisecond.
-fn run(machine: &mut Machine, mut look: impl FnMut(&Machine)) {
+fn run_watched(machine: &mut StepMachine, mut look: impl FnMut(&StepMachine)) {
     for _ in 0..3_600_000 {
-        machine.ms();
+        machine.run_one_ms();
         look(machine);
         let cnc = &machine.simulation.cnc;
-        if !machine.linked.is_behind() && !cnc.is_moving() && cnc.run_state() != RunState::Run {
+        if !machine.linked.has_pending_motion()
+            && !cnc.is_moving()
+            && cnc.run_state() != RunState::Run
+        {
             return;
         }
     }
@@ -37,14 +40,14 @@ fn the_speed_follows_the_slide_and_not_the_kernel() {
     let mut machine = analog(true);
     let kernel = machine.simulation.cnc.pulses();
     let offset = machine.twin.pulses()[0] - kernel.x.0;
-    machine.start(
+    machine.start_program(
         "O1\nG50 X120 Z20\nG50 S3000\nG96 S120 M03\nG98 G00 X64 Z2\nG04 X1\nG01 X20 F1200\nM30\n",
     );
-    machine.wait(30_000, |machine| machine.simulation.cnc.cursor().line == 7);
+    machine.run_until(30_000, |machine| machine.simulation.cnc.cursor().line == 7);
     let begun = machine.twin.statistics().output_command_count;
     let since = machine.twin.now();
     let (mut seen, mut worst) = (0, 0.0_f64);
-    run(&mut machine, |machine| {
+    run_watched(&mut machine, |machine| {
         let cnc = &machine.simulation.cnc;
         let here = cnc.position_machine().x;
         let per_mm = 400.0;
@@ -70,12 +73,12 @@ fn the_speed_follows_the_slide_and_not_the_kernel() {
 /// M08 in the middle of the path: the kernel does not wait for the slides, and the coolant
 /// does not switch before they are there.
 #[test]
-fn coolant_switches_at_its_place_without_waiting_for_the_slides() {
+fn coolant_switches_at_its_position_without_waiting_for_the_slides() {
     let mut machine = analog(true);
     let start_at = machine.twin.pulses()[1];
-    machine.start("O1\nG98 G01 W-10 F600\nM08\nG01 W-10\nM09\nG01 W-10\nM30\n");
+    machine.start_program("O1\nG98 G01 W-10 F600\nM08\nG01 W-10\nM09\nG01 W-10\nM30\n");
     let (mut on, mut off, mut waits) = (None, None, [0, 0]);
-    run(&mut machine, |machine| {
+    run_watched(&mut machine, |machine| {
         let z = machine.twin.pulses()[1];
         // Inverted.
         let flows = machine.twin.output("PB7") == Some(0);
@@ -102,8 +105,8 @@ fn coolant_switches_at_its_place_without_waiting_for_the_slides() {
 fn without_the_output_the_setting_is_named() {
     let mut machine = analog(false);
     let stood = machine.twin.pulses();
-    machine.start("O1\nG96 S100 M03\nG98 G01 W-5 F100\nM30\n");
-    machine.pass(500);
+    machine.start_program("O1\nG96 S100 M03\nG98 G01 W-5 F100\nM30\n");
+    machine.run_ms(500);
     let alarms = machine.alarms();
     assert!(
         alarms[0].contains("604") && alarms[0].contains("io.spindle_pwm"),
@@ -114,21 +117,24 @@ fn without_the_output_the_setting_is_named() {
 
 /// The unchanged sample: feed per revolution follows the index of the real spindle.
 #[test]
-fn the_bushing_as_it_is_ends_on_the_pulse_of_the_kernel() {
-    let mut lathe = turning(true, &[]);
-    lathe.start(BUSHING);
+fn the_unchanged_bushing_ends_on_the_pulse_of_the_kernel() {
+    let mut lathe = referenced_lathe(true, &[]);
+    lathe.start_program(BUSHING);
     let mut duties = std::collections::BTreeSet::new();
     for _ in 0..3_600_000 {
-        lathe.ms();
+        lathe.run_one_ms();
         duties.extend(lathe.twin.output("PH6"));
         let cnc = &lathe.simulation.cnc;
-        if !lathe.linked.is_behind() && !cnc.is_moving() && cnc.run_state() != RunState::Run {
+        if !lathe.linked.has_pending_motion()
+            && !cnc.is_moving()
+            && cnc.run_state() != RunState::Run
+        {
             break;
         }
     }
     assert_eq!(lathe.alarms(), Vec::<String>::new());
     assert_eq!(lathe.simulation.cnc.run_state(), RunState::Reset);
-    lathe.agrees();
+    lathe.assert_agrees();
     // From 120 m/min at 64 mm to 2000 r/min, which is 10 V.
     assert!(duties.contains(&0) && duties.contains(&255) && duties.len() > 20);
     assert_eq!(lathe.twin.output("PB4"), Some(0), "M05");

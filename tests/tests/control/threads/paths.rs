@@ -1,6 +1,6 @@
 //! What threads cut: ends, moves, times, agreement with the preview.
 
-use gsk_core::cnc::{Event, Request};
+use gsk_core::cnc::{ControlRequest, Event};
 use gsk_core::command::MoveKind;
 use gsk_core::operation::RunState;
 use gsk_core::preview::preview;
@@ -8,11 +8,11 @@ use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 
-use super::run::{DRY_RUN, G32, Run};
+use super::run::{DRY_RUN, G32, ThreadRun};
 
 #[test]
 fn threads_end_exactly_and_are_reported() {
-    let mut run = Run::started(
+    let mut run = ThreadRun::started(
         "O0001\nM03 S500\nG04 X1\nG00 X40 Z5\nG32 Z-20 F2\nX42 Z-30\nJ2 K3 Z-40\nG00 X60\nM30\n",
         &[],
     );
@@ -41,22 +41,22 @@ fn threads_end_exactly_and_are_reported() {
 }
 
 #[test]
-fn the_preview_knows_the_time_of_threads_and_taps() {
-    same_time(
+fn the_preview_computes_the_time_of_threads_and_taps() {
+    assert_same_time(
         "O0001\nG00 X40 Z5\nG92 X39 Z-30 F2 J1 K2 L2\nX38.5\nG32 Z-20 F1.5\nG00 X60\nM30\n",
         150.0,
     );
-    same_time("O0001\nG00 X0 Z5\nG33 Z-20 F1.5\nM30\n", 49.0);
+    assert_same_time("O0001\nG00 X0 Z5\nG33 Z-20 F1.5\nM30\n", 49.0);
 }
 
 #[track_caller]
-fn same_time(text: &str, thread_length: f64) {
+fn assert_same_time(text: &str, thread_length: f64) {
     let setup = Setup {
         spindle_rpm: Some(600.0),
         ..Setup::default()
     };
     let mut simulation = Simulation::new(setup.clone());
-    let request = Request::OpenExternal(Program::new(text));
+    let request = ControlRequest::OpenExternal(Program::new(text));
     assert_eq!(simulation.cnc.request(request), Ok(()));
     let estimate = preview(&setup, simulation.cnc.programs(), &mut |_| {});
     assert_eq!(estimate.alarm, None);
@@ -68,7 +68,7 @@ fn same_time(text: &str, thread_length: f64) {
     let mut moves = 0;
     while simulation.cnc.run_state() == RunState::Run {
         simulation.tick();
-        let moved = |event: &&Event| matches!(event, Event::Moved(_));
+        let moved = |event: &&Event| matches!(event, Event::MoveEnded(_));
         moves += simulation.cnc.events().iter().filter(moved).count();
     }
     assert!(simulation.cnc.alarms().is_empty());
@@ -91,7 +91,7 @@ fn same_time(text: &str, thread_length: f64) {
 fn face_and_taper_threads_end_exactly() {
     let text = "O0001\nM03 S300\nG04 X1\nG00 X80 Z5\nG32 X20 F3\nG00 Z-5\nG32 X-10 Z-20 F2\n\
                 G32 X70 F2\nG34 Z-60 F2 R0.3\nM30\n";
-    let mut run = Run::started(text, &[]);
+    let mut run = ThreadRun::started(text, &[]);
     run.finish();
     assert_eq!(run.alarm(), None);
     let ends: Vec<_> = run
@@ -109,10 +109,10 @@ fn face_and_taper_threads_end_exactly() {
 #[test]
 fn dry_run_cuts_threads_and_taps_without_the_spindle() {
     let text = "O0001\nG00 X40 Z5\nG32 Z-2 F2\nG00 X0\nG33 Z-5 F1\nM30\n";
-    let mut run = Run::new(text, &[]);
+    let mut run = ThreadRun::new(text, &[]);
     run.press(DRY_RUN);
     run.start();
-    run.until_z(4.0);
+    run.run_until_z(4.0);
     assert!((run.simulation.cnc.feed_actual() - 126.0).abs() < 1.0);
     run.finish();
     assert_eq!((run.alarm(), run.z()), (None, -2.0));
@@ -125,9 +125,9 @@ fn dry_run_cuts_threads_and_taps_without_the_spindle() {
 }
 
 #[test]
-fn a_saved_thread_goes_on_bit_for_bit() {
-    let mut one = Run::started(G32, &[]);
-    one.until_z(-5.0);
+fn a_saved_thread_continues_bit_for_bit() {
+    let mut one = ThreadRun::started(G32, &[]);
+    one.run_until_z(-5.0);
     let mut other = one.simulation.clone();
     for _ in 0..3000 {
         one.simulation.tick();

@@ -32,21 +32,21 @@ pub fn setup(changes: &[(u16, i32)]) -> Setup {
 }
 
 /// A simulation with a record of its events.
-pub struct Run {
+pub struct ThreadRun {
     pub simulation: Simulation,
     pub moves: Vec<ExecutedMove>,
 }
 
-impl Run {
+impl ThreadRun {
     pub fn new(text: &str, changes: &[(u16, i32)]) -> Self {
-        Self::of(with_program(setup(changes), text))
+        Self::from_simulation(with_program(setup(changes), text))
     }
 
     pub fn started(text: &str, changes: &[(u16, i32)]) -> Self {
-        Self::of(started(setup(changes), text))
+        Self::from_simulation(started(setup(changes), text))
     }
 
-    fn of(simulation: Simulation) -> Self {
+    fn from_simulation(simulation: Simulation) -> Self {
         Self {
             simulation,
             moves: Vec::new(),
@@ -60,13 +60,13 @@ impl Run {
     pub fn tick(&mut self) {
         self.simulation.tick();
         for event in self.simulation.cnc.events() {
-            if let Event::Moved(piece) = event {
+            if let Event::MoveEnded(piece) = event {
                 self.moves.push(*piece);
             }
         }
     }
 
-    pub fn wait(&mut self, ticks: u32) {
+    pub fn run_ticks(&mut self, ticks: u32) {
         for _ in 0..ticks {
             self.tick();
         }
@@ -75,13 +75,13 @@ impl Run {
     pub fn press(&mut self, key: BitAddress) {
         for down in [true, false] {
             self.simulation.cnc.set_panel_key(key, down);
-            self.wait(100);
+            self.run_ticks(100);
         }
     }
 
     /// Runs until the condition holds.
     #[track_caller]
-    pub fn until(&mut self, what: &str, mut reached: impl FnMut(&Simulation) -> bool) {
+    pub fn run_until(&mut self, what: &str, mut reached: impl FnMut(&Simulation) -> bool) {
         let come = (0..5 * MINUTE).any(|_| {
             self.tick();
             reached(&self.simulation)
@@ -98,14 +98,14 @@ impl Run {
 
     #[track_caller]
     pub fn finish(&mut self) {
-        self.until("stopped", |simulation| {
+        self.run_until("stopped", |simulation| {
             simulation.cnc.run_state() != RunState::Run && !simulation.cnc.is_moving()
         });
     }
 
     #[track_caller]
-    pub fn until_z(&mut self, z: f64) {
-        self.until("at that Z", |simulation| {
+    pub fn run_until_z(&mut self, z: f64) {
+        self.run_until("at that Z", |simulation| {
             simulation.cnc.position_absolute().z <= z
         });
     }

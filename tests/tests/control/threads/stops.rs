@@ -1,18 +1,18 @@
 //! Feed hold, single block, reset and the spindle override in threads.
 
-use gsk_core::machine::Fault;
+use gsk_core::machine::LatheFault;
 use gsk_core::operation::RunState;
 
-use super::run::{CYCLE_START, FEED_HOLD, G32, RESET, Run, SINGLE_BLOCK, SPINDLE_FASTER};
+use super::run::{CYCLE_START, FEED_HOLD, G32, RESET, SINGLE_BLOCK, SPINDLE_FASTER, ThreadRun};
 use crate::bench::press;
 
 #[test]
 fn feed_hold_waits_for_the_first_block_after_a_thread() {
-    let mut run = Run::started(G32, &[]);
-    run.until_z(-5.0);
+    let mut run = ThreadRun::started(G32, &[]);
+    run.run_until_z(-5.0);
     run.press(FEED_HOLD);
     assert_eq!(run.state(), RunState::Hold, "SPL stands at once");
-    run.wait(15_000);
+    run.run_ticks(15_000);
     assert_eq!(run.state(), RunState::Hold, "the hold stands");
     assert!(!run.simulation.cnc.is_moving());
     let at = run.simulation.cnc.position_absolute();
@@ -25,10 +25,10 @@ fn feed_hold_waits_for_the_first_block_after_a_thread() {
 
 #[test]
 fn hold_that_is_still_pressed_stops_in_the_block_after_a_thread() {
-    let mut run = Run::started(&G32.replace("G00 X60", "G01 X160 F300"), &[]);
-    run.until_z(-5.0);
+    let mut run = ThreadRun::started(&G32.replace("G00 X60", "G01 X160 F300"), &[]);
+    run.run_until_z(-5.0);
     run.simulation.cnc.set_panel_key(FEED_HOLD, true);
-    run.wait(6000);
+    run.run_ticks(6000);
     run.simulation.cnc.set_panel_key(FEED_HOLD, false);
     assert_eq!((run.state(), run.line()), (RunState::Hold, 7));
     let at = run.simulation.cnc.position_absolute();
@@ -41,11 +41,11 @@ fn hold_that_is_still_pressed_stops_in_the_block_after_a_thread() {
 #[test]
 fn feed_hold_lets_a_thread_cycle_retract() {
     let text = "O0001\nM03 S500\nG04 X1\nG00 X40 Z5\nG92 X36 Z-20 F2\nX35\nM30\n";
-    let mut run = Run::started(text, &[]);
-    run.until_z(-5.0);
+    let mut run = ThreadRun::started(text, &[]);
+    run.run_until_z(-5.0);
     run.press(FEED_HOLD);
     assert_eq!(run.state(), RunState::Hold);
-    run.wait(15_000);
+    run.run_ticks(15_000);
     assert_eq!(run.state(), RunState::Hold, "the hold stands");
     assert!(!run.simulation.cnc.is_moving());
     let at = run.simulation.cnc.position_absolute();
@@ -56,8 +56,8 @@ fn feed_hold_lets_a_thread_cycle_retract() {
 }
 
 #[test]
-fn single_block_stops_after_the_first_block_that_is_no_thread() {
-    let mut run = Run::new(G32, &[]);
+fn single_block_stops_after_the_first_block_without_a_thread() {
+    let mut run = ThreadRun::new(G32, &[]);
     press(&mut run.simulation, SINGLE_BLOCK);
     run.start();
     let mut stops = Vec::new();
@@ -72,10 +72,10 @@ fn single_block_stops_after_the_first_block_that_is_no_thread() {
 
 #[test]
 fn reset_stops_a_thread_at_once() {
-    let mut run = Run::started(G32, &[]);
-    run.until_z(-5.0);
+    let mut run = ThreadRun::started(G32, &[]);
+    run.run_until_z(-5.0);
     run.press(RESET);
-    run.wait(500);
+    run.run_ticks(500);
     assert_eq!(run.state(), RunState::Reset);
     assert!(
         !run.simulation.cnc.is_moving() && run.z() > -12.0,
@@ -86,34 +86,34 @@ fn reset_stops_a_thread_at_once() {
 
 #[test]
 fn a_change_of_the_spindle_override_waits_for_the_end_of_the_thread() {
-    let mut run = Run::started(G32, &[]);
-    run.until_z(0.0);
+    let mut run = ThreadRun::started(G32, &[]);
+    run.run_until_z(0.0);
     run.press(SPINDLE_FASTER);
-    run.wait(300);
+    run.run_ticks(300);
     assert!(run.z() > -18.0);
     assert!((run.simulation.cnc.spindle_commanded() - 500.0).abs() < 1e-9);
     let chosen = f64::from(run.simulation.cnc.spindle_override()) / 100.0;
     assert!(chosen > 1.0, "the key acts");
-    run.until("out", |simulation| {
+    run.run_until("out", |simulation| {
         simulation.cnc.position_absolute().x > 25.0
     });
     assert!((run.simulation.cnc.spindle_commanded() - 500.0 * chosen).abs() < 1e-9);
 }
 
 #[test]
-fn emergency_stop_and_a_drive_alarm_stop_a_thread_on_the_spot() {
+fn emergency_stop_and_a_drive_alarm_stop_a_thread_at_once() {
     for drive in [false, true] {
         for text in [G32, &G32.replace("G32", "G33")] {
-            let mut run = Run::started(text, &[]);
-            run.until_z(-5.0);
+            let mut run = ThreadRun::started(text, &[]);
+            run.run_until_z(-5.0);
             if drive {
-                run.simulation.lathe.set_fault(Fault::DriveZ, true);
+                run.simulation.lathe.set_fault(LatheFault::DriveZ, true);
             } else {
                 run.simulation.lathe.set_emergency_button(true);
             }
-            run.wait(16);
+            run.run_ticks(16);
             let at = run.z();
-            run.wait(500);
+            run.run_ticks(500);
             assert_eq!(run.z(), at, "no way to brake");
             assert!(at > -5.4, "{at}");
             assert_ne!(run.state(), RunState::Run);
@@ -126,13 +126,13 @@ fn emergency_stop_and_a_drive_alarm_stop_a_thread_on_the_spot() {
 fn feed_hold_before_the_one_turn_signal_does_not_keep_a_thread_from_beginning() {
     // At 20 r/min the signal is up to three seconds away.
     let text = "O0001\nM03 S20\nG04 X1\nG00 X40 Z5\nG32 Z3 F2\nG00 X60\nZ5\nM30\n";
-    let mut run = Run::started(text, &[]);
-    run.until("at the thread", |simulation| {
+    let mut run = ThreadRun::started(text, &[]);
+    run.run_until("at the thread", |simulation| {
         simulation.cnc.cursor().line == 5
     });
     run.press(FEED_HOLD);
     assert_eq!((run.state(), run.z()), (RunState::Hold, 5.0));
-    run.wait(15_000);
+    run.run_ticks(15_000);
     assert_eq!(run.state(), RunState::Hold, "the hold stands");
     assert!(!run.simulation.cnc.is_moving());
     let at = run.simulation.cnc.position_absolute();
@@ -142,8 +142,8 @@ fn feed_hold_before_the_one_turn_signal_does_not_keep_a_thread_from_beginning() 
 #[test]
 fn single_block_stops_after_each_move_of_a_thread_cycle() {
     let text = "O0001\nM03 S500\nG04 X1\nG00 X40 Z5\nG92 X36 Z-20 F2 J1 K1\nM30\n";
-    let mut run = Run::started(text, &[]);
-    run.until("at the cycle", |simulation| {
+    let mut run = ThreadRun::started(text, &[]);
+    run.run_until("at the cycle", |simulation| {
         simulation.cnc.cursor().line == 4
     });
     press(&mut run.simulation, SINGLE_BLOCK);

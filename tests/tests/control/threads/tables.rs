@@ -8,7 +8,7 @@
 //!             b   c                         c   b      b - c = c - full speed
 //! ```
 
-use super::run::Run;
+use super::run::ThreadRun;
 
 const RPM: f64 = 500.0;
 /// Start and length of the thread, mm.
@@ -47,19 +47,19 @@ const TABLES: [[f64; 5]; 20] = [
 ];
 
 /// A tick of the thread: distance, and lag to the spindle, mm.
-struct Tick {
+struct ThreadTick {
     way: f64,
-    behind: f64,
+    lag: f64,
 }
 
 /// The executed positions of a thread relative to the spindle.
-fn executed(lead: f64, time: i32) -> Vec<Tick> {
+fn executed_ticks(lead: f64, time: i32) -> Vec<ThreadTick> {
     let end = START - LENGTH;
     let text =
         format!("O0001\nM03 S{RPM}\nG04 X1.5\nG00 X40 Z{START}\nG32 Z{end} F{lead}\nM00\nM30\n");
     let changes = [(28, 6), (29, time), (175, 0), (22, 15_000), (23, 15_000)];
-    let mut run = Run::started(&text, &changes);
-    run.until("at the thread", |simulation| {
+    let mut run = ThreadRun::started(&text, &changes);
+    run.run_until("at the thread", |simulation| {
         simulation.cnc.cursor().line == 5
     });
     let mut ticks = Vec::new();
@@ -72,19 +72,19 @@ fn executed(lead: f64, time: i32) -> Vec<Tick> {
         turns += (degrees - before).rem_euclid(360.0) / 360.0;
         before = degrees;
         let way = START - run.z();
-        let behind = turns * lead - way;
-        ticks.push(Tick { way, behind });
+        let lag = turns * lead - way;
+        ticks.push(ThreadTick { way, lag });
     }
     ticks.retain(|tick| tick.way > 0.0);
     ticks
 }
 
 /// Fraction of a tick at which a value is passed.
-fn passed(from: f64, to: f64, wanted: f64) -> f64 {
+fn passing_fraction(from: f64, to: f64, wanted: f64) -> f64 {
     (wanted - from) / (to - from)
 }
 
-fn way_at(ticks: &[Tick], at: f64) -> f64 {
+fn distance_at(ticks: &[ThreadTick], at: f64) -> f64 {
     let index = at.floor();
     let (one, other) = (&ticks[index as usize], &ticks[index as usize + 1]);
     one.way + (other.way - one.way) * (at - index)
@@ -93,18 +93,22 @@ fn way_at(ticks: &[Tick], at: f64) -> f64 {
 /// Where the rate of the ramps is three quarters and a half: 1/16 and 1/4 of the lag that a
 /// ramp of `lag` from standstill makes. The search starts in the middle of the thread with
 /// `step` 1 or -1. Returns the extrapolated end of the ramp, ticks.
-fn end_of_ramp(ticks: &[Tick], lag: f64, step: isize) -> f64 {
+fn end_of_ramp(ticks: &[ThreadTick], lag: f64, step: isize) -> f64 {
     let middle = ticks.partition_point(|tick| tick.way < LENGTH / 2.0);
     let in_phase = &ticks[middle - 100..middle + 100];
-    let settled = in_phase.iter().map(|tick| tick.behind).sum::<f64>() / 200.0;
-    let off = |index: isize| (ticks[index as usize].behind - settled).abs();
+    let settled = in_phase.iter().map(|tick| tick.lag).sum::<f64>() / 200.0;
+    let lag_difference = |index: isize| (ticks[index as usize].lag - settled).abs();
     let [near, far] = [1.0 / 16.0, 1.0 / 4.0].map(|part| {
         let mut index = middle as isize;
-        while off(index + step) < part * lag {
+        while lag_difference(index + step) < part * lag {
             index += step;
         }
-        let root = |at| libm::sqrt(off(at) / lag);
-        let part = passed(root(index), root(index + step), libm::sqrt(part));
+        let normalized_root = |at| libm::sqrt(lag_difference(at) / lag);
+        let part = passing_fraction(
+            normalized_root(index),
+            normalized_root(index + step),
+            libm::sqrt(part),
+        );
         index as f64 + step as f64 * part
     });
     near - (far - near)
@@ -115,11 +119,11 @@ fn lead_in_and_tail_are_those_of_the_manual() {
     println!("mm/min   T  lead-in ours  manual      tail ours  manual");
     for [speed, in_50, tail_50, in_100, tail_100] in TABLES {
         for (time, lead_in, tail) in [(50, in_50, tail_50), (100, in_100, tail_100)] {
-            let ticks = executed(speed / RPM, time);
+            let ticks = executed_ticks(speed / RPM, time);
             let lag = speed / 60.0 * f64::from(time) / 1000.0 / 2.0;
-            let ours_in = way_at(&ticks, end_of_ramp(&ticks, lag, -1));
+            let ours_in = distance_at(&ticks, end_of_ramp(&ticks, lag, -1));
             let falls = end_of_ramp(&ticks, lag, 1);
-            let ours_tail = LENGTH - way_at(&ticks, falls + TAIL_READ_MS);
+            let ours_tail = LENGTH - distance_at(&ticks, falls + TAIL_READ_MS);
             let off = [ours_in / lead_in - 1.0, ours_tail / tail - 1.0];
             println!(
                 "{speed:6} {time:3}  {ours_in:12.3} {lead_in:7.3} {:+5.1}%  {ours_tail:8.3} \

@@ -3,7 +3,7 @@
 use gsk_core::command::MoveKind;
 use gsk_core::operation::RunState;
 
-use super::run::{CYCLE_START, FEED_HOLD, Run};
+use super::run::{CYCLE_START, FEED_HOLD, ThreadRun};
 
 #[test]
 fn tapping_follows_the_spindle_through_its_reversal() {
@@ -11,7 +11,7 @@ fn tapping_follows_the_spindle_through_its_reversal() {
         let text = format!(
             "O0001\n{code} S300\nG04 X1\nG00 X0 Z5\nG33 Z-20 F1.5 L{starts}\nG00 Z50\nM30\n"
         );
-        let mut run = Run::started(&text, &[]);
+        let mut run = ThreadRun::started(&text, &[]);
         let (mut deepest, mut fastest) = (0.0f64, 0.0f64);
         let sign = if code == "M03" { 1.0 } else { -1.0 };
         while run.state() == RunState::Run && run.alarm().is_none() {
@@ -40,11 +40,11 @@ fn tapping_follows_the_spindle_through_its_reversal() {
 #[test]
 fn feed_hold_waits_for_the_end_of_a_tap() {
     let text = "O0001\nM03 S300\nG04 X1\nG00 X0 Z5\nG33 Z-20 F1.5\nG00 Z50\nM30\n";
-    let mut run = Run::started(text, &[]);
-    run.until_z(0.0);
+    let mut run = ThreadRun::started(text, &[]);
+    run.run_until_z(0.0);
     run.press(FEED_HOLD);
     assert_eq!(run.state(), RunState::Hold);
-    run.wait(15_000);
+    run.run_ticks(15_000);
     assert_eq!(run.state(), RunState::Hold, "the hold stands");
     assert!(!run.simulation.cnc.is_moving());
     assert_eq!((run.z(), run.line()), (5.0, 5));

@@ -1,8 +1,8 @@
 //! The commissioning view: leads step by step from measurements at the lathe to the parameters
 //! of the control (manual III-12). It moves no axis, and writes only what the control allows.
 
-mod fields;
 mod graph;
+mod inputs;
 mod pitch;
 
 use std::sync::Arc;
@@ -18,35 +18,35 @@ use gsk_core::units::{Axis, PerAxis};
 use gsk_messages::{Language, Message, say};
 use gsk_project::refusal_message;
 
-use super::written;
+use super::undo_panel;
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
-use crate::pitch::letter;
+use crate::pitch::axis_letter;
 use crate::window::focus;
-use fields::{Fields, number, optional, readings, rows};
-use pitch::PitchStep;
+use inputs::{CommissionInputs, parse_number, parse_optional, parse_readings, show_rows};
+use pitch::PitchErrorStep;
 
 /// Width of the list of steps, points.
-const STEPS: f32 = 210.0;
+const STEPS_WIDTH: f32 = 210.0;
 /// Height of the list of changes, points.
-const CHANGES: f32 = 160.0;
+const CHANGES_HEIGHT: f32 = 160.0;
 
-const WRONG: Color32 = Color32::from_rgb(255, 150, 110);
+const ERROR_COLOR: Color32 = Color32::from_rgb(255, 150, 110);
 /// Colour of the reason why the control refuses values now.
-const NOT_NOW: Color32 = Color32::from_rgb(255, 214, 110);
-const FINE: Color32 = Color32::from_rgb(110, 230, 120);
+const REFUSED_COLOR: Color32 = Color32::from_rgb(255, 214, 110);
+const SUCCESS_COLOR: Color32 = Color32::from_rgb(110, 230, 120);
 
 /// The commissioning view.
 pub struct CommissionView {
     console: Console,
     step: CommissioningStep,
     axis: Axis,
-    fields: Fields,
-    pitch: PitchStep,
+    fields: CommissionInputs,
+    pitch: PitchErrorStep,
     proposal: Option<Result<Proposal, Message>>,
     undo: UndoList<CommissioningStep, ParameterChange>,
     /// The largest following error since the last clearing, mm of slide travel.
-    lag: PerAxis<f64>,
+    max_following_error: PerAxis<f64>,
 }
 
 impl CommissionView {
@@ -56,11 +56,11 @@ impl CommissionView {
             console,
             step: CommissioningStep::Direction,
             axis: Axis::Z,
-            fields: Fields::default(),
-            pitch: PitchStep::default(),
+            fields: CommissionInputs::default(),
+            pitch: PitchErrorStep::default(),
             proposal: None,
             undo: UndoList::default(),
-            lag: PerAxis::default(),
+            max_following_error: PerAxis::default(),
         }
     }
 
@@ -76,14 +76,16 @@ impl CommissionView {
             return false;
         };
         let error = machine.lathe.following_error();
-        self.lag.x = self.lag.x.max(error.x.abs());
-        self.lag.z = self.lag.z.max(error.z.abs());
-        let mut scope = false;
+        self.max_following_error.x = self.max_following_error.x.max(error.x.abs());
+        self.max_following_error.z = self.max_following_error.z.max(error.z.abs());
+        let mut wants_scope = false;
         Panel::left("commission steps")
-            .exact_size(STEPS)
+            .exact_size(STEPS_WIDTH)
             .resizable(false)
             .frame(super::side_frame())
-            .show(ui, |ui| scope = self.steps(ui, language, machine));
+            .show(ui, |ui| {
+                wants_scope = self.show_steps(ui, language, machine)
+            });
         CentralPanel::default()
             .frame(super::side_frame())
             .show(ui, |ui| {
@@ -91,20 +93,20 @@ impl CommissionView {
                     .id_salt("commission")
                     .auto_shrink([false, false])
                     .show(ui, |ui| {
-                        self.work(ui, language, machine);
-                        focus::follow(ui);
+                        self.show_step(ui, language, machine);
+                        focus::scroll_to_focus(ui);
                     });
             });
-        scope
+        wants_scope
     }
 
-    fn steps(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) -> bool {
+    fn show_steps(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) -> bool {
         for step in CommissioningStep::ALL {
-            let chosen = self.step == step;
+            let is_chosen = self.step == step;
             if ui
-                .selectable_label(chosen, step.name().text(language))
+                .selectable_label(is_chosen, step.name().text(language))
                 .clicked()
-                && !chosen
+                && !is_chosen
             {
                 self.step = step;
                 self.proposal = None;
@@ -114,11 +116,11 @@ impl CommissionView {
         ui.horizontal(|ui| {
             ui.label(say::commission_axis().text(language));
             for axis in [Axis::X, Axis::Z] {
-                let chosen = self.axis == axis;
+                let is_chosen = self.axis == axis;
                 if ui
-                    .selectable_label(chosen, letter(axis).to_string())
+                    .selectable_label(is_chosen, axis_letter(axis).to_string())
                     .clicked()
-                    && !chosen
+                    && !is_chosen
                 {
                     self.axis = axis;
                     self.proposal = None;
@@ -127,220 +129,222 @@ impl CommissionView {
         });
         ui.separator();
         let hint = say::commission_scope_hint().text(language);
-        let scope = ui
+        let wants_scope = ui
             .button(say::commission_scope().text(language))
             .on_hover_text(hint)
             .clicked();
         ui.separator();
-        self.written(ui, language, machine);
-        scope
+        self.show_undo_list(ui, language, machine);
+        wants_scope
     }
 
     /// Draws the list of written values with the undo button.
-    fn written(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
-        let taken = written::show(
+    fn show_undo_list(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
+        let undo_changes = undo_panel::show(
             ui,
             language,
             &mut self.undo,
-            &written::Words {
+            &undo_panel::UndoTexts {
                 label: |step| step.name(),
                 change: |change| change.message(),
-                hint: say::commission_write_hint(),
+                blocked_hint: say::commission_write_hint(),
             },
             |_| machine.parameters_refused.is_none(),
         );
-        if let Some(before) = taken {
-            let requests = before.iter().map(|change| change.to_request());
+        if let Some(previous_values) = undo_changes {
+            let requests = previous_values.iter().map(|change| change.to_request());
             self.console.send(Command::Write(requests.collect()));
             self.proposal = None;
         }
     }
 
-    fn work(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
+    fn show_step(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
         ui.heading(self.step.name().text(language));
         ui.label(self.step.explanation().text(language));
-        let words = say::commission_nothing_moves().text(language);
-        ui.label(RichText::new(words).weak());
+        let note = say::commission_nothing_moves().text(language);
+        ui.label(RichText::new(note).weak());
         ui.add_space(6.0);
-        let mut again = false;
+        let mut has_new_file = false;
         match self.step {
             CommissioningStep::Direction => {}
-            CommissioningStep::Gear => self.gear_fields(ui, language),
-            CommissioningStep::Acceleration => self.acceleration_fields(ui, language),
-            CommissioningStep::Reference => self.reference_fields(ui, language),
+            CommissioningStep::Gear => self.show_gear_fields(ui, language),
+            CommissioningStep::Acceleration => self.show_acceleration_fields(ui, language),
+            CommissioningStep::Reference => self.show_reference_fields(ui, language),
             CommissioningStep::Spindle => {
-                let [gear, rpm, volts] = &mut self.fields.spindle;
+                let [gear, rpm, volts] = &mut self.fields.spindle_texts;
                 let mut names = [
                     (say::commission_field_gear(), gear),
                     (say::commission_field_rpm(), rpm),
                     (say::commission_field_volts(), volts),
                 ];
-                rows(ui, language, &mut names);
+                show_rows(ui, language, &mut names);
             }
             CommissioningStep::Backlash => {
                 ui.label(say::commission_field_readings().text(language));
-                let field = TextEdit::multiline(&mut self.fields.readings).desired_rows(4);
+                let field = TextEdit::multiline(&mut self.fields.backlash_text).desired_rows(4);
                 ui.add(field.desired_width(200.0));
             }
-            CommissioningStep::Pitch => again = self.pitch_fields(ui, language),
+            CommissioningStep::Pitch => has_new_file = self.show_pitch_fields(ui, language),
         }
         ui.add_space(4.0);
-        let words = match self.step {
+        let label = match self.step {
             CommissioningStep::Direction => say::commission_turn_over(),
             _ => say::commission_propose(),
         };
-        if ui.button(words.text(language)).clicked() || again {
+        if ui.button(label.text(language)).clicked() || has_new_file {
             self.proposal = self.propose(machine).transpose();
         }
         ui.separator();
         match self.proposal.clone() {
             None => {}
-            Some(Err(said)) => {
-                ui.label(RichText::new(said.text(language)).color(WRONG));
+            Some(Err(error)) => {
+                ui.label(RichText::new(error.text(language)).color(ERROR_COLOR));
             }
-            Some(Ok(proposal)) => self.proposed(ui, language, machine, &proposal),
+            Some(Ok(proposal)) => self.show_proposal(ui, language, machine, &proposal),
         }
     }
 
-    fn gear_fields(&mut self, ui: &mut Ui, language: Language) {
+    fn show_gear_fields(&mut self, ui: &mut Ui, language: Language) {
         ui.horizontal(|ui| {
-            for (measured, name) in [
+            for (is_measured, name) in [
                 (true, say::commission_by_measurement()),
                 (false, say::commission_from_plates()),
             ] {
-                let chosen = &mut self.fields.measured_gear;
-                ui.radio_value(chosen, measured, name.text(language));
+                let chosen = &mut self.fields.is_gear_measured;
+                ui.radio_value(chosen, is_measured, name.text(language));
             }
         });
-        if self.fields.measured_gear {
-            let [commanded, measured] = &mut self.fields.moved;
+        if self.fields.is_gear_measured {
+            let [commanded, measured] = &mut self.fields.move_texts;
             let mut names = [
                 (say::commission_field_commanded(), commanded),
                 (say::commission_field_measured(), measured),
             ];
-            rows(ui, language, &mut names);
+            show_rows(ui, language, &mut names);
         } else {
-            let [pulses, lead, screw, motor] = &mut self.fields.plates;
+            let [pulses, lead, screw, motor] = &mut self.fields.plate_texts;
             let mut names = [
                 (say::commission_field_pulses(), pulses),
                 (say::commission_field_lead(), lead),
                 (say::commission_field_screw_teeth(), screw),
                 (say::commission_field_motor_teeth(), motor),
             ];
-            rows(ui, language, &mut names);
+            show_rows(ui, language, &mut names);
         }
     }
 
-    fn acceleration_fields(&mut self, ui: &mut Ui, language: Language) {
+    fn show_acceleration_fields(&mut self, ui: &mut Ui, language: Language) {
         ui.horizontal(|ui| {
             for (kind, name) in [
                 (DriveKind::Stepper, say::commission_stepper()),
                 (DriveKind::Servo, say::commission_servo()),
             ] {
-                ui.radio_value(&mut self.fields.kind, kind, name.text(language));
+                ui.radio_value(&mut self.fields.drive_kind, kind, name.text(language));
             }
         });
-        let largest = *self.lag.get(self.axis);
+        let largest = *self.max_following_error.get(self.axis);
         ui.horizontal(|ui| {
-            let words = say::commission_lag_now(letter(self.axis), largest);
-            ui.label(words.text(language));
+            let label = say::commission_lag_now(axis_letter(self.axis), largest);
+            ui.label(label.text(language));
             if ui.button(say::commission_clear().text(language)).clicked() {
-                self.lag = PerAxis::default();
+                self.max_following_error = PerAxis::default();
             }
         });
-        let [seen, allowed] = &mut self.fields.lag;
+        let [measured, allowed] = &mut self.fields.following_error_texts;
         let mut names = [
-            (say::commission_field_seen(), seen),
+            (say::commission_field_seen(), measured),
             (say::commission_field_allowed(), allowed),
         ];
-        rows(ui, language, &mut names);
+        show_rows(ui, language, &mut names);
     }
 
-    fn reference_fields(&mut self, ui: &mut Ui, language: Language) {
+    fn show_reference_fields(&mut self, ui: &mut Ui, language: Language) {
         for (method, name) in [
             (ZeroMethod::NoSwitch, say::commission_method_a()),
             (ZeroMethod::SwitchAndSignal, say::commission_method_b()),
             (ZeroMethod::OneSwitch, say::commission_method_c()),
         ] {
-            ui.radio_value(&mut self.fields.method, method, name.text(language));
+            ui.radio_value(&mut self.fields.zero_method, method, name.text(language));
         }
     }
 
     /// Draws the fields of the pitch errors. Returns whether a file has been read.
-    fn pitch_fields(&mut self, ui: &mut Ui, language: Language) -> bool {
-        let come = self.pitch.show(ui, language, &self.console);
-        let interval = &mut self.fields.interval;
+    fn show_pitch_fields(&mut self, ui: &mut Ui, language: Language) -> bool {
+        let has_new_file = self.pitch.show(ui, language, &self.console);
+        let interval = &mut self.fields.pitch_interval_text;
         let mut names = [(say::commission_field_interval(), interval)];
-        rows(ui, language, &mut names);
-        let words = say::commission_without_table().text(language);
-        ui.checkbox(&mut self.fields.clear, words);
-        let words = say::commission_diameters().text(language);
-        ui.checkbox(&mut self.fields.diameters, words);
-        come
+        show_rows(ui, language, &mut names);
+        let label = say::commission_without_table().text(language);
+        ui.checkbox(&mut self.fields.is_table_empty, label);
+        let label = say::commission_diameters().text(language);
+        ui.checkbox(&mut self.fields.are_targets_diameters, label);
+        has_new_file
     }
 
     /// Computes the proposal of the step. `None` while input is missing.
     fn propose(&mut self, machine: &MachineView) -> Result<Option<Proposal>, Message> {
-        let (axis, own) = (self.axis, &machine.parameters);
+        let (axis, parameters) = (self.axis, &machine.parameters);
         let fields = &self.fields;
         let proposal = match self.step {
-            CommissioningStep::Direction => propose_direction(axis, own),
-            CommissioningStep::Gear if fields.measured_gear => {
-                let [commanded, measured] = &fields.moved;
-                let made = MeasuredMove {
-                    commanded: SlideTravel(number(commanded)?),
-                    measured: SlideTravel(number(measured)?),
+            CommissioningStep::Direction => propose_direction(axis, parameters),
+            CommissioningStep::Gear if fields.is_gear_measured => {
+                let [commanded, measured] = &fields.move_texts;
+                let measured_move = MeasuredMove {
+                    commanded: SlideTravel(parse_number(commanded)?),
+                    measured: SlideTravel(parse_number(measured)?),
                 };
-                propose_gear_from_move(axis, made, own)
+                propose_gear_from_move(axis, measured_move, parameters)
             }
             CommissioningStep::Gear => {
-                let [pulses, lead, screw, motor] = &fields.plates;
+                let [pulses, lead, screw, motor] = &fields.plate_texts;
                 // Teeth are whole numbers. Any other text becomes 0, which is refused.
-                let teeth = |text: &str| text.trim().parse().unwrap_or(0);
+                let parse_teeth = |text: &str| text.trim().parse().unwrap_or(0);
                 let drive = DriveTrain {
-                    pulses_per_turn: number(pulses)?,
-                    lead: SlideTravel(number(lead)?),
-                    screw_teeth: teeth(screw),
-                    motor_teeth: teeth(motor),
+                    pulses_per_turn: parse_number(pulses)?,
+                    lead: SlideTravel(parse_number(lead)?),
+                    screw_teeth: parse_teeth(screw),
+                    motor_teeth: parse_teeth(motor),
                 };
-                propose_gear_from_drive(axis, &drive, own)
+                propose_gear_from_drive(axis, &drive, parameters)
             }
             CommissioningStep::Acceleration => {
-                let [seen, allowed] = &fields.lag;
-                match (optional(seen)?, optional(allowed)?) {
-                    (None, None) => propose_acceleration(fields.kind, own),
-                    (seen, allowed) => {
-                        let lag = FollowingErrorReading {
-                            measured: SlideTravel(seen.unwrap_or(0.0)),
+                let [measured, allowed] = &fields.following_error_texts;
+                match (parse_optional(measured)?, parse_optional(allowed)?) {
+                    (None, None) => propose_acceleration(fields.drive_kind, parameters),
+                    (measured, allowed) => {
+                        let reading = FollowingErrorReading {
+                            measured: SlideTravel(measured.unwrap_or(0.0)),
                             allowed: SlideTravel(allowed.unwrap_or(0.0)),
                         };
-                        propose_rapid_rate(axis, lag, own)
+                        propose_rapid_rate(axis, reading, parameters)
                     }
                 }
             }
-            CommissioningStep::Reference => propose_reference(axis, fields.method, own),
+            CommissioningStep::Reference => propose_reference(axis, fields.zero_method, parameters),
             CommissioningStep::Spindle => {
-                let [gear, rpm, volts] = &fields.spindle;
-                let read = SpindleSpeed {
+                let [gear, rpm, volts] = &fields.spindle_texts;
+                let measured = SpindleSpeed {
                     gear: gear.trim().parse().unwrap_or(0),
-                    rpm: number(rpm)?,
-                    volts: optional(volts)?,
+                    rpm: parse_number(rpm)?,
+                    volts: parse_optional(volts)?,
                 };
-                propose_spindle(read, own)
+                propose_spindle(measured, parameters)
             }
             CommissioningStep::Backlash => {
-                propose_backlash(axis, &readings(&fields.readings)?, own)
+                propose_backlash(axis, &parse_readings(&fields.backlash_text)?, parameters)
             }
             CommissioningStep::Pitch => {
-                let found = self.pitch.propose(axis, fields, (own, &machine.pitch))?;
-                return Ok(found.map(|found| found.proposal().clone()));
+                let result = self
+                    .pitch
+                    .propose(axis, fields, (parameters, &machine.pitch))?;
+                return Ok(result.map(|found| found.proposal().clone()));
             }
         };
         proposal.map(Some)
     }
 
     /// Draws the proposed values beside the current ones, and the write button.
-    fn proposed(
+    fn show_proposal(
         &mut self,
         ui: &mut Ui,
         language: Language,
@@ -348,7 +352,7 @@ impl CommissionView {
         proposal: &Proposal,
     ) {
         if self.step == CommissioningStep::Pitch {
-            self.pitch.result(ui, language);
+            self.pitch.show_result(ui, language);
         }
         for note in &proposal.notes {
             ui.label(note.text(language));
@@ -359,7 +363,7 @@ impl CommissionView {
         }
         ScrollArea::vertical()
             .id_salt("commission changes")
-            .max_height(CHANGES)
+            .max_height(CHANGES_HEIGHT)
             .show(ui, |ui| {
                 Grid::new("commission changes")
                     .striped(true)
@@ -368,33 +372,36 @@ impl CommissionView {
                         ui.strong(say::commission_stands().text(language));
                         ui.end_row();
                         for change in &proposal.changes {
-                            let now = change.current(&machine.parameters, &machine.pitch);
+                            let current = change.current(&machine.parameters, &machine.pitch);
                             ui.label(change.message().text(language));
-                            ui.label(RichText::new(now.message().text(language)).weak());
+                            ui.label(RichText::new(current.message().text(language)).weak());
                             ui.end_row();
                         }
                     });
-                focus::follow(ui);
+                focus::scroll_to_focus(ui);
             });
         let refusal = machine.parameters_refused;
-        let (words, colour) = match refusal {
-            Some(refusal) => (say::data_cannot_write(refusal_message(refusal)), NOT_NOW),
-            None => (say::commission_can_write(), FINE),
+        let (text, colour) = match refusal {
+            Some(refusal) => (
+                say::data_cannot_write(refusal_message(refusal)),
+                REFUSED_COLOR,
+            ),
+            None => (say::commission_can_write(), SUCCESS_COLOR),
         };
-        ui.label(RichText::new(words.text(language)).color(colour));
-        let words = say::commission_write(proposal.changes.len()).text(language);
+        ui.label(RichText::new(text.text(language)).color(colour));
+        let label = say::commission_write(proposal.changes.len()).text(language);
         let hint = say::commission_write_hint().text(language);
-        let button = ui.add_enabled(refusal.is_none(), Button::new(words));
+        let button = ui.add_enabled(refusal.is_none(), Button::new(label));
         if button
             .on_hover_text(hint.as_str())
             .on_disabled_hover_text(hint.as_str())
             .clicked()
         {
             let changes = &proposal.changes;
-            let stands =
+            let current_value =
                 |change: &ParameterChange| change.current(&machine.parameters, &machine.pitch);
-            let before = changes.iter().map(stands).collect();
-            self.undo.record(self.step, before, changes);
+            let previous_values = changes.iter().map(current_value).collect();
+            self.undo.record(self.step, previous_values, changes);
             let requests = changes.iter().map(|change| change.to_request());
             self.console.send(Command::Write(requests.collect()));
             self.proposal = None;

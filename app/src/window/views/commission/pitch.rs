@@ -9,141 +9,156 @@ use gsk_commission::{
     DeviationCurve, ImportedFile, ParameterChange, PitchPlanOptions, SlideTravel,
     compute_correction,
 };
-use gsk_core::memory::{Parameters, PitchTable};
+use gsk_core::memory::{ControlParameters, PitchTable};
 use gsk_core::units::Axis;
 use gsk_messages::{Language, Message, say};
 
-use super::fields::{Fields, optional};
-use super::graph::{self, Curves};
+use super::graph::{self, PitchCurves};
+use super::inputs::{CommissionInputs, parse_optional};
 use crate::kernel::Console;
-use crate::pitch::{Found, found, read_file};
-use crate::window::files::{self, Wanted};
+use crate::pitch::{EvaluatedMeasurement, evaluate_measurement, read_file};
+use crate::window::files::{self, FileChoice};
 
 /// Count of intervals of the drawn corrections.
-const DRAWN: i32 = 600;
+const DRAWN_INTERVALS: i32 = 600;
 /// Height of the list of points, points.
-const LIST: f32 = 150.0;
+const LIST_HEIGHT: f32 = 150.0;
 
 /// Extensions of measurement files.
-const ENDINGS: [&str; 4] = ["csv", "ren", "rtl", "txt"];
+const EXTENSIONS: [&str; 4] = ["csv", "ren", "rtl", "txt"];
 
 /// A file that was read: its name and content.
 #[derive(Clone, Debug)]
-struct Measured {
+struct MeasurementFile {
     name: String,
     imported: ImportedFile,
 }
 
 /// The file and the result of the step.
 #[derive(Default)]
-pub struct PitchStep {
-    reading: Option<Receiver<Measured>>,
-    read: Option<Measured>,
-    curves: Curves,
-    said: Vec<Message>,
+pub struct PitchErrorStep {
+    pending: Option<Receiver<MeasurementFile>>,
+    file: Option<MeasurementFile>,
+    curves: PitchCurves,
+    summary: Vec<Message>,
 }
 
-impl PitchStep {
+impl PitchErrorStep {
     /// Draws the button and the summary of the file. Returns whether another file has been
     /// read.
     pub fn show(&mut self, ui: &mut Ui, language: Language, console: &Console) -> bool {
-        let come = self.reading.as_ref().and_then(|it| it.try_recv().ok());
-        let new = come.is_some();
-        if new {
-            self.read = come;
-            self.reading = None;
+        let received = self.pending.as_ref().and_then(|it| it.try_recv().ok());
+        let is_new = received.is_some();
+        if is_new {
+            self.file = received;
+            self.pending = None;
         }
         if ui
             .button(say::commission_open_file().text(language))
             .clicked()
         {
-            self.choose(ui, language, console);
+            self.choose_file(ui, language, console);
         }
-        if let Some(measured) = &self.read {
+        if let Some(measured) = &self.file {
             let name = &measured.name;
-            let words = match &measured.imported {
+            let text = match &measured.imported {
                 ImportedFile::Measured(it) => {
                     say::commission_file_read(name, it.readings.len(), it.runs())
                 }
                 ImportedFile::Table(table) => say::commission_file_table(name, table.rows.len()),
             };
-            ui.label(words.text(language));
+            ui.label(text.text(language));
         }
-        new
+        is_new
     }
 
-    fn choose(&mut self, ui: &Ui, language: Language, console: &Console) {
-        let (deliver, reading) = bounded(1);
-        self.reading = Some(reading);
+    fn choose_file(&mut self, ui: &Ui, language: Language, console: &Console) {
+        let (sender, pending) = bounded(1);
+        self.pending = Some(pending);
         let kind = say::commission_open_file().text(language);
-        let wanted = Wanted::Open(kind, ENDINGS.to_vec());
-        files::choose(ui.ctx(), language, &console.say, wanted, move |path| {
-            match read_file(&path) {
-                Ok(imported) => {
-                    let name = path.file_name().map(Path::new);
-                    let name = name.unwrap_or(&path).display().to_string();
-                    // A closed window shows nothing.
-                    let _ = deliver.send(Measured { name, imported });
-                    None
+        let choice = FileChoice::Open(kind, EXTENSIONS.to_vec());
+        files::choose_file(
+            ui.ctx(),
+            language,
+            &console.notice_sender,
+            choice,
+            move |path| {
+                match read_file(&path) {
+                    Ok(imported) => {
+                        let name = path.file_name().map(Path::new);
+                        let name = name.unwrap_or(&path).display().to_string();
+                        // A closed window shows nothing.
+                        let _ = sender.send(MeasurementFile { name, imported });
+                        None
+                    }
+                    Err(error) => Some(error),
                 }
-                Err(said) => Some(said),
-            }
-        });
+            },
+        );
     }
 
     /// Computes the proposal for the current parameters; `None` without a file.
     pub fn propose(
         &mut self,
         axis: Axis,
-        fields: &Fields,
-        own: (&Parameters, &PitchTable),
-    ) -> Result<Option<Found>, Message> {
-        self.said.clear();
-        let Some(measured) = &self.read else {
+        fields: &CommissionInputs,
+        current: (&ControlParameters, &PitchTable),
+    ) -> Result<Option<EvaluatedMeasurement>, Message> {
+        self.summary.clear();
+        let Some(measured) = &self.file else {
             return Ok(None);
         };
-        let wish = PitchPlanOptions {
-            interval: optional(&fields.interval)?.map(SlideTravel),
-            clear: fields.clear,
+        let options = PitchPlanOptions {
+            interval: parse_optional(&fields.pitch_interval_text)?.map(SlideTravel),
+            clear: fields.is_table_empty,
         };
         let imported = measured.imported.clone();
-        let found = found(imported, axis, wish, fields.diameters, own)?;
-        let (mut then, mut table) = (own.0.clone(), own.1.clone());
-        for change in &found.proposal().changes {
-            change.apply(&mut then, &mut table)?;
+        let result = evaluate_measurement(
+            imported,
+            axis,
+            options,
+            fields.are_targets_diameters,
+            current,
+        )?;
+        let (mut proposed, mut table) = (current.0.clone(), current.1.clone());
+        for change in &result.proposal().changes {
+            change.apply(&mut proposed, &mut table)?;
         }
-        let measured = match &found {
-            Found::Measured(_, fit, plan) => {
-                let play = match fit.backlash {
+        let measured = match &result {
+            EvaluatedMeasurement::Measured(_, fit, plan) => {
+                let backlash_text = match fit.backlash {
                     Some(play) => say::commission_play(play.0),
                     None => say::commission_play_unknown(),
                 };
-                self.said = vec![
-                    say::commission_fit(fit.residual.1.0, fit.slope_um_per_m, play),
+                self.summary = vec![
+                    say::commission_fit(fit.residual.1.0, fit.slope_um_per_m, backlash_text),
                     say::commission_plan(plan.before.0, plan.after.0, plan.interval.0),
                 ];
                 fit.curve.clone()
             }
-            Found::Table(_) => DeviationCurve::default(),
+            EvaluatedMeasurement::Table(_) => DeviationCurve::default(),
         };
-        let (first, last) = match &found {
-            Found::Measured(_, fit, _) => fit.curve.range(),
-            Found::Table(_) => reach(axis, &then, &found.proposal().changes),
+        let (first, last) = match &result {
+            EvaluatedMeasurement::Measured(_, fit, _) => fit.curve.range(),
+            EvaluatedMeasurement::Table(_) => {
+                table_range(axis, &proposed, &result.proposal().changes)
+            }
         };
-        let step = (last.0 - first.0) / f64::from(DRAWN);
-        let positions = || (0..=DRAWN).map(|index| SlideTravel(first.0 + step * f64::from(index)));
-        self.curves = Curves {
-            old: compute_correction(axis, own.0, own.1, positions()),
+        let step = (last.0 - first.0) / f64::from(DRAWN_INTERVALS);
+        let positions =
+            || (0..=DRAWN_INTERVALS).map(|index| SlideTravel(first.0 + step * f64::from(index)));
+        self.curves = PitchCurves {
+            current: compute_correction(axis, current.0, current.1, positions()),
             measured,
-            new: compute_correction(axis, &then, &table, positions()),
+            proposed: compute_correction(axis, &proposed, &table, positions()),
         };
-        Ok(Some(found))
+        Ok(Some(result))
     }
 
     /// Draws the graph, and the corrections at the targets as a list.
-    pub fn result(&self, ui: &mut Ui, language: Language) {
-        for said in &self.said {
-            ui.label(said.text(language));
+    pub fn show_result(&self, ui: &mut Ui, language: Language) {
+        for line in &self.summary {
+            ui.label(line.text(language));
         }
         graph::show(ui, language, &self.curves);
         let rows = self.curves.measured.points();
@@ -153,24 +168,27 @@ impl PitchStep {
         let height = ui.spacing().interact_size.y;
         ScrollArea::vertical()
             .id_salt("pitch targets")
-            .max_height(LIST)
+            .max_height(LIST_HEIGHT)
             .show_rows(ui, height, rows.len(), |ui, shown| {
                 for (at, value) in rows.get(shown).unwrap_or_default() {
-                    let (old, new) = (self.curves.old.at(*at).0, self.curves.new.at(*at).0);
-                    let words = format!(
+                    let (old, new) = (
+                        self.curves.current.at(*at).0,
+                        self.curves.proposed.at(*at).0,
+                    );
+                    let text = format!(
                         "{:>10.3} mm  {:>7.1}  {old:>7.1} → {new:>7.1} µm",
                         at.0, value.0
                     );
-                    ui.monospace(words);
+                    ui.monospace(text);
                 }
             });
     }
 }
 
 /// The range of the axis that the points of a table cover.
-fn reach(
+fn table_range(
     axis: Axis,
-    parameters: &Parameters,
+    parameters: &ControlParameters,
     changes: &[ParameterChange],
 ) -> (SlideTravel, SlideTravel) {
     let interval = gsk_commission::pitch_interval(axis, parameters);

@@ -4,27 +4,27 @@
 use std::collections::BTreeMap;
 
 use gsk_commission::ParameterChange;
-use gsk_core::cnc::{OffsetEntry, Request};
-use gsk_core::memory::{self, Offsets, PitchTable, Refusal, ToolOffset};
+use gsk_core::cnc::{ControlRequest, OffsetEntry};
+use gsk_core::memory::{self, Offsets, PitchTable, ToolOffset, WriteRefusal};
 use gsk_core::units::{Axis, parse_finite};
 use gsk_messages::{Message, say};
 
-use super::values::Values;
+use super::data_values::DataValues;
 use crate::kernel::monitor::VariableTable;
 
 /// Millimetres per inch.
-const INCH: f64 = 25.4;
+const MM_PER_INCH: f64 = 25.4;
 
 /// A column of the tool offsets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Part {
+pub enum ToolOffsetField {
     X,
     Z,
     R,
     T,
 }
 
-impl Part {
+impl ToolOffsetField {
     /// The columns in the order of the page.
     pub const ALL: [Self; 4] = [Self::X, Self::Z, Self::R, Self::T];
 
@@ -39,7 +39,7 @@ impl Part {
     }
 
     /// The value of this column in a row: mm, or the tool nose number.
-    fn of(self, row: ToolOffset) -> f64 {
+    fn value_in(self, row: ToolOffset) -> f64 {
         match self {
             Self::X => row.x,
             Self::Z => row.z,
@@ -49,7 +49,7 @@ impl Part {
     }
 
     /// Formats a value of this column as the page of the control does.
-    fn text(self, value: f64, machine: &Values<'_>) -> String {
+    fn text(self, value: f64, machine: &DataValues<'_>) -> String {
         match self {
             Self::T => format!("{value:.0}"),
             Self::X | Self::Z | Self::R => machine.offsets.display.length(value),
@@ -59,11 +59,11 @@ impl Part {
 
 /// The field that shows a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Spot {
+pub enum DataField {
     /// A parameter; a state parameter as a whole.
     Parameter(u16),
     /// Row and column of the tool offsets.
-    Offset(u8, Part),
+    Offset(u8, ToolOffsetField),
     /// A point of the pitch errors of X.
     PitchX(u8),
     /// A point of the pitch errors of Z.
@@ -74,14 +74,14 @@ pub enum Spot {
 
 /// A new value for a field.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Edit {
+pub enum DataEdit {
     Parameter(ParameterChange),
     /// A tool offset.
     Offset {
         /// Row.
         number: u8,
         /// Column.
-        part: Part,
+        part: ToolOffsetField,
         /// New value, mm, or the tool nose number.
         value: f64,
     },
@@ -92,13 +92,13 @@ pub enum Edit {
         /// New value; `None` is null.
         value: Option<f64>,
         /// Whether the variable takes fractions and null.
-        real: bool,
+        is_real: bool,
     },
 }
 
-impl Edit {
+impl DataEdit {
     /// The request that writes the value into the control.
-    pub const fn request(self) -> Request {
+    pub const fn request(self) -> ControlRequest {
         match self {
             Self::Parameter(change) => change.to_request(),
             Self::Offset {
@@ -107,20 +107,20 @@ impl Edit {
                 value,
             } => {
                 let entry = match part {
-                    Part::X => OffsetEntry::Stored(Axis::X, value),
-                    Part::Z => OffsetEntry::Stored(Axis::Z, value),
-                    Part::R => OffsetEntry::StoredRadius(value),
+                    ToolOffsetField::X => OffsetEntry::Stored(Axis::X, value),
+                    ToolOffsetField::Z => OffsetEntry::Stored(Axis::Z, value),
+                    ToolOffsetField::R => OffsetEntry::StoredRadius(value),
                     // Checked when the text was parsed.
-                    Part::T => OffsetEntry::NoseNumber(value as u8),
+                    ToolOffsetField::T => OffsetEntry::NoseNumber(value as u8),
                 };
-                Request::SetOffset { number, entry }
+                ControlRequest::SetOffset { number, entry }
             }
             Self::Variable {
                 number,
                 value,
-                real: true,
-            } => Request::SetMacroVariable { number, value },
-            Self::Variable { number, value, .. } => Request::SetVariable {
+                is_real: true,
+            } => ControlRequest::SetMacroVariable { number, value },
+            Self::Variable { number, value, .. } => ControlRequest::SetVariable {
                 number,
                 // A whole number, checked when the text was parsed; such a variable is never
                 // null.
@@ -151,7 +151,7 @@ impl Edit {
     }
 
     /// The same edit with the current value of the control.
-    pub fn now(self, machine: &Values<'_>) -> Self {
+    pub fn with_current_value(self, machine: &DataValues<'_>) -> Self {
         match self {
             Self::Parameter(change) => {
                 Self::Parameter(change.current(machine.parameters, machine.pitch))
@@ -159,45 +159,49 @@ impl Edit {
             Self::Offset { number, part, .. } => Self::Offset {
                 number,
                 part,
-                value: part.of(machine.offsets.rows.get(number)),
+                value: part.value_in(machine.offsets.rows.get(number)),
             },
-            Self::Variable { number, real, .. } => Self::Variable {
+            Self::Variable {
                 number,
-                value: variable(machine.variables, number),
-                real,
+                is_real: real,
+                ..
+            } => Self::Variable {
+                number,
+                value: variable_value(machine.variables, number),
+                is_real: real,
             },
         }
     }
 
     /// Why the control would refuse the edit now; `None`: it would accept it.
-    pub const fn refused(self, machine: &Values<'_>) -> Option<Refusal> {
+    pub const fn refusal(self, machine: &DataValues<'_>) -> Option<WriteRefusal> {
         match self {
-            Self::Parameter(_) => machine.parameters_refused,
+            Self::Parameter(_) => machine.parameters_refusal,
             Self::Offset { .. } => machine.offsets.refused,
             Self::Variable { .. } => machine.variables.refused,
         }
     }
 }
 
-fn variable(table: &VariableTable, number: u16) -> Option<f64> {
+fn variable_value(table: &VariableTable, number: u16) -> Option<f64> {
     let row = table.rows.iter().find(|(own, _)| *own == number);
     row.and_then(|(_, value)| *value)
 }
 
 /// Whether a parameter consists of eight bits.
-pub fn is_state(number: u16) -> bool {
-    memory::row(number, None).is_some_and(|row| row.state)
+pub fn is_state_parameter(number: u16) -> bool {
+    memory::parameter_row(number, None).is_some_and(|row| row.state)
 }
 
 /// Formats a parameter as its page does: eight binary digits, or a number.
 pub fn parameter_text(number: u16, value: i32) -> String {
-    match is_state(number) {
+    match is_state_parameter(number) {
         true => format!("{value:08b}"),
         false => value.to_string(),
     }
 }
 
-impl Spot {
+impl DataField {
     /// The field of a point of an axis's pitch errors.
     pub const fn pitch(axis: Axis, point: u8) -> Self {
         match axis {
@@ -207,16 +211,16 @@ impl Spot {
     }
 
     /// The current value of the control as the operator would type it.
-    pub fn text(self, machine: &Values<'_>) -> String {
+    pub fn current_text(self, machine: &DataValues<'_>) -> String {
         match self {
             Self::Parameter(number) => parameter_text(number, machine.parameters.value(number)),
             Self::Offset(number, part) => {
-                part.text(part.of(machine.offsets.rows.get(number)), machine)
+                part.text(part.value_in(machine.offsets.rows.get(number)), machine)
             }
             Self::PitchX(point) => machine.pitch.value(Axis::X, point).to_string(),
             Self::PitchZ(point) => machine.pitch.value(Axis::Z, point).to_string(),
             Self::Variable(number) => {
-                let value = variable(machine.variables, number);
+                let value = variable_value(machine.variables, number);
                 value.map_or_else(String::new, |value| value.to_string())
             }
         }
@@ -237,55 +241,60 @@ impl Spot {
     /// # Errors
     ///
     /// The text is invalid, or the control does not accept the value (alarms 030, 043, 111).
-    pub fn read(self, typed: &str, machine: &Values<'_>) -> Result<Edit, Message> {
+    pub fn parse(self, typed: &str, machine: &DataValues<'_>) -> Result<DataEdit, Message> {
         let text = typed.trim();
         match self {
             Self::Parameter(number) => {
-                let value = self.parameter(number, text)?;
-                let mut then = machine.parameters.clone();
-                then.set(number, value).map_err(|error| error.message())?;
-                Ok(Edit::Parameter(ParameterChange::Value { number, value }))
+                let value = self.parse_parameter(number, text)?;
+                let mut changed = machine.parameters.clone();
+                changed
+                    .set(number, value)
+                    .map_err(|error| error.message())?;
+                Ok(DataEdit::Parameter(ParameterChange::Value {
+                    number,
+                    value,
+                }))
             }
-            Self::Offset(number, part) => self.offset(number, part, text, machine),
-            Self::PitchX(point) => self.pitch_error(Axis::X, point, text),
-            Self::PitchZ(point) => self.pitch_error(Axis::Z, point, text),
-            Self::Variable(number) if machine.variables.real => Ok(Edit::Variable {
+            Self::Offset(number, part) => self.parse_offset(number, part, text, machine),
+            Self::PitchX(point) => self.parse_pitch_error(Axis::X, point, text),
+            Self::PitchZ(point) => self.parse_pitch_error(Axis::Z, point, text),
+            Self::Variable(number) if machine.variables.real => Ok(DataEdit::Variable {
                 number,
-                value: Some(self.number(text)?),
-                real: true,
+                value: Some(self.parse_number(text)?),
+                is_real: true,
             }),
             Self::Variable(number) => {
-                let whole: Option<i64> = text.parse().ok();
+                let parsed: Option<i64> = text.parse().ok();
                 let range = memory::Variables::LEAST..=memory::Variables::GREATEST;
-                let whole = whole.filter(|value| range.contains(value));
-                let wrong = || say::data_variable_whole(self.name(), text);
-                Ok(Edit::Variable {
+                let whole = parsed.filter(|value| range.contains(value));
+                let error = || say::data_variable_whole(self.name(), text);
+                Ok(DataEdit::Variable {
                     number,
-                    value: Some(whole.ok_or_else(wrong)? as f64),
-                    real: false,
+                    value: Some(whole.ok_or_else(error)? as f64),
+                    is_real: false,
                 })
             }
         }
     }
 
-    fn parameter(self, number: u16, text: &str) -> Result<i32, Message> {
-        if !is_state(number) {
+    fn parse_parameter(self, number: u16, text: &str) -> Result<i32, Message> {
+        if !is_state_parameter(number) {
             let value = text.parse().ok();
             return value.ok_or_else(|| say::data_not_a_value(self.name(), text));
         }
-        let digits = text.len() == 8 && text.bytes().all(|byte| matches!(byte, b'0' | b'1'));
-        let value = i32::from_str_radix(text, 2).ok().filter(|_| digits);
+        let is_binary = text.len() == 8 && text.bytes().all(|byte| matches!(byte, b'0' | b'1'));
+        let value = i32::from_str_radix(text, 2).ok().filter(|_| is_binary);
         value.ok_or_else(|| say::data_not_bits(self.name(), text))
     }
 
     /// Parses a pitch error: a whole number in the range of the table.
-    fn pitch_error(self, axis: Axis, point: u8, text: &str) -> Result<Edit, Message> {
+    fn parse_pitch_error(self, axis: Axis, point: u8, text: &str) -> Result<DataEdit, Message> {
         let value = text.parse().ok();
         let value = value.ok_or_else(|| say::data_not_a_value(self.name(), text))?;
         let mut table = PitchTable::default();
-        let set = table.set(axis, point, value);
-        set.map_err(|error| error.message())?;
-        Ok(Edit::Parameter(ParameterChange::Pitch {
+        let result = table.set(axis, point, value);
+        result.map_err(|error| error.message())?;
+        Ok(DataEdit::Parameter(ParameterChange::Pitch {
             axis,
             point,
             value,
@@ -293,56 +302,56 @@ impl Spot {
     }
 
     /// Parses a number with a decimal point or comma.
-    fn number(self, text: &str) -> Result<f64, Message> {
+    fn parse_number(self, text: &str) -> Result<f64, Message> {
         parse_finite(&text.replace(',', "."))
             .ok_or_else(|| say::data_not_a_value(self.name(), text))
     }
 
     /// Parses an offset. After U or W the number is added to the current value (decision
     /// DATA-3, manual III-7).
-    fn offset(
+    fn parse_offset(
         self,
         number: u8,
-        part: Part,
+        part: ToolOffsetField,
         text: &str,
-        machine: &Values<'_>,
-    ) -> Result<Edit, Message> {
-        let own = machine.offsets.rows.get(number);
-        if number == 0 && !machine.parameters.work_shift() {
+        machine: &DataValues<'_>,
+    ) -> Result<DataEdit, Message> {
+        let current = machine.offsets.rows.get(number);
+        if number == 0 && !machine.parameters.has_work_shift() {
             return Err(say::data_offset_fixed());
         }
-        let in_mm = |value: f64| match machine.offsets.display.inch {
-            true => value * INCH,
+        let to_mm = |value: f64| match machine.offsets.display.inch {
+            true => value * MM_PER_INCH,
             false => value,
         };
-        let added = match part {
-            Part::X => text.strip_prefix(['U', 'u']),
-            Part::Z => text.strip_prefix(['W', 'w']),
-            Part::R | Part::T => None,
+        let increment = match part {
+            ToolOffsetField::X => text.strip_prefix(['U', 'u']),
+            ToolOffsetField::Z => text.strip_prefix(['W', 'w']),
+            ToolOffsetField::R | ToolOffsetField::T => None,
         };
-        let mut then = own;
-        match (part, added) {
-            (Part::X, Some(by)) => then.x += in_mm(self.number(by.trim())?),
-            (Part::Z, Some(by)) => then.z += in_mm(self.number(by.trim())?),
-            (Part::X, None) => then.x = in_mm(self.number(text)?),
-            (Part::Z, None) => then.z = in_mm(self.number(text)?),
-            (Part::R, _) => then.r = in_mm(self.number(text)?),
-            (Part::T, _) => {
+        let mut changed = current;
+        match (part, increment) {
+            (ToolOffsetField::X, Some(by)) => changed.x += to_mm(self.parse_number(by.trim())?),
+            (ToolOffsetField::Z, Some(by)) => changed.z += to_mm(self.parse_number(by.trim())?),
+            (ToolOffsetField::X, None) => changed.x = to_mm(self.parse_number(text)?),
+            (ToolOffsetField::Z, None) => changed.z = to_mm(self.parse_number(text)?),
+            (ToolOffsetField::R, _) => changed.r = to_mm(self.parse_number(text)?),
+            (ToolOffsetField::T, _) => {
                 let nose = text.parse().ok();
-                then.t = nose.ok_or_else(|| say::data_not_a_value(self.name(), text))?;
+                changed.t = nose.ok_or_else(|| say::data_not_a_value(self.name(), text))?;
             }
         }
         // The table rounds and limits the value as the control does. Row 000 has the limits of
         // the others.
         let mut table = Offsets::default();
-        table.set(1, then).map_err(|alarm| {
-            let why = alarm.further_detail().cloned();
-            say::data_not_allowed(self.name(), why.unwrap_or(alarm.reason()))
+        table.set(1, changed).map_err(|alarm| {
+            let detail = alarm.further_detail().cloned();
+            say::data_not_allowed(self.name(), detail.unwrap_or(alarm.reason()))
         })?;
-        Ok(Edit::Offset {
+        Ok(DataEdit::Offset {
             number,
             part,
-            value: part.of(table.get(1)),
+            value: part.value_in(table.get(1)),
         })
     }
 }
@@ -350,63 +359,63 @@ impl Spot {
 /// Typed texts that are not written yet.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Drafts {
-    typed: BTreeMap<Spot, String>,
+    texts: BTreeMap<DataField, String>,
 }
 
 impl Drafts {
     /// The text of a field: what was typed, else the current value of the control.
-    pub fn text(&self, spot: Spot, machine: &Values<'_>) -> String {
-        let typed = self.typed.get(&spot).cloned();
-        typed.unwrap_or_else(|| spot.text(machine))
+    pub fn text(&self, field: DataField, machine: &DataValues<'_>) -> String {
+        let typed = self.texts.get(&field).cloned();
+        typed.unwrap_or_else(|| field.current_text(machine))
     }
 
     /// Whether the field has a typed text.
-    pub fn has(&self, spot: Spot) -> bool {
-        self.typed.contains_key(&spot)
+    pub fn has_draft(&self, field: DataField) -> bool {
+        self.texts.contains_key(&field)
     }
 
     /// Stores the typed text of a field.
-    pub fn set(&mut self, spot: Spot, text: String) {
-        self.typed.insert(spot, text);
+    pub fn set(&mut self, field: DataField, text: String) {
+        self.texts.insert(field, text);
     }
 
     /// Drops the text of a field that has lost the focus, if it equals the current value.
-    pub fn left(&mut self, spot: Spot, machine: &Values<'_>) {
-        let text = self.typed.get(&spot);
-        if text.is_some_and(|text| is_there(spot, text, machine)) {
-            self.typed.remove(&spot);
+    pub fn drop_if_unchanged(&mut self, field: DataField, machine: &DataValues<'_>) {
+        let text = self.texts.get(&field);
+        if text.is_some_and(|text| is_current(field, text, machine)) {
+            self.texts.remove(&field);
         }
     }
 
     /// Replaces typed additions by their results. Each addition is applied once.
-    pub fn counted(&mut self, edits: &[Edit], machine: &Values<'_>) {
+    pub fn replace_additions(&mut self, edits: &[DataEdit], machine: &DataValues<'_>) {
         for edit in edits {
-            if let Edit::Offset {
+            if let DataEdit::Offset {
                 number,
                 part,
                 value,
             } = *edit
             {
                 let text = part.text(value, machine);
-                self.typed.insert(Spot::Offset(number, part), text);
+                self.texts.insert(DataField::Offset(number, part), text);
             }
         }
     }
 
     /// Drops all texts that equal the current values by now.
-    pub fn settle(&mut self, machine: &Values<'_>) {
-        self.typed
-            .retain(|spot, text| !is_there(*spot, text, machine));
+    pub fn drop_written(&mut self, machine: &DataValues<'_>) {
+        self.texts
+            .retain(|field, text| !is_current(*field, text, machine));
     }
 
     /// Drops all typed texts.
     pub fn discard(&mut self) {
-        self.typed.clear();
+        self.texts.clear();
     }
 
     /// Count of fields with a typed text.
     pub fn count(&self) -> usize {
-        self.typed.len()
+        self.texts.len()
     }
 
     /// Parses all typed texts.
@@ -414,16 +423,20 @@ impl Drafts {
     /// # Errors
     ///
     /// The error of the first text that is invalid.
-    pub fn edits(&self, machine: &Values<'_>) -> Result<Vec<Edit>, Message> {
-        let edits = self.typed.iter();
-        edits.map(|(spot, text)| spot.read(text, machine)).collect()
+    pub fn parse_edits(&self, machine: &DataValues<'_>) -> Result<Vec<DataEdit>, Message> {
+        let edits = self.texts.iter();
+        edits
+            .map(|(field, text)| field.parse(text, machine))
+            .collect()
     }
 }
 
 /// Whether the typed text equals the current value.
-fn is_there(spot: Spot, text: &str, machine: &Values<'_>) -> bool {
+fn is_current(field: DataField, text: &str, machine: &DataValues<'_>) -> bool {
     // An addition is never equal.
-    let added = matches!(spot, Spot::Offset(..)) && text.trim().starts_with(['U', 'u', 'W', 'w']);
-    let edit = spot.read(text, machine).ok().filter(|_| !added);
-    edit.is_some_and(|edit| edit.now(machine) == edit) || text == spot.text(machine)
+    let is_addition =
+        matches!(field, DataField::Offset(..)) && text.trim().starts_with(['U', 'u', 'W', 'w']);
+    let edit = field.parse(text, machine).ok().filter(|_| !is_addition);
+    edit.is_some_and(|edit| edit.with_current_value(machine) == edit)
+        || text == field.current_text(machine)
 }

@@ -2,12 +2,12 @@
 //! offsets, pitch errors, macro variables. All drafts are written together, if the control
 //! allows it. An undo list restores the previous values (decision DATA-2).
 
+mod data_values;
 mod edit;
-mod field;
 mod parameters;
 mod sheets;
 mod tables;
-mod values;
+mod value_field;
 
 use std::sync::Arc;
 
@@ -17,21 +17,21 @@ use gsk_messages::{Language, Message, say};
 
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
+pub use data_values::{DataValues, MemoryTables};
 #[cfg(test)]
-pub use edit::Spot;
-pub use edit::{Edit, Part, is_state};
-pub use sheets::{Asked, Into, Sheets};
-pub use values::{Tables, Values};
+pub use edit::DataField;
+pub use edit::{DataEdit, ToolOffsetField, is_state_parameter};
+pub use sheets::{DataSheets, WriteRequest, WriteTarget};
 
-const WRONG: Color32 = Color32::from_rgb(255, 150, 110);
-const FINE: Color32 = Color32::from_rgb(110, 230, 120);
+const ERROR_COLOR: Color32 = Color32::from_rgb(255, 150, 110);
+const SUCCESS_COLOR: Color32 = Color32::from_rgb(110, 230, 120);
 /// Colour of drafts that are not written yet.
-const TYPED: Color32 = Color32::from_rgb(255, 214, 110);
+const DRAFT_COLOR: Color32 = Color32::from_rgb(255, 214, 110);
 
 /// A sheet of the data view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Page {
-    Numbers(Kind),
+pub enum DataPage {
+    Numbers(ParameterKind),
     Group(ParameterGroup),
     Offsets,
     Pitch,
@@ -40,7 +40,7 @@ pub enum Page {
 
 /// The kinds of parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ParameterKind {
     /// State and data parameters.
     All,
     /// Parameters of eight bits.
@@ -49,7 +49,7 @@ pub enum Kind {
     Data,
 }
 
-impl Page {
+impl DataPage {
     fn name(self) -> Message {
         match self {
             Self::Numbers(kind) => kind.name(),
@@ -61,7 +61,7 @@ impl Page {
     }
 }
 
-impl Kind {
+impl ParameterKind {
     const ALL: [Self; 3] = [Self::All, Self::State, Self::Data];
 
     fn name(self) -> Message {
@@ -75,7 +75,7 @@ impl Kind {
 
 pub struct DataView {
     console: Console,
-    sheets: Sheets,
+    sheets: DataSheets,
 }
 
 impl DataView {
@@ -83,7 +83,7 @@ impl DataView {
     pub fn new(console: Console) -> Self {
         Self {
             console,
-            sheets: Sheets::new(Into::Control),
+            sheets: DataSheets::new(WriteTarget::Control),
         }
     }
 
@@ -92,9 +92,9 @@ impl DataView {
             ui.label(say::commission_waits().text(language));
             return;
         };
-        let values = Values::of_control(machine);
-        if let Some(asked) = self.sheets.show(ui, language, &values) {
-            let requests = asked.edits.iter().map(|edit| edit.request());
+        let values = DataValues::of_control(machine);
+        if let Some(request) = self.sheets.show(ui, language, &values) {
+            let requests = request.edits.iter().map(|edit| edit.request());
             self.console.send(Command::Write(requests.collect()));
         }
     }

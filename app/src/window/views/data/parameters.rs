@@ -5,73 +5,73 @@ use egui::{
     CentralPanel, Color32, Grid, Label, Panel, Response, RichText, Role, ScrollArea, Sense,
     TextEdit, TextStyle, TextWrapMode, Ui, WidgetInfo, WidgetText, pos2, vec2,
 };
-use gsk_core::memory::{self, Disk, Effective, ParameterRow};
+use gsk_core::memory::{self, EffectiveTime, ElectronicDisk, ParameterRow};
 use gsk_help::{Subject, Topic, search_among, subject_name, topic};
 use gsk_messages::{Language, say};
 
-use super::edit::{Drafts, Spot, is_state, parameter_text};
-use super::values::Values;
-use super::{Kind, Page, TYPED, field};
+use super::data_values::DataValues;
+use super::edit::{DataField, Drafts, is_state_parameter, parameter_text};
+use super::{DRAFT_COLOR, DataPage, ParameterKind, value_field};
 use crate::window::focus;
 use crate::window::help::show_article;
 
 /// Height of a row of the list, points.
-const LINE: f32 = 22.0;
+const ROW_HEIGHT: f32 = 22.0;
 /// Widths of the columns, points: mark, number, name, value, delivered value.
-const COLUMNS: [f32; 5] = [14.0, 52.0, 118.0, 78.0, 78.0];
+const COLUMN_WIDTHS: [f32; 5] = [14.0, 52.0, 118.0, 78.0, 78.0];
 /// Below this width, points, the list omits the names and the delivered values: the meaning of
 /// a parameter is more important.
-const NARROW: f32 = 560.0;
-const NARROW_COLUMNS: [f32; 5] = [14.0, 52.0, 0.0, 78.0, 0.0];
+const NARROW_WIDTH: f32 = 560.0;
+const NARROW_COLUMN_WIDTHS: [f32; 5] = [14.0, 52.0, 0.0, 78.0, 0.0];
 /// From this width of the view, points, the selected parameter is beside the list.
-const BESIDE: f32 = 700.0;
+const SIDE_BY_SIDE_WIDTH: f32 = 700.0;
 /// Size of the selected parameter: its width beside the list, its share of the height below
 /// the list, and its height there while none is selected (two lines), points.
-const DETAILS: f32 = 330.0;
-const SHARE: f32 = 0.45;
-const UNCHOSEN: f32 = 44.0;
+const DETAILS_WIDTH: f32 = 330.0;
+const DETAILS_HEIGHT_SHARE: f32 = 0.45;
+const UNSELECTED_HEIGHT: f32 = 44.0;
 /// Width of the field of a value, points.
-const VALUE: f32 = 110.0;
+const VALUE_WIDTH: f32 = 110.0;
 
 /// Colour of a value that differs from the delivered one.
-const OTHER: Color32 = Color32::from_rgb(120, 190, 255);
+const DIFFERS_COLOR: Color32 = Color32::from_rgb(120, 190, 255);
 
 /// The list and the selected parameter.
 #[derive(Debug, Default)]
-pub struct Parameters {
-    question: String,
+pub struct ParameterSheet {
+    query: String,
     /// The last query and the topics found.
-    found: (String, Vec<&'static Topic>),
+    search_result: (String, Vec<&'static Topic>),
     /// Whether the list shows only values that differ from the delivered ones.
-    changed: bool,
+    shows_changed_only: bool,
     /// Number and bit of the selected parameter.
-    chosen: Option<(u16, Option<u8>)>,
+    selected: Option<(u16, Option<u8>)>,
 }
 
-impl Parameters {
+impl ParameterSheet {
     /// Draws the list and the selected parameter.
     pub fn show(
         &mut self,
         ui: &mut Ui,
         language: Language,
-        machine: &Values<'_>,
-        page: Page,
+        machine: &DataValues<'_>,
+        page: DataPage,
         drafts: &mut Drafts,
     ) {
         let frame = egui::Frame::new().inner_margin(4.0);
-        let details = match ui.available_width() >= BESIDE {
-            true => Panel::right("parameter beside").exact_size(DETAILS),
+        let details = match ui.available_width() >= SIDE_BY_SIDE_WIDTH {
+            true => Panel::right("parameter beside").exact_size(DETAILS_WIDTH),
             false => {
-                let height = match self.chosen {
-                    Some(_) => ui.available_height() * SHARE,
-                    None => UNCHOSEN,
+                let height = match self.selected {
+                    Some(_) => ui.available_height() * DETAILS_HEIGHT_SHARE,
+                    None => UNSELECTED_HEIGHT,
                 };
                 Panel::bottom("parameter below").exact_size(height)
             }
         };
         details.resizable(false).frame(frame).show(ui, |ui| {
             // A scroll area would be higher than this text.
-            if self.chosen.is_none() {
+            if self.selected.is_none() {
                 ui.label(say::data_choose().text(language));
                 return;
             }
@@ -79,79 +79,85 @@ impl Parameters {
                 .id_salt("parameter")
                 .auto_shrink([false, false])
                 .show(ui, |ui| {
-                    self.details(ui, language, machine, drafts);
-                    focus::follow(ui);
+                    self.show_details(ui, language, machine, drafts);
+                    focus::scroll_to_focus(ui);
                 });
         });
         CentralPanel::default()
             .frame(frame)
-            .show(ui, |ui| self.list(ui, language, machine, page, drafts));
+            .show(ui, |ui| self.show_list(ui, language, machine, page, drafts));
     }
 
     /// The rows of a page, or the search result.
-    fn rows(&mut self, page: Page, machine: &Values<'_>) -> Vec<&'static ParameterRow> {
-        let mut rows: Vec<&ParameterRow> = if self.question.trim().is_empty() {
+    fn find_rows(
+        &mut self,
+        page: DataPage,
+        machine: &DataValues<'_>,
+    ) -> Vec<&'static ParameterRow> {
+        let mut rows: Vec<&ParameterRow> = if self.query.trim().is_empty() {
             match page {
-                Page::Group(group) => group.rows().to_vec(),
-                Page::Numbers(kind) => {
-                    let whole = memory::rows().iter().filter(|row| row.bit.is_none());
-                    let of_kind = |row: &&ParameterRow| match kind {
-                        Kind::All => true,
-                        Kind::State => row.state,
-                        Kind::Data => !row.state,
+                DataPage::Group(group) => group.rows().to_vec(),
+                DataPage::Numbers(kind) => {
+                    let parameters = memory::parameter_rows()
+                        .iter()
+                        .filter(|row| row.bit.is_none());
+                    let is_of_kind = |row: &&ParameterRow| match kind {
+                        ParameterKind::All => true,
+                        ParameterKind::State => row.state,
+                        ParameterKind::Data => !row.state,
                     };
-                    whole.filter(of_kind).collect()
+                    parameters.filter(is_of_kind).collect()
                 }
-                Page::Offsets | Page::Pitch | Page::Variables => Vec::new(),
+                DataPage::Offsets | DataPage::Pitch | DataPage::Variables => Vec::new(),
             }
         } else {
-            if self.found.0 != self.question {
-                let parameter =
+            if self.search_result.0 != self.query {
+                let is_parameter =
                     |it: Subject<'_>| matches!(it, Subject::Parameter(_) | Subject::Bit(..));
-                let found = search_among(&self.question, parameter);
-                self.found = (self.question.clone(), found);
+                let found = search_among(&self.query, is_parameter);
+                self.search_result = (self.query.clone(), found);
             }
-            let found = self.found.1.iter();
+            let found = self.search_result.1.iter();
             let row = |topic: &&Topic| match topic.subject {
-                Subject::Parameter(number) => memory::row(number, None),
-                Subject::Bit(number, bit) => memory::row(number, Some(bit)),
+                Subject::Parameter(number) => memory::parameter_row(number, None),
+                Subject::Bit(number, bit) => memory::parameter_row(number, Some(bit)),
                 _ => None,
             };
             found.filter_map(row).collect()
         };
-        if self.changed {
-            rows.retain(|row| differs(row, machine));
+        if self.shows_changed_only {
+            rows.retain(|row| is_changed(row, machine));
         }
         rows
     }
 
-    fn list(
+    fn show_list(
         &mut self,
         ui: &mut Ui,
         language: Language,
-        machine: &Values<'_>,
-        page: Page,
+        machine: &DataValues<'_>,
+        page: DataPage,
         drafts: &Drafts,
     ) {
         let hint = say::data_search().text(language);
-        let field = TextEdit::singleline(&mut self.question).hint_text(hint);
+        let field = TextEdit::singleline(&mut self.query).hint_text(hint);
         let field = ui.add(field.desired_width(f32::INFINITY));
         let name = say::data_search_name().text(language);
-        let question = self.question.clone();
+        let query = self.query.clone();
         field.widget_info(|| WidgetInfo {
-            current_text_value: Some(question.clone()),
+            current_text_value: Some(query.clone()),
             ..WidgetInfo::labeled(Role::TextInput, true, &name)
         });
         if field.has_focus() && ui.input(|input| input.key_pressed(egui::Key::Escape)) {
-            self.question.clear();
+            self.query.clear();
         }
-        let rows = self.rows(page, machine);
+        let rows = self.find_rows(page, machine);
         ui.horizontal_wrapped(|ui| {
-            let words = say::data_changed_only().text(language);
-            ui.checkbox(&mut self.changed, words);
+            let label = say::data_changed_only().text(language);
+            ui.checkbox(&mut self.shows_changed_only, label);
             ui.weak(say::data_matches(rows.len()).text(language));
         });
-        if rows.is_empty() && !self.question.trim().is_empty() {
+        if rows.is_empty() && !self.query.trim().is_empty() {
             ui.label(say::data_nothing_found().text(language));
             return;
         }
@@ -165,61 +171,64 @@ impl Parameters {
         ];
         let headings = headings.map(|it| it.map_or_else(String::new, |it| it.text(language)));
         let weak = ui.visuals().weak_text_color();
-        let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::HOVER);
-        put(ui, place, headings.map(|text| (text, weak)));
-        let own = |row: &&ParameterRow| (row.number, row.bit);
-        let chosen = self.chosen;
-        let chosen = rows.iter().position(|row| Some(own(row)) == chosen);
+        let (bounds, _) =
+            ui.allocate_exact_size(vec2(ui.available_width(), ROW_HEIGHT), Sense::HOVER);
+        show_cells(ui, bounds, headings.map(|text| (text, weak)));
+        let key_of = |row: &&ParameterRow| (row.number, row.bit);
+        let selected = self.selected;
+        let selected_row = rows.iter().position(|row| Some(key_of(row)) == selected);
         let name = say::data_list_name().text(language);
-        let list = focus::List::begin(ui, "parameter list", &name, rows.len(), chosen);
-        if let Some(row) = list.moved().and_then(|at| rows.get(at)) {
-            self.chosen = Some(own(row));
+        let list = focus::FocusList::begin(ui, "parameter list", &name, rows.len(), selected_row);
+        if let Some(row) = list.moved_row().and_then(|at| rows.get(at)) {
+            self.selected = Some(key_of(row));
         }
         ScrollArea::vertical()
             .id_salt("parameters")
             .auto_shrink([false, false])
-            .show_rows(ui, LINE, rows.len(), |ui, shown| {
-                list.follow(ui, shown.start, LINE);
+            .show_rows(ui, ROW_HEIGHT, rows.len(), |ui, shown| {
+                list.scroll_to_cursor(ui, shown.start, ROW_HEIGHT);
                 let rows = rows.iter().copied().enumerate();
                 for (at, row) in rows.skip(shown.start).take(shown.len()) {
-                    let response = self.row(ui, language, machine, drafts, row);
-                    if list.row(ui, at, &response) {
-                        self.chosen = Some(own(&row));
+                    let response = self.show_row(ui, language, machine, drafts, row);
+                    if list.show_cursor(ui, at, &response) {
+                        self.selected = Some(key_of(&row));
                     }
                 }
             });
     }
 
-    fn row(
+    fn show_row(
         &self,
         ui: &mut Ui,
         language: Language,
-        machine: &Values<'_>,
+        machine: &DataValues<'_>,
         drafts: &Drafts,
         row: &'static ParameterRow,
     ) -> Response {
-        let own = (row.number, row.bit);
-        let spot = Spot::Parameter(row.number);
-        let typed = drafts.has(spot);
-        let other = differs(row, machine);
-        let text = drafts.text(spot, machine);
+        let key = (row.number, row.bit);
+        let field = DataField::Parameter(row.number);
+        let has_draft = drafts.has_draft(field);
+        let is_changed = is_changed(row, machine);
+        let text = drafts.text(field, machine);
         let value = match row.bit {
-            Some(bit) => bit_of(&text, bit).map_or_else(|| "?".to_owned(), |on| digit(on).into()),
+            Some(bit) => {
+                parse_bit(&text, bit).map_or_else(|| "?".to_owned(), |on| digit(on).into())
+            }
             None => text,
         };
         let delivered = match row.bit {
-            Some(_) => row.factory(Disk::N0).to_string(),
-            None => parameter_text(row.number, row.factory(Disk::N0)),
+            Some(_) => row.factory_value(ElectronicDisk::N0).to_string(),
+            None => parameter_text(row.number, row.factory_value(ElectronicDisk::N0)),
         };
         let number = match row.bit {
             Some(bit) => format!("{:03}.{bit}", row.number),
             None => format!("{:03}", row.number),
         };
         let meaning = meaning(row, language);
-        let (place, response) =
-            ui.allocate_exact_size(vec2(ui.available_width(), LINE), focus::ROW);
-        let chosen = self.chosen == Some(own);
-        let said = match other {
+        let (bounds, response) =
+            ui.allocate_exact_size(vec2(ui.available_width(), ROW_HEIGHT), focus::ROW_SENSE);
+        let is_selected = self.selected == Some(key);
+        let description = match is_changed {
             true => format!(
                 "{number} {} {value} {} {meaning}",
                 row.symbol,
@@ -227,58 +236,66 @@ impl Parameters {
             ),
             false => format!("{number} {} {value} {meaning}", row.symbol),
         };
-        response.widget_info(|| WidgetInfo::selected(Role::ListBoxOption, true, chosen, &said));
-        let fill = match (chosen, response.hovered()) {
+        response.widget_info(|| {
+            WidgetInfo::selected(Role::ListBoxOption, true, is_selected, &description)
+        });
+        let fill = match (is_selected, response.hovered()) {
             (true, _) => ui.visuals().selection.bg_fill,
             (false, true) => ui.visuals().widgets.hovered.weak_bg_fill,
             (false, false) => Color32::TRANSPARENT,
         };
-        ui.painter().rect_filled(place, 2.0, fill);
+        ui.painter().rect_filled(bounds, 2.0, fill);
         let ink = Color32::from_gray(215);
-        let of_value = match (typed, other) {
-            (true, _) => TYPED,
-            (false, true) => OTHER,
+        let value_color = match (has_draft, is_changed) {
+            (true, _) => DRAFT_COLOR,
+            (false, true) => DIFFERS_COLOR,
             (false, false) => ink,
         };
-        if other {
-            let middle = pos2(place.left() + COLUMNS[0] / 2.0, place.center().y);
-            ui.painter().circle_filled(middle, 3.0, OTHER);
+        if is_changed {
+            let middle = pos2(bounds.left() + COLUMN_WIDTHS[0] / 2.0, bounds.center().y);
+            ui.painter().circle_filled(middle, 3.0, DIFFERS_COLOR);
         }
         let weak = ui.visuals().weak_text_color();
         let cells = [
             (String::new(), ink),
             (number, ink),
             (row.symbol.to_owned(), ink),
-            (value, of_value),
+            (value, value_color),
             (delivered, weak),
             (meaning, ink),
         ];
-        put(ui, place, cells);
+        show_cells(ui, bounds, cells);
         response
     }
 
     /// Draws the selected parameter.
-    fn details(&self, ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut Drafts) {
-        let Some((number, bit)) = self.chosen else {
+    fn show_details(
+        &self,
+        ui: &mut Ui,
+        language: Language,
+        machine: &DataValues<'_>,
+        drafts: &mut Drafts,
+    ) {
+        let Some((number, bit)) = self.selected else {
             return;
         };
-        let Some(row) = memory::row(number, None) else {
+        let Some(row) = memory::parameter_row(number, None) else {
             return;
         };
-        let spot = Spot::Parameter(number);
+        let field = DataField::Parameter(number);
         ui.horizontal_wrapped(|ui| {
             ui.strong(say::help_parameter(format!("{number:03}")).text(language));
-            field::show(ui, language, machine, drafts, spot, VALUE);
+            value_field::show(ui, language, machine, drafts, field, VALUE_WIDTH);
             ui.label(row.unit);
         });
-        let text = drafts.text(spot, machine);
-        if drafts.has(spot)
-            && let Err(said) = spot.read(&text, machine)
+        let text = drafts.text(field, machine);
+        if drafts.has_draft(field)
+            && let Err(error) = field.parse(&text, machine)
         {
-            ui.label(RichText::new(said.text(language)).color(super::WRONG));
+            ui.label(RichText::new(error.text(language)).color(super::ERROR_COLOR));
         }
-        if is_state(number) {
-            bits(ui, language, machine, drafts, number);
+        if is_state_parameter(number) {
+            show_bits(ui, language, machine, drafts, number);
         }
         ui.separator();
         let subjects = [
@@ -294,12 +311,18 @@ impl Parameters {
 }
 
 /// Draws the check boxes of a state parameter, bit 7 first.
-fn bits(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut Drafts, number: u16) {
-    let spot = Spot::Parameter(number);
-    let text = drafts.text(spot, machine);
+fn show_bits(
+    ui: &mut Ui,
+    language: Language,
+    machine: &DataValues<'_>,
+    drafts: &mut Drafts,
+    number: u16,
+) {
+    let field = DataField::Parameter(number);
+    let text = drafts.text(field, machine);
     // While the typed text is invalid, the boxes show the current value.
-    let readable = (0..8).all(|bit| bit_of(&text, bit).is_some());
-    let byte = match readable {
+    let is_valid = (0..8).all(|bit| parse_bit(&text, bit).is_some());
+    let byte = match is_valid {
         true => u8::from_str_radix(&text, 2).unwrap_or(0),
         false => machine.parameters.byte(number),
     };
@@ -308,28 +331,30 @@ fn bits(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut Draf
         .striped(true)
         .show(ui, |ui| {
             for bit in (0..8).rev() {
-                let row = memory::row(number, Some(bit));
-                let mut on = byte >> bit & 1 != 0;
+                let row = memory::parameter_row(number, Some(bit));
+                let mut is_on = byte >> bit & 1 != 0;
                 let label = format!("{bit} {}", row.map_or("***", |row| row.symbol));
                 let meaning = match row {
                     Some(_) => subject_name(Subject::Bit(number, bit), language),
                     None => say::data_bit_unused().text(language),
                 };
-                let check = ui.checkbox(&mut on, RichText::new(label).monospace());
-                let called = format!("{number:03}.{bit} {meaning}");
-                check.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, on, &called));
+                let check = ui.checkbox(&mut is_on, RichText::new(label).monospace());
+                let description = format!("{number:03}.{bit} {meaning}");
+                check.widget_info(|| {
+                    WidgetInfo::selected(Role::CheckBox, true, is_on, &description)
+                });
                 if check.changed() {
-                    let changed = byte & !(1 << bit) | u8::from(on) << bit;
-                    drafts.set(spot, format!("{changed:08b}"));
-                    drafts.left(spot, machine);
+                    let changed = byte & !(1 << bit) | u8::from(is_on) << bit;
+                    drafts.set(field, format!("{changed:08b}"));
+                    drafts.drop_if_unchanged(field, machine);
                 }
                 ui.vertical(|ui| {
                     ui.set_width(ui.available_width());
                     ui.add(Label::new(meaning).wrap());
-                    let late = row.map(|row| row.effective);
-                    if matches!(late, Some(Effective::AtPowerOn { .. })) {
-                        let words = say::help_at_power_on().text(language);
-                        ui.label(RichText::new(words).color(OTHER));
+                    let effective = row.map(|row| row.effective);
+                    if matches!(effective, Some(EffectiveTime::AtPowerOn { .. })) {
+                        let note = say::help_at_power_on().text(language);
+                        ui.label(RichText::new(note).color(DIFFERS_COLOR));
                     }
                 });
                 ui.end_row();
@@ -338,7 +363,7 @@ fn bits(ui: &mut Ui, language: Language, machine: &Values<'_>, drafts: &mut Draf
 }
 
 /// A bit of eight binary digits; `None` if the text has another form.
-fn bit_of(text: &str, bit: u8) -> Option<bool> {
+fn parse_bit(text: &str, bit: u8) -> Option<bool> {
     let at = 7_usize.checked_sub(usize::from(bit))?;
     let digits = text.as_bytes();
     let digit = (digits.len() == 8).then(|| digits.get(at)).flatten()?;
@@ -359,7 +384,7 @@ fn meaning(row: &ParameterRow, language: Language) -> String {
     if language == Language::En {
         return row.meaning_en.to_owned();
     }
-    let bits = memory::rows().iter();
+    let bits = memory::parameter_rows().iter();
     let bits = bits.filter(|it| it.number == row.number && it.bit.is_some());
     let names: Vec<&str> = bits.map(|it| it.symbol).collect();
     match row.bit.is_none() && !names.is_empty() {
@@ -369,29 +394,29 @@ fn meaning(row: &ParameterRow, language: Language) -> String {
 }
 
 /// Whether the value of the control differs from the delivered one.
-fn differs(row: &ParameterRow, machine: &Values<'_>) -> bool {
-    let own = match row.bit {
+fn is_changed(row: &ParameterRow, machine: &DataValues<'_>) -> bool {
+    let value = match row.bit {
         Some(bit) => i32::from(machine.parameters.bit(row.number, bit)),
         None => machine.parameters.value(row.number),
     };
-    own != row.factory(Disk::N0)
+    value != row.factory_value(ElectronicDisk::N0)
 }
 
 /// Draws the texts of a row in its columns. A text that does not fit ends in an ellipsis.
-fn put(ui: &Ui, place: egui::Rect, cells: [(String, Color32); 6]) {
-    let mut left = place.left() + 2.0;
-    let columns = match place.width() < NARROW {
-        true => NARROW_COLUMNS,
-        false => COLUMNS,
+fn show_cells(ui: &Ui, bounds: egui::Rect, cells: [(String, Color32); 6]) {
+    let mut left = bounds.left() + 2.0;
+    let columns = match bounds.width() < NARROW_WIDTH {
+        true => NARROW_COLUMN_WIDTHS,
+        false => COLUMN_WIDTHS,
     };
     let widths = columns.into_iter().chain([f32::INFINITY]);
     for ((text, colour), width) in cells.into_iter().zip(widths) {
-        let room = width.min(place.right() - left) - 6.0;
-        if room > 8.0 && !text.is_empty() {
+        let width_left = width.min(bounds.right() - left) - 6.0;
+        if width_left > 8.0 && !text.is_empty() {
             let text = WidgetText::from(RichText::new(text).color(colour));
             let wrap = Some(TextWrapMode::Truncate);
-            let galley = text.into_galley(ui, wrap, room, TextStyle::Body);
-            let top = place.center().y - galley.size().y / 2.0;
+            let galley = text.into_galley(ui, wrap, width_left, TextStyle::Body);
+            let top = bounds.center().y - galley.size().y / 2.0;
             ui.painter().galley(pos2(left, top), galley, colour);
         }
         left += width;

@@ -3,25 +3,25 @@
 
 use egui::{Button, CentralPanel, ComboBox, Panel, RichText, Role, ScrollArea, Ui, WidgetInfo};
 use gsk_commission::UndoList;
-use gsk_core::memory::{ParameterGroup, Refusal};
+use gsk_core::memory::{ParameterGroup, WriteRefusal};
 use gsk_messages::{Language, Message, say};
 use gsk_project::refusal_message;
 
-use super::super::{bar_frame, side_frame, written};
-use super::edit::{Drafts, Edit};
-use super::parameters::Parameters;
-use super::values::Values;
-use super::{FINE, Kind, Page, TYPED, WRONG, tables};
+use super::super::{bar_frame, side_frame, undo_panel};
+use super::data_values::DataValues;
+use super::edit::{DataEdit, Drafts};
+use super::parameters::ParameterSheet;
+use super::{DRAFT_COLOR, DataPage, ERROR_COLOR, ParameterKind, SUCCESS_COLOR, tables};
 use crate::window::focus;
 
 /// Width of the list of pages, points.
-const PAGES: f32 = 180.0;
+const PAGE_LIST_WIDTH: f32 = 180.0;
 /// Height of the undo list, points.
-const WRITTEN: f32 = 110.0;
+const UNDO_LIST_HEIGHT: f32 = 110.0;
 
 /// Where the sheets write values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Into {
+pub enum WriteTarget {
     /// Into a control, if the operator has the rights. The sheets show the list of pages.
     Control,
     /// Into a project. Its tree lists the pages.
@@ -29,43 +29,43 @@ pub enum Into {
 }
 
 /// Values to write together.
-pub struct Asked {
-    pub edits: Vec<Edit>,
+pub struct WriteRequest {
+    pub edits: Vec<DataEdit>,
     /// Whether the edits undo earlier ones.
-    pub takes_back: bool,
+    pub is_undo: bool,
 }
 
 /// The sheets of the data view.
-pub struct Sheets {
-    into: Into,
-    page: Page,
+pub struct DataSheets {
+    target: WriteTarget,
+    page: DataPage,
     /// The parameter page that was shown last.
-    last: Page,
-    parameters: Parameters,
+    last_parameter_page: DataPage,
+    parameters: ParameterSheet,
     drafts: Drafts,
     /// Whether the operator pressed the write button while a draft was invalid.
-    asked_too_early: bool,
+    shows_draft_error: bool,
     /// Why the last request was refused, and the drafts at that time.
-    complaint: Option<(Message, Drafts)>,
-    undo: UndoList<Edit, Edit>,
+    refusal: Option<(Message, Drafts)>,
+    undo: UndoList<DataEdit, DataEdit>,
     /// Whether values were written. Drafts that equal the current values are dropped
     /// meanwhile.
-    settling: bool,
+    drops_written: bool,
 }
 
-impl Sheets {
+impl DataSheets {
     /// Creates the sheets with the page of all parameters.
-    pub fn new(into: Into) -> Self {
+    pub fn new(target: WriteTarget) -> Self {
         Self {
-            into,
-            page: Page::Numbers(Kind::All),
-            last: Page::Numbers(Kind::All),
-            parameters: Parameters::default(),
+            target,
+            page: DataPage::Numbers(ParameterKind::All),
+            last_parameter_page: DataPage::Numbers(ParameterKind::All),
+            parameters: ParameterSheet::default(),
             drafts: Drafts::default(),
-            asked_too_early: false,
-            complaint: None,
+            shows_draft_error: false,
+            refusal: None,
             undo: UndoList::default(),
-            settling: false,
+            drops_written: false,
         }
     }
 
@@ -75,41 +75,46 @@ impl Sheets {
     }
 
     /// Shows a page. For any parameter page it shows the one that was shown last.
-    pub fn turn_to(&mut self, page: Page) {
-        let of_parameters = |page| matches!(page, Page::Numbers(_) | Page::Group(_));
-        if of_parameters(self.page) {
-            self.last = self.page;
+    pub fn show_page(&mut self, page: DataPage) {
+        let is_parameter_page = |page| matches!(page, DataPage::Numbers(_) | DataPage::Group(_));
+        if is_parameter_page(self.page) {
+            self.last_parameter_page = self.page;
         }
-        self.page = match of_parameters(page) {
-            true => self.last,
+        self.page = match is_parameter_page(page) {
+            true => self.last_parameter_page,
             false => page,
         };
     }
 
     /// Shows why the last request was refused.
-    pub fn refuse(&mut self, why: Message, asked: &Asked) {
-        self.complaint = Some((why, self.drafts.clone()));
-        if !asked.takes_back {
+    pub fn show_refusal(&mut self, reason: Message, request: &WriteRequest) {
+        self.refusal = Some((reason, self.drafts.clone()));
+        if !request.is_undo {
             self.undo.pop();
         }
     }
 
     /// Draws the sheets and handles their input. Returns the values to write.
-    pub fn show(&mut self, ui: &mut Ui, language: Language, values: &Values<'_>) -> Option<Asked> {
-        if self.settling {
-            self.drafts.settle(values);
-            self.settling = self.drafts.count() > 0;
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        values: &DataValues<'_>,
+    ) -> Option<WriteRequest> {
+        if self.drops_written {
+            self.drafts.drop_written(values);
+            self.drops_written = self.drafts.count() > 0;
         }
         let bar = Panel::bottom("data state").frame(bar_frame());
-        let mut asked = bar.show(ui, |ui| self.bar(ui, language, values)).inner;
-        let beside = self.into == Into::Control;
+        let mut request = bar.show(ui, |ui| self.show_bar(ui, language, values)).inner;
+        let has_page_list = self.target == WriteTarget::Control;
         // The undo button is outside of the scroll area of the pages: it stays visible.
         let mut list = |ui: &mut Ui, sheets: &mut Self| {
             if sheets.undo.entries().is_empty() {
                 return;
             }
             Panel::bottom("data written")
-                .exact_size(WRITTEN)
+                .exact_size(UNDO_LIST_HEIGHT)
                 .resizable(false)
                 .frame(egui::Frame::new())
                 .show(ui, |ui| {
@@ -118,15 +123,15 @@ impl Sheets {
                         .auto_shrink([false, false])
                         .stick_to_bottom(true)
                         .show(ui, |ui| {
-                            let taken = sheets.written(ui, language, values);
-                            asked = taken.or_else(|| asked.take());
-                            focus::follow(ui);
+                            let undo_request = sheets.show_undo_list(ui, language, values);
+                            request = undo_request.or_else(|| request.take());
+                            focus::scroll_to_focus(ui);
                         });
                 });
         };
-        if beside {
+        if has_page_list {
             Panel::left("data pages")
-                .exact_size(PAGES)
+                .exact_size(PAGE_LIST_WIDTH)
                 .resizable(false)
                 .frame(side_frame())
                 .show(ui, |ui| {
@@ -135,7 +140,7 @@ impl Sheets {
                         .id_salt("data pages")
                         .auto_shrink([false, false])
                         .show(ui, |ui| {
-                            self.pages(ui, language);
+                            self.show_page_list(ui, language);
                         });
                 });
         } else {
@@ -143,84 +148,96 @@ impl Sheets {
         }
         let (drafts, page) = (&mut self.drafts, &mut self.page);
         CentralPanel::default().frame(side_frame()).show(ui, |ui| {
-            if !beside && matches!(page, Page::Numbers(_) | Page::Group(_)) {
-                choose(ui, language, page);
+            if !has_page_list && matches!(page, DataPage::Numbers(_) | DataPage::Group(_)) {
+                show_page_choice(ui, language, page);
             }
             match *page {
-                Page::Numbers(_) | Page::Group(_) => {
+                DataPage::Numbers(_) | DataPage::Group(_) => {
                     self.parameters.show(ui, language, values, *page, drafts);
                 }
-                Page::Offsets => tables::offsets(ui, language, values, drafts),
-                Page::Pitch => tables::pitch(ui, language, values, drafts),
-                Page::Variables => tables::variables(ui, language, values, drafts),
+                DataPage::Offsets => tables::show_offsets(ui, language, values, drafts),
+                DataPage::Pitch => tables::show_pitch(ui, language, values, drafts),
+                DataPage::Variables => tables::show_variables(ui, language, values, drafts),
             }
         });
-        asked
+        request
     }
 
-    fn pages(&mut self, ui: &mut Ui, language: Language) {
-        let others = [Page::Offsets, Page::Pitch, Page::Variables];
-        entries(ui, language, &mut self.page, &others);
+    fn show_page_list(&mut self, ui: &mut Ui, language: Language) {
+        let others = [DataPage::Offsets, DataPage::Pitch, DataPage::Variables];
+        show_page_entries(ui, language, &mut self.page, &others);
     }
 
     /// Draws the list of written values with the undo button.
-    fn written(&mut self, ui: &mut Ui, language: Language, values: &Values<'_>) -> Option<Asked> {
-        let taken = written::show(
+    fn show_undo_list(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        values: &DataValues<'_>,
+    ) -> Option<WriteRequest> {
+        let undo_edits = undo_panel::show(
             ui,
             language,
             &mut self.undo,
-            &written::Words {
+            &undo_panel::UndoTexts {
                 label: |edit| edit.message(),
                 change: |edit| edit.message(),
-                hint: say::commission_write_hint(),
+                blocked_hint: say::commission_write_hint(),
             },
-            |edits| refusal(edits, values).is_none(),
+            |edits| first_refusal(edits, values).is_none(),
         );
-        taken.map(|edits| Asked {
+        undo_edits.map(|edits| WriteRequest {
             edits,
-            takes_back: true,
+            is_undo: true,
         })
     }
 
     /// Draws the bar with the preconditions for writing, the alarms and the buttons.
-    fn bar(&mut self, ui: &mut Ui, language: Language, values: &Values<'_>) -> Option<Asked> {
-        let edits = self.drafts.edits(values);
-        let of_page = match self.page {
-            Page::Numbers(_) | Page::Group(_) | Page::Pitch => values.parameters_refused,
-            Page::Offsets => values.offsets.refused,
-            Page::Variables => values.variables.refused,
+    fn show_bar(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        values: &DataValues<'_>,
+    ) -> Option<WriteRequest> {
+        let edits = self.drafts.parse_edits(values);
+        let page_refusal = match self.page {
+            DataPage::Numbers(_) | DataPage::Group(_) | DataPage::Pitch => {
+                values.parameters_refusal
+            }
+            DataPage::Offsets => values.offsets.refused,
+            DataPage::Variables => values.variables.refused,
         };
-        let of_drafts = edits.as_ref().ok().and_then(|it| refusal(it, values));
-        let (words, colour) = match (of_drafts.or(of_page), self.into) {
+        let draft_refusal = edits.as_ref().ok().and_then(|it| first_refusal(it, values));
+        let (text, colour) = match (draft_refusal.or(page_refusal), self.target) {
             // Without drafts the reason is drawn in a weak colour.
             (Some(refusal), _) => (
                 say::data_cannot_write(refusal_message(refusal)),
                 match self.drafts.count() {
                     0 => ui.visuals().weak_text_color(),
-                    _ => TYPED,
+                    _ => DRAFT_COLOR,
                 },
             ),
-            (None, Into::Control) => (say::data_can_write(), FINE),
-            (None, Into::Project) => (say::data_into_project(), FINE),
+            (None, WriteTarget::Control) => (say::data_can_write(), SUCCESS_COLOR),
+            (None, WriteTarget::Project) => (say::data_into_project(), SUCCESS_COLOR),
         };
-        ui.label(RichText::new(words.text(language)).color(colour));
+        ui.label(RichText::new(text.text(language)).color(colour));
         // An error disappears with the drafts that it is about.
-        self.asked_too_early &= edits.is_err();
-        self.complaint.take_if(|(_, drafts)| *drafts != self.drafts);
-        let wrong = edits.as_ref().err().filter(|_| self.asked_too_early);
-        if let Some(said) = wrong.or(self.complaint.as_ref().map(|(why, _)| why)) {
-            ui.label(RichText::new(said.text(language)).color(WRONG));
+        self.shows_draft_error &= edits.is_err();
+        self.refusal.take_if(|(_, drafts)| *drafts != self.drafts);
+        let draft_error = edits.as_ref().err().filter(|_| self.shows_draft_error);
+        if let Some(error) = draft_error.or(self.refusal.as_ref().map(|(reason, _)| reason)) {
+            ui.label(RichText::new(error.text(language)).color(ERROR_COLOR));
         }
         if !values.alarms.is_empty() {
-            ui.label(RichText::new(values.alarms.join("   ")).color(WRONG));
+            ui.label(RichText::new(values.alarms.join("   ")).color(ERROR_COLOR));
         }
         let buttons = ui.horizontal_wrapped(|ui| {
             let count = self.drafts.count();
             let write = Button::new(say::commission_write(count).text(language));
-            let write = ui.add_enabled(count > 0 && of_drafts.is_none(), write);
-            let hint = match self.into {
-                Into::Control => say::commission_write_hint(),
-                Into::Project => say::data_into_project(),
+            let write = ui.add_enabled(count > 0 && draft_refusal.is_none(), write);
+            let hint = match self.target {
+                WriteTarget::Control => say::commission_write_hint(),
+                WriteTarget::Project => say::data_into_project(),
             };
             let hint = hint.text(language);
             let write = write
@@ -229,8 +246,8 @@ impl Sheets {
             let discard = Button::new(say::data_discard().text(language));
             let discard = ui.add_enabled(count > 0, discard);
             if count > 0 {
-                let words = say::data_unwritten(count).text(language);
-                ui.label(RichText::new(words).color(TYPED));
+                let label = say::data_unwritten(count).text(language);
+                ui.label(RichText::new(label).color(DRAFT_COLOR));
             }
             if discard.clicked() {
                 self.drafts.discard();
@@ -242,63 +259,75 @@ impl Sheets {
         buttons.inner
     }
 
-    fn write(&mut self, edits: Result<Vec<Edit>, Message>, values: &Values<'_>) -> Option<Asked> {
+    fn write(
+        &mut self,
+        edits: Result<Vec<DataEdit>, Message>,
+        values: &DataValues<'_>,
+    ) -> Option<WriteRequest> {
         let Ok(mut edits) = edits else {
-            self.asked_too_early = true;
+            self.shows_draft_error = true;
             return None;
         };
-        self.complaint = None;
-        self.drafts.counted(&edits, values);
-        edits.retain(|edit| edit.now(values) != *edit);
-        self.settling = true;
+        self.refusal = None;
+        self.drafts.replace_additions(&edits, values);
+        edits.retain(|edit| edit.with_current_value(values) != *edit);
+        self.drops_written = true;
         let first = edits.first()?;
-        let before = edits.iter().map(|edit| edit.now(values)).collect();
-        self.undo.record(*first, before, &edits);
-        Some(Asked {
+        let previous = edits
+            .iter()
+            .map(|edit| edit.with_current_value(values))
+            .collect();
+        self.undo.record(*first, previous, &edits);
+        Some(WriteRequest {
             edits,
-            takes_back: false,
+            is_undo: false,
         })
     }
 }
 
 /// Draws the pages of parameters as a drop-down list, where the list of pages is missing.
-fn choose(ui: &mut Ui, language: Language, page: &mut Page) {
-    let words = page.name().text(language);
-    let shown = ComboBox::from_id_salt("data page")
-        .width(ui.available_width().min(PAGES * 2.0))
+fn show_page_choice(ui: &mut Ui, language: Language, page: &mut DataPage) {
+    let selected_label = page.name().text(language);
+    let list = ComboBox::from_id_salt("data page")
+        .width(ui.available_width().min(PAGE_LIST_WIDTH * 2.0))
         .height(ui.available_height())
-        .selected_text(words.as_str())
+        .selected_text(selected_label.as_str())
         .show_ui(ui, |ui| {
-            if entries(ui, language, page, &[]) {
+            if show_page_entries(ui, language, page, &[]) {
                 ui.close();
             }
         });
     let name = say::data_all_parameters().text(language);
-    shown.response.widget_info(|| WidgetInfo {
-        current_text_value: Some(words.clone()),
+    list.response.widget_info(|| WidgetInfo {
+        current_text_value: Some(selected_label.clone()),
         ..WidgetInfo::labeled(Role::ComboBox, true, &name)
     });
 }
 
 /// Draws the parameter pages and `others` as a list. Returns whether Enter was pressed on an
 /// entry.
-fn entries(ui: &mut Ui, language: Language, page: &mut Page, others: &[Page]) -> bool {
-    let numbers = Kind::ALL.into_iter().map(Page::Numbers);
-    let groups = ParameterGroup::ALL.into_iter().map(Page::Group);
+fn show_page_entries(
+    ui: &mut Ui,
+    language: Language,
+    page: &mut DataPage,
+    others: &[DataPage],
+) -> bool {
+    let numbers = ParameterKind::ALL.into_iter().map(DataPage::Numbers);
+    let groups = ParameterGroup::ALL.into_iter().map(DataPage::Group);
     let pages = numbers.chain(groups).chain(others.iter().copied());
-    let pages: Vec<Page> = pages.collect();
-    let chosen = pages.iter().position(|own| own == page);
+    let pages: Vec<DataPage> = pages.collect();
+    let selected = pages.iter().position(|own| own == page);
     let name = say::window_view_data().text(language);
-    let list = focus::List::begin(ui, "pages", &name, pages.len(), chosen);
-    if let Some(own) = list.moved().and_then(|at| pages.get(at)) {
-        *page = *own;
+    let list = focus::FocusList::begin(ui, "pages", &name, pages.len(), selected);
+    if let Some(selected_page) = list.moved_row().and_then(|at| pages.get(at)) {
+        *page = *selected_page;
     }
-    for (at, own) in pages.iter().enumerate() {
+    for (at, entry_page) in pages.iter().enumerate() {
         match at {
             0 => {
                 ui.weak(say::data_by_number().text(language));
             }
-            at if at == Kind::ALL.len() => {
+            at if at == ParameterKind::ALL.len() => {
                 ui.add_space(4.0);
                 ui.weak(say::data_by_function().text(language));
             }
@@ -307,19 +336,19 @@ fn entries(ui: &mut Ui, language: Language, page: &mut Page, others: &[Page]) ->
             }
             _ => {}
         }
-        let name = own.name().text(language);
-        let is_chosen = page == own;
+        let name = entry_page.name().text(language);
+        let is_chosen = page == entry_page;
         let entry = Button::selectable(is_chosen, name.as_str()).wrap();
-        let entry = ui.add(entry.sense(focus::ROW));
+        let entry = ui.add(entry.sense(focus::ROW_SENSE));
         entry.widget_info(|| WidgetInfo::selected(Role::ListBoxOption, true, is_chosen, &name));
-        if list.row(ui, at, &entry) {
-            *page = *own;
+        if list.show_cursor(ui, at, &entry) {
+            *page = *entry_page;
         }
     }
-    list.entered().is_some()
+    list.entered_row().is_some()
 }
 
 /// Why not all edits would be accepted now.
-fn refusal(edits: &[Edit], values: &Values<'_>) -> Option<Refusal> {
-    edits.iter().find_map(|edit| edit.refused(values))
+fn first_refusal(edits: &[DataEdit], values: &DataValues<'_>) -> Option<WriteRefusal> {
+    edits.iter().find_map(|edit| edit.refusal(values))
 }

@@ -8,7 +8,7 @@ use gsk_messages::{Message, say};
 
 /// A table of a ladder, by its directive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Table {
+pub enum LadderTable {
     /// `.MSG`.
     Messages,
     /// `.CMT`.
@@ -17,7 +17,7 @@ pub enum Table {
     StartValues,
 }
 
-impl Table {
+impl LadderTable {
     const fn directive(self) -> &'static str {
         match self {
             Self::Messages => ".MSG",
@@ -27,7 +27,7 @@ impl Table {
     }
 
     /// Headings of the fields of a row, the address first.
-    pub fn fields(self) -> Vec<Message> {
+    pub fn field_names(self) -> Vec<Message> {
         match self {
             Self::Messages => vec![
                 say::ladder_column_message_address(),
@@ -47,7 +47,7 @@ impl Table {
     }
 
     /// The line of a row; the error if a field contains a quotation mark.
-    fn line(self, fields: &[String]) -> Result<String, Message> {
+    fn format_row(self, fields: &[String]) -> Result<String, Message> {
         let quoted = |text: &str| format!("\"{}\"", text.trim());
         if fields.iter().any(|field| field.contains(['"', '\n'])) {
             return Err(say::ladder_text_has_quotation_mark());
@@ -76,36 +76,36 @@ impl Table {
     }
 
     /// The instruction list with a row added. It replaces the row with the same address.
-    pub fn with(self, list: &str, fields: &[String]) -> Result<String, Message> {
-        let line = self.line(fields)?;
-        let subject = fields.first().and_then(|address| subject(address));
-        Ok(self.replaced(list, subject, Some(&line)))
+    pub fn with_row(self, list: &str, fields: &[String]) -> Result<String, Message> {
+        let line = self.format_row(fields)?;
+        let subject = fields.first().and_then(|address| parse_address(address));
+        Ok(self.replace_row(list, subject, Some(&line)))
     }
 
     /// The instruction list without the row of an address.
-    pub fn without(self, list: &str, address: &str) -> String {
-        self.replaced(list, subject(address), None)
+    pub fn without_row(self, list: &str, address: &str) -> String {
+        self.replace_row(list, parse_address(address), None)
     }
 
-    fn replaced(self, list: &str, wanted: Option<PlcAddress>, line: Option<&str>) -> String {
-        let row = |text: &str| self.subject_of(text);
-        let known = wanted.and_then(|wanted| {
+    fn replace_row(self, list: &str, address: Option<PlcAddress>, line: Option<&str>) -> String {
+        let address_of = |text: &str| self.row_address(text);
+        let existing_row = address.and_then(|wanted| {
             list.lines()
-                .position(|text| row(text) == Some(Some(wanted)))
+                .position(|text| address_of(text) == Some(Some(wanted)))
         });
         // A new row is inserted after the last of its table, or at the start of the list.
-        let behind = list
+        let table_rows = list
             .lines()
             .enumerate()
-            .filter(|(_, text)| row(text).is_some());
-        let behind = behind.map(|(at, _)| at).last();
+            .filter(|(_, text)| address_of(text).is_some());
+        let last_row = table_rows.map(|(at, _)| at).last();
         let mut changed: Vec<&str> = list.lines().collect();
-        match (known, line) {
+        match (existing_row, line) {
             (Some(at), Some(line)) => changed[at] = line,
             (Some(at), None) => {
                 changed.remove(at);
             }
-            (None, Some(line)) => changed.insert(behind.map_or(0, |at| at + 1), line),
+            (None, Some(line)) => changed.insert(last_row.map_or(0, |at| at + 1), line),
             (None, None) => {}
         }
         let mut text = changed.join("\n");
@@ -115,15 +115,15 @@ impl Table {
 
     /// The address in a line of this table: the outer `None` means another line, the inner an
     /// invalid address.
-    fn subject_of(self, line: &str) -> Option<Option<PlcAddress>> {
+    fn row_address(self, line: &str) -> Option<Option<PlcAddress>> {
         let mut words = line.split_whitespace();
         let name = words.next()?;
         name.eq_ignore_ascii_case(self.directive())
-            .then(|| words.next().and_then(subject))
+            .then(|| words.next().and_then(parse_address))
     }
 }
 
-fn subject(address: &str) -> Option<PlcAddress> {
+fn parse_address(address: &str) -> Option<PlcAddress> {
     let address = address.trim().to_ascii_uppercase();
     let bit = address.parse::<BitAddress>().ok().map(PlcAddress::Bit);
     bit.or_else(|| address.parse::<ByteAddress>().ok().map(PlcAddress::Byte))
@@ -142,31 +142,31 @@ mod tests {
 
     #[test]
     fn a_row_is_replaced_added_and_deleted_and_nothing_else_changes() {
-        let with = |table: Table, texts: &[&str]| {
-            let text = table.with(LIST, &fields(texts)).unwrap();
+        let with = |table: LadderTable, texts: &[&str]| {
+            let text = table.with_row(LIST, &fields(texts)).unwrap();
             Ladder::compile(&text).unwrap();
             text
         };
-        let text = with(Table::Messages, &["a0.1", "1005", " five "]);
+        let text = with(LadderTable::Messages, &["a0.1", "1005", " five "]);
         assert_eq!(
             text,
             LIST.replace(".msg A0.1 1001 \"二\"", ".MSG a0.1 1005 \"five\"")
         );
-        let text = with(Table::Messages, &["A3.0", "1030", "three"]);
+        let text = with(LadderTable::Messages, &["A3.0", "1030", "three"]);
         assert!(
             text.contains("\"二\"\n.MSG A3.0 1030 \"three\"\n.CMT"),
             "{text}"
         );
-        let text = with(Table::StartValues, &["D300", "7"]);
+        let text = with(LadderTable::StartValues, &["D300", "7"]);
         assert!(text.starts_with(".INIT D300 7\n; head\n"), "{text}");
-        let text = Table::Comments.without(LIST, "X000.5");
+        let text = LadderTable::Comments.without_row(LIST, "X000.5");
         assert_eq!(text, LIST.replace(".CMT X0.5 \"急停\" \"stop\"\n", ""));
-        assert_eq!(Table::Comments.without(LIST, "X7.7"), LIST);
+        assert_eq!(LadderTable::Comments.without_row(LIST, "X7.7"), LIST);
     }
 
     #[test]
     fn quotation_marks_are_refused() {
         let row = fields(&["A0.0", "1000", "a \"b\""]);
-        assert!(Table::Messages.with(LIST, &row).is_err());
+        assert!(LadderTable::Messages.with_row(LIST, &row).is_err());
     }
 }

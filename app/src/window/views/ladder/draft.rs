@@ -5,10 +5,10 @@ use std::sync::Arc;
 use gsk_core::plc::{CompileError, Ladder};
 
 /// Greatest number of undo steps.
-const UNDO: usize = 200;
+const MAX_UNDO_STEPS: usize = 200;
 
 #[derive(Clone, Debug)]
-pub struct Draft {
+pub struct LadderDraft {
     text: String,
     /// The last ladder that compiled.
     ladder: Arc<Ladder>,
@@ -16,12 +16,12 @@ pub struct Draft {
     undo: Vec<String>,
     redo: Vec<String>,
     /// What was typed into by the last change. Further changes to the same are one undo step.
-    last: Option<u32>,
+    last_typing: Option<u32>,
     /// The text that was saved or begun with.
-    saved: String,
+    saved_text: String,
 }
 
-impl Draft {
+impl LadderDraft {
     /// Starts a draft with a ladder.
     pub fn new(ladder: &Arc<Ladder>) -> Self {
         Self {
@@ -30,8 +30,8 @@ impl Draft {
             errors: Vec::new(),
             undo: Vec::new(),
             redo: Vec::new(),
-            last: None,
-            saved: ladder.source().to_owned(),
+            last_typing: None,
+            saved_text: ladder.source().to_owned(),
         }
     }
 
@@ -60,38 +60,38 @@ impl Draft {
 
     /// Whether the text differs from the saved one.
     pub fn is_changed(&self) -> bool {
-        self.text != self.saved
+        self.text != self.saved_text
     }
 
     /// Marks the current text as saved.
-    pub fn saved(&mut self) {
-        self.saved.clone_from(&self.text);
-        self.last = None;
+    pub fn mark_saved(&mut self) {
+        self.saved_text.clone_from(&self.text);
+        self.last_typing = None;
     }
 
     /// Replaces the text. Consecutive changes with the same `typing` are one undo step.
-    pub fn set(&mut self, text: String, typing: Option<u32>) {
+    pub fn set_text(&mut self, text: String, typing: Option<u32>) {
         if text == self.text {
             return;
         }
-        let goes_on = typing.is_some() && typing == self.last;
-        if !goes_on {
-            if self.undo.len() == UNDO {
+        let continues_typing = typing.is_some() && typing == self.last_typing;
+        if !continues_typing {
+            if self.undo.len() == MAX_UNDO_STEPS {
                 self.undo.remove(0);
             }
             self.undo.push(self.text.clone());
         }
         self.redo.clear();
-        self.last = typing;
-        self.put(text);
+        self.last_typing = typing;
+        self.compile(text);
     }
 
     /// Undoes a step.
     pub fn undo(&mut self) {
         if let Some(text) = self.undo.pop() {
             self.redo.push(self.text.clone());
-            self.last = None;
-            self.put(text);
+            self.last_typing = None;
+            self.compile(text);
         }
     }
 
@@ -99,17 +99,17 @@ impl Draft {
     pub fn redo(&mut self) {
         if let Some(text) = self.redo.pop() {
             self.undo.push(self.text.clone());
-            self.last = None;
-            self.put(text);
+            self.last_typing = None;
+            self.compile(text);
         }
     }
 
     /// Whether undo and redo are possible.
-    pub const fn steps(&self) -> (bool, bool) {
+    pub const fn can_undo_redo(&self) -> (bool, bool) {
         (!self.undo.is_empty(), !self.redo.is_empty())
     }
 
-    fn put(&mut self, text: String) {
+    fn compile(&mut self, text: String) {
         match Ladder::compile(&text) {
             Ok(ladder) => {
                 self.ladder = Arc::new(ladder);
@@ -130,26 +130,26 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_taken_back_and_again() {
+    fn steps_are_undone_and_redone() {
         let ladder = Ladder::compile(&text("LD R1.0\nOUT R2.0")).unwrap();
-        let mut draft = Draft::new(&Arc::new(ladder));
+        let mut draft = LadderDraft::new(&Arc::new(ladder));
         assert!(!draft.is_changed());
-        draft.set(text("LD R1.1\nOUT R2.0"), None);
+        draft.set_text(text("LD R1.1\nOUT R2.0"), None);
         // Typing continues: one step.
-        draft.set(text("LD R1.\nOUT R2.0"), Some(2));
+        draft.set_text(text("LD R1.\nOUT R2.0"), Some(2));
         assert_eq!(draft.errors().len(), 1);
         assert_eq!(draft.ladder().source(), text("LD R1.1\nOUT R2.0"));
-        draft.set(text("LD R1.7\nOUT R2.0"), Some(2));
+        draft.set_text(text("LD R1.7\nOUT R2.0"), Some(2));
         assert!(draft.errors().is_empty());
         draft.undo();
         assert_eq!(draft.text(), text("LD R1.1\nOUT R2.0"));
         draft.undo();
-        assert_eq!(draft.steps(), (false, true));
+        assert_eq!(draft.can_undo_redo(), (false, true));
         assert!(!draft.is_changed());
         draft.redo();
         draft.redo();
         assert_eq!(draft.text(), text("LD R1.7\nOUT R2.0"));
-        draft.saved();
+        draft.mark_saved();
         assert!(!draft.is_changed());
         draft.undo();
         assert!(draft.is_changed());

@@ -11,61 +11,61 @@ use gsk_core::plc::{
 };
 use gsk_panel::pages::signal_meaning;
 
-use super::layout::{self, OUTPUT_COLUMNS, Placed, TITLE, cells};
+use super::layout::{self, OUTPUT_COLUMNS, PositionedRung, TITLE_HEIGHT, element_size};
 use gsk_messages::{Language, say};
 
 /// Width of the column with the rung's number, points.
-pub const GUTTER: f32 = 62.0;
+pub const NUMBER_WIDTH: f32 = 62.0;
 /// Height of the wire in a cell, points from the cell's top.
-pub(super) const WIRE: f32 = 30.0;
+pub(super) const WIRE_OFFSET: f32 = 30.0;
 /// Distance from the last contact to the outputs, points.
-pub(super) const LEAD: f32 = 22.0;
+pub(super) const LEAD_LENGTH: f32 = 22.0;
 
 pub const LIVE: Color32 = Color32::from_rgb(96, 226, 118);
 const DEAD: Color32 = Color32::from_gray(112);
 pub(super) const RAIL: Color32 = Color32::from_gray(150);
 pub(super) const ADDRESS: Color32 = Color32::from_gray(225);
 pub(super) const COMMENT: Color32 = Color32::from_gray(146);
-pub const HELD: Color32 = Color32::from_rgb(255, 196, 90);
-const CHOSEN: Color32 = Color32::from_rgb(92, 190, 255);
-const FOUND: Color32 = Color32::from_rgba_unmultiplied_const(255, 214, 90, 38);
+pub const FORCED: Color32 = Color32::from_rgb(255, 196, 90);
+const SELECTED: Color32 = Color32::from_rgb(92, 190, 255);
+const SEARCHED: Color32 = Color32::from_rgba_unmultiplied_const(255, 214, 90, 38);
 
 /// The inputs of the drawing beside the rung.
-pub struct Sheet<'a> {
+pub struct RungContext<'a> {
     pub ladder: &'a Ladder,
     /// The PLC memory, if the ladder is the running one.
     pub memory: Option<&'a PlcMemory>,
     pub language: Language,
-    pub comments: bool,
+    pub with_comments: bool,
     /// The selected statement, as an index in the program.
-    pub chosen: Option<usize>,
+    pub selected: Option<usize>,
     /// The forced value of a bit; `None` if the bit is not forced.
     pub forced: &'a dyn Fn(BitAddress) -> Option<bool>,
     /// The address that is searched for.
-    pub sought: Option<PlcAddress>,
+    pub searched: Option<PlcAddress>,
     /// The rung that a halted scan executes next.
-    pub next: Option<u32>,
+    pub next_rung: Option<u32>,
     /// Compiler messages: rung, whether it is an error, text.
-    pub complaints: &'a [(u32, bool, String)],
+    pub compiler_messages: &'a [(u32, bool, String)],
     /// Least position of the right rail, points from the left edge.
-    pub width: f32,
+    pub min_width: f32,
 }
 
 /// Least width of a rung with `columns` columns of contacts, points.
-pub fn width(columns: usize, comments: bool) -> f32 {
-    let cells = (columns + OUTPUT_COLUMNS) as f32 * layout::cell(comments).x;
-    GUTTER + cells + 2.0 * LEAD
+pub fn rung_width(columns: usize, comments: bool) -> f32 {
+    let cells = (columns + OUTPUT_COLUMNS) as f32 * layout::cell_size(comments).x;
+    NUMBER_WIDTH + cells + 2.0 * LEAD_LENGTH
 }
 
 /// The state while a rung is being drawn.
-pub(super) struct Pen<'a> {
+pub(super) struct RungPainter<'a> {
     pub(super) ui: &'a Ui,
-    pub(super) sheet: &'a Sheet<'a>,
+    pub(super) context: &'a RungContext<'a>,
     power: &'a [PowerFlow],
     /// The number of statements that are contacts or join contacts.
-    of_contacts: usize,
+    contact_count: usize,
     /// Index of the rung's first statement in the program.
-    first: usize,
+    first_statement: usize,
     /// Position of the left rail at the upper edge of the first row.
     origin: Pos2,
     clicked: Option<usize>,
@@ -73,29 +73,32 @@ pub(super) struct Pen<'a> {
 
 /// Draws a rung with its upper left corner at `corner`. Returns the statement that was
 /// clicked.
-pub fn rung(
+pub fn draw_rung(
     ui: &Ui,
-    sheet: &Sheet<'_>,
-    placed: &Placed,
+    sheet: &RungContext<'_>,
+    placed: &PositionedRung,
     corner: Pos2,
     power: &[PowerFlow],
 ) -> Option<usize> {
     let network = &placed.network;
     let painter = ui.painter();
-    let left = corner.x + GUTTER;
+    let left = corner.x + NUMBER_WIDTH;
     let mut top = corner.y;
     if let Some(title) = &network.title {
-        let at = pos2(left + 8.0, top + TITLE / 2.0);
+        let at = pos2(left + 8.0, top + TITLE_HEIGHT / 2.0);
         let font = FontId::proportional(14.0);
         let colour = Color32::from_rgb(150, 190, 230);
         painter.text(at, Align2::LEFT_CENTER, title, font, colour);
-        top += TITLE;
+        top += TITLE_HEIGHT;
     }
-    let right = corner.x + sheet.width.max(width(placed.columns, sheet.comments));
+    let right = corner.x
+        + sheet
+            .min_width
+            .max(rung_width(placed.columns, sheet.with_comments));
     let body = Rect::from_min_max(pos2(corner.x, top), pos2(right, corner.y + placed.height));
-    if sheet.next == Some(network.number) {
-        let mark = Rect::from_min_size(body.min, vec2(5.0, body.height() - layout::BETWEEN));
-        painter.rect_filled(mark, 1.0, HELD);
+    if sheet.next_rung == Some(network.number) {
+        let mark = Rect::from_min_size(body.min, vec2(5.0, body.height() - layout::RUNG_GAP));
+        painter.rect_filled(mark, 1.0, FORCED);
     }
     let number = format!("{:04}", network.number);
     let at = pos2(corner.x + 12.0, top + 8.0);
@@ -111,14 +114,14 @@ pub fn rung(
         painter.vline(x, rails, Stroke::new(2.0, RAIL));
     }
     let complaint = sheet
-        .complaints
+        .compiler_messages
         .iter()
         .find(|(rung, ..)| *rung == network.number);
     if let Some((_, error, words)) = complaint {
         let colour = if *error {
             Color32::from_rgb(255, 110, 90)
         } else {
-            HELD
+            FORCED
         };
         painter.rect_stroke(
             body.shrink(2.0),
@@ -135,32 +138,32 @@ pub fn rung(
             colour,
         );
     }
-    let of_outputs = match &network.body {
+    let output_count = match &network.body {
         RungBody::Structure(_) => 0,
         RungBody::Rung { outputs, .. } => outputs.len(),
     };
-    let mut pen = Pen {
+    let mut pen = RungPainter {
         ui,
-        sheet,
+        context: sheet,
         power,
-        of_contacts: network.statements().len().saturating_sub(of_outputs),
-        first: network.first,
+        contact_count: network.statements().len().saturating_sub(output_count),
+        first_statement: network.first,
         origin: pos2(left, top),
         clicked: None,
     };
     match &network.body {
-        RungBody::Structure(mark) => pen.mark(mark, right),
-        RungBody::Rung { contacts, outputs } => pen.body(contacts, outputs, right),
+        RungBody::Structure(mark) => pen.draw_structure_mark(mark, right),
+        RungBody::Rung { contacts, outputs } => pen.draw_body(contacts, outputs, right),
     }
     pen.clicked
 }
 
-impl Pen<'_> {
-    fn mark(&mut self, mark: &Statement, right: f32) {
-        let place = Rect::from_min_max(self.origin, pos2(right, self.origin.y + TITLE));
-        let middle = place.center();
+impl RungPainter<'_> {
+    fn draw_structure_mark(&mut self, mark: &Statement, right: f32) {
+        let rect = Rect::from_min_max(self.origin, pos2(right, self.origin.y + TITLE_HEIGHT));
+        let middle = rect.center();
         let stroke = Stroke::new(1.0, DEAD);
-        self.ui.painter().hline(place.x_range(), middle.y, stroke);
+        self.ui.painter().hline(rect.x_range(), middle.y, stroke);
         let words = mark.to_string();
         let font = FontId::monospace(13.0);
         let words = self.ui.painter().layout_no_wrap(words, font, ADDRESS);
@@ -170,27 +173,27 @@ impl Pen<'_> {
             .rect_filled(back, 3.0, Color32::from_gray(40));
         let corner = back.center() - words.size() / 2.0;
         self.ui.painter().galley(corner, words, ADDRESS);
-        self.choose(0, back, &mark.to_string());
+        self.add_selectable(0, back, &mark.to_string());
     }
 
-    fn body(&mut self, contacts: &[Element], outputs: &[Statement], right: f32) {
+    fn draw_body(&mut self, contacts: &[Element], outputs: &[Statement], right: f32) {
         let mut column = 0;
         let mut live = true;
         for element in contacts {
-            let (wide, _) = cells(element);
-            live = self.element(element, column, 0, wide, true);
+            let (wide, _) = element_size(element);
+            live = self.draw_element(element, column, 0, wide, true);
             column += wide;
         }
-        let known = self.sheet.memory.is_some();
-        let live = live && known;
+        let is_running = self.context.memory.is_some();
+        let live = live && is_running;
         if outputs.is_empty() {
             return;
         }
-        let cell = layout::cell(self.sheet.comments);
-        let from = self.corner(column, 0).x;
-        let bus = right - OUTPUT_COLUMNS as f32 * cell.x - LEAD;
-        self.wire(pos2(from, self.wire_y(0)), pos2(bus, self.wire_y(0)), live);
-        let of_contacts = self.of_contacts;
+        let cell = layout::cell_size(self.context.with_comments);
+        let from = self.cell_corner(column, 0).x;
+        let bus = right - OUTPUT_COLUMNS as f32 * cell.x - LEAD_LENGTH;
+        self.draw_wire(pos2(from, self.wire_y(0)), pos2(bus, self.wire_y(0)), live);
+        let of_contacts = self.contact_count;
         let mut row = 0;
         let mut last = 0;
         for (index, output) in outputs.iter().enumerate() {
@@ -199,11 +202,11 @@ impl Pen<'_> {
                 .get(of_contacts + index)
                 .copied()
                 .unwrap_or_default();
-            self.output(output, of_contacts + index, row, (bus, right), power);
+            self.draw_output(output, of_contacts + index, row, (bus, right), power);
             last = row;
-            row += layout::output_rows(output, self.sheet.comments);
+            row += layout::output_rows(output, self.context.with_comments);
         }
-        self.wire(
+        self.draw_wire(
             pos2(bus, self.wire_y(0)),
             pos2(bus, self.wire_y(last)),
             live,
@@ -211,7 +214,7 @@ impl Pen<'_> {
     }
 
     /// Draws contacts in `wide` columns. Returns whether power leaves on the right.
-    fn element(
+    fn draw_element(
         &mut self,
         element: &Element,
         column: usize,
@@ -221,19 +224,19 @@ impl Pen<'_> {
     ) -> bool {
         match element {
             Element::Contact(contact) => {
-                let out = self.contact(contact, column, row, live);
-                self.reach(column + 1, column + wide, row, out);
+                let out = self.draw_contact(contact, column, row, live);
+                self.extend_wire(column + 1, column + wide, row, out);
                 out
             }
             Element::Series(members) => {
                 let mut at = column;
                 let mut live = live;
                 for member in members {
-                    let (own, _) = cells(&member.element);
-                    live = self.element(&member.element, at, row, own, live);
+                    let (own, _) = element_size(&member.element);
+                    live = self.draw_element(&member.element, at, row, own, live);
                     at += own;
                 }
-                self.reach(at, column + wide, row, live);
+                self.extend_wire(at, column + wide, row, live);
                 live
             }
             Element::Parallel(members) => {
@@ -241,33 +244,33 @@ impl Pen<'_> {
                 let mut last = row;
                 let mut out = false;
                 for member in members {
-                    out |= self.element(&member.element, column, at, wide, live);
+                    out |= self.draw_element(&member.element, column, at, wide, live);
                     last = at;
-                    at += cells(&member.element).1;
+                    at += element_size(&member.element).1;
                 }
                 for (column, live) in [(column, live), (column + wide, out)] {
-                    let x = self.corner(column, 0).x;
-                    self.wire(pos2(x, self.wire_y(row)), pos2(x, self.wire_y(last)), live);
+                    let x = self.cell_corner(column, 0).x;
+                    self.draw_wire(pos2(x, self.wire_y(row)), pos2(x, self.wire_y(last)), live);
                 }
                 out
             }
         }
     }
 
-    fn contact(&mut self, contact: &Contact, column: usize, row: usize, live: bool) -> bool {
-        let cell = layout::cell(self.sheet.comments);
-        let corner = self.corner(column, row);
+    fn draw_contact(&mut self, contact: &Contact, column: usize, row: usize, live: bool) -> bool {
+        let cell = layout::cell_size(self.context.with_comments);
+        let corner = self.cell_corner(column, row);
         let y = self.wire_y(row);
         let middle = corner.x + cell.x / 2.0;
         let power = self.power.get(contact.at).copied().unwrap_or_default();
         let out = live && power.closed;
-        let place = Rect::from_min_size(corner, cell);
+        let rect = Rect::from_min_size(corner, cell);
         let symbol = Rect::from_center_size(pos2(middle, y), vec2(18.0, 22.0));
-        self.back(place, PlcAddress::Bit(contact.bit));
-        self.wire(pos2(corner.x, y), pos2(symbol.left(), y), live);
-        self.wire(pos2(symbol.right(), y), pos2(place.right(), y), out);
-        let known = self.sheet.memory.is_some();
-        let closed = known && power.closed;
+        self.draw_search_mark(rect, PlcAddress::Bit(contact.bit));
+        self.draw_wire(pos2(corner.x, y), pos2(symbol.left(), y), live);
+        self.draw_wire(pos2(symbol.right(), y), pos2(rect.right(), y), out);
+        let is_running = self.context.memory.is_some();
+        let closed = is_running && power.closed;
         let painter = self.ui.painter();
         if closed {
             painter.rect_filled(
@@ -288,21 +291,21 @@ impl Pen<'_> {
             ];
             painter.line_segment(line, Stroke::new(1.6, colour));
         }
-        self.names(contact.bit, corner, cell);
+        self.draw_names(contact.bit, corner, cell);
         let kind = if contact.normally_closed {
-            say::ladder_normally_closed().text(self.sheet.language)
+            say::ladder_normally_closed().text(self.context.language)
         } else {
-            say::ladder_normally_open().text(self.sheet.language)
+            say::ladder_normally_open().text(self.context.language)
         };
-        self.choose(contact.at, place, &format!("{} {kind}", contact.bit));
+        self.add_selectable(contact.at, rect, &format!("{} {kind}", contact.bit));
         out
     }
 
     /// Draws the address above the wire and the comment below it.
-    fn names(&self, bit: BitAddress, corner: Pos2, cell: egui::Vec2) {
+    fn draw_names(&self, bit: BitAddress, corner: Pos2, cell: egui::Vec2) {
         let painter = self.ui.painter();
-        let forced = (self.sheet.forced)(bit);
-        let colour = if forced.is_some() { HELD } else { ADDRESS };
+        let forced = (self.context.forced)(bit);
+        let colour = if forced.is_some() { FORCED } else { ADDRESS };
         let text = match forced {
             Some(state) => format!("{bit}={}", u8::from(state)),
             None => bit.to_string(),
@@ -315,24 +318,28 @@ impl Pen<'_> {
             FontId::monospace(13.0),
             colour,
         );
-        if self.sheet.comments {
-            let words = comment(self.sheet.ladder, PlcAddress::Bit(bit), self.sheet.language);
-            let at = pos2(corner.x + cell.x / 2.0, corner.y + WIRE + 14.0);
-            self.two_lines(&words, at, cell.x - 8.0);
+        if self.context.with_comments {
+            let words = address_comment(
+                self.context.ladder,
+                PlcAddress::Bit(bit),
+                self.context.language,
+            );
+            let at = pos2(corner.x + cell.x / 2.0, corner.y + WIRE_OFFSET + 14.0);
+            self.draw_two_lines(&words, at, cell.x - 8.0);
         }
     }
 
-    fn two_lines(&self, words: &str, at: Pos2, width: f32) {
+    fn draw_two_lines(&self, words: &str, at: Pos2, width: f32) {
         let font = FontId::proportional(12.0);
         let mut job = egui::text::LayoutJob::simple(words.to_owned(), font, COMMENT, width);
         job.wrap.max_rows = 2;
-        job.wrap.break_anywhere = self.sheet.language == Language::Zh;
+        job.wrap.break_anywhere = self.context.language == Language::Zh;
         job.halign = egui::Align::Center;
         let galley = self.ui.painter().layout_job(job);
         self.ui.painter().galley(at, galley, COMMENT);
     }
 
-    fn output(
+    fn draw_output(
         &mut self,
         output: &Statement,
         at: usize,
@@ -341,24 +348,24 @@ impl Pen<'_> {
         power: PowerFlow,
     ) {
         let y = self.wire_y(row);
-        let live = power.live && self.sheet.memory.is_some();
+        let live = power.live && self.context.memory.is_some();
         let sign = match output.mnemonic {
             Mnemonic::Out => "",
             Mnemonic::Set => "S",
             Mnemonic::Rst => "R",
-            _ => return self.function(output, at, row, (bus, right), live),
+            _ => return self.draw_function(output, at, row, (bus, right), live),
         };
         let Some(Operand::Bit(bit)) = output.operands.first().copied() else {
             return;
         };
-        let cell = layout::cell(self.sheet.comments);
+        let cell = layout::cell_size(self.context.with_comments);
         let middle = right - cell.x / 2.0 - 6.0;
-        let corner = pos2(middle - cell.x / 2.0, y - WIRE);
-        let place = Rect::from_min_size(corner, cell);
-        self.back(place, PlcAddress::Bit(bit));
-        self.wire(pos2(bus, y), pos2(middle - 11.0, y), live);
-        self.wire(pos2(middle + 11.0, y), pos2(right, y), live);
-        let on = self.sheet.memory.is_some() && power.closed;
+        let corner = pos2(middle - cell.x / 2.0, y - WIRE_OFFSET);
+        let rect = Rect::from_min_size(corner, cell);
+        self.draw_search_mark(rect, PlcAddress::Bit(bit));
+        self.draw_wire(pos2(bus, y), pos2(middle - 11.0, y), live);
+        self.draw_wire(pos2(middle + 11.0, y), pos2(right, y), live);
+        let on = self.context.memory.is_some() && power.closed;
         let colour = if on { LIVE } else { RAIL };
         let painter = self.ui.painter();
         if on {
@@ -372,41 +379,41 @@ impl Pen<'_> {
             FontId::proportional(13.0),
             colour,
         );
-        self.names(bit, corner, cell);
+        self.draw_names(bit, corner, cell);
         let kind = output.mnemonic.row().name;
-        self.choose(at, place, &format!("{bit} {kind}"));
+        self.add_selectable(at, rect, &format!("{bit} {kind}"));
     }
 
     /// Draws the background of an element whose address is searched for.
-    fn back(&self, place: Rect, subject: PlcAddress) {
-        let place = place.shrink2(vec2(3.0, 1.0));
-        if self.sheet.sought == Some(subject) {
-            self.ui.painter().rect_filled(place, 3.0, FOUND);
+    fn draw_search_mark(&self, rect: Rect, subject: PlcAddress) {
+        let rect = rect.shrink2(vec2(3.0, 1.0));
+        if self.context.searched == Some(subject) {
+            self.ui.painter().rect_filled(rect, 3.0, SEARCHED);
         }
     }
 
     /// Makes a rectangle selectable by pointer and keyboard, with a name for screen readers.
-    pub(super) fn choose(&mut self, at: usize, place: Rect, name: &str) {
-        let index = self.first + at;
+    pub(super) fn add_selectable(&mut self, at: usize, rect: Rect, name: &str) {
+        let index = self.first_statement + at;
         let id = self.ui.scope_id().with(("statement", index));
         // Tab reaches only elements in view: a ladder has thousands of elements.
-        let sense = match self.ui.clip_rect().contains_rect(place) {
+        let sense = match self.ui.clip_rect().contains_rect(rect) {
             true => Sense::click(),
             false => Sense::CLICK,
         };
-        let response = self.ui.interact(place, id, sense);
-        let chosen = self.sheet.chosen == Some(index);
+        let response = self.ui.interact(rect, id, sense);
+        let chosen = self.context.selected == Some(index);
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, name));
         if response.has_focus() || chosen {
-            let stroke = Stroke::new(1.4, CHOSEN);
+            let stroke = Stroke::new(1.4, SELECTED);
             self.ui
                 .painter()
-                .rect_stroke(place, 3.0, stroke, StrokeKind::Inside);
+                .rect_stroke(rect, 3.0, stroke, StrokeKind::Inside);
         } else if response.hovered() {
-            let stroke = Stroke::new(1.0, CHOSEN.gamma_multiply(0.5));
+            let stroke = Stroke::new(1.0, SELECTED.gamma_multiply(0.5));
             self.ui
                 .painter()
-                .rect_stroke(place, 3.0, stroke, StrokeKind::Inside);
+                .rect_stroke(rect, 3.0, stroke, StrokeKind::Inside);
         }
         if response.clicked() {
             self.clicked = Some(index);
@@ -414,19 +421,19 @@ impl Pen<'_> {
     }
 
     /// Draws a wire from one column to another.
-    fn reach(&self, from: usize, to: usize, row: usize, live: bool) {
+    fn extend_wire(&self, from: usize, to: usize, row: usize, live: bool) {
         if from < to {
             let y = self.wire_y(row);
-            self.wire(
-                pos2(self.corner(from, row).x, y),
-                pos2(self.corner(to, row).x, y),
+            self.draw_wire(
+                pos2(self.cell_corner(from, row).x, y),
+                pos2(self.cell_corner(to, row).x, y),
                 live,
             );
         }
     }
 
-    pub(super) fn wire(&self, from: Pos2, to: Pos2, live: bool) {
-        let stroke = if live && self.sheet.memory.is_some() {
+    pub(super) fn draw_wire(&self, from: Pos2, to: Pos2, live: bool) {
+        let stroke = if live && self.context.memory.is_some() {
             Stroke::new(2.4, LIVE)
         } else {
             Stroke::new(1.4, DEAD)
@@ -434,18 +441,18 @@ impl Pen<'_> {
         self.ui.painter().line_segment([from, to], stroke);
     }
 
-    fn corner(&self, column: usize, row: usize) -> Pos2 {
-        let cell = layout::cell(self.sheet.comments);
+    fn cell_corner(&self, column: usize, row: usize) -> Pos2 {
+        let cell = layout::cell_size(self.context.with_comments);
         self.origin + vec2(column as f32 * cell.x, row as f32 * cell.y)
     }
 
     pub(super) fn wire_y(&self, row: usize) -> f32 {
-        self.corner(0, row).y + WIRE
+        self.cell_corner(0, row).y + WIRE_OFFSET
     }
 }
 
 /// The ladder's comment of an address, or the meaning in the signal table.
-pub fn comment(ladder: &Ladder, subject: PlcAddress, language: Language) -> String {
+pub fn address_comment(ladder: &Ladder, subject: PlcAddress, language: Language) -> String {
     let own = ladder.comment(subject).map(|comment| match language {
         Language::Zh => comment.chinese.as_str(),
         Language::En => comment.english.as_str(),

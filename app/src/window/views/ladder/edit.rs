@@ -4,60 +4,60 @@
 use std::sync::Arc;
 
 use egui::{Button, Color32, Panel, RichText, ScrollArea, TextEdit, Ui, vec2};
-use gsk_core::cnc::Request;
+use gsk_core::cnc::ControlRequest;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::plc::{CompileError, Ladder, Network};
 use gsk_core::setup::standard_ladder;
 
-use super::change::{Change, changed, lines};
-use super::draft::Draft;
-use super::{LadderView, Tab, words};
+use super::draft::LadderDraft;
+use super::element_change::{ElementChange, change_rung, format_rung};
+use super::{LadderView, Tab, compiler_text};
 use crate::kernel::monitor::MachineView;
 use crate::window::focus;
-use crate::window::views::aside;
+use crate::window::views::text_files;
 use gsk_messages::{Language, say};
 
 /// Colour of compiler errors.
-pub const WRONG: Color32 = Color32::from_rgb(255, 130, 104);
+pub const ERROR_COLOR: Color32 = Color32::from_rgb(255, 130, 104);
 /// Undo key of changes typed into the whole list. Rungs count from 1.
-const WHOLE: u32 = 0;
+const WHOLE_LIST: u32 = 0;
 /// Instructions of a new rung.
 const NEW_RUNG: &str = "LD X0.0\nOUT R0.0";
 
 /// The editor of a rung's instructions.
 #[derive(Clone, Debug)]
-pub struct Editor {
-    rung: u32,
+pub struct RungEditor {
+    rung_number: u32,
     /// First line of the rung in the list, from 1.
-    line: u32,
+    first_line: u32,
     text: String,
     /// The ladder from which the editor started.
-    base: Arc<Ladder>,
+    base_ladder: Arc<Ladder>,
     /// The list after the last change here. If the draft has another list, the editor
     /// restarts.
-    source: String,
+    draft_text: String,
 }
 
 impl LadderView {
     /// The ladder that is drawn: the draft while editing, else the running one.
-    pub(super) fn shown(&self, machine: &MachineView) -> Arc<Ladder> {
-        let draft = self.draft.as_ref().filter(|_| self.editing);
-        let ladder = draft.map_or(machine.plc.ladder(), Draft::ladder);
+    pub(super) fn drawn_ladder(&self, machine: &MachineView) -> Arc<Ladder> {
+        let draft = self.draft.as_ref().filter(|_| self.is_editing);
+        let ladder = draft.map_or(machine.plc.ladder(), LadderDraft::ladder);
         Arc::clone(ladder)
     }
 
     pub(super) fn toggle_editing(&mut self, machine: &MachineView) {
-        self.editing = !self.editing;
-        if self.editing && self.draft.is_none() {
+        self.is_editing = !self.is_editing;
+        if self.is_editing && self.draft.is_none() {
             let newest = machine.next_ladder.as_ref();
-            self.draft = Some(Draft::new(newest.unwrap_or(machine.plc.ladder())));
+            self.draft = Some(LadderDraft::new(newest.unwrap_or(machine.plc.ladder())));
         }
     }
 
     /// Handles the keys of editing: F9 saves, Ctrl+Z undoes, Ctrl+Y redoes, Delete removes the
     /// selected element.
-    pub(super) fn editing_keys(&mut self, ui: &Ui) {
-        if !self.editing {
+    pub(super) fn handle_editing_keys(&mut self, ui: &Ui) {
+        if !self.is_editing {
             return;
         }
         let typing = ui.ctx().egui_wants_keyboard_input();
@@ -65,19 +65,19 @@ impl LadderView {
             ui.input(|input| input.key_pressed(key) && input.modifiers.ctrl == ctrl)
         };
         if pressed(false, egui::Key::F9) {
-            self.save();
+            self.save_draft();
         } else if !typing && pressed(true, egui::Key::Z) {
-            self.step(false);
+            self.undo_or_redo(false);
         } else if !typing && pressed(true, egui::Key::Y) {
-            self.step(true);
+            self.undo_or_redo(true);
         } else if !typing && pressed(false, egui::Key::Delete) {
-            self.change(Change::Delete);
+            self.change_element(ElementChange::Delete);
         }
     }
 
-    fn step(&mut self, again: bool) {
+    fn undo_or_redo(&mut self, redo: bool) {
         if let Some(draft) = &mut self.draft {
-            if again {
+            if redo {
                 draft.redo();
             } else {
                 draft.undo();
@@ -85,7 +85,7 @@ impl LadderView {
         }
     }
 
-    fn save(&mut self) {
+    fn save_draft(&mut self) {
         let Some(draft) = self
             .draft
             .as_ref()
@@ -93,88 +93,88 @@ impl LadderView {
         else {
             return;
         };
-        if self.refused.is_none() {
+        if self.refusal.is_none() {
             let ladder = Arc::clone(draft.ladder());
-            self.ask(Request::LoadLadder(ladder));
+            self.send_request(ControlRequest::LoadLadder(ladder));
         }
     }
 
     /// Marks the draft as saved once the control has taken it, and takes a list that was
     /// opened.
-    pub(super) fn follow(&mut self, machine: &MachineView) {
-        self.refused = machine.ladder_refused;
+    pub(super) fn sync_draft(&mut self, machine: &MachineView) {
+        self.refusal = machine.ladder_refused;
         let Some(draft) = &mut self.draft else { return };
-        if let Some(list) = self.opened.pop() {
-            draft.set(list, None);
+        if let Some(list) = self.opened_lists.pop() {
+            draft.set_text(list, None);
             if !draft.errors().is_empty() {
                 // The errors are shown beside the lines of the list.
                 self.tab = Tab::List;
             }
         }
         let newest = machine.next_ladder.as_ref();
-        let kept = newest.unwrap_or(machine.plc.ladder());
-        if draft.is_changed() && kept.source() == draft.text() {
-            draft.saved();
+        let control_ladder = newest.unwrap_or(machine.plc.ladder());
+        if draft.is_changed() && control_ladder.source() == draft.text() {
+            draft.mark_saved();
         }
     }
 
     /// Draws the bar with the editing tools.
-    pub(super) fn edit_bar(&mut self, ui: &mut Ui, language: Language) {
+    pub(super) fn show_edit_bar(&mut self, ui: &mut Ui, language: Language) {
         let Some(draft) = &self.draft else { return };
-        let (back, again) = draft.steps();
-        let right = draft.errors().is_empty();
+        let (can_undo, can_redo) = draft.can_undo_redo();
+        let compiles = draft.errors().is_empty();
         let is_changed = draft.is_changed();
         ui.horizontal_wrapped(|ui| {
             for (word, hint, on, redo) in [
-                (say::ladder_undo().text(language), "Ctrl+Z", back, false),
-                (say::ladder_redo().text(language), "Ctrl+Y", again, true),
+                (say::ladder_undo().text(language), "Ctrl+Z", can_undo, false),
+                (say::ladder_redo().text(language), "Ctrl+Y", can_redo, true),
             ] {
                 if ui
                     .add_enabled(on, Button::new(word))
                     .on_hover_text(hint)
                     .clicked()
                 {
-                    self.step(redo);
+                    self.undo_or_redo(redo);
                 }
             }
             if self.tab == Tab::Rungs {
                 ui.separator();
-                self.element_tools(ui, language, right);
+                self.show_element_tools(ui, language, compiles);
                 ui.separator();
-                self.rung_tools(ui, language, right);
+                self.show_rung_tools(ui, language, compiles);
             }
             ui.separator();
             let hint = say::ladder_save_hint().text(language);
             let save = Button::new(say::window_save().text(language));
-            let may = self.refused.is_none();
+            let can_save = self.refusal.is_none();
             if ui
-                .add_enabled(right && is_changed && may, save)
+                .add_enabled(compiles && is_changed && can_save, save)
                 .on_hover_text(hint)
                 .clicked()
             {
-                self.save();
+                self.save_draft();
             }
-            if let Some(refusal) = self.refused.filter(|_| is_changed) {
-                let words = words::refusal(refusal).text(language);
-                ui.label(RichText::new(words).color(super::draw::HELD));
+            if let Some(refusal) = self.refusal.filter(|_| is_changed) {
+                let words = compiler_text::refusal_message(refusal).text(language);
+                ui.label(RichText::new(words).color(super::draw::FORCED));
             }
             let discard = Button::new(say::ladder_discard().text(language));
             if ui.add_enabled(is_changed, discard).clicked() {
                 self.draft = None;
-                self.editing = false;
+                self.is_editing = false;
             }
             ui.menu_button(say::ladder_file_menu().text(language), |ui| {
-                self.files(ui, language);
+                self.show_file_menu(ui, language);
             });
         });
     }
 
-    fn files(&mut self, ui: &mut Ui, language: Language) {
+    fn show_file_menu(&mut self, ui: &mut Ui, language: Language) {
         let words = say::ladder_open_list().text(language);
         if ui.button(words).clicked() {
-            let opened = Arc::clone(&self.opened);
+            let opened = Arc::clone(&self.opened_lists);
             let context = ui.ctx().clone();
-            aside::open(&self.console, &context, language, "IL", move |text| {
+            text_files::open(&self.console, &context, language, "IL", move |text| {
                 opened.force_push(text);
             });
             ui.close();
@@ -186,7 +186,7 @@ impl LadderView {
             if let Some(draft) = &self.draft {
                 let text = draft.text().to_owned();
                 let context = ui.ctx().clone();
-                aside::save(
+                text_files::save(
                     &self.console,
                     &context,
                     language,
@@ -199,45 +199,45 @@ impl LadderView {
         let words = say::ladder_replace_by_standard().text(language);
         if ui.button(words).clicked() {
             if let Some(draft) = &mut self.draft {
-                draft.set(standard_ladder().source().to_owned(), None);
+                draft.set_text(standard_ladder().source().to_owned(), None);
             }
             ui.close();
         }
     }
 
     /// Draws the tools that change the selected contact or coil.
-    fn element_tools(&mut self, ui: &mut Ui, language: Language, right: bool) {
-        let on = right && self.chosen.is_some();
+    fn show_element_tools(&mut self, ui: &mut Ui, language: Language, compiles: bool) {
+        let on = compiles && self.selected.is_some();
         if ui
             .add_enabled(on, Button::new(say::ladder_open_or_closed().text(language)))
             .on_hover_text(say::ladder_open_or_closed_hint().text(language))
             .clicked()
         {
-            self.change(Change::Kind);
+            self.change_element(ElementChange::ToggleKind);
         }
-        let field = TextEdit::singleline(&mut self.address)
+        let field = TextEdit::singleline(&mut self.address_entry)
             .desired_width(70.0)
             .hint_text("R30.5");
         let response = ui.add(field);
         let name = say::ladder_element_address().text(language);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, &name));
-        let bit: Option<BitAddress> = self.address.trim().to_ascii_uppercase().parse().ok();
-        type Make = fn(BitAddress) -> Change;
-        let tools: [(String, String, Make); 3] = [
+        let bit: Option<BitAddress> = self.address_entry.trim().to_ascii_uppercase().parse().ok();
+        type MakeChange = fn(BitAddress) -> ElementChange;
+        let tools: [(String, String, MakeChange); 3] = [
             (
                 say::ladder_change_address().text(language),
                 say::ladder_change_address_hint().text(language),
-                Change::Address,
+                ElementChange::SetAddress,
             ),
             (
                 say::ladder_series().text(language),
                 say::ladder_series_hint().text(language),
-                Change::Series,
+                ElementChange::AddSeries,
             ),
             (
                 say::ladder_parallel().text(language),
                 say::ladder_parallel_hint().text(language),
-                Change::Parallel,
+                ElementChange::AddParallel,
             ),
         ];
         for (word, hint, make) in tools {
@@ -247,30 +247,30 @@ impl LadderView {
                 .on_hover_text(hint)
                 .clicked();
             if let Some(bit) = bit.filter(|_| clicked) {
-                self.change(make(bit));
+                self.change_element(make(bit));
             }
         }
         let delete = Button::new(say::ladder_delete_element().text(language));
         if ui.add_enabled(on, delete).on_hover_text("Delete").clicked() {
-            self.change(Change::Delete);
+            self.change_element(ElementChange::Delete);
         }
     }
 
-    fn rung_tools(&mut self, ui: &mut Ui, language: Language, right: bool) {
-        let on = right && self.chosen.is_some();
+    fn show_rung_tools(&mut self, ui: &mut Ui, language: Language, compiles: bool) {
+        let on = compiles && self.selected.is_some();
         let insert = Button::new(say::ladder_insert_rung().text(language));
         if ui.add_enabled(on, insert).clicked() {
             self.replace_rung(|network| {
-                let mut rung = lines(network);
+                let mut rung = format_rung(network);
                 rung.push(NEW_RUNG.to_owned());
                 Some(rung)
             });
             // Select the new rung.
-            let rung = self.chosen_network().map(|network| network.number + 1);
+            let rung = self.selected_network().map(|network| network.number + 1);
             let next = rung.and_then(|rung| self.draft.as_ref()?.ladder().network(rung));
             if let Some(next) = next {
-                self.chosen = Some(next.first);
-                self.show_rung = Some(next.number);
+                self.selected = Some(next.first);
+                self.pending_rung = Some(next.number);
             }
         }
         let delete = Button::new(say::ladder_delete_rung().text(language));
@@ -280,20 +280,20 @@ impl LadderView {
     }
 
     /// The rung of the selected statement in the draft.
-    fn chosen_network(&self) -> Option<Network> {
+    fn selected_network(&self) -> Option<Network> {
         let ladder = self.draft.as_ref()?.ladder();
-        let statement = ladder.statements().get(self.chosen?)?;
+        let statement = ladder.statements().get(self.selected?)?;
         ladder.network(statement.rung)
     }
 
-    fn change(&mut self, change: Change) {
-        let Some(at) = self.chosen else { return };
-        self.replace_rung(|network| changed(network, at.checked_sub(network.first)?, change));
+    fn change_element(&mut self, change: ElementChange) {
+        let Some(at) = self.selected else { return };
+        self.replace_rung(|network| change_rung(network, at.checked_sub(network.first)?, change));
     }
 
     /// Replaces the instructions of the selected rung.
     fn replace_rung(&mut self, lines: impl Fn(&Network) -> Option<Vec<String>>) {
-        let Some(network) = self.chosen_network() else {
+        let Some(network) = self.selected_network() else {
             return;
         };
         let Some(draft) = self
@@ -307,34 +307,34 @@ impl LadderView {
             let text = draft
                 .ladder()
                 .source_with_rung(network.number, &lines.join("\n"));
-            draft.set(text, None);
+            draft.set_text(text, None);
         }
     }
 
     /// Draws the selected rung's instructions as a text field, and the messages of the
     /// compiler.
-    pub(super) fn rung_editor(&mut self, ui: &mut Ui, language: Language) {
+    pub(super) fn show_rung_editor(&mut self, ui: &mut Ui, language: Language) {
         let Some(draft) = &self.draft else { return };
-        let network = self.chosen_network();
-        let begun = self.editor.as_ref();
-        let stale = begun.is_none_or(|editor| {
-            editor.source != draft.text()
+        let network = self.selected_network();
+        let current = self.editor.as_ref();
+        let is_stale = current.is_none_or(|editor| {
+            editor.draft_text != draft.text()
                 || (draft.errors().is_empty()
                     && network
                         .as_ref()
-                        .is_none_or(|network| network.number != editor.rung))
+                        .is_none_or(|network| network.number != editor.rung_number))
         });
-        if stale {
+        if is_stale {
             let line = |network: &Network| {
                 let first = draft.ladder().statements().get(network.first);
                 first.map_or(0, |statement| statement.line)
             };
-            self.editor = network.as_ref().map(|network| Editor {
-                rung: network.number,
-                line: line(network),
-                text: lines(network).join("\n"),
-                base: Arc::clone(draft.ladder()),
-                source: draft.text().to_owned(),
+            self.editor = network.as_ref().map(|network| RungEditor {
+                rung_number: network.number,
+                first_line: line(network),
+                text: format_rung(network).join("\n"),
+                base_ladder: Arc::clone(draft.ladder()),
+                draft_text: draft.text().to_owned(),
             });
         }
         let Some(mut editor) = self.editor.take() else {
@@ -347,10 +347,11 @@ impl LadderView {
             .resizable(false)
             .show_separator_line(false)
             .frame(egui::Frame::new().inner_margin(egui::Margin::symmetric(10, 0)));
-        let mut chosen = None;
+        let mut clicked_line = None;
         panel.show(ui, |ui| {
-            let found = self.draft.as_ref().map_or(&[][..], Draft::findings);
-            chosen = complaints(ui, language, found, editor.line, editor.rung);
+            let errors = self.draft.as_ref().map_or(&[][..], LadderDraft::findings);
+            clicked_line =
+                show_compiler_messages(ui, language, errors, editor.first_line, editor.rung_number);
         });
         ScrollArea::vertical()
             .auto_shrink([false, false])
@@ -367,22 +368,24 @@ impl LadderView {
                 if response.changed()
                     && let Some(draft) = &mut self.draft
                 {
-                    let text = editor.base.source_with_rung(editor.rung, &editor.text);
-                    draft.set(text, Some(editor.rung));
-                    draft.text().clone_into(&mut editor.source);
+                    let text = editor
+                        .base_ladder
+                        .source_with_rung(editor.rung_number, &editor.text);
+                    draft.set_text(text, Some(editor.rung_number));
+                    draft.text().clone_into(&mut editor.draft_text);
                 }
-                focus::follow(ui);
+                focus::scroll_to_focus(ui);
             });
         self.editor = Some(editor);
-        if let Some(line) = chosen {
-            self.choose_line(line);
+        if let Some(line) = clicked_line {
+            self.select_line(line);
         }
     }
 
     /// Draws the whole instruction list, with line numbers.
-    pub(super) fn list(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
-        let mut chosen = None;
-        let editing = self.editing;
+    pub(super) fn show_list(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
+        let mut clicked_line = None;
+        let editing = self.is_editing;
         if let Some(draft) = self.draft.as_ref().filter(|_| editing)
             && !draft.errors().is_empty()
         {
@@ -390,11 +393,11 @@ impl LadderView {
                 .default_size(110.0)
                 .frame(crate::window::views::side_frame());
             panel.show(ui, |ui| {
-                chosen = complaints(ui, language, draft.errors(), 1, WHOLE);
+                clicked_line = show_compiler_messages(ui, language, draft.errors(), 1, WHOLE_LIST);
             });
         }
-        if chosen.is_some() {
-            self.list_line = chosen;
+        if clicked_line.is_some() {
+            self.pending_line = clicked_line;
         }
         let mut text = match self.draft.as_ref().filter(|_| editing) {
             Some(draft) => draft.text().to_owned(),
@@ -402,7 +405,7 @@ impl LadderView {
         };
         let mut area = ScrollArea::both().auto_shrink([false, false]);
         let height = ui.text_style_height(&egui::TextStyle::Monospace);
-        if let Some(line) = self.list_line.take() {
+        if let Some(line) = self.pending_line.take() {
             let offset = (f64::from(line) * f64::from(height)) as f32 - ui.available_height() * 0.4;
             area = area.vertical_scroll_offset(offset.max(0.0));
         }
@@ -430,52 +433,56 @@ impl LadderView {
                 if response.changed()
                     && let Some(draft) = self.draft.as_mut().filter(|_| editing)
                 {
-                    draft.set(text, Some(WHOLE));
+                    draft.set_text(text, Some(WHOLE_LIST));
                 }
             });
-            focus::follow(ui);
+            focus::scroll_to_focus(ui);
         });
     }
 
     /// Selects the first statement of a line.
-    fn choose_line(&mut self, line: u32) {
+    fn select_line(&mut self, line: u32) {
         let Some(draft) = &self.draft else { return };
         let ladder = draft.ladder();
         let at = ladder
             .statements()
             .partition_point(|statement| statement.line < line);
         if let Some(statement) = ladder.statements().get(at) {
-            self.chosen = Some(at);
-            self.show_rung = Some(statement.rung);
+            self.selected = Some(at);
+            self.pending_rung = Some(statement.rung);
         }
     }
 }
 
 /// Draws the messages of the compiler. Lines of the edited rung count from its first line.
 /// Returns the line of a message that was clicked.
-fn complaints(
+fn show_compiler_messages(
     ui: &mut Ui,
     language: Language,
-    found: &[CompileError],
-    first: u32,
+    errors: &[CompileError],
+    first_line: u32,
     rung: u32,
 ) -> Option<u32> {
-    let mut chosen = None;
+    let mut clicked_line = None;
     ScrollArea::vertical()
         .id_salt("complaints")
         .auto_shrink([false, false])
         .show(ui, |ui| {
-            let compiles = found.iter().all(|found| found.code.is_warning());
+            let compiles = errors.iter().all(|found| found.code.is_warning());
             if compiles {
-                let words = words::compiled(found.len(), language);
+                let words = compiler_text::compiled_text(errors.len(), language);
                 ui.label(RichText::new(words).color(super::draw::LIVE));
             }
-            let ink = if compiles { super::draw::HELD } else { WRONG };
-            for error in found {
-                let own = rung == WHOLE || error.rung == rung;
-                let finding = words::finding(error, language);
-                let text = if own {
-                    let line = error.line.saturating_sub(first) + 1;
+            let ink = if compiles {
+                super::draw::FORCED
+            } else {
+                ERROR_COLOR
+            };
+            for error in errors {
+                let is_own_rung = rung == WHOLE_LIST || error.rung == rung;
+                let finding = compiler_text::finding_text(error, language);
+                let text = if is_own_rung {
+                    let line = error.line.saturating_sub(first_line) + 1;
                     say::ladder_at_line(line, finding)
                 } else {
                     say::ladder_at_rung(error.rung, finding)
@@ -485,10 +492,10 @@ fn complaints(
                     .wrap()
                     .sense(egui::Sense::click());
                 if ui.add(label).clicked() {
-                    chosen = Some(error.line);
+                    clicked_line = Some(error.line);
                 }
             }
-            focus::follow(ui);
+            focus::scroll_to_focus(ui);
         });
-    chosen
+    clicked_line
 }

@@ -5,21 +5,21 @@ use std::sync::Arc;
 use egui::{Vec2, vec2};
 use gsk_core::plc::{Element, Ladder, Network, RungBody, Statement};
 
-use super::value::operand_count;
+use super::operand_value::operand_line_count;
 
 /// Height of a title or a structure mark, points.
-pub const TITLE: f32 = 26.0;
+pub const TITLE_HEIGHT: f32 = 26.0;
 /// Distance between two rungs, points.
-pub const BETWEEN: f32 = 14.0;
+pub const RUNG_GAP: f32 = 14.0;
 /// Height of an operand line in a box, points.
-pub const LINE: f32 = 16.0;
+pub const LINE_HEIGHT: f32 = 16.0;
 /// Height of the heading of a box, points.
-pub const HEADING: f32 = 20.0;
+pub const HEADING_HEIGHT: f32 = 20.0;
 /// Columns of cells that the outputs take on the right.
 pub const OUTPUT_COLUMNS: usize = 2;
 
 /// Size of the cell of one contact, points. `comments`: with comments below the contacts.
-pub const fn cell(comments: bool) -> Vec2 {
+pub const fn cell_size(comments: bool) -> Vec2 {
     if comments {
         vec2(104.0, 76.0)
     } else {
@@ -29,7 +29,7 @@ pub const fn cell(comments: bool) -> Vec2 {
 
 /// A rung and its position in the drawing.
 #[derive(Clone, Debug)]
-pub struct Placed {
+pub struct PositionedRung {
     pub network: Network,
     /// Upper edge, points from the top of the drawing.
     pub top: f32,
@@ -41,32 +41,36 @@ pub struct Placed {
 
 /// The positions of all rungs of a ladder.
 #[derive(Clone, Debug)]
-pub struct Drawing {
+pub struct LadderDrawing {
     /// The ladder that is drawn.
     pub ladder: Arc<Ladder>,
-    comments: bool,
-    pub rungs: Vec<Placed>,
+    with_comments: bool,
+    pub rungs: Vec<PositionedRung>,
     /// Height of all rungs, points.
     pub height: f32,
     /// Columns of contacts of the widest rung.
     pub columns: usize,
 }
 
-impl Drawing {
+impl LadderDrawing {
     /// Computes the positions of the rungs. `comments`: with comments below the contacts.
-    pub fn new(ladder: &Arc<Ladder>, comments: bool) -> Self {
+    pub fn new(ladder: &Arc<Ladder>, with_comments: bool) -> Self {
         let mut top = 0.0;
         let mut columns = 1;
-        let place = |network: Network| {
-            let (wide, rows) = size(&network, comments);
+        let position_rung = |network: Network| {
+            let (wide, rows) = rung_size(&network, with_comments);
             columns = columns.max(wide);
-            let title = if network.title.is_some() { TITLE } else { 0.0 };
-            let body = match network.body {
-                RungBody::Structure(_) => TITLE,
-                RungBody::Rung { .. } => rows as f32 * cell(comments).y,
+            let title = if network.title.is_some() {
+                TITLE_HEIGHT
+            } else {
+                0.0
             };
-            let height = title + body + BETWEEN;
-            let placed = Placed {
+            let body = match network.body {
+                RungBody::Structure(_) => TITLE_HEIGHT,
+                RungBody::Rung { .. } => rows as f32 * cell_size(with_comments).y,
+            };
+            let height = title + body + RUNG_GAP;
+            let placed = PositionedRung {
                 network,
                 top,
                 height,
@@ -75,10 +79,10 @@ impl Drawing {
             top += height;
             placed
         };
-        let rungs = ladder.networks().map(place).collect();
+        let rungs = ladder.networks().map(position_rung).collect();
         Self {
             ladder: Arc::clone(ladder),
-            comments,
+            with_comments,
             rungs,
             height: top,
             columns,
@@ -86,12 +90,12 @@ impl Drawing {
     }
 
     /// Whether the drawing was made of this ladder with this choice of comments.
-    pub fn is_of(&self, ladder: &Arc<Ladder>, comments: bool) -> bool {
-        self.comments == comments && Arc::ptr_eq(&self.ladder, ladder)
+    pub fn is_current(&self, ladder: &Arc<Ladder>, comments: bool) -> bool {
+        self.with_comments == comments && Arc::ptr_eq(&self.ladder, ladder)
     }
 
     /// The rungs between two heights, points from the top.
-    pub fn between(&self, from: f32, to: f32) -> &[Placed] {
+    pub fn rungs_between(&self, from: f32, to: f32) -> &[PositionedRung] {
         let first = self
             .rungs
             .partition_point(|rung| rung.top + rung.height < from);
@@ -100,7 +104,7 @@ impl Drawing {
     }
 
     /// The rung with this number.
-    pub fn rung(&self, number: u32) -> Option<&Placed> {
+    pub fn rung(&self, number: u32) -> Option<&PositionedRung> {
         let at = self
             .rungs
             .partition_point(|rung| rung.network.number < number);
@@ -111,13 +115,13 @@ impl Drawing {
 }
 
 /// Columns of contacts, and rows of contacts and outputs.
-fn size(network: &Network, comments: bool) -> (usize, usize) {
+fn rung_size(network: &Network, comments: bool) -> (usize, usize) {
     match &network.body {
         RungBody::Structure(_) => (0, 1),
         RungBody::Rung { contacts, outputs } => {
             let (columns, rows) = contacts
                 .iter()
-                .map(cells)
+                .map(element_size)
                 .fold((0, 0), |(wide, high), (columns, rows)| {
                     (wide + columns, high.max(rows))
                 });
@@ -131,18 +135,18 @@ fn size(network: &Network, comments: bool) -> (usize, usize) {
 }
 
 /// Columns and rows of an element's contacts.
-pub fn cells(element: &Element) -> (usize, usize) {
+pub fn element_size(element: &Element) -> (usize, usize) {
     match element {
         Element::Contact(_) => (1, 1),
         Element::Series(members) => members
             .iter()
-            .map(|member| cells(&member.element))
+            .map(|member| element_size(&member.element))
             .fold((0, 0), |(wide, high), (columns, rows)| {
                 (wide + columns, high.max(rows))
             }),
         Element::Parallel(members) => members
             .iter()
-            .map(|member| cells(&member.element))
+            .map(|member| element_size(&member.element))
             .fold((0, 0), |(wide, high), (columns, rows)| {
                 (wide.max(columns), high + rows)
             }),
@@ -151,26 +155,26 @@ pub fn cells(element: &Element) -> (usize, usize) {
 
 /// Rows of an output: one for a coil; for a box those that its lines need.
 pub fn output_rows(output: &Statement, comments: bool) -> usize {
-    let lines = operand_count(output);
+    let lines = operand_line_count(output);
     if lines == 0 {
         return 1;
     }
     // A small excess fits into the distance to the next rung.
-    let height = HEADING + lines as f32 * LINE + 4.0;
-    (height / cell(comments).y).ceil() as usize
+    let height = HEADING_HEIGHT + lines as f32 * LINE_HEIGHT + 4.0;
+    (height / cell_size(comments).y).ceil() as usize
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn drawing(rung: &str) -> Drawing {
+    fn drawing(rung: &str) -> LadderDrawing {
         let ladder = Ladder::compile(&format!("END1\n{rung}\nEND2")).unwrap();
-        Drawing::new(&Arc::new(ladder), false)
+        LadderDrawing::new(&Arc::new(ladder), false)
     }
 
     #[test]
-    fn branches_lie_below_each_other_and_contacts_behind_each_other() {
+    fn branches_add_rows_and_contacts_in_series_add_columns() {
         for (rung, columns, rows) in [
             ("LD R1.0\nOUT R2.0", 1, 1),
             ("LD R1.0\nAND R1.1\nOR R1.2\nOUT R2.0", 2, 2),
@@ -183,7 +187,7 @@ mod tests {
         ] {
             let drawing = drawing(rung);
             let placed = drawing.rung(2).unwrap();
-            assert_eq!(size(&placed.network, false), (columns, rows), "{rung}");
+            assert_eq!(rung_size(&placed.network, false), (columns, rows), "{rung}");
         }
     }
 
@@ -192,10 +196,10 @@ mod tests {
         let drawing = drawing("LD R1.0\nOUT R2.0\nLD R1.1\nTMRB T1 DT1 R2.1");
         assert_eq!(drawing.rungs.len(), 4);
         let third = drawing.rung(3).unwrap();
-        let found = drawing.between(third.top + 1.0, third.top + 2.0);
+        let found = drawing.rungs_between(third.top + 1.0, third.top + 2.0);
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].network.number, 3);
         assert!(drawing.rung(9).is_none());
-        assert_eq!(drawing.between(0.0, drawing.height).len(), 4);
+        assert_eq!(drawing.rungs_between(0.0, drawing.height).len(), 4);
     }
 }

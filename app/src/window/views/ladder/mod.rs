@@ -1,40 +1,40 @@
 //! The ladder view: rungs with live power flow, search, cross reference, forced bits, halt and
 //! step; messages, comments and initial data as tables; editing.
 
-mod block;
-mod change;
+mod compiler_text;
 mod directive;
 mod draft;
 mod draw;
 mod edit;
+mod element_change;
+mod function_box;
 mod layout;
+mod operand_value;
 mod search;
 mod side;
 mod tables;
-mod value;
-mod words;
 
 use std::sync::Arc;
 
 use crossbeam::queue::ArrayQueue;
 use egui::{Panel, Pos2, RichText, ScrollArea, Sense, Ui, vec2};
-use gsk_core::cnc::{LadderStep, Request};
-use gsk_core::memory::Refusal;
+use gsk_core::cnc::{ControlRequest, LadderStep};
+use gsk_core::memory::WriteRefusal;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::plc::{Ladder, PlcAddress, Statement};
 
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
 use crate::window::focus;
-use draft::Draft;
-use draw::Sheet;
-use edit::Editor;
+use draft::LadderDraft;
+use draw::RungContext;
+use edit::RungEditor;
 use gsk_messages::{Language, Message, say};
-use layout::Drawing;
-use search::Search;
+use layout::LadderDrawing;
+use search::LadderSearch;
 
 /// Width from which the side list is always shown beside the rungs, points.
-const WIDE: f32 = 940.0;
+const WIDE_VIEW: f32 = 940.0;
 
 /// The tabs of the view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,32 +70,32 @@ impl Tab {
 pub struct LadderView {
     console: Console,
     tab: Tab,
-    comments: bool,
-    drawing: Option<Drawing>,
+    with_comments: bool,
+    drawing: Option<LadderDrawing>,
     /// The number of uses of each address in the drawn ladder.
-    uses: Vec<(PlcAddress, usize)>,
+    use_counts: Vec<(PlcAddress, usize)>,
     /// The selected statement, as an index in the program.
-    chosen: Option<usize>,
+    selected: Option<usize>,
     /// The height to scroll to in the next frame, points from the top.
-    scroll_to: Option<f32>,
-    search: Search,
-    editing: bool,
-    draft: Option<Draft>,
-    editor: Option<Editor>,
+    scroll_to_y: Option<f32>,
+    search: LadderSearch,
+    is_editing: bool,
+    draft: Option<LadderDraft>,
+    editor: Option<RungEditor>,
     /// Fields of the selected row of a table.
-    row: Vec<String>,
+    row_fields: Vec<String>,
     /// Why the row was refused.
-    complaint: Option<String>,
+    row_error: Option<String>,
     /// The address that the editing tools use, as typed.
-    address: String,
+    address_entry: String,
     /// The rung to scroll to once it is drawn.
-    show_rung: Option<u32>,
+    pending_rung: Option<u32>,
     /// The line to scroll to in the list, from 1.
-    list_line: Option<u32>,
+    pending_line: Option<u32>,
     /// Why the control would refuse a ladder now; `None` if it would take one.
-    refused: Option<Refusal>,
+    refusal: Option<WriteRefusal>,
     /// A list that was read from a file.
-    opened: Arc<ArrayQueue<String>>,
+    opened_lists: Arc<ArrayQueue<String>>,
 }
 
 impl LadderView {
@@ -104,32 +104,32 @@ impl LadderView {
         Self {
             console,
             tab: Tab::Rungs,
-            comments: true,
+            with_comments: true,
             drawing: None,
-            uses: Vec::new(),
-            chosen: None,
-            scroll_to: None,
-            search: Search::default(),
-            editing: false,
+            use_counts: Vec::new(),
+            selected: None,
+            scroll_to_y: None,
+            search: LadderSearch::default(),
+            is_editing: false,
             draft: None,
             editor: None,
-            row: Vec::new(),
-            complaint: None,
-            address: String::new(),
-            show_rung: None,
-            list_line: None,
-            refused: None,
-            opened: Arc::new(ArrayQueue::new(1)),
+            row_fields: Vec::new(),
+            row_error: None,
+            address_entry: String::new(),
+            pending_rung: None,
+            pending_line: None,
+            refusal: None,
+            opened_lists: Arc::new(ArrayQueue::new(1)),
         }
     }
 
     /// Lets a halted ladder run again when the view is closed.
     pub fn close(&mut self) {
-        self.ask(Request::HaltLadder(false));
+        self.send_request(ControlRequest::HaltLadder(false));
     }
 
-    fn ask(&self, request: Request) {
-        self.console.send(Command::Ask(Box::new(request)));
+    fn send_request(&self, request: ControlRequest) {
+        self.console.send(Command::Request(Box::new(request)));
     }
 
     /// Draws the view and handles its input. `own_keys`: the view is in a separate window and
@@ -145,76 +145,81 @@ impl LadderView {
             ui.centered_and_justified(|ui| ui.label(say::window_one_moment().text(language)));
             return;
         };
-        self.follow(machine);
+        self.sync_draft(machine);
         if own_keys {
-            self.editing_keys(ui);
+            self.handle_editing_keys(ui);
         }
-        self.draw_anew(&self.shown(machine));
+        self.update_drawing(&self.drawn_ladder(machine));
         let bar = Panel::top("ladder bar").frame(super::bar_frame());
-        bar.show(ui, |ui| self.toolbar(ui, language, machine));
-        if self.editing {
+        bar.show(ui, |ui| self.show_toolbar(ui, language, machine));
+        if self.is_editing {
             let tools = Panel::top("ladder tools").frame(super::bar_frame());
-            tools.show(ui, |ui| self.edit_bar(ui, language));
+            tools.show(ui, |ui| self.show_edit_bar(ui, language));
         }
         // In a narrow view the coils use the width of the side list until an element is
         // selected.
-        let has_room = ui.available_width() >= WIDE;
-        let has_side = has_room || self.chosen.is_some() || !machine.plc.forces().is_empty();
+        let is_wide = ui.available_width() >= WIDE_VIEW;
+        let has_side = is_wide || self.selected.is_some() || !machine.plc.forces().is_empty();
         let line = Panel::bottom("ladder state").frame(super::bar_frame());
         line.show(ui, |ui| {
-            self.state_line(ui, language, machine, has_side || self.tab != Tab::Rungs);
+            self.show_state(ui, language, machine, has_side || self.tab != Tab::Rungs);
         });
-        if self.tab == Tab::Rungs && self.editing {
-            focus::pass_over_edge(ui, "rung editor");
+        if self.tab == Tab::Rungs && self.is_editing {
+            focus::skip_resize_edge(ui, "rung editor");
             let editor = Panel::bottom("rung editor")
                 .default_size(132.0)
                 .size_range(80.0..=400.0)
                 .resizable(true)
                 .frame(super::side_frame());
-            editor.show(ui, |ui| self.rung_editor(ui, language));
+            editor.show(ui, |ui| self.show_rung_editor(ui, language));
         }
         if self.tab == Tab::Rungs && has_side {
             let side = Panel::right("ladder side")
-                .exact_size(side::width(ui.available_width()))
+                .exact_size(side::side_width(ui.available_width()))
                 .resizable(false)
                 .frame(super::side_frame());
-            side.show(ui, |ui| self.side(ui, language, machine));
+            side.show(ui, |ui| self.show_side(ui, language, machine));
         }
         egui::CentralPanel::default()
             .frame(super::plain_frame())
             .show(ui, |ui| match self.tab {
-                Tab::Rungs => self.rungs(ui, language, machine),
-                Tab::List => self.list(ui, language, machine),
-                Tab::Messages => self.messages(ui, language, machine),
-                Tab::Comments => self.comment_table(ui, language, machine),
-                Tab::StartValues => self.start_values(ui, language, machine),
+                Tab::Rungs => self.show_rungs(ui, language, machine),
+                Tab::List => self.show_list(ui, language, machine),
+                Tab::Messages => self.show_messages(ui, language, machine),
+                Tab::Comments => self.show_comments(ui, language, machine),
+                Tab::StartValues => self.show_start_values(ui, language, machine),
             });
     }
 
     /// Computes the positions of the rungs when the ladder or the choice of comments has
     /// changed.
-    fn draw_anew(&mut self, ladder: &Arc<Ladder>) {
-        let known = self.drawing.as_ref();
-        if known.is_some_and(|drawing| drawing.is_of(ladder, self.comments)) {
+    fn update_drawing(&mut self, ladder: &Arc<Ladder>) {
+        let previous = self.drawing.as_ref();
+        if previous.is_some_and(|drawing| drawing.is_current(ladder, self.with_comments)) {
             return;
         }
-        let same = known.is_some_and(|drawing| Arc::ptr_eq(&drawing.ladder, ladder));
-        if !same {
+        let is_same_ladder = previous.is_some_and(|drawing| Arc::ptr_eq(&drawing.ladder, ladder));
+        if !is_same_ladder {
             let last = ladder.statements().len().saturating_sub(1);
-            self.chosen = self.chosen.filter(|_| self.editing).map(|at| at.min(last));
+            self.selected = self
+                .selected
+                .filter(|_| self.is_editing)
+                .map(|at| at.min(last));
             self.search.clear();
             let uses = |subject: PlcAddress| (subject, ladder.references(subject).len());
-            self.uses = ladder.addresses().into_iter().map(uses).collect();
+            self.use_counts = ladder.addresses().into_iter().map(uses).collect();
         }
-        let drawing = Drawing::new(ladder, self.comments);
+        let drawing = LadderDrawing::new(ladder, self.with_comments);
         // The selected rung remains in view when comments are switched on or off.
-        let rung = self.chosen.and_then(|at| ladder.statements().get(at));
-        let place = rung.and_then(|statement| drawing.rung(statement.rung));
-        self.scroll_to = place.filter(|_| same).map(|placed| placed.top);
+        let rung = self.selected.and_then(|at| ladder.statements().get(at));
+        let positioned = rung.and_then(|statement| drawing.rung(statement.rung));
+        self.scroll_to_y = positioned
+            .filter(|_| is_same_ladder)
+            .map(|placed| placed.top);
         self.drawing = Some(drawing);
     }
 
-    fn toolbar(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
+    fn show_toolbar(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
         ui.horizontal_wrapped(|ui| {
             for tab in Tab::ALL {
                 if ui
@@ -222,8 +227,8 @@ impl LadderView {
                     .clicked()
                 {
                     self.tab = tab;
-                    self.row.clear();
-                    self.complaint = None;
+                    self.row_fields.clear();
+                    self.row_error = None;
                 }
             }
             ui.separator();
@@ -236,123 +241,130 @@ impl LadderView {
             let hint = say::ladder_halt_hint().text(language);
             let button = egui::Button::new(word).min_size(vec2(52.0, 0.0));
             if ui.add(button).on_hover_text(hint).clicked() {
-                self.ask(Request::HaltLadder(!halted));
+                self.send_request(ControlRequest::HaltLadder(!halted));
             }
             for (word, step) in [
                 (say::ladder_one_scan().text(language), LadderStep::Slot),
                 (say::ladder_one_rung().text(language), LadderStep::Rung),
             ] {
                 if ui.add_enabled(halted, egui::Button::new(word)).clicked() {
-                    self.ask(Request::StepLadder(step));
+                    self.send_request(ControlRequest::StepLadder(step));
                     if let Some(next) = machine.plc.next_rung() {
-                        self.jump(next);
+                        self.scroll_to_rung(next);
                     }
                 }
             }
             ui.separator();
-            let edit = egui::Button::selectable(self.editing, say::ladder_edit().text(language));
+            let edit = egui::Button::selectable(self.is_editing, say::ladder_edit().text(language));
             if ui.add(edit).clicked() {
                 self.toggle_editing(machine);
             }
             if self.tab == Tab::Rungs {
                 ui.separator();
                 ui.checkbox(
-                    &mut self.comments,
+                    &mut self.with_comments,
                     say::ladder_show_comments().text(language),
                 );
                 ui.separator();
-                let ladder = self.shown(machine);
-                self.search_field(ui, language, &ladder);
+                let ladder = self.drawn_ladder(machine);
+                self.show_search_field(ui, language, &ladder);
             }
         });
     }
 
     /// Scrolls to a rung.
-    fn jump(&mut self, rung: u32) {
+    fn scroll_to_rung(&mut self, rung: u32) {
         self.tab = Tab::Rungs;
         let placed = self.drawing.as_ref().and_then(|drawing| drawing.rung(rung));
-        self.scroll_to = placed.map(|placed| placed.top);
+        self.scroll_to_y = placed.map(|placed| placed.top);
     }
 
     /// Selects a statement and scrolls to its rung.
-    fn go_to(&mut self, ladder: &Ladder, at: usize) {
-        self.chosen = Some(at);
+    fn select_statement(&mut self, ladder: &Ladder, at: usize) {
+        self.selected = Some(at);
         if let Some(statement) = ladder.statements().get(at) {
-            self.jump(statement.rung);
+            self.scroll_to_rung(statement.rung);
         }
     }
 
-    fn rungs(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
+    fn show_rungs(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
         let Some(drawing) = self.drawing.take() else {
             return;
         };
         let width = ui.available_width() - 14.0;
-        if let Some(rung) = self.show_rung.take() {
-            self.scroll_to = drawing.rung(rung).map(|placed| placed.top);
+        if let Some(rung) = self.pending_rung.take() {
+            self.scroll_to_y = drawing.rung(rung).map(|placed| placed.top);
         }
         let plc = &machine.plc;
-        let runs = Arc::ptr_eq(&drawing.ladder, plc.ladder());
+        let is_running = Arc::ptr_eq(&drawing.ladder, plc.ladder());
         let forced = |bit: BitAddress| {
             let found = plc.forces().iter().find(|force| force.bit == bit);
             found.map(|force| force.value)
         };
-        let complaints = self.complaints(&drawing.ladder, language);
-        let sheet = Sheet {
+        let complaints = self.compiler_messages(&drawing.ladder, language);
+        let sheet = RungContext {
             ladder: &drawing.ladder,
-            memory: runs.then(|| plc.memory()),
+            memory: is_running.then(|| plc.memory()),
             language,
-            comments: self.comments,
-            chosen: self.chosen,
+            with_comments: self.with_comments,
+            selected: self.selected,
             forced: &forced,
-            sought: self.search.subject(),
-            next: if machine.halted && runs {
+            searched: self.search.searched_address(),
+            next_rung: if machine.halted && is_running {
                 plc.next_rung()
             } else {
                 None
             },
-            complaints: &complaints,
-            width,
+            compiler_messages: &complaints,
+            min_width: width,
         };
         let mut area = ScrollArea::both().auto_shrink([false, false]);
-        let room = ui.available_height();
-        if let Some(top) = self.scroll_to.take() {
-            let offset = (top - room * 0.25).clamp(0.0, (drawing.height - room).max(0.0));
+        let view_height = ui.available_height();
+        if let Some(top) = self.scroll_to_y.take() {
+            let offset =
+                (top - view_height * 0.25).clamp(0.0, (drawing.height - view_height).max(0.0));
             area = area.vertical_scroll_offset(offset);
         }
         let mut clicked = None;
         area.show_viewport(ui, |ui, seen| {
-            let wide = width.max(draw::width(drawing.columns, self.comments));
+            let wide = width.max(draw::rung_width(drawing.columns, self.with_comments));
             let size = vec2(wide, drawing.height + 8.0);
-            let (place, _) = ui.allocate_exact_size(size, Sense::HOVER);
-            for placed in drawing.between(seen.top() - 8.0, seen.bottom()) {
-                let corner = Pos2::new(place.left(), place.top() + 8.0 + placed.top);
-                let power = if runs {
+            let (rect, _) = ui.allocate_exact_size(size, Sense::HOVER);
+            for placed in drawing.rungs_between(seen.top() - 8.0, seen.bottom()) {
+                let corner = Pos2::new(rect.left(), rect.top() + 8.0 + placed.top);
+                let power = if is_running {
                     plc.power_flow(&placed.network)
                 } else {
                     Vec::new()
                 };
-                clicked = draw::rung(ui, &sheet, placed, corner, &power).or(clicked);
+                clicked = draw::draw_rung(ui, &sheet, placed, corner, &power).or(clicked);
             }
         });
         if let Some(at) = clicked {
-            self.chosen = Some(at);
+            self.selected = Some(at);
         }
         self.drawing = Some(drawing);
     }
 
     /// The compiler's messages about rungs: rung, whether it is an error, text.
-    fn complaints(&self, ladder: &Ladder, language: Language) -> Vec<(u32, bool, String)> {
-        let errors = self.draft.as_ref().filter(|_| self.editing);
-        let errors = errors.map_or(&[][..], Draft::errors).iter();
+    fn compiler_messages(&self, ladder: &Ladder, language: Language) -> Vec<(u32, bool, String)> {
+        let errors = self.draft.as_ref().filter(|_| self.is_editing);
+        let errors = errors.map_or(&[][..], LadderDraft::errors).iter();
         let errors = errors.map(|error| (true, error));
         let warnings = ladder.warnings().iter().map(|warning| (false, warning));
         errors
             .chain(warnings)
-            .map(|(error, found)| (found.rung, error, words::finding(found, language)))
+            .map(|(error, found)| {
+                (
+                    found.rung,
+                    error,
+                    compiler_text::finding_text(found, language),
+                )
+            })
             .collect()
     }
 
-    fn state_line(&self, ui: &mut Ui, language: Language, machine: &MachineView, has_side: bool) {
+    fn show_state(&self, ui: &mut Ui, language: Language, machine: &MachineView, has_side: bool) {
         let plc = &machine.plc;
         let ladder = plc.ladder();
         ui.horizontal_wrapped(|ui| {
@@ -363,7 +375,7 @@ impl LadderView {
                 }
                 (None, true) => {
                     let rung = plc.next_rung().unwrap_or(0);
-                    (say::ladder_halted(rung).text(language), draw::HELD)
+                    (say::ladder_halted(rung).text(language), draw::FORCED)
                 }
                 (None, false) => (say::ladder_running().text(language), draw::LIVE),
             };
@@ -390,7 +402,7 @@ impl LadderView {
             if machine.next_ladder.is_some() {
                 ui.separator();
                 let words = say::ladder_new_at_power_on().text(language);
-                ui.label(RichText::new(words).color(draw::HELD));
+                ui.label(RichText::new(words).color(draw::FORCED));
                 let words = say::ladder_power_off_and_on().text(language);
                 let hint = say::ladder_power_off_and_on_hint().text(language);
                 if ui.button(words).on_hover_text(hint).clicked() {
@@ -402,7 +414,7 @@ impl LadderView {
 }
 
 /// The addresses that a statement uses.
-fn subjects(statement: &Statement) -> Vec<PlcAddress> {
+fn statement_addresses(statement: &Statement) -> Vec<PlcAddress> {
     use gsk_core::plc::Operand;
     let named = |operand: &Operand| match operand {
         Operand::Bit(bit) => Some(PlcAddress::Bit(*bit)),

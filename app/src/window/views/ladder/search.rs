@@ -5,42 +5,42 @@ use egui::{RichText, Ui};
 use gsk_core::plc::address::{BitAddress, ByteAddress};
 use gsk_core::plc::{Ladder, PlcAddress};
 
-use super::draw::comment;
-use super::{LadderView, subjects};
+use super::draw::address_comment;
+use super::{LadderView, statement_addresses};
 use gsk_messages::{Language, say};
 
 /// The search text and its results.
 #[derive(Clone, Debug, Default)]
-pub struct Search {
+pub struct LadderSearch {
     text: String,
-    subject: Option<PlcAddress>,
+    address: Option<PlcAddress>,
     /// Statements, as indices in the program.
-    found: Vec<usize>,
+    matches: Vec<usize>,
     /// Index in `found` of the statement that is shown.
-    at: usize,
-    done: bool,
+    shown_index: usize,
+    is_done: bool,
 }
 
-impl Search {
+impl LadderSearch {
     /// Clears the results and keeps the text.
     pub fn clear(&mut self) {
-        self.found.clear();
-        self.subject = None;
-        self.done = false;
+        self.matches.clear();
+        self.address = None;
+        self.is_done = false;
     }
 
     /// The address that is searched for, if the text is an address.
-    pub const fn subject(&self) -> Option<PlcAddress> {
-        self.subject
+    pub const fn searched_address(&self) -> Option<PlcAddress> {
+        self.address
     }
 
     /// Searches a ladder for the text.
-    fn run(&mut self, ladder: &Ladder) {
+    fn find_all(&mut self, ladder: &Ladder) {
         let text = self.text.trim().to_uppercase();
-        self.subject = subject(&text);
-        self.at = 0;
-        self.done = true;
-        self.found = match self.subject {
+        self.address = parse_address(&text);
+        self.shown_index = 0;
+        self.is_done = true;
+        self.matches = match self.address {
             Some(subject) => {
                 let references = ladder.references(subject);
                 references
@@ -48,22 +48,22 @@ impl Search {
                     .map(|reference| reference.statement)
                     .collect()
             }
-            None => by_words(ladder, &text),
+            None => find_by_words(ladder, &text),
         };
     }
 }
 
 /// The address that a text names.
-fn subject(text: &str) -> Option<PlcAddress> {
+fn parse_address(text: &str) -> Option<PlcAddress> {
     let bit = text.parse::<BitAddress>().ok().map(PlcAddress::Bit);
     bit.or_else(|| text.parse::<ByteAddress>().ok().map(PlcAddress::Byte))
 }
 
 /// Statements with this instruction name, or with an address whose comment contains the text.
-fn by_words(ladder: &Ladder, text: &str) -> Vec<usize> {
+fn find_by_words(ladder: &Ladder, text: &str) -> Vec<usize> {
     let about = |subject: &PlcAddress| {
         [Language::Zh, Language::En].into_iter().any(|language| {
-            comment(ladder, *subject, language)
+            address_comment(ladder, *subject, language)
                 .to_uppercase()
                 .contains(text)
         })
@@ -71,14 +71,15 @@ fn by_words(ladder: &Ladder, text: &str) -> Vec<usize> {
     let statements = ladder.statements().iter().enumerate();
     statements
         .filter(|(_, statement)| {
-            statement.mnemonic.row().name == text || subjects(statement).iter().any(about)
+            statement.mnemonic.row().name == text
+                || statement_addresses(statement).iter().any(about)
         })
         .map(|(at, _)| at)
         .collect()
 }
 
 impl LadderView {
-    pub(super) fn search_field(&mut self, ui: &mut Ui, language: Language, ladder: &Ladder) {
+    pub(super) fn show_search_field(&mut self, ui: &mut Ui, language: Language, ladder: &Ladder) {
         let name = say::ladder_find().text(language);
         let field = egui::TextEdit::singleline(&mut self.search.text)
             .desired_width(196.0)
@@ -86,57 +87,57 @@ impl LadderView {
         let response = ui.add(field);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, &name));
         if response.changed() {
-            self.search.done = false;
+            self.search.is_done = false;
         }
         let entered =
             response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
         if (ui.button(name).clicked() || entered) && !self.search.text.trim().is_empty() {
-            if self.search.done {
-                self.next_found(ladder, 1);
+            if self.search.is_done {
+                self.show_match(ladder, 1);
             } else {
-                self.search.run(ladder);
-                self.next_found(ladder, 0);
+                self.search.find_all(ladder);
+                self.show_match(ladder, 0);
             }
             if entered {
                 response.request_focus();
             }
         }
-        let count = self.search.found.len();
-        for (sign, words, way) in [
+        let count = self.search.matches.len();
+        for (sign, words, step) in [
             ("◀", say::ladder_find_previous().text(language), -1),
             ("▶", say::ladder_find_next().text(language), 1),
         ] {
             let button = ui.add_enabled(count > 0, egui::Button::new(sign));
             button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, count > 0, &words));
             if button.on_hover_text(words).clicked() {
-                self.next_found(ladder, way);
+                self.show_match(ladder, step);
             }
         }
-        if self.search.done {
+        if self.search.is_done {
             let words = if count == 0 {
                 say::ladder_not_found().text(language)
             } else {
-                format!("{} / {count}", self.search.at + 1)
+                format!("{} / {count}", self.search.shown_index + 1)
             };
             ui.label(RichText::new(words).weak());
         }
     }
 
     /// Searches for an address as if the user had typed it.
-    pub(super) fn look_for(&mut self, ladder: &Ladder, subject: PlcAddress) {
+    pub(super) fn search_address(&mut self, ladder: &Ladder, subject: PlcAddress) {
         self.search.text = subject.to_string();
-        self.search.run(ladder);
+        self.search.find_all(ladder);
     }
 
-    fn next_found(&mut self, ladder: &Ladder, way: i64) {
-        let count = self.search.found.len() as i64;
+    fn show_match(&mut self, ladder: &Ladder, step: i64) {
+        let count = self.search.matches.len() as i64;
         if count == 0 {
             return;
         }
-        let at = (self.search.at as i64 + way).rem_euclid(count);
-        self.search.at = usize::try_from(at).unwrap_or(0);
-        if let Some(statement) = self.search.found.get(self.search.at) {
-            self.go_to(ladder, *statement);
+        let at = (self.search.shown_index as i64 + step).rem_euclid(count);
+        self.search.shown_index = usize::try_from(at).unwrap_or(0);
+        if let Some(statement) = self.search.matches.get(self.search.shown_index) {
+            self.select_statement(ladder, *statement);
         }
     }
 }
@@ -148,12 +149,12 @@ mod tests {
     fn found(text: &str) -> Vec<usize> {
         let source = ".CMT X0.5 \"急停\" \"Emergency stop\"\nEND1\nLDI X0.5\nOUT R2.0\nLD R2.0\nOUT Y1.0\nEND2";
         let ladder = Ladder::compile(source).unwrap();
-        let mut search = Search {
+        let mut search = LadderSearch {
             text: text.to_owned(),
-            ..Search::default()
+            ..LadderSearch::default()
         };
-        search.run(&ladder);
-        search.found
+        search.find_all(&ladder);
+        search.matches
     }
 
     #[test]

@@ -1,37 +1,37 @@
 //! The list beside the rungs: the selected element, the uses of its addresses, forced bits.
 
 use egui::{Color32, RichText, ScrollArea, Ui, vec2};
-use gsk_core::cnc::Request;
+use gsk_core::cnc::ControlRequest;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::plc::{Access, Ladder, PlcAddress};
 use gsk_panel::pages::signal_name;
 
-use super::draw::{self, comment};
-use super::{LadderView, subjects, value};
+use super::draw::{self, address_comment};
+use super::{LadderView, operand_value, statement_addresses};
 use crate::kernel::Command;
 use crate::kernel::monitor::MachineView;
 use crate::window::focus;
 use gsk_messages::{Language, say};
 
 /// Width of the list beside the rungs for a view of this width, points.
-pub fn width(view: f32) -> f32 {
+pub fn side_width(view: f32) -> f32 {
     (view * 0.3).clamp(190.0, 304.0)
 }
 
 impl LadderView {
-    pub(super) fn side(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
-        let ladder = self.shown(machine);
+    pub(super) fn show_side(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
+        let ladder = self.drawn_ladder(machine);
         ScrollArea::vertical()
             .auto_shrink([false, false])
             .show(ui, |ui| {
-                let chosen = self.chosen.and_then(|at| ladder.statements().get(at));
+                let chosen = self.selected.and_then(|at| ladder.statements().get(at));
                 match chosen {
                     Some(statement) => {
                         let rung = say::ladder_rung(statement.rung).text(language);
                         ui.label(RichText::new(rung).weak());
                         ui.label(RichText::new(statement.to_string()).monospace().strong());
-                        for subject in subjects(statement) {
-                            self.subject(ui, language, machine, &ladder, subject);
+                        for subject in statement_addresses(statement) {
+                            self.show_address(ui, language, machine, &ladder, subject);
                         }
                     }
                     None => {
@@ -39,13 +39,13 @@ impl LadderView {
                         ui.label(RichText::new(words).weak());
                     }
                 }
-                self.forces(ui, language, machine);
-                focus::follow(ui);
+                self.show_forces(ui, language, machine);
+                focus::scroll_to_focus(ui);
             });
     }
 
     /// Draws one address: name, state, force, uses.
-    fn subject(
+    fn show_address(
         &mut self,
         ui: &mut Ui,
         language: Language,
@@ -58,7 +58,7 @@ impl LadderView {
         let memory = machine.plc.memory();
         let held = match subject {
             PlcAddress::Bit(bit) => u8::from(memory.bit(bit)).to_string(),
-            PlcAddress::Byte(byte) => value::number(byte, 1, memory),
+            PlcAddress::Byte(byte) => operand_value::format_value(byte, 1, memory),
         };
         ui.horizontal(|ui| {
             ui.label(RichText::new(subject.to_string()).monospace().strong());
@@ -74,12 +74,12 @@ impl LadderView {
                 }
             }
         });
-        let words = comment(ladder, subject, language);
+        let words = address_comment(ladder, subject, language);
         if !words.is_empty() {
             ui.label(words);
         }
         if let PlcAddress::Bit(bit) = subject {
-            self.force(ui, language, machine, bit);
+            self.show_force_buttons(ui, language, machine, bit);
         }
         let references = ladder.references(subject);
         for (access, words) in [
@@ -102,12 +102,12 @@ impl LadderView {
                 for reference in listed {
                     let name = reference.mnemonic.row().name;
                     let text = format!("{:04} {name}", reference.rung);
-                    let here = self.chosen == Some(reference.statement);
+                    let is_selected = self.selected == Some(reference.statement);
                     let text = RichText::new(text).monospace();
-                    let text = if here { text.strong() } else { text };
+                    let text = if is_selected { text.strong() } else { text };
                     if ui.add(egui::Button::new(text).small()).clicked() {
-                        self.look_for(ladder, subject);
-                        self.go_to(ladder, reference.statement);
+                        self.search_address(ladder, subject);
+                        self.select_statement(ladder, reference.statement);
                     }
                 }
             });
@@ -115,7 +115,13 @@ impl LadderView {
     }
 
     /// Draws three buttons that force a bit to 1 or 0, or release it.
-    fn force(&self, ui: &mut Ui, language: Language, machine: &MachineView, bit: BitAddress) {
+    fn show_force_buttons(
+        &self,
+        ui: &mut Ui,
+        language: Language,
+        machine: &MachineView,
+        bit: BitAddress,
+    ) {
         let forces = machine.plc.forces().iter();
         let held = forces
             .clone()
@@ -130,7 +136,7 @@ impl LadderView {
             ] {
                 let chosen = held == value;
                 let (fill, ink) = match (chosen, value) {
-                    (true, Some(_)) => (draw::HELD, Color32::BLACK),
+                    (true, Some(_)) => (draw::FORCED, Color32::BLACK),
                     (true, None) => (Color32::from_gray(58), Color32::from_gray(210)),
                     (false, _) => (Color32::from_gray(42), Color32::from_gray(190)),
                 };
@@ -143,13 +149,13 @@ impl LadderView {
                     egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, name)
                 });
                 if response.clicked() {
-                    self.ask(Request::ForceBit(bit, value));
+                    self.send_request(ControlRequest::ForceBit(bit, value));
                 }
             }
         });
     }
 
-    fn forces(&self, ui: &mut Ui, language: Language, machine: &MachineView) {
+    fn show_forces(&self, ui: &mut Ui, language: Language, machine: &MachineView) {
         let forces = machine.plc.forces();
         if forces.is_empty() {
             return;
@@ -157,7 +163,7 @@ impl LadderView {
         ui.add_space(10.0);
         ui.separator();
         let words = say::ladder_forced_bits().text(language);
-        ui.label(RichText::new(words).color(draw::HELD));
+        ui.label(RichText::new(words).color(draw::FORCED));
         for force in forces {
             ui.horizontal(|ui| {
                 let text = format!("{} = {}", force.bit, u8::from(force.value));
@@ -166,7 +172,7 @@ impl LadderView {
                 let button = ui.small_button("×");
                 button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
                 if button.on_hover_text(&name).clicked() {
-                    self.ask(Request::ForceBit(force.bit, None));
+                    self.send_request(ControlRequest::ForceBit(force.bit, None));
                 }
             });
         }
@@ -174,7 +180,7 @@ impl LadderView {
             .button(say::ladder_release_all().text(language))
             .clicked()
         {
-            self.console.send(Command::FreeBits);
+            self.console.send(Command::ReleaseForcedBits);
         }
     }
 }

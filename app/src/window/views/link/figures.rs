@@ -15,45 +15,48 @@ const INTERVAL: f64 = 1.0;
 
 /// Rates of the wire, per second.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Rates {
-    since: f64,
-    last: Traffic,
+pub struct TrafficRates {
+    last_time_s: f64,
+    last_traffic: Traffic,
     /// Bytes to the board, bytes from the board, motion commands.
     rates: Option<[f64; 3]>,
 }
 
-impl Rates {
+impl TrafficRates {
     /// Reads the counters at the window's time `now`, s.
-    pub fn take(&mut self, traffic: &Traffic, now: f64) {
-        let passed = now - self.since;
-        if passed < INTERVAL {
+    pub fn update(&mut self, traffic: &Traffic, now_s: f64) {
+        let elapsed_s = now_s - self.last_time_s;
+        if elapsed_s < INTERVAL {
             return;
         }
-        let begun = self.since > 0.0 && traffic.sent >= self.last.sent;
-        let rate = |now: u64, last: u64| now.saturating_sub(last) as f64 / passed;
-        self.rates = begun.then(|| {
+        let is_valid = self.last_time_s > 0.0 && traffic.sent >= self.last_traffic.sent;
+        let rate = |now: u64, last: u64| now.saturating_sub(last) as f64 / elapsed_s;
+        self.rates = is_valid.then(|| {
             [
-                rate(traffic.sent, self.last.sent),
-                rate(traffic.received, self.last.received),
-                rate(traffic.segments, self.last.segments),
+                rate(traffic.sent, self.last_traffic.sent),
+                rate(traffic.received, self.last_traffic.received),
+                rate(traffic.segments, self.last_traffic.segments),
             ]
         });
-        self.since = now;
-        self.last = *traffic;
+        self.last_time_s = now_s;
+        self.last_traffic = *traffic;
     }
 }
 
 /// A section of the page.
-pub struct Section {
+pub struct FigureSection {
     pub title: String,
     /// Names and values.
     pub rows: Vec<(String, String)>,
 }
 
 /// Draws all sections.
-pub fn show(ui: &mut Ui, language: Language, view: &LinkView, rates: &Rates) {
-    let agrees = view.counted.map(|counted| counted == view.commanded);
-    for (index, section) in sections(language, view, rates).into_iter().enumerate() {
+pub fn show(ui: &mut Ui, language: Language, view: &LinkView, rates: &TrafficRates) {
+    let counts_agree = view.counted.map(|counted| counted == view.commanded);
+    for (index, section) in build_sections(language, view, rates)
+        .into_iter()
+        .enumerate()
+    {
         if index > 0 {
             ui.add_space(8.0);
         }
@@ -68,14 +71,14 @@ pub fn show(ui: &mut Ui, language: Language, view: &LinkView, rates: &Rates) {
         }
         match index {
             0 if view.state.takes_motion() => {
-                if let Some(agrees) = agrees {
+                if let Some(agrees) = counts_agree {
                     // While the slides move, the report of the board always lags a little.
-                    let (words, ink) = match (agrees, view.outstanding.is_zero()) {
+                    let (text, ink) = match (agrees, view.outstanding.is_zero()) {
                         (true, _) => (say::link_page_counts_agree(), GOOD),
                         (false, false) => (say::link_page_on_the_way(), ui.visuals().text_color()),
                         (false, true) => (say::link_page_counts_differ(), BAD),
                     };
-                    ui.label(RichText::new(words.text(language)).color(ink));
+                    ui.label(RichText::new(text.text(language)).color(ink));
                 }
             }
             1 => {
@@ -87,21 +90,25 @@ pub fn show(ui: &mut Ui, language: Language, view: &LinkView, rates: &Rates) {
         }
     }
     ui.add_space(8.0);
-    let words = say::link_page_not_wired_is_simulated().text(language);
-    ui.label(RichText::new(words).weak());
+    let note = say::link_page_not_wired_is_simulated().text(language);
+    ui.label(RichText::new(note).weak());
 }
 
 /// The sections: position, queue, wire, inputs and outputs.
-pub fn sections(language: Language, view: &LinkView, rates: &Rates) -> [Section; 4] {
+pub fn build_sections(
+    language: Language,
+    view: &LinkView,
+    rates: &TrafficRates,
+) -> [FigureSection; 4] {
     [
-        position(language, view),
-        queue(language, view),
-        wire(language, view, rates),
-        contacts(language, view),
+        position_section(language, view),
+        queue_section(language, view),
+        wire_section(language, view, rates),
+        contacts_section(language, view),
     ]
 }
 
-fn position(language: Language, view: &LinkView) -> Section {
+fn position_section(language: Language, view: &LinkView) -> FigureSection {
     let axis = |axis: Axis| {
         let commanded = view.commanded.get(axis).0;
         match view.counted.as_ref().map(|counted| counted.get(axis)) {
@@ -109,11 +116,11 @@ fn position(language: Language, view: &LinkView) -> Section {
             None => format!("{commanded} / -"),
         }
     };
-    let known = match view.position_known {
+    let position_text = match view.position_known {
         true => say::link_page_place_known().text(language),
         false => say::link_page_place_not_known().text(language),
     };
-    Section {
+    FigureSection {
         title: say::link_page_position().text(language),
         rows: vec![
             (
@@ -124,18 +131,25 @@ fn position(language: Language, view: &LinkView) -> Section {
                 say::link_page_z_commanded_board().text(language),
                 axis(Axis::Z),
             ),
-            (say::link_page_place_of_slides().text(language), known),
+            (
+                say::link_page_place_of_slides().text(language),
+                position_text,
+            ),
         ],
     }
 }
 
-fn queue(language: Language, view: &LinkView) -> Section {
-    Section {
+fn queue_section(language: Language, view: &LinkView) -> FigureSection {
+    FigureSection {
         title: say::link_page_motion_not_made().text(language),
         rows: vec![
             (
                 say::link_page_outstanding_lookahead().text(language),
-                format!("{} / {} ms", whole(view.outstanding), whole(view.lookahead)),
+                format!(
+                    "{} / {} ms",
+                    whole_ms(view.outstanding),
+                    whole_ms(view.lookahead)
+                ),
             ),
             (
                 say::link_page_queue_places().text(language),
@@ -145,11 +159,11 @@ fn queue(language: Language, view: &LinkView) -> Section {
     }
 }
 
-fn wire(language: Language, view: &LinkView, rates: &Rates) -> Section {
+fn wire_section(language: Language, view: &LinkView, rates: &TrafficRates) -> FigureSection {
     let traffic = &view.traffic;
     let trip = view.round_trip.map_or_else(
         || "-".to_owned(),
-        |(median, worst)| format!("{} / {} ms", tenths(median), tenths(worst)),
+        |(median, worst)| format!("{} / {} ms", tenths_ms(median), tenths_ms(worst)),
     );
     let rate = |index: usize| rates.rates.map_or(0.0, |rates| rates[index]);
     let (sent, segments) = match view.protocol {
@@ -162,14 +176,18 @@ fn wire(language: Language, view: &LinkView, rates: &Rates) -> Section {
             say::link_page_step_commands().text(language),
         ),
     };
-    Section {
+    FigureSection {
         title: say::link_page_wire().text(language),
         rows: vec![
             (say::link_page_round_trip().text(language), trip),
             (
                 say::link_page_computer_away().text(language),
-                match view.connected {
-                    true => format!("{} / {} ms", tenths(view.away.0), tenths(view.away.1)),
+                match view.is_connected {
+                    true => format!(
+                        "{} / {} ms",
+                        tenths_ms(view.absence.0),
+                        tenths_ms(view.absence.1)
+                    ),
                     false => "-".to_owned(),
                 },
             ),
@@ -191,21 +209,21 @@ fn wire(language: Language, view: &LinkView, rates: &Rates) -> Section {
     }
 }
 
-fn contacts(language: Language, view: &LinkView) -> Section {
-    let missing = say::link_page_not_wired().text(language);
-    let told = |input: &Input| {
+fn contacts_section(language: Language, view: &LinkView) -> FigureSection {
+    let not_wired = say::link_page_not_wired().text(language);
+    let state_text = |input: &Input| {
         let mut inputs = view.inputs.iter();
         match inputs.find(|(other, _)| other == input)?.1 {
-            _ if !view.connected => Some("-".to_owned()),
-            None => Some(missing.clone()),
+            _ if !view.is_connected => Some("-".to_owned()),
+            None => Some(not_wired.clone()),
             Some(true) => Some(say::link_page_input_operated().text(language)),
             Some(false) => Some(say::link_page_input_free().text(language)),
         }
     };
-    let mut rows: Vec<(String, String)> = words::inputs()
+    let mut rows: Vec<(String, String)> = words::input_rows()
         .into_iter()
         .map(|(inputs, name)| {
-            let states: Vec<_> = inputs.iter().filter_map(told).collect();
+            let states: Vec<_> = inputs.iter().filter_map(state_text).collect();
             (name.text(language), states.join(" / "))
         })
         .collect();
@@ -222,17 +240,17 @@ fn contacts(language: Language, view: &LinkView) -> Section {
         .collect();
     rows.push((
         say::link_page_other_contacts().text(language),
-        if !view.connected {
+        if !view.is_connected {
             "-".to_owned()
         } else if contacts.is_empty() {
-            missing
+            not_wired
         } else {
             contacts.join("  ")
         },
     ));
-    let outputs = view.outputs.filter(|_| view.connected).map_or_else(
+    let outputs = view.outputs.filter(|_| view.is_connected).map_or_else(
         || {
-            if !view.connected {
+            if !view.is_connected {
                 "-".to_owned()
             } else {
                 say::link_page_being_switched().text(language)
@@ -251,25 +269,25 @@ fn contacts(language: Language, view: &LinkView) -> Section {
     );
     rows.push((say::link_page_spindle_coolant().text(language), outputs));
     let name = say::link_page_spindle_index().text(language);
-    rows.push((name, index(language, view)));
+    rows.push((name, spindle_index_text(language, view)));
     if !view.missing_outputs.is_empty() {
         let names: Vec<_> = view
             .missing_outputs
             .iter()
-            .map(|output| words::output(*output))
+            .map(|output| words::output_name(*output))
             .collect();
         let name = say::link_page_outputs_not_wired().text(language);
         rows.push((name, names.join(" ")));
     }
-    Section {
+    FigureSection {
         title: say::link_page_inputs_outputs().text(language),
         rows,
     }
 }
 
 /// What the index signal reports about the spindle.
-fn index(language: Language, view: &LinkView) -> String {
-    if !view.connected {
+fn spindle_index_text(language: Language, view: &LinkView) -> String {
+    if !view.is_connected {
         return "-".to_owned();
     }
     let Some(spindle) = view.spindle else {
@@ -278,18 +296,18 @@ fn index(language: Language, view: &LinkView) -> String {
     if spindle.rpm <= 0.0 {
         return say::link_page_spindle_stands().text(language);
     }
-    let varies = spindle.variation.map_or_else(
+    let variation = spindle.variation.map_or_else(
         || "-".to_owned(),
         |variation| format!("{:.2} %", variation * 100.0),
     );
-    say::link_page_spindle_turns(spindle.rpm, varies).text(language)
+    say::link_page_spindle_turns(spindle.rpm, variation).text(language)
 }
 
-fn whole(time: Duration) -> u128 {
+fn whole_ms(time: Duration) -> u128 {
     time.as_millis()
 }
 
-fn tenths(time: Duration) -> String {
+fn tenths_ms(time: Duration) -> String {
     format!("{:.1}", time.as_secs_f64() * 1000.0)
 }
 
@@ -303,13 +321,13 @@ mod tests {
     fn view() -> LinkView {
         LinkView {
             state: LinkState::Ready,
-            connected: true,
+            is_connected: true,
             protocol: Protocol::Line,
             port: "COM3".to_owned(),
             board: BoardInfo::default(),
             position_known: true,
             round_trip: None,
-            away: (Duration::from_micros(2_300), Duration::from_millis(87)),
+            absence: (Duration::from_micros(2_300), Duration::from_millis(87)),
             outstanding: Duration::ZERO,
             lookahead: Duration::from_millis(150),
             traffic: Traffic::default(),
@@ -320,24 +338,24 @@ mod tests {
             commanded: PerAxis::default(),
             counted: None,
             differences: Vec::new(),
-            exchanges: Vec::new(),
-            log: Vec::new(),
+            traffic_lines: Vec::new(),
+            position_checks: Vec::new(),
         }
     }
 
     #[test]
-    fn the_absence_of_the_computer_is_shown_while_a_board_is_connected() {
-        let shown = |view: &LinkView, name: &str, language| {
-            let sections = sections(language, view, &Rates::default());
+    fn the_longest_poll_gap_is_shown_while_a_board_is_connected() {
+        let value_of = |view: &LinkView, name: &str, language| {
+            let sections = build_sections(language, view, &TrafficRates::default());
             let mut rows = sections.into_iter().flat_map(|section| section.rows);
             rows.find(|row| row.0.contains(name)).map(|row| row.1)
         };
         let mut view = view();
-        let of = |view: &LinkView| shown(view, "computer away", Language::En);
-        assert_eq!(of(&view).as_deref(), Some("2.3 / 87.0 ms"));
-        let chinese = shown(&view, "电脑未查看端口", Language::Zh);
+        let poll_gap = |view: &LinkView| value_of(view, "computer away", Language::En);
+        assert_eq!(poll_gap(&view).as_deref(), Some("2.3 / 87.0 ms"));
+        let chinese = value_of(&view, "电脑未查看端口", Language::Zh);
         assert_eq!(chinese.as_deref(), Some("2.3 / 87.0 ms"));
-        view.connected = false;
-        assert_eq!(of(&view).as_deref(), Some("-"));
+        view.is_connected = false;
+        assert_eq!(poll_gap(&view).as_deref(), Some("-"));
     }
 }

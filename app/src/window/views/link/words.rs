@@ -22,7 +22,7 @@ pub fn advice(state: LinkState) -> Option<Message> {
 }
 
 /// The inputs of the board in the rows of the page, with their names.
-pub fn inputs() -> [(&'static [Input], Message); 5] {
+pub fn input_rows() -> [(&'static [Input], Message); 5] {
     [
         (
             &[Input::LimitX, Input::LimitZ],
@@ -39,7 +39,7 @@ pub fn inputs() -> [(&'static [Input], Message); 5] {
 }
 
 /// The signal name of an output.
-pub const fn output(output: Output) -> &'static str {
+pub const fn output_name(output: Output) -> &'static str {
     match output {
         Output::Enable => "nEN",
         Output::SpindleForward => "M03",
@@ -50,7 +50,7 @@ pub const fn output(output: Output) -> &'static str {
 }
 
 /// Name of a setting of a line board; `None` if it is unknown.
-pub fn setting(number: u16) -> Option<Message> {
+pub fn setting_name(number: u16) -> Option<Message> {
     Some(match number {
         0 => say::link_page_setting_pulse_length(),
         1 => say::link_page_setting_drives_stay_on(),

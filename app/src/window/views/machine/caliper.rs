@@ -5,23 +5,23 @@ use std::sync::Arc;
 use egui::{Align2, Color32, Context, FontId, Painter, Pos2, Shape, Stroke, Vec2, pos2, vec2};
 use gsk_core::units::Point;
 use gsk_messages::{Language, Message, say};
-use gsk_runner::report::in_words;
+use gsk_runner::report::feature_message;
 use gsk_workpiece::measure::{Feature, MeasuredFeature, SectionSide, measure_with_outlines};
 use gsk_workpiece::region::Region;
 
 use super::camera::Camera;
-use super::path::nearest_on;
-use super::place;
-use super::rest::Rest;
+use super::path::nearest_point_on;
+use super::repeat_limit::RepeatLimit;
+use super::to_pos2;
 
 /// Greatest distance of the pointer from an edge, points.
-const REACH: f32 = 14.0;
+const REACH_POINTS: f32 = 14.0;
 /// Interval of the measurements while a part is being cut, s.
-const PAUSE: f64 = 0.25;
-const MEANT: Color32 = Color32::from_rgb(255, 240, 120);
+const MEASURE_INTERVAL_S: f64 = 0.25;
+const HOVERED: Color32 = Color32::from_rgb(255, 240, 120);
 const KEPT: Color32 = Color32::from_rgb(255, 150, 220);
-const JAW: Color32 = Color32::from_rgb(190, 220, 255);
-const GROUND: Color32 = Color32::from_rgba_premultiplied(10, 12, 16, 220);
+const JAW_COLOR: Color32 = Color32::from_rgb(190, 220, 255);
+const LABEL_BACKGROUND: Color32 = Color32::from_rgba_premultiplied(10, 12, 16, 220);
 /// Length of the jaws beyond the edge, points.
 const JAW_LENGTH: f32 = 26.0;
 
@@ -29,22 +29,24 @@ const JAW_LENGTH: f32 = 26.0;
 #[derive(Default)]
 pub struct Caliper {
     section: Arc<Region>,
-    rest: Rest,
+    repeat_limit: RepeatLimit,
     features: Vec<MeasuredFeature>,
     /// The feature under the pointer, and the pointer in part coordinates.
-    meant: Option<(usize, Pos2)>,
+    hovered: Option<(usize, Pos2)>,
     /// The feature that the user has clicked.
     kept: Option<MeasuredFeature>,
 }
 
 impl Caliper {
     /// Measures the part again when it has changed.
-    pub fn take(&mut self, section: &Arc<Region>, context: &Context) {
-        if Arc::ptr_eq(&self.section, section) || !self.rest.is_over(context, PAUSE) {
+    pub fn update(&mut self, section: &Arc<Region>, context: &Context) {
+        if Arc::ptr_eq(&self.section, section)
+            || !self.repeat_limit.is_due(context, MEASURE_INTERVAL_S)
+        {
             return;
         }
         self.section = Arc::clone(section);
-        self.meant = None;
+        self.hovered = None;
         let sides = [SectionSide::Outside, SectionSide::Inside].into_iter();
         self.features = sides
             .flat_map(|side| measure_with_outlines(section, side))
@@ -53,23 +55,26 @@ impl Caliper {
 
     /// Sets the pointer's position on the part; `None`: it is outside. Both halves of the
     /// picture count.
-    pub fn point(&mut self, at: Option<Pos2>, camera: &Camera) {
-        self.meant = None;
+    pub fn set_pointer(&mut self, at: Option<Pos2>, camera: &Camera) {
+        self.hovered = None;
         let Some(at) = at else { return };
         let folded = pos2(at.x, at.y.abs());
-        let reach = REACH / camera.scale;
-        let distances = self.features.iter().map(|it| distance(&it.outline, folded));
+        let reach = REACH_POINTS / camera.points_per_mm;
+        let distances = self
+            .features
+            .iter()
+            .map(|it| outline_distance(&it.outline, folded));
         let nearest = distances
             .enumerate()
             .min_by(|one, other| one.1.total_cmp(&other.1));
-        self.meant = nearest
+        self.hovered = nearest
             .filter(|(_, distance)| *distance <= reach)
             .map(|(index, _)| (index, at));
     }
 
     /// Keeps the feature under the pointer; a click on the kept feature releases it.
-    pub fn click(&mut self) {
-        let meant = self.meant.and_then(|(index, _)| self.features.get(index));
+    pub fn toggle_kept(&mut self) {
+        let meant = self.hovered.and_then(|(index, _)| self.features.get(index));
         self.kept = match (meant, self.kept.take()) {
             (Some(meant), Some(kept)) if *meant == kept => None,
             (meant, _) => meant.cloned(),
@@ -78,42 +83,46 @@ impl Caliper {
 
     /// The measurements as text: the feature under the pointer, the kept one, and the distance
     /// between them.
-    pub fn words(&self) -> Vec<Message> {
-        let meant = self.meant_feature();
+    pub fn messages(&self) -> Vec<Message> {
+        let meant = self.hovered_feature();
         let hint = say::caliper_hint();
-        let mut words = vec![meant.map_or(hint, |it| in_words(&it.feature))];
+        let mut words = vec![meant.map_or(hint, |it| feature_message(&it.feature))];
         if let Some(kept) = &self.kept {
-            words.push(say::caliper_from(in_words(&kept.feature)));
-            words.extend(meant.and_then(|meant| between(&kept.feature, &meant.feature)));
+            words.push(say::caliper_from(feature_message(&kept.feature)));
+            words.extend(meant.and_then(|meant| describe_distance(&kept.feature, &meant.feature)));
         }
         words
     }
 
-    fn meant_feature(&self) -> Option<&MeasuredFeature> {
-        let (index, _) = self.meant?;
+    fn hovered_feature(&self) -> Option<&MeasuredFeature> {
+        let (index, _) = self.hovered?;
         self.features.get(index)
     }
 
     /// Draws both features, the jaws and the measurement.
     pub fn draw(&self, painter: &Painter, camera: &Camera, language: Language) {
         if let Some(kept) = &self.kept {
-            trace(painter, camera, &kept.outline, KEPT);
+            draw_outline(painter, camera, &kept.outline, KEPT);
         }
-        let (Some(meant), Some((_, at))) = (self.meant_feature(), self.meant) else {
+        let (Some(meant), Some((_, at))) = (self.hovered_feature(), self.hovered) else {
             return;
         };
-        trace(painter, camera, &meant.outline, MEANT);
+        draw_outline(painter, camera, &meant.outline, HOVERED);
         if let Feature::Cylinder { diameter, z } = meant.feature {
             let z = at.x.clamp(z.0.min(z.1) as f32, z.0.max(z.1) as f32);
-            jaws(painter, camera, z, diameter.radius() as f32);
+            draw_jaws(painter, camera, z, diameter.radius() as f32);
         }
-        let words = short(&meant.feature).text(language);
-        label(painter, camera.screen(at) + vec2(16.0, -16.0), words);
+        let words = describe_briefly(&meant.feature).text(language);
+        draw_label(
+            painter,
+            camera.screen_position(at) + vec2(16.0, -16.0),
+            words,
+        );
     }
 }
 
 /// The measurement beside the pointer.
-fn short(feature: &Feature) -> Message {
+fn describe_briefly(feature: &Feature) -> Message {
     match *feature {
         Feature::Cylinder { diameter, .. } => say::caliper_diameter(diameter.0),
         Feature::Face { z, .. } => say::caliper_depth(z),
@@ -126,7 +135,7 @@ fn short(feature: &Feature) -> Message {
 }
 
 /// The distance between two features: along Z between faces, along X between cylinders.
-fn between(from: &Feature, to: &Feature) -> Option<Message> {
+fn describe_distance(from: &Feature, to: &Feature) -> Option<Message> {
     match (*from, *to) {
         (Feature::Face { z: from, .. }, Feature::Face { z: to, .. }) if from != to => {
             Some(say::caliper_length((to - from).abs()))
@@ -141,58 +150,58 @@ fn between(from: &Feature, to: &Feature) -> Option<Message> {
 }
 
 /// The distance from a point to a polyline, mm.
-fn distance(outline: &[Point], at: Pos2) -> f32 {
+fn outline_distance(outline: &[Point], at: Pos2) -> f32 {
     let pairs = outline.windows(2);
     let each = pairs.map(|pair| {
-        let (a, b) = (place(pair[0]), place(pair[1]));
-        (at - nearest_on(a, b, at)).length()
+        let (a, b) = (to_pos2(pair[0]), to_pos2(pair[1]));
+        (at - nearest_point_on(a, b, at)).length()
     });
     each.fold(f32::INFINITY, f32::min)
 }
 
 /// Draws an outline and its mirror image below the axis.
-fn trace(painter: &Painter, camera: &Camera, outline: &[Point], color: Color32) {
+fn draw_outline(painter: &Painter, camera: &Camera, outline: &[Point], color: Color32) {
     for side in [1.0, -1.0] {
         let points = outline.iter().map(|point| {
-            let at = place(*point);
-            camera.screen(pos2(at.x, at.y * side))
+            let at = to_pos2(*point);
+            camera.screen_position(pos2(at.x, at.y * side))
         });
         painter.add(Shape::line(points.collect(), Stroke::new(3.0, color)));
     }
 }
 
 /// Draws the jaws of a caliper at a diameter, and the arrows of the measurement.
-fn jaws(painter: &Painter, camera: &Camera, z: f32, radius: f32) {
-    let stroke = Stroke::new(1.5, JAW);
-    let ends = [1.0, -1.0].map(|side| camera.screen(pos2(z, radius * side)));
+fn draw_jaws(painter: &Painter, camera: &Camera, z: f32, radius: f32) {
+    let stroke = Stroke::new(1.5, JAW_COLOR);
+    let ends = [1.0, -1.0].map(|side| camera.screen_position(pos2(z, radius * side)));
     for end in ends {
         let half = vec2(JAW_LENGTH, 0.0);
         painter.line_segment([end - half, end + half], stroke);
     }
     let bar = vec2(JAW_LENGTH, 0.0);
-    let way = (ends[1] - ends[0]).normalized();
-    for (tip, toward) in [(ends[0], way), (ends[1], -way)] {
+    let direction = (ends[1] - ends[0]).normalized();
+    for (tip, toward) in [(ends[0], direction), (ends[1], -direction)] {
         let tip = tip + bar;
         let side = Vec2::new(toward.y, -toward.x) * 4.0;
         let back = tip + toward * 11.0;
         let head = vec![tip, back + side, back - side];
-        painter.add(Shape::convex_polygon(head, JAW, Stroke::NONE));
+        painter.add(Shape::convex_polygon(head, JAW_COLOR, Stroke::NONE));
     }
-    painter.line_segment([ends[0] + bar, ends[1] + bar], Stroke::new(1.0, JAW));
+    painter.line_segment([ends[0] + bar, ends[1] + bar], Stroke::new(1.0, JAW_COLOR));
 }
 
 /// Draws words on a dark background, kept within the picture.
-fn label(painter: &Painter, at: Pos2, words: String) {
-    let galley = painter.layout_no_wrap(words, FontId::monospace(16.0), MEANT);
-    let place = Align2::LEFT_BOTTOM.anchor_size(at, galley.size());
-    let room = painter.clip_rect().shrink(6.0);
+fn draw_label(painter: &Painter, at: Pos2, words: String) {
+    let galley = painter.layout_no_wrap(words, FontId::monospace(16.0), HOVERED);
+    let rect = Align2::LEFT_BOTTOM.anchor_size(at, galley.size());
+    let bounds = painter.clip_rect().shrink(6.0);
     let over = vec2(
-        (place.right() - room.right()).max(0.0) - (room.left() - place.left()).max(0.0),
-        (place.bottom() - room.bottom()).max(0.0) - (room.top() - place.top()).max(0.0),
+        (rect.right() - bounds.right()).max(0.0) - (bounds.left() - rect.left()).max(0.0),
+        (rect.bottom() - bounds.bottom()).max(0.0) - (bounds.top() - rect.top()).max(0.0),
     );
-    let place = place.translate(-over);
-    painter.rect_filled(place.expand2(vec2(6.0, 3.0)), 3.0, GROUND);
-    painter.galley(place.min, galley, MEANT);
+    let rect = rect.translate(-over);
+    painter.rect_filled(rect.expand2(vec2(6.0, 3.0)), 3.0, LABEL_BACKGROUND);
+    painter.galley(rect.min, galley, HOVERED);
 }
 
 #[cfg(test)]
@@ -223,8 +232,8 @@ mod tests {
         )
     }
 
-    fn said(caliper: &Caliper) -> String {
-        let words = caliper.words();
+    fn caliper_text(caliper: &Caliper) -> String {
+        let words = caliper.messages();
         let words: Vec<String> = words.iter().map(|it| it.text(Language::En)).collect();
         words.join("\n")
     }
@@ -232,29 +241,44 @@ mod tests {
     #[test]
     fn pointing_at_a_diameter_measures_it_on_either_side_of_the_axis() {
         let mut caliper = Caliper::default();
-        caliper.take(&stepped(), &Context::default());
+        caliper.update(&stepped(), &Context::default());
         for x in [10.1, -10.1] {
-            caliper.point(Some(pos2(-5.0, x)), &camera());
-            assert!(said(&caliper).contains("⌀20.000"), "{}", said(&caliper));
+            caliper.set_pointer(Some(pos2(-5.0, x)), &camera());
+            assert!(
+                caliper_text(&caliper).contains("⌀20.000"),
+                "{}",
+                caliper_text(&caliper)
+            );
         }
-        caliper.point(Some(pos2(-5.0, 4.0)), &camera());
-        assert!(!said(&caliper).contains("⌀20"), "far from every edge");
+        caliper.set_pointer(Some(pos2(-5.0, 4.0)), &camera());
+        assert!(
+            !caliper_text(&caliper).contains("⌀20"),
+            "far from every edge"
+        );
     }
 
     #[test]
     fn two_faces_have_a_length_between_them_and_two_cylinders_a_step() {
         let mut caliper = Caliper::default();
-        caliper.take(&stepped(), &Context::default());
-        caliper.point(Some(pos2(0.0, 5.0)), &camera());
-        caliper.click();
-        caliper.point(Some(pos2(-15.0, 12.0)), &camera());
-        assert!(said(&caliper).contains("15.000"), "{}", said(&caliper));
-        caliper.point(Some(pos2(-5.0, 10.0)), &camera());
-        caliper.click();
-        caliper.point(Some(pos2(-30.0, 14.0)), &camera());
-        assert!(said(&caliper).contains("4.000"), "{}", said(&caliper));
-        caliper.click();
-        caliper.click();
+        caliper.update(&stepped(), &Context::default());
+        caliper.set_pointer(Some(pos2(0.0, 5.0)), &camera());
+        caliper.toggle_kept();
+        caliper.set_pointer(Some(pos2(-15.0, 12.0)), &camera());
+        assert!(
+            caliper_text(&caliper).contains("15.000"),
+            "{}",
+            caliper_text(&caliper)
+        );
+        caliper.set_pointer(Some(pos2(-5.0, 10.0)), &camera());
+        caliper.toggle_kept();
+        caliper.set_pointer(Some(pos2(-30.0, 14.0)), &camera());
+        assert!(
+            caliper_text(&caliper).contains("4.000"),
+            "{}",
+            caliper_text(&caliper)
+        );
+        caliper.toggle_kept();
+        caliper.toggle_kept();
         assert!(caliper.kept.is_none());
     }
 }

@@ -5,31 +5,31 @@ use std::sync::Arc;
 
 use egui::{Color32, Context, Painter, Pos2, Shape, Stroke, Ui, pos2};
 use gsk_messages::{Language, Message, say};
-use gsk_runner::machining::ideal::{Compared, Piece};
+use gsk_runner::machining::part_comparison::{PartComparison, PathPiece};
 use gsk_workpiece::compare::{SurfaceDeviation, deviations};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
 
 use super::camera::Camera;
-use super::path::{Path, nearest_on};
-use super::rest::Rest;
-use super::{lines, place};
+use super::path::{DrawnPath, nearest_point_on};
+use super::repeat_limit::RepeatLimit;
+use super::{path_lines, to_pos2};
 
 /// Interval of the comparisons while a part is being cut, s.
-const PAUSE: f64 = 0.3;
+const COMPARISON_INTERVAL_S: f64 = 0.3;
 /// Greatest distance of the pointer from a line, points.
-const REACH: f32 = 24.0;
-const RIGHT: Color32 = Color32::from_rgb(90, 215, 110);
+const REACH_POINTS: f32 = 24.0;
+const WITHIN_TOLERANCE: Color32 = Color32::from_rgb(90, 215, 110);
 /// Material is left.
-const LEFT: Color32 = Color32::from_rgb(80, 150, 255);
+const MATERIAL_LEFT: Color32 = Color32::from_rgb(80, 150, 255);
 /// The cut is too deep.
-const DEEP: Color32 = Color32::from_rgb(255, 70, 60);
+const CUT_TOO_DEEP: Color32 = Color32::from_rgb(255, 70, 60);
 const PROGRAMMED: Color32 = Color32::WHITE;
 const CENTERS: Color32 = Color32::from_rgb(200, 130, 255);
 
 /// The surface that is compared with the intended one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Surface {
+enum ComparedSurface {
     /// The part in the lathe, as cut now.
     Now,
     /// The part that the program makes.
@@ -38,10 +38,10 @@ enum Surface {
     Uncompensated,
 }
 
-impl Surface {
+impl ComparedSurface {
     const ALL: [Self; 3] = [Self::Finished, Self::Uncompensated, Self::Now];
 
-    fn words(self) -> Message {
+    fn label(self) -> Message {
         match self {
             Self::Now => say::microscope_now(),
             Self::Finished => say::microscope_finished(),
@@ -51,37 +51,37 @@ impl Surface {
 }
 
 /// Path and job of a comparison that was requested from the worker.
-type Asked = (Arc<Path>, Arc<Job>);
+type ComparisonInputs = (Arc<DrawnPath>, Arc<Job>);
 
 /// The state of the microscope.
 pub struct Microscope {
-    compared: Option<Arc<Compared>>,
-    asked: Option<Asked>,
-    surface: Surface,
+    comparison: Option<Arc<PartComparison>>,
+    requested: Option<ComparisonInputs>,
+    surface: ComparedSurface,
     /// Greatest deviation that counts as right, mm.
-    tolerance: f64,
-    /// The deviations along each outline of the surface; `made_of` is what they were computed
+    tolerance_mm: f64,
+    /// The deviations along each outline of the surface; `computed_from` is what they were computed
     /// from.
-    found: Vec<Vec<SurfaceDeviation>>,
-    made_of: Option<(Arc<Compared>, Surface, Arc<Region>)>,
-    rest: Rest,
+    deviations: Vec<Vec<SurfaceDeviation>>,
+    computed_from: Option<(Arc<PartComparison>, ComparedSurface, Arc<Region>)>,
+    repeat_limit: RepeatLimit,
     pointer: Option<Pos2>,
     /// Greatest distance of a line from the pointer, mm.
-    reach: f32,
+    reach_mm: f32,
 }
 
 impl Default for Microscope {
     fn default() -> Self {
         Self {
-            compared: None,
-            asked: None,
-            surface: Surface::Finished,
-            tolerance: 0.005,
-            found: Vec::new(),
-            made_of: None,
-            rest: Rest::default(),
+            comparison: None,
+            requested: None,
+            surface: ComparedSurface::Finished,
+            tolerance_mm: 0.005,
+            deviations: Vec::new(),
+            computed_from: None,
+            repeat_limit: RepeatLimit::default(),
             pointer: None,
-            reach: 0.0,
+            reach_mm: 0.0,
         }
     }
 }
@@ -89,70 +89,73 @@ impl Default for Microscope {
 impl Microscope {
     /// Whether the worker must compare for this path and job. If so, the request counts as
     /// made.
-    pub fn asks(&mut self, path: &Arc<Path>, job: &Arc<Job>) -> bool {
-        let known = self.asked.as_ref();
-        if known.is_some_and(|(of, with)| Arc::ptr_eq(of, path) && Arc::ptr_eq(with, job)) {
+    pub fn needs_comparison(&mut self, path: &Arc<DrawnPath>, job: &Arc<Job>) -> bool {
+        let last_request = self.requested.as_ref();
+        if last_request.is_some_and(|(of, with)| Arc::ptr_eq(of, path) && Arc::ptr_eq(with, job)) {
             return false;
         }
-        self.asked = Some((Arc::clone(path), Arc::clone(job)));
+        self.requested = Some((Arc::clone(path), Arc::clone(job)));
         true
     }
 
     /// Takes a comparison from the worker.
-    pub fn receive(&mut self, compared: Arc<Compared>) {
-        self.compared = Some(compared);
+    pub fn set_comparison(&mut self, compared: Arc<PartComparison>) {
+        self.comparison = Some(compared);
     }
 
     /// Forgets the comparison of another program.
     pub fn clear(&mut self) {
-        self.compared = None;
-        self.asked = None;
-        self.found.clear();
-        self.made_of = None;
+        self.comparison = None;
+        self.requested = None;
+        self.deviations.clear();
+        self.computed_from = None;
     }
 
     /// Computes the deviations of the selected surface if the surface has changed. `clamped`:
     /// Z of the jaws' front, mm; deviations in the jaws are 0.
-    pub fn take(&mut self, section: &Arc<Region>, clamped: f64, context: &Context) {
-        let Some(compared) = &self.compared else {
+    pub fn update_deviations(&mut self, section: &Arc<Region>, clamped: f64, context: &Context) {
+        let Some(compared) = &self.comparison else {
             return;
         };
-        let same = self.made_of.as_ref().is_some_and(|(of, surface, part)| {
-            Arc::ptr_eq(of, compared)
-                && *surface == self.surface
-                && (*surface != Surface::Now || Arc::ptr_eq(part, section))
-        });
-        let now = self.surface == Surface::Now;
-        if same || (now && !self.rest.is_over(context, PAUSE)) {
+        let same = self
+            .computed_from
+            .as_ref()
+            .is_some_and(|(of, surface, part)| {
+                Arc::ptr_eq(of, compared)
+                    && *surface == self.surface
+                    && (*surface != ComparedSurface::Now || Arc::ptr_eq(part, section))
+            });
+        let is_current_part = self.surface == ComparedSurface::Now;
+        if same || (is_current_part && !self.repeat_limit.is_due(context, COMPARISON_INTERVAL_S)) {
             return;
         }
         let surface = match self.surface {
-            Surface::Now => section.as_ref(),
-            Surface::Finished => &compared.finished,
-            Surface::Uncompensated => &compared.uncompensated,
+            ComparedSurface::Now => section.as_ref(),
+            ComparedSurface::Finished => &compared.finished,
+            ComparedSurface::Uncompensated => &compared.uncompensated,
         };
-        self.found = deviations(surface, &compared.wanted, clamped);
-        self.made_of = Some((Arc::clone(compared), self.surface, Arc::clone(section)));
+        self.deviations = deviations(surface, &compared.intended, clamped);
+        self.computed_from = Some((Arc::clone(compared), self.surface, Arc::clone(section)));
     }
 
     /// Sets the pointer's position on the part; `None`: the pointer is outside the picture.
-    pub fn point(&mut self, at: Option<Pos2>, camera: &Camera) {
+    pub fn set_pointer(&mut self, at: Option<Pos2>, camera: &Camera) {
         self.pointer = at;
-        self.reach = REACH / camera.scale;
+        self.reach_mm = REACH_POINTS / camera.points_per_mm;
     }
 
     /// Draws the choice of the surface, the tolerance, the legend and the worst positions.
     /// Returns a position that was clicked. `partial`: the end of the path is not known.
-    pub fn bar(&mut self, ui: &mut Ui, partial: bool, language: Language) -> Option<Pos2> {
-        let mut meant = None;
+    pub fn show_bar(&mut self, ui: &mut Ui, partial: bool, language: Language) -> Option<Pos2> {
+        let mut clicked = None;
         ui.horizontal_wrapped(|ui| {
-            for surface in Surface::ALL {
-                let words = surface.words().text(language);
+            for surface in ComparedSurface::ALL {
+                let words = surface.label().text(language);
                 ui.radio_value(&mut self.surface, surface, words);
             }
             ui.separator();
             ui.label(say::microscope_tolerance().text(language));
-            let drag = egui::DragValue::new(&mut self.tolerance)
+            let drag = egui::DragValue::new(&mut self.tolerance_mm)
                 .range(0.000_1..=1.0)
                 .speed(0.000_5)
                 .fixed_decimals(4);
@@ -160,17 +163,17 @@ impl Microscope {
             ui.separator();
             for (color, words) in [
                 (PROGRAMMED, say::microscope_programmed()),
-                (lines::FEED, say::microscope_tips()),
+                (path_lines::FEED, say::microscope_tips()),
                 (CENTERS, say::microscope_centers()),
-                (RIGHT, say::microscope_right()),
-                (LEFT, say::microscope_left()),
-                (DEEP, say::microscope_deep()),
+                (WITHIN_TOLERANCE, say::microscope_right()),
+                (MATERIAL_LEFT, say::microscope_left()),
+                (CUT_TOO_DEEP, say::microscope_deep()),
             ] {
                 ui.colored_label(color, words.text(language));
             }
         });
         ui.horizontal_wrapped(|ui| {
-            if self.compared.is_none() {
+            if self.comparison.is_none() {
                 let words = match partial {
                     true => say::microscope_waits(),
                     false => say::window_one_moment(),
@@ -178,42 +181,42 @@ impl Microscope {
                 ui.label(words.text(language));
                 return;
             }
-            let (deep, left) = self.worst();
+            let (deep, left) = self.worst_deviations();
             for (worst, color, words) in [
                 (
                     deep,
-                    DEEP,
+                    CUT_TOO_DEEP,
                     say::microscope_deepest as fn(_, _, _) -> Message,
                 ),
-                (left, LEFT, say::microscope_most_left),
+                (left, MATERIAL_LEFT, say::microscope_most_left),
             ] {
                 let Some(worst) = worst else { continue };
                 let (x, z) = (worst.at.diameter().0, worst.at.z);
                 let words = words(worst.distance.abs() * 1000.0, x, z).text(language);
                 if ui.link(egui::RichText::new(words).color(color)).clicked() {
-                    meant = Some(place(worst.at));
+                    clicked = Some(to_pos2(worst.at));
                 }
             }
             if deep.is_none() && left.is_none() {
-                let words = say::microscope_all_right(self.tolerance * 1000.0).text(language);
-                ui.colored_label(RIGHT, words);
+                let words = say::microscope_all_right(self.tolerance_mm * 1000.0).text(language);
+                ui.colored_label(WITHIN_TOLERANCE, words);
             }
         });
         // Always a row: the picture under the pointer must not move.
-        let here = self.under_pointer().map_or_else(String::new, |it| {
+        let here = self.deviation_at_pointer().map_or_else(String::new, |it| {
             let (x, z) = (it.at.diameter().0, it.at.z);
             say::microscope_here(it.distance * 1000.0, x, z).text(language)
         });
         ui.label(egui::RichText::new(here).monospace());
-        meant
+        clicked
     }
 
     /// The deepest cut and the most material left, beyond the tolerance.
-    fn worst(&self) -> (Option<SurfaceDeviation>, Option<SurfaceDeviation>) {
-        let all = || self.found.iter().flatten().copied();
+    fn worst_deviations(&self) -> (Option<SurfaceDeviation>, Option<SurfaceDeviation>) {
+        let all = || self.deviations.iter().flatten().copied();
         let deepest = all().min_by(|one, other| one.distance.total_cmp(&other.distance));
         let most = all().max_by(|one, other| one.distance.total_cmp(&other.distance));
-        let tolerance = self.tolerance;
+        let tolerance = self.tolerance_mm;
         (
             deepest.filter(|it| it.distance < -tolerance),
             most.filter(|it| it.distance > tolerance),
@@ -221,65 +224,72 @@ impl Microscope {
     }
 
     /// The position on the surface nearest to the pointer, within reach.
-    fn under_pointer(&self) -> Option<SurfaceDeviation> {
+    fn deviation_at_pointer(&self) -> Option<SurfaceDeviation> {
         let pointer = self.pointer?;
         let pointer = pos2(pointer.x, pointer.y.abs());
-        let distance = |it: &SurfaceDeviation| (place(it.at) - pointer).length();
-        let all = self.found.iter().flatten();
+        let distance = |it: &SurfaceDeviation| (to_pos2(it.at) - pointer).length();
+        let all = self.deviations.iter().flatten();
         let nearest = all.min_by(|one, other| distance(one).total_cmp(&distance(other)))?;
-        (distance(nearest) <= self.reach).then_some(*nearest)
+        (distance(nearest) <= self.reach_mm).then_some(*nearest)
     }
 
     /// Draws the paths, the coloured surface, and the nose nearest to the pointer.
     pub fn draw(&self, painter: &Painter, camera: &Camera) {
-        let Some(compared) = &self.compared else {
+        let Some(compared) = &self.comparison else {
             return;
         };
         for (pieces, color) in [
-            (&compared.programmed, PROGRAMMED),
-            (&compared.tips, lines::FEED),
-            (&compared.centers, CENTERS),
+            (&compared.programmed_path, PROGRAMMED),
+            (&compared.tip_path, path_lines::FEED),
+            (&compared.nose_center_path, CENTERS),
         ] {
             let stroke = Stroke::new(1.0, color.gamma_multiply(0.6));
             for piece in pieces {
-                let ends = piece.ends.map(|end| camera.screen(place(end)));
+                let ends = piece.ends.map(|end| camera.screen_position(to_pos2(end)));
                 painter.line_segment(ends, stroke);
             }
         }
-        for outline in &self.found {
+        for outline in &self.deviations {
             let next = outline.iter().cycle().skip(1);
             for (from, to) in outline.iter().zip(next) {
-                let ends = [from, to].map(|it| camera.screen(place(it.at)));
-                painter.line_segment(ends, Stroke::new(3.0, self.color(from.distance)));
+                let ends = [from, to].map(|it| camera.screen_position(to_pos2(it.at)));
+                painter.line_segment(ends, Stroke::new(3.0, self.deviation_color(from.distance)));
             }
         }
         if let Some(pointer) = self.pointer
-            && let Some((center, nose)) = nearest_center(&compared.centers, pointer)
-            && (center - pointer).length() * camera.scale <= REACH + nose * camera.scale
+            && let Some((center, nose)) = nearest_center(&compared.nose_center_path, pointer)
+            && (center - pointer).length() * camera.points_per_mm
+                <= REACH_POINTS + nose * camera.points_per_mm
         {
-            let at = camera.screen(center);
+            let at = camera.screen_position(center);
             let stroke = Stroke::new(1.5, CENTERS);
-            painter.add(Shape::circle_stroke(at, nose * camera.scale, stroke));
+            painter.add(Shape::circle_stroke(
+                at,
+                nose * camera.points_per_mm,
+                stroke,
+            ));
             painter.circle_filled(at, 2.5, CENTERS);
         }
     }
 
-    fn color(&self, off: f64) -> Color32 {
-        match off {
-            off if off < -self.tolerance => DEEP,
-            off if off > self.tolerance => LEFT,
-            _ => RIGHT,
+    fn deviation_color(&self, deviation_mm: f64) -> Color32 {
+        match deviation_mm {
+            off if off < -self.tolerance_mm => CUT_TOO_DEEP,
+            off if off > self.tolerance_mm => MATERIAL_LEFT,
+            _ => WITHIN_TOLERANCE,
         }
     }
 }
 
 /// The position of the nose's centre nearest to a point, and the nose radius, mm.
-fn nearest_center(centers: &[Piece], at: Pos2) -> Option<(Pos2, f32)> {
-    let on = |piece: &Piece| {
-        let [from, to] = piece.ends.map(place);
-        nearest_on(from, to, at)
+fn nearest_center(centers: &[PathPiece], at: Pos2) -> Option<(Pos2, f32)> {
+    let on = |piece: &PathPiece| {
+        let [from, to] = piece.ends.map(to_pos2);
+        nearest_point_on(from, to, at)
     };
-    let places = centers.iter().map(|piece| (on(piece), piece.nose as f32));
+    let places = centers
+        .iter()
+        .map(|piece| (on(piece), piece.nose_radius_mm as f32));
     places.min_by(|one, other| {
         let distance = |it: &(Pos2, f32)| (it.0 - at).length_sq();
         distance(one).total_cmp(&distance(other))

@@ -1,23 +1,23 @@
 //! The machine view: the half section of the part with its clamping, or the same as a lit
 //! solid; the tool at its current position; and the path of the selected program.
 
-mod alive;
+mod animation;
 mod bars;
 mod caliper;
 mod camera;
-mod clock;
-mod dots;
 mod grid;
 mod job;
-mod lines;
 mod microscope;
 mod overlay;
 mod path;
-mod rest;
-mod solids;
-mod space;
-mod trail;
-mod worker;
+mod path_dots;
+mod path_lines;
+mod path_renderer;
+mod preview_worker;
+mod repeat_limit;
+mod section_drawing;
+mod solid_drawing;
+mod time_bar;
 mod xray;
 
 use std::path::PathBuf;
@@ -25,41 +25,41 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use egui::{
-    Color32, Context, Panel, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo, pos2,
-    vec2,
+    Color32, Context, Panel, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, Vec2,
+    WidgetInfo, pos2, vec2,
 };
-use gsk_core::command::{ProgramId, Source};
+use gsk_core::command::{ProgramId, SourcePosition};
 use gsk_core::units::Point;
 use gsk_messages::{Language, say};
 
-use super::program::{Document, Origin, with_line_feeds};
+use super::program::{ProgramDocument, TextOrigin, with_line_feeds};
 use super::{bar_frame, plain_frame, side_frame};
 use crate::kernel::part::PartView;
-use crate::kernel::{Command, Console, Place};
+use crate::kernel::{Command, Console, ProgramPlacement};
 use crate::window::focus;
 use caliper::Caliper;
-use camera::{Camera, Sight};
-use clock::Clock;
+use camera::{Camera, PictureState};
 use job::JobPanel;
 use microscope::Microscope;
-use path::Block;
-use solids::Solids;
-use space::Space;
-use trail::Trail;
-use worker::{Made, Worker};
+use path::BlockRef;
+use path_renderer::PathRenderer;
+use preview_worker::{PreviewResult, PreviewWorker};
+use section_drawing::SectionDrawing;
+use solid_drawing::SolidDrawing;
+use time_bar::TimeBar;
 use xray::Trial;
 
 /// Greatest distance of a click from the path, points.
-const REACH: f32 = 8.0;
+const CLICK_REACH: f32 = 8.0;
 /// Exponent of the zoom factor per point that the wheel scrolls.
-const ZOOM: f32 = 0.004;
+const ZOOM_PER_POINT: f32 = 0.004;
 /// Length of the chuck in the fitted picture, mm from the jaws' front.
-const CHUCK_SHOWN: f32 = 35.0;
+const VISIBLE_CHUCK_MM: f32 = 35.0;
 /// Margin around a part that no program cuts, mm.
-const ROOM_FOR_TOOL: Vec2 = vec2(22.0, 14.0);
+const TOOL_MARGIN_MM: Vec2 = vec2(22.0, 14.0);
 /// Least scale at which a single position is shown, points a millimetre.
-const CLOSE: f32 = 120.0;
-const HIT: Color32 = Color32::from_rgb(255, 70, 60);
+const CLOSE_SCALE: f32 = 120.0;
+const COLLISION_COLOR: Color32 = Color32::from_rgb(255, 70, 60);
 
 /// What the pointer does in the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -77,31 +77,31 @@ enum Instrument {
 
 /// A selected block of the path, and the pass of its cycle.
 #[derive(Clone, Debug)]
-struct Chosen {
-    block: Block,
-    pass: Option<path::Pass>,
+struct SelectedBlock {
+    block: BlockRef,
+    pass: Option<path::CyclePass>,
 }
 
 /// What the machine view requests from the program view.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Wish {
+pub enum ProgramViewRequest {
     /// Show a block. `text` lets the program view recognize it.
-    Show {
+    ShowBlock {
         program: ProgramId,
         /// Line of the text, from 1.
         line: u32,
         /// The text of the block.
         text: String,
         /// Open the program view if it is closed.
-        open: bool,
+        open_view: bool,
     },
     /// Replace the text of a program.
-    Take {
+    ReplaceText {
         program: ProgramId,
         /// The text in the control.
-        own: String,
+        control_text: String,
         /// The new text.
-        text: String,
+        new_text: String,
     },
 }
 
@@ -109,42 +109,42 @@ pub enum Wish {
 pub struct LatheView {
     console: Console,
     /// From the first frame on: the part is cut without the view, too.
-    worker: Option<Worker>,
+    worker: Option<PreviewWorker>,
     /// The view is open.
     is_open: bool,
-    made: Made,
+    preview: PreviewResult,
     part: Option<PartView>,
-    text: Text,
-    solids: Solids,
-    space: Space,
-    trail: Trail,
-    clock: Clock,
-    sight: Sight,
-    crash_stops: bool,
+    program_text: ProgramTextState,
+    section_drawing: SectionDrawing,
+    solid_drawing: SolidDrawing,
+    path_renderer: PathRenderer,
+    time_bar: TimeBar,
+    picture: PictureState,
+    stops_on_crash: bool,
     /// The block that the user has selected.
-    chosen: Option<Chosen>,
+    selected: Option<SelectedBlock>,
     /// Position of the pointer, part coordinates.
     pointer: Option<Pos2>,
     instruments: Instruments,
     /// Jobs that the user has changed.
-    changed: worker::Changed,
+    changed_jobs: preview_worker::ChangedJobs,
 }
 
 /// The program's text as far as it concerns other views.
 #[derive(Default)]
-struct Text {
+struct ProgramTextState {
     /// The program that was opened last, and its file.
     file: Option<(ProgramId, PathBuf)>,
     /// Another text than the control's is executed.
     trial: Option<Trial>,
     /// A request to the program view.
-    wish: Option<Wish>,
+    request: Option<ProgramViewRequest>,
 }
 
 /// The instruments, and the one in use.
 #[derive(Default)]
 struct Instruments {
-    in_hand: Instrument,
+    selected: Instrument,
     caliper: Caliper,
     microscope: Microscope,
     job: JobPanel,
@@ -157,28 +157,28 @@ impl LatheView {
             console,
             worker: None,
             is_open: false,
-            made: Made::default(),
+            preview: PreviewResult::default(),
             part: None,
-            text: Text::default(),
-            solids: Solids::default(),
-            space: Space::default(),
-            trail: Trail::default(),
-            clock: Clock::default(),
-            sight: Sight {
-                solid,
-                ..Sight::default()
+            program_text: ProgramTextState::default(),
+            section_drawing: SectionDrawing::default(),
+            solid_drawing: SolidDrawing::default(),
+            path_renderer: PathRenderer::default(),
+            time_bar: TimeBar::default(),
+            picture: PictureState {
+                is_solid: solid,
+                ..PictureState::default()
             },
-            crash_stops: true,
-            chosen: None,
+            stops_on_crash: true,
+            selected: None,
             pointer: None,
             instruments: Instruments::default(),
-            changed: worker::Changed::default(),
+            changed_jobs: preview_worker::ChangedJobs::default(),
         }
     }
 
     /// The number of segments of the drawn path.
-    pub fn pieces(&self) -> usize {
-        self.made.path.count()
+    pub fn segment_count(&self) -> usize {
+        self.preview.path.segment_count()
     }
 
     /// Whether tools or stock were changed and not saved.
@@ -188,7 +188,7 @@ impl LatheView {
 
     /// Whether the part is shown as a solid.
     pub const fn is_solid(&self) -> bool {
-        self.sight.solid
+        self.picture.is_solid
     }
 
     /// Shows the part from now on.
@@ -205,70 +205,76 @@ impl LatheView {
     fn set_open(&mut self, is_open: bool) {
         self.is_open = is_open;
         if let Some(worker) = &self.worker {
-            worker.shared.visible.store(is_open, Ordering::Relaxed);
+            worker.flags.visible.store(is_open, Ordering::Relaxed);
         }
         self.console.send(Command::ShowPart(is_open));
     }
 
     /// Reports a program that was opened in the window. Its job may be in a file beside it.
-    pub fn opened(&mut self, path: Option<&std::path::Path>, place: &Place) {
-        let program = match place {
-            Place::Stored(number) => ProgramId::Stored(*number),
-            Place::OnlyRun(_) => ProgramId::External,
+    pub fn report_opened_program(
+        &mut self,
+        path: Option<&std::path::Path>,
+        location: &ProgramPlacement,
+    ) {
+        let program = match location {
+            ProgramPlacement::Stored(number) => ProgramId::Stored(*number),
+            ProgramPlacement::OnlyRun(_) => ProgramId::External,
         };
-        self.text.file = path.map(|path| (program, path.to_owned()));
-        self.try_out(None);
-        if let (Some(worker), Some((program, file))) = (&self.worker, &self.text.file) {
-            worker.opened(*program, file.clone());
+        self.program_text.file = path.map(|path| (program, path.to_owned()));
+        self.set_trial(None);
+        if let (Some(worker), Some((program, file))) = (&self.worker, &self.program_text.file) {
+            worker.report_opened_file(*program, file.clone());
         }
     }
 
     /// The file of the program and its machine time, s; `None` until a preview without alarm
     /// is complete.
     pub fn program_time(&self) -> Option<(&std::path::Path, f64)> {
-        let made = &self.made;
-        let complete =
-            self.is_open && !made.path.partial && made.alarm.is_none() && !made.tried;
-        let file = made.file.as_deref().filter(|_| complete)?;
-        Some((file, made.times.spent().whole()))
+        let preview = &self.preview;
+        let complete = self.is_open
+            && !preview.path.is_partial
+            && preview.alarm.is_none()
+            && !preview.is_trial;
+        let file = preview.program_file.as_deref().filter(|_| complete)?;
+        Some((file, preview.times.spent().total_s()))
     }
 
     /// Draws the view and handles its input.
     pub fn show(&mut self, ui: &mut Ui, language: Language) {
         self.receive_part(ui);
         let tools = Panel::top("lathe bar").frame(bar_frame());
-        tools.show(ui, |ui| self.toolbar(ui, language));
+        tools.show(ui, |ui| self.show_toolbar(ui, language));
         let state = Panel::bottom("lathe state").frame(side_frame());
-        state.show(ui, |ui| self.state(ui, language));
-        if self.instruments.in_hand == Instrument::Job {
+        state.show(ui, |ui| self.show_state(ui, language));
+        if self.instruments.selected == Instrument::Job {
             self.show_job(ui, language);
         }
         egui::CentralPanel::default()
             .frame(plain_frame())
-            .show(ui, |ui| self.picture(ui, language));
+            .show(ui, |ui| self.show_picture(ui, language));
     }
 
     /// Draws the job panel beside the picture.
     fn show_job(&mut self, ui: &mut Ui, language: Language) {
         let Some(part) = &self.part else { return };
-        let tools = self.made.times.tools();
+        let tools = self.preview.times.tools();
         // The job file must not be that of a program that is not selected.
-        let selected = self.made.path.programs.current();
-        let file = self.text.file.as_ref();
+        let selected = self.preview.path.programs.selected();
+        let file = self.program_text.file.as_ref();
         let file = file.filter(|(program, _)| selected == Some(*program));
-        let lathe = job::Lathe {
+        let lathe = job::JobContext {
             job: &part.job,
-            guessed: part.guessed,
-            program: file.map(|(_, path)| path.as_path()),
-            named: tools
+            is_guessed: part.is_guessed,
+            program_file: file.map(|(_, path)| path.as_path()),
+            used_tools: tools
                 .iter()
                 .map(|it| it.tool)
                 .filter(|it| *it > 0)
                 .collect(),
-            running: part.block.is_some(),
-            trouble: self.made.trouble.as_ref(),
+            is_running: part.block.is_some(),
+            file_error: self.preview.job_file_error.as_ref(),
         };
-        focus::pass_over_edge(ui, "job");
+        focus::skip_resize_edge(ui, "job");
         let panel = Panel::right("job").frame(side_frame());
         let clamped = panel
             .default_size(300.0)
@@ -284,37 +290,41 @@ impl LatheView {
     /// job and its part before the view is opened.
     pub fn receive(&mut self, context: &Context) {
         let worker = self.worker.get_or_insert_with(|| {
-            let worker = Worker::start(&self.console, context, &self.changed);
-            worker.shared.visible.store(self.is_open, Ordering::Relaxed);
-            if let Some(trial) = &self.text.trial {
-                worker.try_out(Some(trial.program()));
+            let worker = PreviewWorker::start(&self.console, context, &self.changed_jobs);
+            worker.flags.visible.store(self.is_open, Ordering::Relaxed);
+            if let Some(trial) = &self.program_text.trial {
+                worker.set_trial(Some(trial.to_program()));
             }
-            if let Some((program, file)) = &self.text.file {
-                worker.opened(*program, file.clone());
+            if let Some((program, file)) = &self.program_text.file {
+                worker.report_opened_file(*program, file.clone());
             }
             worker
         });
-        if let Some(made) = worker.result() {
-            if made.serial != self.made.serial {
-                self.sight.camera = None;
-                self.chosen = None;
+        if let Some(preview) = worker.take_result() {
+            if preview.program_count != self.preview.program_count {
+                self.picture.camera = None;
+                self.selected = None;
                 self.instruments.microscope.clear();
             }
             // The control has stored the text that was tried out: the trial ends.
-            if let Some(trial) = &self.text.trial
-                && !made.tried
-                && made.path.programs.get(trial.id).is_some_and(|own| {
-                    with_line_feeds(own.text()) == with_line_feeds(trial.tried.text())
-                })
+            if let Some(trial) = &self.program_text.trial
+                && !preview.is_trial
+                && preview
+                    .path
+                    .programs
+                    .get(trial.program_id)
+                    .is_some_and(|own| {
+                        with_line_feeds(own.text()) == with_line_feeds(trial.trial_text.text())
+                    })
             {
-                self.text.trial = None;
-                worker.try_out(None);
+                self.program_text.trial = None;
+                worker.set_trial(None);
             }
             // The passes have moved.
-            if let Some(chosen) = &mut self.chosen {
-                chosen.pass = made.path.pass_again(chosen.pass.take());
+            if let Some(chosen) = &mut self.selected {
+                chosen.pass = preview.path.find_same_pass(chosen.pass.take());
             }
-            self.made = made;
+            self.preview = preview;
         }
     }
 
@@ -324,267 +334,290 @@ impl LatheView {
             self.part = Some(part);
         }
         let Some(worker) = &self.worker else { return };
-        let running = self.part.as_ref().is_some_and(|part| part.block.is_some());
-        worker.shared.running.store(running, Ordering::Relaxed);
-        if let Some(compared) = worker.compared() {
-            self.instruments.microscope.receive(compared);
+        let is_running = self.part.as_ref().is_some_and(|part| part.block.is_some());
+        worker
+            .flags
+            .program_runs
+            .store(is_running, Ordering::Relaxed);
+        if let Some(compared) = worker.take_comparison() {
+            self.instruments.microscope.set_comparison(compared);
         }
         if let Some(part) = &self.part {
-            match self.instruments.in_hand {
+            match self.instruments.selected {
                 Instrument::Path | Instrument::Job => {}
-                Instrument::Caliper => self.instruments.caliper.take(&part.section, ui.ctx()),
+                Instrument::Caliper => self.instruments.caliper.update(&part.section, ui.ctx()),
                 Instrument::Microscope => {
                     // A growing path is compared once it is complete.
-                    let ready = !running && !self.made.path.partial;
-                    if ready && self.instruments.microscope.asks(&self.made.path, &part.job) {
+                    let is_complete = !is_running && !self.preview.path.is_partial;
+                    if is_complete
+                        && self
+                            .instruments
+                            .microscope
+                            .needs_comparison(&self.preview.path, &part.job)
+                    {
                         worker.compare(Arc::clone(&part.job));
                     }
                     let clamped = part.job.stock.jaw_front();
                     self.instruments
                         .microscope
-                        .take(&part.section, clamped, ui.ctx());
+                        .update_deviations(&part.section, clamped, ui.ctx());
                 }
             }
         }
     }
 
-    fn picture(&mut self, ui: &mut Ui, language: Language) {
-        let room = ui.available_rect_before_wrap();
+    fn show_picture(&mut self, ui: &mut Ui, language: Language) {
+        let rect = ui.available_rect_before_wrap();
         let sense = Sense::CLICK | Sense::DRAG;
-        let response = ui.interact(room, ui.scope_id().with("lathe"), sense);
+        let response = ui.interact(rect, ui.scope_id().with("lathe"), sense);
         response.widget_info(|| {
             let name = say::lathe_picture().text(language);
             WidgetInfo::labeled(Role::Canvas, true, name)
         });
-        if room.width() < 20.0 || room.height() < 20.0 {
+        if rect.width() < 20.0 || rect.height() < 20.0 {
             return;
         }
-        let mut camera = self.camera_in(room);
-        self.point(ui, &response, &mut camera);
-        let tip = self.part.as_ref().map(|part| place(part.tip));
-        if let (true, Some(tip)) = (self.sight.follow, tip) {
-            camera.follow(tip);
-            self.sight.camera = Some(camera);
+        let mut camera = self.current_camera(rect);
+        self.handle_pointer(ui, &response, &mut camera);
+        let tip = self.part.as_ref().map(|part| to_pos2(part.tip));
+        if let (true, Some(tip)) = (self.picture.follows_tool, tip) {
+            camera.keep_visible(tip);
+            self.picture.camera = Some(camera);
         }
-        let painter = ui.painter().with_clip_rect(room);
-        let solid = self.part.as_ref().filter(|_| self.sight.solid);
-        let mut tool_drawn = false;
+        let painter = ui.painter().with_clip_rect(rect);
+        let solid = self.part.as_ref().filter(|_| self.picture.is_solid);
+        let mut is_tool_drawn = false;
         if let Some(part) = solid {
-            tool_drawn = self.space.draw(&painter, &camera, part);
+            is_tool_drawn = self.solid_drawing.draw(&painter, &camera, part);
         } else {
-            grid::lines(&painter, &camera);
+            grid::draw_lines(&painter, &camera);
             if let Some(part) = &self.part {
-                self.solids.draw(&painter, &camera, part);
+                self.section_drawing.draw(&painter, &camera, part);
             }
         }
-        let path = &self.made.path;
-        if self.instruments.in_hand == Instrument::Microscope {
+        let path = &self.preview.path;
+        if self.instruments.selected == Instrument::Microscope {
             self.instruments.microscope.draw(&painter, &camera);
         } else {
-            self.trail.draw(&painter, &camera, path);
+            self.path_renderer.draw(&painter, &camera, path);
         }
-        if let Some(fault) = self.made.fault {
-            lines::mark_wrong(&painter, &camera, &self.made.path, fault);
+        if let Some(fault) = self.preview.fault_block {
+            path_lines::mark_wrong(&painter, &camera, &self.preview.path, fault);
         }
-        if let Some(Chosen { block, pass }) = &self.chosen {
+        if let Some(SelectedBlock { block, pass }) = &self.selected {
             // Highlighting all passes of a cycle would hide the part.
             match pass {
-                Some(pass) => lines::highlight_pass(&painter, &camera, &path.pieces_of(pass)),
-                None => lines::highlight(&painter, &camera, path, *block, false),
+                Some(pass) => {
+                    path_lines::highlight_pass(&painter, &camera, &path.pass_segments(pass))
+                }
+                None => path_lines::highlight_block(&painter, &camera, path, *block, false),
             }
         }
         if let Some(part) = &self.part {
-            let tip = place(part.tip);
-            if let Some(block) = part.block.map(block_of) {
-                match path.pass_in_work(block, tip) {
+            let tip = to_pos2(part.tip);
+            if let Some(block) = part.block.map(to_block_ref) {
+                match path.running_pass(block, tip) {
                     Some(pass) => {
-                        lines::highlight_pass(&painter, &camera, &path.pieces_of(pass));
+                        path_lines::highlight_pass(&painter, &camera, &path.pass_segments(pass));
                     }
-                    None => lines::highlight(&painter, &camera, path, block, true),
+                    None => path_lines::highlight_block(&painter, &camera, path, block, true),
                 }
             }
             if solid.is_none() {
-                tool_drawn = self.solids.tool(&painter, &camera, part, tip);
+                is_tool_drawn = self
+                    .section_drawing
+                    .draw_job_tool(&painter, &camera, part, tip);
             }
-            if !tool_drawn {
-                solids::tip(&painter, &camera, tip);
+            if !is_tool_drawn {
+                section_drawing::draw_tip_cross(&painter, &camera, tip);
             }
             if part.coolant {
-                alive::coolant(&painter, &camera, tip);
+                animation::draw_coolant(&painter, &camera, tip);
             }
-            overlay::hits(&painter, &camera, part);
+            overlay::draw_hits(&painter, &camera, part);
         }
-        if self.instruments.in_hand == Instrument::Caliper {
+        if self.instruments.selected == Instrument::Caliper {
             self.instruments.caliper.draw(&painter, &camera, language);
         }
         if solid.is_none() {
-            grid::figures(&painter, &camera);
+            grid::draw_figures(&painter, &camera);
         }
         if let Some(part) = &self.part {
-            overlay::states(&painter, room, part, language);
+            overlay::draw_states(&painter, rect, part, language);
         }
     }
 
     /// The camera that the user has moved, or one that shows everything.
-    fn camera_in(&self, room: Rect) -> Camera {
-        if let Some(camera) = self.sight.camera {
-            return camera.within(room);
+    fn current_camera(&self, rect: Rect) -> Camera {
+        if let Some(camera) = self.picture.camera {
+            return camera.with_rect(rect);
         }
-        if let Some(part) = self.part.as_ref().filter(|_| self.sight.solid) {
+        if let Some(part) = self.part.as_ref().filter(|_| self.picture.is_solid) {
             let stock = &part.job.stock;
             let (_, jaws) = stock.chuck_section();
             let shown = [&stock.section(), &jaws, &stock.tailstock_section()];
-            return Camera::fit_solid(&shown, self.is_rear(), room);
+            return Camera::fit_solid(&shown, self.is_rear(), rect);
         }
         let part = self.part.as_ref().map(|part| {
             let stock = &part.job.stock;
             let (radius, front) = (stock.radius() as f32, stock.front() as f32);
-            let back = stock.jaw_front() as f32 - CHUCK_SHOWN;
+            let back = stock.jaw_front() as f32 - VISIBLE_CHUCK_MM;
             Rect::from_min_max(pos2(back, -radius), pos2(front, radius))
         });
-        let bounds = match (part, self.made.path.bounds) {
+        let bounds = match (part, self.preview.path.bounds) {
             (Some(part), Some(path)) => part.union(path),
             // The path shows where the tool is. Without a path the tool needs a margin.
-            (Some(part), None) => part.expand2(ROOM_FOR_TOOL),
+            (Some(part), None) => part.expand2(TOOL_MARGIN_MM),
             (one, other) => one
                 .or(other)
                 .unwrap_or(Rect::from_center_size(Pos2::ZERO, vec2(200.0, 120.0))),
         };
-        Camera::fit(bounds, self.is_rear(), room)
+        Camera::fit(bounds, self.is_rear(), rect)
     }
 
     /// Whether the tool post is on the far side of the spindle; true until the first result.
     const fn is_rear(&self) -> bool {
-        self.made.rear || self.made.serial == 0
+        self.preview.rear_tool_post || self.preview.program_count == 0
     }
 
     /// Handles the mouse and touch input in the picture.
-    fn point(&mut self, ui: &Ui, response: &Response, camera: &mut Camera) {
+    fn handle_pointer(&mut self, ui: &Ui, response: &Response, camera: &mut Camera) {
         let before = *camera;
         let hover = response.hover_pos();
-        self.pointer = hover.map(|at| camera.part(at));
+        self.pointer = hover.map(|at| camera.part_position(at));
         if let Some(at) = hover {
             let (scrolled, pinched) =
                 ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
-            let factor = (scrolled * ZOOM).exp() * pinched;
+            let factor = (scrolled * ZOOM_PER_POINT).exp() * pinched;
             if factor != 1.0 {
                 camera.zoom(factor, at);
             }
         }
         if response.dragged() {
-            let turns = response.dragged_by(PointerButton::Primary)
+            let is_turn = response.dragged_by(PointerButton::Primary)
                 && ui.input(|input| !input.modifiers.shift);
-            if turns && self.sight.solid && self.part.is_some() {
+            if is_turn && self.picture.is_solid && self.part.is_some() {
                 camera.orbit(response.drag_delta());
             } else {
                 camera.pan(response.drag_delta());
             }
         }
         if *camera != before {
-            self.sight.camera = Some(*camera);
+            self.picture.camera = Some(*camera);
         }
         if response.double_clicked() {
-            self.sight.camera = None;
-            *camera = self.camera_in(camera.room);
+            self.picture.camera = None;
+            *camera = self.current_camera(camera.rect);
         } else if response.clicked()
             && let Some(at) = response.interact_pointer_pos()
         {
-            let path = &self.made.path;
-            match self.instruments.in_hand {
-                Instrument::Caliper => self.instruments.caliper.click(),
+            let path = &self.preview.path;
+            match self.instruments.selected {
+                Instrument::Caliper => self.instruments.caliper.toggle_kept(),
                 Instrument::Path | Instrument::Microscope | Instrument::Job => {
-                    let piece = path.nearest(camera.part(at), REACH / camera.scale);
-                    self.chosen = piece.and_then(|piece| {
+                    let piece = path.nearest_segment(
+                        camera.part_position(at),
+                        CLICK_REACH / camera.points_per_mm,
+                    );
+                    self.selected = piece.and_then(|piece| {
                         let pass = path.pass_at(piece).cloned();
                         let block = path.block_at(piece)?;
-                        Some(Chosen { block, pass })
+                        Some(SelectedBlock { block, pass })
                     });
-                    let block = self.chosen.as_ref().map(|chosen| chosen.block);
-                    self.text.wish = block.map(|block| self.show_block(block, false));
+                    let block = self.selected.as_ref().map(|chosen| chosen.block);
+                    self.program_text.request =
+                        block.map(|block| self.make_show_request(block, false));
                 }
             }
         }
-        match self.instruments.in_hand {
+        match self.instruments.selected {
             Instrument::Path | Instrument::Job => {}
-            Instrument::Caliper => self.instruments.caliper.point(self.pointer, camera),
-            Instrument::Microscope => self.instruments.microscope.point(self.pointer, camera),
+            Instrument::Caliper => self.instruments.caliper.set_pointer(self.pointer, camera),
+            Instrument::Microscope => self
+                .instruments
+                .microscope
+                .set_pointer(self.pointer, camera),
         }
     }
 
     /// Takes the request to the program view.
-    pub const fn take_wish(&mut self) -> Option<Wish> {
-        self.text.wish.take()
+    pub const fn take_program_request(&mut self) -> Option<ProgramViewRequest> {
+        self.program_text.request.take()
     }
 
     /// Tries out a text from the program view if it belongs to the selected program and
     /// differs from the control's text.
-    pub fn typed(&mut self, document: &Document) {
+    pub fn try_typed_text(&mut self, document: &ProgramDocument) {
         let id = match &document.origin {
-            Origin::Memory(number) => ProgramId::Stored(*number),
-            Origin::File(path, _) => match &self.text.file {
+            TextOrigin::Memory(number) => ProgramId::Stored(*number),
+            TextOrigin::File(path, _) => match &self.program_text.file {
                 Some((id, file)) if file == path => *id,
                 _ => return,
             },
-            Origin::New => return,
+            TextOrigin::New => return,
         };
-        let programs = &self.made.path.programs;
-        let own = match &self.text.trial {
-            Some(trial) if trial.id == id => Some(&trial.own),
+        let programs = &self.preview.path.programs;
+        let own = match &self.program_text.trial {
+            Some(trial) if trial.program_id == id => Some(&trial.control_text),
             _ => programs.get(id),
         };
-        let own = own.filter(|_| self.is_open && programs.current() == Some(id));
+        let own = own.filter(|_| self.is_open && programs.selected() == Some(id));
         let Some(own) = own.cloned() else {
             return;
         };
-        let tried = document.program();
-        let same = with_line_feeds(own.text()) == tried.text();
-        let trial = (!same).then_some(Trial { id, own, tried });
-        if trial != self.text.trial {
-            self.try_out(trial);
+        let tried = document.to_program();
+        let is_same = with_line_feeds(own.text()) == tried.text();
+        let trial = (!is_same).then_some(Trial {
+            program_id: id,
+            control_text: own,
+            trial_text: tried,
+        });
+        if trial != self.program_text.trial {
+            self.set_trial(trial);
         }
     }
 
-    fn show_block(&self, block: Block, open: bool) -> Wish {
-        Wish::Show {
+    fn make_show_request(&self, block: BlockRef, open_view: bool) -> ProgramViewRequest {
+        ProgramViewRequest::ShowBlock {
             program: block.program,
             line: block.line,
-            text: self.made.path.text(block).to_owned(),
-            open,
+            text: self.preview.path.block_text(block).to_owned(),
+            open_view,
         }
     }
 
     /// Executes another text than the control's, or the control's text again.
-    fn try_out(&mut self, trial: Option<Trial>) {
+    fn set_trial(&mut self, trial: Option<Trial>) {
         if let Some(worker) = &self.worker {
             let text = trial.as_ref();
-            worker.try_out(text.map(Trial::program));
+            worker.set_trial(text.map(Trial::to_program));
         }
-        self.text.trial = trial;
+        self.program_text.trial = trial;
     }
 
     /// Centres a position and enlarges the picture to a close view.
-    fn look_closely(&mut self, at: Pos2) {
-        self.look_at(at);
-        if let Some(camera) = &mut self.sight.camera {
-            camera.scale = camera.scale.max(CLOSE);
+    fn show_enlarged(&mut self, at: Pos2) {
+        self.show_centred(at);
+        if let Some(camera) = &mut self.picture.camera {
+            camera.points_per_mm = camera.points_per_mm.max(CLOSE_SCALE);
         }
     }
 
     /// Centres a position at the current scale.
-    fn look_at(&mut self, at: Pos2) {
-        let room = Rect::from_center_size(Pos2::ZERO, vec2(600.0, 400.0));
-        let camera = self.camera_in(room);
-        self.sight.camera = Some(camera.centred(at));
+    fn show_centred(&mut self, at: Pos2) {
+        let rect = Rect::from_center_size(Pos2::ZERO, vec2(600.0, 400.0));
+        let camera = self.current_camera(rect);
+        self.picture.camera = Some(camera.with_centre(at));
     }
 }
 
 /// Converts a point to part coordinates of the view: x is Z, y is X as a radius.
-fn place(point: Point) -> Pos2 {
+fn to_pos2(point: Point) -> Pos2 {
     pos2(point.z as f32, point.x as f32)
 }
 
-const fn block_of(source: Source) -> Block {
-    Block {
+const fn to_block_ref(source: SourcePosition) -> BlockRef {
+    BlockRef {
         program: source.program,
         line: source.line,
     }

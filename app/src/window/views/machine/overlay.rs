@@ -4,49 +4,53 @@ use egui::{Align2, Color32, FontId, Painter, Rect, Stroke, vec2};
 use gsk_messages::{Language, Message, say};
 
 use super::camera::Camera;
-use super::{HIT, grid, place};
+use super::{COLLISION_COLOR, grid, to_pos2};
 use crate::kernel::part::PartView;
 
-const WORDS: Color32 = Color32::from_gray(190);
+const TEXT_COLOR: Color32 = Color32::from_gray(190);
 
 /// Writes tool, spindle and each state of the lathe that is not at rest into the upper right
 /// corner.
-pub fn states(painter: &Painter, room: Rect, part: &PartView, language: Language) {
+pub fn draw_states(painter: &Painter, rect: Rect, part: &PartView, language: Language) {
     let font = FontId::monospace(13.0);
-    let corner = room.right_top() + vec2(-8.0, 6.0);
-    for (line, words) in of(part).into_iter().enumerate() {
+    let corner = rect.right_top() + vec2(-8.0, 6.0);
+    for (line, words) in state_messages(part).into_iter().enumerate() {
         let at = corner + vec2(0.0, 18.0 * line as f32);
         let words = words.text(language);
-        let galley = painter.layout_no_wrap(words, font.clone(), WORDS);
-        let place = Align2::RIGHT_TOP.anchor_size(at, galley.size());
-        painter.rect_filled(place.expand2(vec2(4.0, 0.0)), 2.0, grid::GROUND);
-        painter.galley(place.min, galley, WORDS);
+        let galley = painter.layout_no_wrap(words, font.clone(), TEXT_COLOR);
+        let label_rect = Align2::RIGHT_TOP.anchor_size(at, galley.size());
+        painter.rect_filled(
+            label_rect.expand2(vec2(4.0, 0.0)),
+            2.0,
+            grid::LABEL_BACKGROUND,
+        );
+        painter.galley(label_rect.min, galley, TEXT_COLOR);
     }
 }
 
 /// The lines that `states` writes.
-fn of(part: &PartView) -> Vec<Message> {
-    let others = [
+fn state_messages(part: &PartView) -> Vec<Message> {
+    let states = [
         (part.coolant, say::lathe_coolant()),
         (part.clamped, say::lathe_chuck_clamped()),
         (part.chuck_open, say::lathe_chuck_open()),
         (part.tailstock_forward, say::lathe_tailstock_out()),
         (part.door_open, say::lathe_door_open()),
     ];
-    let others = others.into_iter().filter(|(holds, _)| *holds);
-    core::iter::once(say::lathe_tool(part.tool, part.rpm))
-        .chain(others.map(|(_, said)| said))
+    let others = states.into_iter().filter(|(is_active, _)| *is_active);
+    core::iter::once(say::lathe_tool(part.tool, part.spindle_rpm))
+        .chain(others.map(|(_, message)| message))
         .collect()
 }
 
 /// Marks the contact points of the collisions.
-pub fn hits(painter: &Painter, camera: &Camera, part: &PartView) {
+pub fn draw_hits(painter: &Painter, camera: &Camera, part: &PartView) {
     for finding in &part.findings {
-        let at = camera.screen(place(finding.collision.contact));
-        painter.circle_stroke(at, 8.0, Stroke::new(2.0, HIT));
+        let at = camera.screen_position(to_pos2(finding.collision.contact));
+        painter.circle_stroke(at, 8.0, Stroke::new(2.0, COLLISION_COLOR));
         let arm = vec2(5.0, 5.0);
-        painter.line_segment([at - arm, at + arm], Stroke::new(2.0, HIT));
+        painter.line_segment([at - arm, at + arm], Stroke::new(2.0, COLLISION_COLOR));
         let arm = vec2(5.0, -5.0);
-        painter.line_segment([at - arm, at + arm], Stroke::new(2.0, HIT));
+        painter.line_segment([at - arm, at + arm], Stroke::new(2.0, COLLISION_COLOR));
     }
 }

@@ -13,58 +13,60 @@ use gsk_core::program::Program;
 use gsk_core::units::parse_finite;
 use gsk_messages::{Language, say};
 
-use super::path::{Block, Path};
+use super::path::{BlockRef, DrawnPath};
 use gsk_language::words::{spans, word_of};
 
-const TRIED: Color32 = Color32::from_rgb(255, 196, 90);
+const TRIAL_COLOR: Color32 = Color32::from_rgb(255, 196, 90);
 
 /// A changed text of a program that is tried out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
     /// The program whose text is changed.
-    pub id: ProgramId,
+    pub program_id: ProgramId,
     /// The text in the control.
-    pub own: Program,
+    pub control_text: Program,
     /// The changed text.
-    pub tried: Program,
+    pub trial_text: Program,
 }
 
 impl Trial {
     /// The program as it is executed for the trial.
-    pub fn program(&self) -> (ProgramId, Program) {
-        (self.id, self.tried.clone())
+    pub fn to_program(&self) -> (ProgramId, Program) {
+        (self.program_id, self.trial_text.clone())
     }
 }
 
 /// What the user did with the trial.
-pub enum Done {
+pub enum TrialAction {
     /// Try another text.
-    Changed(Trial),
+    Try(Trial),
     /// Return to the text of the control.
     Discard,
     /// Take the text over into the program view.
-    Take(Trial),
+    TakeOver(Trial),
 }
 
 /// Draws the words of the cycle in a block, and the buttons that take over or discard a trial.
 pub fn show(
     ui: &mut Ui,
-    path: &Path,
-    block: Option<Block>,
+    path: &DrawnPath,
+    block: Option<BlockRef>,
     trial: Option<&Trial>,
     language: Language,
-) -> Option<Done> {
-    let mut done = None;
+) -> Option<TrialAction> {
+    let mut action = None;
     if let Some(block) = block {
-        let before = trial.filter(|trial| trial.id == block.program);
+        let current_trial = trial.filter(|trial| trial.program_id == block.program);
         let own = path.programs.get(block.program);
-        let program = before.map(|trial| &trial.tried).or(own)?;
+        let program = current_trial.map(|trial| &trial.trial_text).or(own)?;
         for line in cycle_lines(program, block.line) {
-            if let Some(changed) = words(ui, program, line, language) {
-                done = Some(Done::Changed(Trial {
-                    id: block.program,
-                    own: before.map_or(program, |trial| &trial.own).clone(),
-                    tried: Program::new(changed),
+            if let Some(changed) = show_words(ui, program, line, language) {
+                action = Some(TrialAction::Try(Trial {
+                    program_id: block.program,
+                    control_text: current_trial
+                        .map_or(program, |trial| &trial.control_text)
+                        .clone(),
+                    trial_text: Program::new(changed),
                 }));
             }
         }
@@ -72,23 +74,23 @@ pub fn show(
     if let Some(trial) = trial {
         ui.horizontal_wrapped(|ui| {
             let words = say::xray_tried().text(language);
-            ui.label(RichText::new(words).color(TRIED));
+            ui.label(RichText::new(words).color(TRIAL_COLOR));
             if ui.button(say::xray_take().text(language)).clicked() {
-                done = Some(Done::Take(trial.clone()));
+                action = Some(TrialAction::TakeOver(trial.clone()));
             }
             if ui.button(say::xray_discard().text(language)).clicked() {
-                done = Some(Done::Discard);
+                action = Some(TrialAction::Discard);
             }
         });
     }
-    done
+    action
 }
 
 /// Draws a field for each measure in a line. Returns the program's text after a change.
-fn words(ui: &mut Ui, program: &Program, number: u32, language: Language) -> Option<String> {
+fn show_words(ui: &mut Ui, program: &Program, number: u32, language: Language) -> Option<String> {
     let (text, line) = (program.text(), program.line(number));
     let start = line_start(text, line)?;
-    let code = cycle_code(line)?;
+    let code = find_cycle_code(line)?;
     let mut changed = None;
     ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new(format!("{number}:")).monospace());
@@ -97,22 +99,22 @@ fn words(ui: &mut Ui, program: &Program, number: u32, language: Language) -> Opt
                 continue;
             };
             let value = parse_finite(&word.value);
-            let value = value.filter(|_| is_changed(code, word.address));
+            let value = value.filter(|_| is_measure(code, word.address));
             let Some(mut value) = value else {
                 ui.label(RichText::new(&line[span.range]).monospace());
                 continue;
             };
-            let whole = matches!(word.address, 'P' | 'Q');
+            let is_integer = matches!(word.address, 'P' | 'Q');
             let address = ui.label(RichText::new(word.address).monospace());
             let drag = DragValue::new(&mut value)
-                .speed(if whole { 50.0 } else { 0.05 })
-                .max_decimals(if whole { 0 } else { 3 })
+                .speed(if is_integer { 50.0 } else { 0.05 })
+                .max_decimals(if is_integer { 0 } else { 3 })
                 .range(-9999.999..=9_999_999.0);
             let hint = say::xray_hint().text(language);
             let drag = ui.add(drag).labelled_by(address.id);
             if drag.on_hover_text(hint).changed() {
-                let place = start + span.range.start..start + span.range.end;
-                changed = Some(replaced(text, place, word.address, value));
+                let range = start + span.range.start..start + span.range.end;
+                changed = Some(replace_value(text, range, word.address, value));
             }
         }
     });
@@ -121,7 +123,7 @@ fn words(ui: &mut Ui, program: &Program, number: u32, language: Language) -> Opt
 
 /// Whether a word of a cycle is a measure that can be changed. P and Q of G70 to G73 are
 /// sequence numbers and cannot.
-const fn is_changed(code: u32, address: char) -> bool {
+const fn is_measure(code: u32, address: char) -> bool {
     match address {
         'P' | 'Q' => !matches!(code, 70..=73),
         'X' | 'Z' | 'U' | 'W' | 'R' | 'I' | 'K' | 'J' | 'F' => true,
@@ -129,34 +131,34 @@ const fn is_changed(code: u32, address: char) -> bool {
     }
 }
 
-/// The text with another number in the word at `place`.
-fn replaced(text: &str, place: Range<usize>, address: char, value: f64) -> String {
+/// The text with another number in the word at `range`.
+fn replace_value(text: &str, range: Range<usize>, address: char, value: f64) -> String {
     // A word has three decimals.
     let value = (value * 1000.0).round() / 1000.0;
     let mut changed = text.to_owned();
-    changed.replace_range(place, &format!("{address}{value}"));
+    changed.replace_range(range, &format!("{address}{value}"));
     changed
 }
 
 /// The lines of the cycle at a line; a compound cycle may have two blocks.
 fn cycle_lines(program: &Program, line: u32) -> Vec<u32> {
-    let code = |number: u32| cycle_code(program.line(number));
+    let code = |number: u32| find_cycle_code(program.line(number));
     // Line numbers of a program cut out of a larger file are those of the file.
-    let whole = line_start(program.text(), program.line(1)) == Some(0);
-    let Some(own) = code(line).filter(|_| whole) else {
+    let is_whole_file = line_start(program.text(), program.line(1)) == Some(0);
+    let Some(own) = code(line).filter(|_| is_whole_file) else {
         return Vec::new();
     };
-    let compound = matches!(own, 71..=76);
+    let is_compound = matches!(own, 71..=76);
     let before = line.checked_sub(1).filter(|before| *before > 0);
-    let before = before.filter(|before| compound && code(*before) == Some(own));
+    let before = before.filter(|before| is_compound && code(*before) == Some(own));
     before.into_iter().chain([line]).collect()
 }
 
 /// The program without the cycles G70 to G73: the rest draws their profile. Lines keep their
 /// numbers, and the cycles' feed words stay.
-pub fn without_profile_cycles(program: &Program) -> Program {
+pub fn remove_profile_cycles(program: &Program) -> Program {
     let lines = program.text().split_inclusive(['\n', '\r']);
-    let left = lines.map(|line| match cycle_code(line) {
+    let left = lines.map(|line| match find_cycle_code(line) {
         Some(70..=73) => {
             let end = line.trim_end_matches(['\n', '\r']).len();
             let spans = spans(line);
@@ -170,14 +172,14 @@ pub fn without_profile_cycles(program: &Program) -> Program {
 }
 
 /// The line of the profile that breaks a rule, from an alarm of a cycle G70 to G73.
-pub fn line_in_profile(alarm: &Alarm, program: &Program) -> Option<u32> {
-    let cycle = cycle_code(program.line(alarm.source?.line))?;
+pub fn profile_line(alarm: &Alarm, program: &Program) -> Option<u32> {
+    let cycle = find_cycle_code(program.line(alarm.source?.line))?;
     let line = alarm.detail.as_ref()?.plain_value("line")?.parse().ok()?;
     matches!(cycle, 70..=73).then_some(line)
 }
 
 /// The G code of the cycle in a line, if there is one.
-fn cycle_code(line: &str) -> Option<u32> {
+fn find_cycle_code(line: &str) -> Option<u32> {
     let spans = spans(line);
     let mut words = spans.iter().filter_map(|span| word_of(line, span));
     words.find_map(|word| {
@@ -207,13 +209,13 @@ mod tests {
         let line = program.line(3);
         assert_eq!(line, "G71 U3 R1");
         let start = line_start(program.text(), line).unwrap();
-        let changed = replaced(TEXT, start + 4..start + 6, 'U', 2.499_96);
+        let changed = replace_value(TEXT, start + 4..start + 6, 'U', 2.499_96);
         assert_eq!(changed, TEXT.replace("G71 U3 R1", "G71 U2.5 R1"));
     }
 
     #[test]
     fn a_profile_is_drawn_without_the_cycles_over_it() {
-        let program = without_profile_cycles(&Program::new(TEXT));
+        let program = remove_profile_cycles(&Program::new(TEXT));
         assert_eq!(
             program.text(),
             "O0001\r\nG00 X44 Z2\r\n\r\nF100\r\nN1 G00 X20\r\n"
@@ -222,9 +224,9 @@ mod tests {
 
     #[test]
     fn sequence_numbers_are_no_measures_and_depths_of_threads_are() {
-        assert!(!is_changed(71, 'P') && is_changed(76, 'P') && is_changed(71, 'U'));
-        assert!(!is_changed(92, 'G') && !is_changed(71, 'N') && is_changed(92, 'J'));
-        assert_eq!(cycle_code("N5 g76 P010060"), Some(76));
-        assert_eq!(cycle_code("(G71) G01 X5"), None);
+        assert!(!is_measure(71, 'P') && is_measure(76, 'P') && is_measure(71, 'U'));
+        assert!(!is_measure(92, 'G') && !is_measure(71, 'N') && is_measure(92, 'J'));
+        assert_eq!(find_cycle_code("N5 g76 P010060"), Some(76));
+        assert_eq!(find_cycle_code("(G71) G01 X5"), None);
     }
 }

@@ -5,15 +5,15 @@ use egui::{
 };
 use gsk_messages::{Language, Message, say};
 
-use super::Next;
-use super::document::{Document, Origin};
-use crate::window::clear;
+use super::TextToLoad;
+use super::document::{ProgramDocument, TextOrigin};
+use crate::window::stop_key_clearance;
 
 /// A request of the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Wish {
+pub enum EditorCommand {
     /// Bring another text into the editor.
-    Bring(Next),
+    LoadText(TextToLoad),
     /// Save to the text's file.
     Save,
     /// Save to a file that the user chooses.
@@ -30,78 +30,88 @@ pub enum Wish {
 
 /// The state of the tool bar.
 #[derive(Default)]
-pub struct Bar {
+pub struct ProgramBar {
     /// The search text.
-    pub find: String,
+    pub search_text: String,
     /// The target to go to, as typed.
-    pub go_to: String,
+    pub target_text: String,
     /// The language of dialogs.
     pub language: Language,
     /// The field that gets the keyboard focus in the next frame.
-    focus: Option<&'static str>,
+    focus_request: Option<&'static str>,
 }
 
 /// Width of a field, points.
-const FIELD: f32 = 90.0;
+const FIELD_WIDTH: f32 = 90.0;
 /// Height of the list of programs, points.
-const MENU: f32 = 400.0;
+const MENU_HEIGHT: f32 = 400.0;
 
-impl Bar {
+impl ProgramBar {
     /// Draws the tools. `memory`: numbers of the programs in the control's memory.
     pub fn show(
         &mut self,
         ui: &mut Ui,
-        document: &Document,
+        document: &ProgramDocument,
         memory: &[u16],
         language: Language,
-    ) -> Option<Wish> {
-        let mut wish = None;
+    ) -> Option<EditorCommand> {
+        let mut command = None;
         ui.horizontal(|ui| {
-            files(ui, language, &mut wish);
-            programs(ui, memory, language, &mut wish);
+            show_file_menu(ui, language, &mut command);
+            show_program_menu(ui, memory, language, &mut command);
             ui.separator();
-            let edited = document.is_edited();
+            let is_editable = document.is_editable();
             let hint = say::program_store_hint().text(language);
             let tools = [
                 (
                     document.is_unsaved(),
                     say::program_save(),
                     "Ctrl+S",
-                    Wish::Save,
+                    EditorCommand::Save,
                 ),
-                (true, say::program_store(), &hint, Wish::Store),
-                (edited, say::program_undo(), "Ctrl+Z", Wish::Undo),
-                (edited, say::program_redo(), "Ctrl+Y", Wish::Redo),
+                (true, say::program_store(), &hint, EditorCommand::Store),
+                (
+                    is_editable,
+                    say::program_undo(),
+                    "Ctrl+Z",
+                    EditorCommand::Undo,
+                ),
+                (
+                    is_editable,
+                    say::program_redo(),
+                    "Ctrl+Y",
+                    EditorCommand::Redo,
+                ),
             ];
             for (on, words, hint, what) in tools {
                 let button = ui.add_enabled(on, Button::new(words.text(language)));
                 if button.on_hover_text(hint).clicked() {
-                    wish = Some(what);
+                    command = Some(what);
                 }
             }
         });
         ui.horizontal(|ui| {
-            if self.field(ui, "find", &say::program_find(), "Ctrl+F", language) {
-                wish = Some(Wish::Find);
+            if self.show_field(ui, "find", &say::program_find(), "Ctrl+F", language) {
+                command = Some(EditorCommand::Find);
             }
             let next = ui.button(say::program_find_next().text(language));
             if next.on_hover_text("F3").clicked() {
-                wish = Some(Wish::Find);
+                command = Some(EditorCommand::Find);
             }
             let hint = say::program_go_to_hint().text(language);
             let hint = format!("{hint} (Ctrl+G)");
-            if self.field(ui, "go to", &say::program_go_to(), &hint, language) {
-                wish = Some(Wish::GoTo);
+            if self.show_field(ui, "go to", &say::program_go_to(), &hint, language) {
+                command = Some(EditorCommand::GoTo);
             }
             ui.separator();
-            let name = Label::new(RichText::new(title(document, language)).strong());
+            let name = Label::new(RichText::new(document_title(document, language)).strong());
             ui.add(name.truncate());
         });
-        wish
+        command
     }
 
     /// Draws a field with its name. Returns whether Enter was pressed in it.
-    fn field(
+    fn show_field(
         &mut self,
         ui: &mut Ui,
         id: &'static str,
@@ -111,54 +121,57 @@ impl Bar {
     ) -> bool {
         let label = ui.label(name.text(language));
         let text = match id {
-            "find" => &mut self.find,
-            _ => &mut self.go_to,
+            "find" => &mut self.search_text,
+            _ => &mut self.target_text,
         };
         let field = TextEdit::singleline(text)
             .id(egui::Id::unique(("program", id)))
-            .desired_width(FIELD);
+            .desired_width(FIELD_WIDTH);
         let response = ui.add(field).labelled_by(label.id).on_hover_text(hint);
-        if self.focus == Some(id) {
-            self.focus = None;
+        if self.focus_request == Some(id) {
+            self.focus_request = None;
             response.request_focus();
         }
         response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter))
     }
 
-    /// Handles the keys of the view. `own`: the keyboard belongs to the view and not to the
+    /// Handles the keys of the view. `has_keyboard`: the keyboard belongs to the view and not to the
     /// panel.
-    pub fn keys(&mut self, ui: &Ui, own: bool) -> Option<Wish> {
-        if !own {
+    pub fn handle_keys(&mut self, ui: &Ui, has_keyboard: bool) -> Option<EditorCommand> {
+        if !has_keyboard {
             return None;
         }
         let pressed = |modifiers: Modifiers, key: Key| {
             ui.input_mut(|input| input.consume_key(modifiers, key))
         };
         if pressed(Modifiers::COMMAND, Key::F) {
-            self.focus = Some("find");
+            self.focus_request = Some("find");
         }
         if pressed(Modifiers::COMMAND, Key::G) {
-            self.focus = Some("go to");
+            self.focus_request = Some("go to");
         }
         if pressed(Modifiers::COMMAND, Key::S) {
-            return Some(Wish::Save);
+            return Some(EditorCommand::Save);
         }
-        pressed(Modifiers::NONE, Key::F3).then_some(Wish::Find)
+        pressed(Modifiers::NONE, Key::F3).then_some(EditorCommand::Find)
     }
 }
 
 /// Draws the menu of files.
-fn files(ui: &mut Ui, language: Language, wish: &mut Option<Wish>) {
+fn show_file_menu(ui: &mut Ui, language: Language, command: &mut Option<EditorCommand>) {
     ui.menu_button(say::program_file().text(language), |ui| {
         let entries = [
-            (say::program_new(), Wish::Bring(Next::New)),
-            (say::program_open(), Wish::Bring(Next::Choose)),
-            (say::program_save(), Wish::Save),
-            (say::program_save_as(), Wish::SaveAs),
+            (say::program_new(), EditorCommand::LoadText(TextToLoad::New)),
+            (
+                say::program_open(),
+                EditorCommand::LoadText(TextToLoad::Choose),
+            ),
+            (say::program_save(), EditorCommand::Save),
+            (say::program_save_as(), EditorCommand::SaveAs),
         ];
         for (words, what) in entries {
             if ui.button(words.text(language)).clicked() {
-                *wish = Some(what);
+                *command = Some(what);
                 ui.close();
             }
         }
@@ -166,13 +179,18 @@ fn files(ui: &mut Ui, language: Language, wish: &mut Option<Wish>) {
 }
 
 /// Draws the menu of the programs in the control's memory.
-fn programs(ui: &mut Ui, memory: &[u16], language: Language, wish: &mut Option<Wish>) {
+fn show_program_menu(
+    ui: &mut Ui,
+    memory: &[u16],
+    language: Language,
+    command: &mut Option<EditorCommand>,
+) {
     let menu = ui.menu_button(say::program_control().text(language), |ui| {
-        let list = ScrollArea::vertical().max_height(MENU);
+        let list = ScrollArea::vertical().max_height(MENU_HEIGHT);
         list.show(ui, |ui| {
             for number in memory {
                 if ui.button(format!("O{number:04}")).clicked() {
-                    *wish = Some(Wish::Bring(Next::Memory(Some(*number))));
+                    *command = Some(EditorCommand::LoadText(TextToLoad::Memory(Some(*number))));
                     ui.close();
                 }
             }
@@ -183,19 +201,19 @@ fn programs(ui: &mut Ui, memory: &[u16], language: Language, wish: &mut Option<W
 }
 
 /// The name of the text, with a mark if it is not saved.
-fn title(document: &Document, language: Language) -> String {
+fn document_title(document: &ProgramDocument, language: Language) -> String {
     let mark = if document.is_unsaved() { "● " } else { "" };
     let name = match &document.origin {
-        Origin::New => say::program_new_name().text(language),
-        Origin::File(_, encoding) => format!("{} ({encoding})", document.name()),
-        Origin::Memory(_) => document.name(),
+        TextOrigin::New => say::program_new_name().text(language),
+        TextOrigin::File(_, encoding) => format!("{} ({encoding})", document.name()),
+        TextOrigin::Memory(_) => document.name(),
     };
     format!("{mark}{name}")
 }
 
 /// The user's decision about an unsaved text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Answer {
+pub enum UnsavedAnswer {
     /// Save it first.
     Save,
     /// Discard its changes.
@@ -205,25 +223,25 @@ pub enum Answer {
 }
 
 /// Size of the question's window, points.
-const ROOM: egui::Vec2 = egui::vec2(520.0, 180.0);
+const QUESTION_SIZE: egui::Vec2 = egui::vec2(520.0, 180.0);
 
 /// Asks before an unsaved text is lost.
-pub fn ask_to_save(context: &Context, name: &str, language: Language) -> Option<Answer> {
+pub fn ask_to_save(context: &Context, name: &str, language: Language) -> Option<UnsavedAnswer> {
     let mut answer = None;
     Window::new(say::program_unsaved_title(name).text(language))
         .id(egui::Id::unique("unsaved program"))
         .collapsible(false)
         .resizable(false)
         .anchor(Align2::CENTER_CENTER, [0.0, -60.0])
-        .constrain_to(clear::free(context, ROOM))
+        .constrain_to(stop_key_clearance::free_rect(context, QUESTION_SIZE))
         .show(context, |ui| {
             ui.label(say::program_unsaved_lost(name).text(language));
             ui.add_space(8.0);
             ui.horizontal(|ui| {
                 for (words, what) in [
-                    (say::program_save(), Answer::Save),
-                    (say::program_discard(), Answer::Discard),
-                    (say::program_keep(), Answer::Cancel),
+                    (say::program_save(), UnsavedAnswer::Save),
+                    (say::program_discard(), UnsavedAnswer::Discard),
+                    (say::program_keep(), UnsavedAnswer::Cancel),
                 ] {
                     if ui.button(words.text(language)).clicked() {
                         answer = Some(what);

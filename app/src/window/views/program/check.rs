@@ -9,12 +9,12 @@ use crossbeam::queue::ArrayQueue;
 use egui::Context;
 use gsk_core::alarm::Alarm;
 use gsk_core::command::ProgramId;
-use gsk_core::preview::{Caution, End, WorkBudget};
+use gsk_core::preview::{Caution, PreviewEnd, WorkBudget};
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_language::locate_alarm;
 use gsk_messages::{Language, Message};
-use gsk_runner::first_look::{self, FirstLook};
+use gsk_runner::program_summary::{self, ProgramSummary};
 use gsk_runner::report::AlarmReport;
 
 use crate::kernel::Console;
@@ -22,53 +22,53 @@ use crate::platform;
 use crate::work_limit::WorkLimit;
 
 /// Limit of the work of one check.
-const BUDGET: WorkBudget = WorkBudget::interactive(20_000_000);
+const WORK_BUDGET: WorkBudget = WorkBudget::interactive(20_000_000);
 
 /// An alarm that the text raises.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Finding {
+pub struct TextFinding {
     /// Its line, from 0; `None`: the alarm is in another program.
     pub line: Option<usize>,
     /// The characters of the line that raise the alarm.
     pub columns: Range<usize>,
     /// The report in Chinese and in English.
-    told: [AlarmReport; 2],
+    reports: [AlarmReport; 2],
 }
 
-impl Finding {
+impl TextFinding {
     /// The report in a language.
-    pub const fn told(&self, language: Language) -> &AlarmReport {
+    pub const fn report(&self, language: Language) -> &AlarmReport {
         match language {
-            Language::Zh => &self.told[0],
-            Language::En => &self.told[1],
+            Language::Zh => &self.reports[0],
+            Language::En => &self.reports[1],
         }
     }
 }
 
 /// The result of a check.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Checked {
+pub struct TextCheck {
     /// The revision of the checked text.
     pub revision: u64,
     /// The alarms in the order of execution.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<TextFinding>,
     /// Texts of likely mistakes that raise no alarm, each with its line.
     pub warnings: Vec<Message>,
     /// What the program does.
-    pub look: FirstLook,
+    pub first_look: ProgramSummary,
     /// The numbers of the programs in the control's memory.
-    pub memory: Vec<u16>,
+    pub stored_programs: Vec<u16>,
 }
 
-impl Checked {
+impl TextCheck {
     /// Whether the check stopped at its limit before the end of the program.
-    pub fn is_given_up(&self) -> bool {
-        self.look.end == End::Limit
+    pub fn is_incomplete(&self) -> bool {
+        self.first_look.end == PreviewEnd::Limit
     }
 }
 
 /// A text to check.
-struct Job {
+struct CheckJob {
     revision: u64,
     /// The name of a program without a number.
     name: String,
@@ -77,51 +77,51 @@ struct Job {
 }
 
 /// Checks texts in a background thread, only the newest one.
-pub struct Checker {
-    jobs: Sender<Job>,
+pub struct TextChecker {
+    jobs: Sender<CheckJob>,
     newest: Arc<AtomicU64>,
     /// The revision that was sent last.
-    asked: Option<u64>,
-    results: Arc<ArrayQueue<Checked>>,
+    sent_revision: Option<u64>,
+    results: Arc<ArrayQueue<TextCheck>>,
 }
 
-impl Checker {
+impl TextChecker {
     /// Starts the thread.
     pub fn new(console: &Console) -> Self {
         let (jobs, from_view) = unbounded();
         let newest = Arc::new(AtomicU64::new(0));
         let results = Arc::new(ArrayQueue::new(1));
-        let worker = Worker {
+        let worker = CheckWorker {
             console: console.clone(),
             jobs: from_view,
             newest: Arc::clone(&newest),
             results: Arc::clone(&results),
         };
         // Without a thread nothing is marked in the text. Nothing else depends on it.
-        let _ = platform::turn("program view", move || worker.turn());
+        let _ = platform::start_task("program view", move || worker.run_once());
         Self {
             jobs,
             newest,
-            asked: None,
+            sent_revision: None,
             results,
         }
     }
 
     /// Sends a text to the thread, unless this revision was sent already.
-    pub fn ask(
+    pub fn request_check(
         &mut self,
         revision: u64,
         context: &Context,
         text: impl FnOnce() -> (String, String),
     ) {
-        if self.asked == Some(revision) {
+        if self.sent_revision == Some(revision) {
             return;
         }
-        self.asked = Some(revision);
+        self.sent_revision = Some(revision);
         self.newest.store(revision, Ordering::Relaxed);
         let (name, text) = text();
         // The thread exists as long as this end of its channel.
-        let _ = self.jobs.send(Job {
+        let _ = self.jobs.send(CheckJob {
             revision,
             name,
             text,
@@ -129,27 +129,27 @@ impl Checker {
         });
     }
 
-    /// Makes the next call of [`Self::ask`] send the text even if its revision is the same.
-    pub const fn forget(&mut self) {
-        self.asked = None;
+    /// Makes the next call of [`Self::request_check`] send the text even if its revision is the same.
+    pub const fn force_next_check(&mut self) {
+        self.sent_revision = None;
     }
 
     /// Takes the result of the last check.
-    pub fn result(&self) -> Option<Checked> {
+    pub fn take_result(&self) -> Option<TextCheck> {
         self.results.pop()
     }
 }
 
-struct Worker {
+struct CheckWorker {
     console: Console,
-    jobs: Receiver<Job>,
+    jobs: Receiver<CheckJob>,
     newest: Arc<AtomicU64>,
-    results: Arc<ArrayQueue<Checked>>,
+    results: Arc<ArrayQueue<TextCheck>>,
 }
 
-impl Worker {
+impl CheckWorker {
     /// Waits for a text and checks it. Returns `false` when the window's end is gone.
-    fn turn(&self) -> bool {
+    fn run_once(&self) -> bool {
         let first = match platform::receive(&self.jobs, None) {
             Ok(job) => job,
             Err(none) => return none == RecvTimeoutError::Timeout,
@@ -157,8 +157,8 @@ impl Worker {
         let job = self.jobs.try_iter().last().unwrap_or(first);
         let setup = self.console.setup().unwrap_or_default();
         let is_newest = || self.newest.load(Ordering::Relaxed) == job.revision;
-        let limit = WorkLimit::new(BUDGET);
-        let checked = check(&job, setup, &mut |progress| {
+        let limit = WorkLimit::new(WORK_BUDGET);
+        let checked = check_text(&job, setup, &mut |progress| {
             limit.allows(progress) && is_newest()
         });
         if is_newest() {
@@ -169,11 +169,11 @@ impl Worker {
     }
 }
 
-fn check(
-    job: &Job,
+fn check_text(
+    job: &CheckJob,
     mut setup: Setup,
-    goes_on: &mut dyn FnMut(&gsk_core::preview::Progress) -> bool,
-) -> Checked {
+    may_continue: &mut dyn FnMut(&gsk_core::preview::PreviewProgress) -> bool,
+) -> TextCheck {
     let program = Program::new(job.text.as_str());
     let name = program.number();
     let name = name.map_or_else(|| job.name.clone(), |number| format!("O{number:04}"));
@@ -181,22 +181,23 @@ fn check(
     let memory = programs.iter().map(|(number, _)| number).collect();
     programs.open_external(program.clone());
     programs.select(ProgramId::External);
-    let (look, alarms, cautions) = first_look::look_beyond(name, &setup, goes_on);
+    let (look, alarms, cautions) =
+        program_summary::summarize_past_alarms(name, &setup, may_continue);
     let programs = &setup.memory.programs;
-    Checked {
+    TextCheck {
         revision: job.revision,
         findings: alarms
             .iter()
-            .map(|alarm| finding(alarm, programs, &program))
+            .map(|alarm| to_finding(alarm, programs, &program))
             .collect(),
-        warnings: cautions.iter().map(Caution::sentence).collect(),
-        look,
-        memory,
+        warnings: cautions.iter().map(Caution::message_with_line).collect(),
+        first_look: look,
+        stored_programs: memory,
     }
 }
 
-fn finding(alarm: &Alarm, programs: &ProgramMemory, program: &Program) -> Finding {
-    let told = [Language::Zh, Language::En]
+fn to_finding(alarm: &Alarm, programs: &ProgramMemory, program: &Program) -> TextFinding {
+    let reports = [Language::Zh, Language::En]
         .map(|language| AlarmReport::new(alarm, programs, Some(language)));
     let here = alarm
         .source
@@ -209,10 +210,10 @@ fn finding(alarm: &Alarm, programs: &ProgramMemory, program: &Program) -> Findin
         from..characters(at.bytes.end).max(from + 1)
     });
     let line = at.map(|at| at.line);
-    Finding {
+    TextFinding {
         line: line.map(|line| line.saturating_sub(1) as usize),
         columns,
-        told,
+        reports,
     }
 }
 
@@ -220,34 +221,34 @@ fn finding(alarm: &Alarm, programs: &ProgramMemory, program: &Program) -> Findin
 mod tests {
     use super::*;
 
-    fn found(text: &str) -> Checked {
-        let job = Job {
+    fn check_program(text: &str) -> TextCheck {
+        let job = CheckJob {
             revision: 7,
             name: "part.CNC".to_owned(),
             text: text.to_owned(),
             context: Context::default(),
         };
-        check(&job, Setup::default(), &mut |progress| {
+        check_text(&job, Setup::default(), &mut |progress| {
             progress.moves < 1000
         })
     }
 
     #[test]
-    fn alarms_stand_at_their_words() {
-        let checked = found("O0001\nG00 X20 Z2\nG01 Z-5\nX30.12345 F100\nM30\n");
+    fn alarms_are_at_their_words() {
+        let checked = check_program("O0001\nG00 X20 Z2\nG01 Z-5\nX30.12345 F100\nM30\n");
         assert_eq!(checked.revision, 7);
         let [first, ..] = &checked.findings[..] else {
             panic!("{checked:?}");
         };
         assert_eq!((first.line, first.columns.clone()), (Some(2), 0..7));
-        assert_eq!(first.told(Language::En).number, 11);
-        assert!(first.told(Language::Zh).way_out.is_some());
-        let profile = found(
+        assert_eq!(first.report(Language::En).number, 11);
+        assert!(first.report(Language::Zh).way_out.is_some());
+        let profile = check_program(
             "T0101 M03 S500\nG00 X62 Z2\nG71 U2 R1\nG71 P1 Q2 U1 F100\nN1 G00 X20\nG01 Z-9\n\
              N2 G02 X40 Z-45 R2\nM30\n",
         );
         assert_eq!(profile.findings[0].line, Some(6), "{profile:?}");
-        let syntax = found("G00 X20 ?\nM30\n");
+        let syntax = check_program("G00 X20 ?\nM30\n");
         let [first, ..] = &syntax.findings[..] else {
             panic!("{syntax:?}");
         };
@@ -256,8 +257,8 @@ mod tests {
 
     #[test]
     fn a_right_program_has_none_and_one_without_end_says_so() {
-        let right = found("G00 X20 Z2\nG01 Z-5 F100\nM30\n");
-        assert!(right.findings.is_empty() && !right.is_given_up());
-        assert!(found("N1 G01 U1 F6000\nU-1\nG65 H80 P1\n").is_given_up());
+        let right = check_program("G00 X20 Z2\nG01 Z-5 F100\nM30\n");
+        assert!(right.findings.is_empty() && !right.is_incomplete());
+        assert!(check_program("N1 G01 U1 F6000\nU-1\nG65 H80 P1\n").is_incomplete());
     }
 }

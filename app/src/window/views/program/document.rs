@@ -4,21 +4,21 @@ use std::path::{Path, PathBuf};
 
 use gsk_core::program::Program;
 
-use crate::files::decode::{Encoding, encode};
+use crate::files::decode::{TextEncoding, encode};
 use crate::files::program_file::ProgramFile;
 
 /// Greatest size of a text that can be edited, bytes. The editor lays out the whole text and
 /// would be slow with a larger one.
-pub const LARGEST_EDITED: usize = 300_000;
+pub const MAX_EDITABLE_BYTES: usize = 300_000;
 
 /// The source of a text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub enum Origin {
+pub enum TextOrigin {
     /// A new text without a source.
     #[default]
     New,
     /// A file with its encoding.
-    File(PathBuf, Encoding),
+    File(PathBuf, TextEncoding),
     /// A program in the control's memory, by its number.
     Memory(u16),
 }
@@ -34,7 +34,7 @@ pub enum LineEnd {
 }
 
 impl LineEnd {
-    const fn text(self) -> &'static str {
+    const fn terminator(self) -> &'static str {
         match self {
             Self::Lf => "\n",
             Self::CrLf => "\r\n",
@@ -43,7 +43,7 @@ impl LineEnd {
     }
 
     /// The line end that most lines of a text have.
-    fn of(text: &str) -> Self {
+    fn detect(text: &str) -> Self {
         let both = text.matches("\r\n").count();
         let feeds = text.matches('\n').count() - both;
         let returns = text.matches('\r').count() - both;
@@ -59,94 +59,97 @@ impl LineEnd {
 
 /// The text in the editor.
 #[derive(Clone, Debug, Default)]
-pub struct Document {
-    pub origin: Origin,
+pub struct ProgramDocument {
+    pub origin: TextOrigin,
     /// The text; its lines end with LF.
     pub text: String,
     /// Incremented by each change of the text.
     pub revision: u64,
-    line_end: LineEnd,
+    original_line_end: LineEnd,
     /// The text that was read or saved last.
-    kept: String,
-    unsaved: bool,
+    saved_text: String,
+    is_changed: bool,
     /// Start of each line, bytes.
-    lines: Vec<usize>,
+    line_starts: Vec<usize>,
 }
 
-impl Document {
+impl ProgramDocument {
     /// Creates a document that is not changed.
-    pub fn new(origin: Origin, text: &str) -> Self {
-        let line_end = LineEnd::of(text);
+    pub fn new(origin: TextOrigin, text: &str) -> Self {
+        let line_end = LineEnd::detect(text);
         let text = with_line_feeds(text);
         let mut document = Self {
             origin,
-            kept: text.clone(),
+            saved_text: text.clone(),
             text,
-            line_end,
+            original_line_end: line_end,
             ..Self::default()
         };
-        document.lines = line_starts(&document.text);
+        document.line_starts = find_line_starts(&document.text);
         document
     }
 
     /// Creates a document from a file that was read.
-    pub fn of_file(file: &ProgramFile) -> Self {
-        Self::new(Origin::File(file.path.clone(), file.encoding), &file.text)
+    pub fn from_file(file: &ProgramFile) -> Self {
+        Self::new(
+            TextOrigin::File(file.path.clone(), file.encoding),
+            &file.text,
+        )
     }
 
     /// Updates the derived data. Must be called after each change of `text`.
-    pub fn changed(&mut self) {
+    pub fn update_after_change(&mut self) {
         self.revision += 1;
-        self.unsaved = self.text != self.kept;
-        self.lines = line_starts(&self.text);
+        self.is_changed = self.text != self.saved_text;
+        self.line_starts = find_line_starts(&self.text);
     }
 
     /// Whether the text differs from the one that was read or saved last.
     pub const fn is_unsaved(&self) -> bool {
-        self.unsaved
+        self.is_changed
     }
 
     /// Whether the text is small enough to be edited.
-    pub const fn is_edited(&self) -> bool {
-        self.text.len() <= LARGEST_EDITED
+    pub const fn is_editable(&self) -> bool {
+        self.text.len() <= MAX_EDITABLE_BYTES
     }
 
     /// Records a saved text and where it was saved. Later changes remain unsaved.
-    pub fn saved(&mut self, text: String, origin: Origin) {
-        self.kept = text;
+    pub fn mark_saved(&mut self, text: String, origin: TextOrigin) {
+        self.saved_text = text;
         self.origin = origin;
-        self.unsaved = self.text != self.kept;
+        self.is_changed = self.text != self.saved_text;
     }
 
     /// The bytes of the text in a file: with this encoding and the original line ends.
-    pub fn bytes(&self, encoding: Encoding) -> Vec<u8> {
-        encode(&self.with_its_line_ends(), encoding)
+    pub fn to_bytes(&self, encoding: TextEncoding) -> Vec<u8> {
+        encode(&self.with_original_line_ends(), encoding)
     }
 
     /// The encoding of the document's file; UTF-8 without a file.
-    pub const fn encoding(&self) -> Encoding {
+    pub const fn encoding(&self) -> TextEncoding {
         match self.origin {
-            Origin::File(_, encoding) => encoding,
-            Origin::New | Origin::Memory(_) => Encoding::Utf8,
+            TextOrigin::File(_, encoding) => encoding,
+            TextOrigin::New | TextOrigin::Memory(_) => TextEncoding::Utf8,
         }
     }
 
     /// The text as a program of the control.
-    pub fn program(&self) -> Program {
+    pub fn to_program(&self) -> Program {
         Program::new(self.text.as_str())
     }
 
     pub const fn line_count(&self) -> usize {
-        self.lines.len()
+        self.line_starts.len()
     }
 
     /// The line with this index, from 0, without its end; empty after the last line.
     pub fn line(&self, index: usize) -> &str {
-        let Some(from) = self.lines.get(index).copied() else {
+        let Some(from) = self.line_starts.get(index).copied() else {
             return "";
         };
         let to = self
-            .lines
+            .line_starts
             .get(index + 1)
             .map_or(self.text.len(), |next| next - 1);
         self.text.get(from..to).unwrap_or_default()
@@ -154,23 +157,26 @@ impl Document {
 
     /// The start of a line, bytes; the end of the text after the last line.
     pub fn line_start(&self, index: usize) -> usize {
-        self.lines.get(index).copied().unwrap_or(self.text.len())
+        self.line_starts
+            .get(index)
+            .copied()
+            .unwrap_or(self.text.len())
     }
 
     /// The index of the line at a byte, from 0.
     pub fn line_at(&self, byte: usize) -> usize {
-        let after = self.lines.partition_point(|start| *start <= byte);
+        let after = self.line_starts.partition_point(|start| *start <= byte);
         after.saturating_sub(1)
     }
 
     /// The byte at which a character begins.
-    pub fn byte_of(&self, character: usize) -> usize {
+    pub fn byte_of_character(&self, character: usize) -> usize {
         let mut letters = self.text.char_indices();
         letters.nth(character).map_or(self.text.len(), |(at, _)| at)
     }
 
     /// The number of characters before a byte.
-    pub fn character_of(&self, byte: usize) -> usize {
+    pub fn character_at_byte(&self, byte: usize) -> usize {
         let before = self.text.get(..byte).unwrap_or(&self.text);
         before.chars().count()
     }
@@ -178,16 +184,16 @@ impl Document {
     /// The name of its file, or its program number; empty for a new text.
     pub fn name(&self) -> String {
         match &self.origin {
-            Origin::File(path, _) => file_name(path),
-            Origin::Memory(number) => format!("O{number:04}"),
-            Origin::New => String::new(),
+            TextOrigin::File(path, _) => file_name(path),
+            TextOrigin::Memory(number) => format!("O{number:04}"),
+            TextOrigin::New => String::new(),
         }
     }
 
-    fn with_its_line_ends(&self) -> String {
-        match self.line_end {
+    fn with_original_line_ends(&self) -> String {
+        match self.original_line_end {
             LineEnd::Lf => self.text.clone(),
-            end => self.text.replace('\n', end.text()),
+            end => self.text.replace('\n', end.terminator()),
         }
     }
 }
@@ -203,7 +209,7 @@ pub fn file_name(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-fn line_starts(text: &str) -> Vec<usize> {
+fn find_line_starts(text: &str) -> Vec<usize> {
     let after = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
     core::iter::once(0)
         .chain(after.map(|(at, _)| at + 1))
@@ -216,51 +222,51 @@ mod tests {
     use crate::files::decode::decode;
 
     #[test]
-    fn a_file_goes_back_as_it_came() {
+    fn a_file_is_written_back_unchanged() {
         let texts = ["O0001\r\n(粗车)\r\nM30\r\n", "O1\nM30\n", "O1\rG0X1\rM30"];
         let encodings = [
-            Encoding::Gb18030,
-            Encoding::Utf8Marked,
-            Encoding::Utf16Little,
+            TextEncoding::Gb18030,
+            TextEncoding::Utf8Marked,
+            TextEncoding::Utf16Little,
         ];
         for text in texts {
             for encoding in encodings {
                 let bytes = encode(text, encoding);
                 let decoded = decode(bytes.clone()).expect("text");
-                let origin = Origin::File(PathBuf::from("a.CNC"), decoded.encoding);
-                let document = Document::new(origin, &decoded.text);
+                let origin = TextOrigin::File(PathBuf::from("a.CNC"), decoded.encoding);
+                let document = ProgramDocument::new(origin, &decoded.text);
                 assert!(!document.text.contains('\r'));
                 if decoded.encoding == encoding {
-                    assert_eq!(document.bytes(document.encoding()), bytes);
+                    assert_eq!(document.to_bytes(document.encoding()), bytes);
                 }
             }
         }
     }
 
     #[test]
-    fn what_is_typed_and_taken_back_is_not_unsaved() {
-        let mut document = Document::new(Origin::New, "G00 X1\nM30\n");
+    fn an_undone_change_is_not_unsaved() {
+        let mut document = ProgramDocument::new(TextOrigin::New, "G00 X1\nM30\n");
         document.text.push_str("G00");
-        document.changed();
+        document.update_after_change();
         assert!(document.is_unsaved());
         document.text.truncate(11);
-        document.changed();
+        document.update_after_change();
         assert!(!document.is_unsaved());
         assert_eq!((document.revision, document.line_count()), (2, 3));
         document.text.insert(0, '车');
-        document.changed();
-        document.saved(document.text.clone(), Origin::Memory(3));
+        document.update_after_change();
+        document.mark_saved(document.text.clone(), TextOrigin::Memory(3));
         assert!(!document.is_unsaved() && document.name() == "O0003");
     }
 
     #[test]
     fn lines_bytes_and_characters_agree() {
-        let document = Document::new(Origin::New, "(车)\nG00\n\nM30");
+        let document = ProgramDocument::new(TextOrigin::New, "(车)\nG00\n\nM30");
         assert_eq!(document.line_count(), 4);
         let lines: Vec<&str> = (0..5).map(|index| document.line(index)).collect();
         assert_eq!(lines, ["(车)", "G00", "", "M30", ""]);
         let byte = document.line_start(1);
-        assert_eq!((byte, document.character_of(byte)), (6, 4));
-        assert_eq!((document.byte_of(4), document.line_at(8)), (6, 1));
+        assert_eq!((byte, document.character_at_byte(byte)), (6, 4));
+        assert_eq!((document.byte_of_character(4), document.line_at(8)), (6, 1));
     }
 }

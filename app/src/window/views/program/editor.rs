@@ -13,56 +13,58 @@ use gsk_language::meaning::word_meaning;
 use gsk_language::words::{spans, word_of};
 use gsk_messages::{Language, say};
 
-use super::check::Finding;
-use super::document::Document;
-use super::paint::{self, Painter, wrong_in};
-use super::targets::Target;
+use super::check::TextFinding;
+use super::document::ProgramDocument;
+use super::paint::{self, TextColorizer, find_alarm_ranges};
+use super::targets::JumpTarget;
 
-const SIZE: f32 = 15.0;
-const GROUND: Color32 = Color32::from_gray(22);
-const GROUND_OF_NUMBERS: Color32 = Color32::from_gray(30);
-const NUMBERS: Color32 = Color32::from_gray(110);
+const FONT_SIZE: f32 = 15.0;
+const BACKGROUND: Color32 = Color32::from_gray(22);
+const NUMBERS_BACKGROUND: Color32 = Color32::from_gray(30);
+const NUMBERS_COLOR: Color32 = Color32::from_gray(110);
 /// Width of a digit of a line number, and margin beside the numbers, points.
-const DIGIT: f32 = 9.0;
-const BESIDE: f32 = 14.0;
+const DIGIT_WIDTH: f32 = 9.0;
+const NUMBERS_MARGIN: f32 = 14.0;
 
 /// What the text field shows.
-pub struct Sheet<'a> {
-    pub document: &'a mut Document,
+pub struct EditorInputs<'a> {
+    pub document: &'a mut ProgramDocument,
     /// The revision that was checked, and its findings.
-    pub marks: (Option<u64>, &'a [Finding]),
+    pub marks: (Option<u64>, &'a [TextFinding]),
     /// The language of the hover texts.
     pub language: Language,
 }
 
 /// What the user did with the text.
 #[derive(Debug, Default)]
-pub struct Done {
-    pub changed: bool,
+pub struct EditorResponse {
+    pub is_changed: bool,
     /// The target of a word that was clicked with Ctrl, and the line of that word.
-    pub followed: Option<(Target, usize)>,
+    pub clicked_target: Option<(JumpTarget, usize)>,
 }
 
 /// The id of the text field.
-pub fn id() -> Id {
+pub fn text_field_id() -> Id {
     Id::unique("program text")
 }
 
 /// The range of characters that the cursor selects; `None` if there is no cursor.
-pub fn cursor(context: &Context) -> Option<Range<usize>> {
-    let range = TextEditState::load(context, id())?.cursor.char_range()?;
+pub fn cursor_range(context: &Context) -> Option<Range<usize>> {
+    let range = TextEditState::load(context, text_field_id())?
+        .cursor
+        .char_range()?;
     let range = range.as_sorted_char_range();
     Some(range.start.0..range.end.0)
 }
 
-/// Undoes the last change, or redoes it if `again` is set. Returns the text, or `None` if
+/// Undoes the last change, or redoes it if `redo` is set. Returns the text, or `None` if
 /// there is no such change.
-pub fn step(context: &Context, text: &str, again: bool) -> Option<String> {
-    let mut state = TextEditState::load(context, id())?;
+pub fn undo_or_redo(context: &Context, text: &str, redo: bool) -> Option<String> {
+    let mut state = TextEditState::load(context, text_field_id())?;
     let mut undoer = state.undoer();
     let here = state.cursor.char_range().unwrap_or_default();
     let now = (here, text.to_owned());
-    let step = if again {
+    let step = if redo {
         undoer.redo(&now)
     } else {
         undoer.undo(&now)
@@ -70,67 +72,73 @@ pub fn step(context: &Context, text: &str, again: bool) -> Option<String> {
     let (range, text) = step?.clone();
     state.cursor.set_char_range(Some(range));
     state.set_undoer(undoer);
-    state.store(context, id());
+    state.store(context, text_field_id());
     Some(text)
 }
 
 /// Clears undo steps and cursor when another text is loaded.
-pub fn forget(context: &Context) {
-    if let Some(mut state) = TextEditState::load(context, id()) {
+pub fn clear_undo(context: &Context) {
+    if let Some(mut state) = TextEditState::load(context, text_field_id()) {
         state.clear_undoer();
         state.cursor.set_char_range(None);
-        state.store(context, id());
+        state.store(context, text_field_id());
     }
 }
 
 /// Draws an editable text. `jump`: a range of characters to select and scroll to.
-pub fn edit(
+pub fn show_editable(
     ui: &mut Ui,
-    sheet: Sheet<'_>,
-    painter: &mut Painter,
+    sheet: EditorInputs<'_>,
+    painter: &mut TextColorizer,
     jump: &mut Option<Range<usize>>,
-) -> Done {
-    let font = FontId::monospace(SIZE);
-    let left = width_of_numbers(sheet.document.line_count());
-    let Sheet {
+) -> EditorResponse {
+    let font = FontId::monospace(FONT_SIZE);
+    let numbers_width = line_numbers_width(sheet.document.line_count());
+    let EditorInputs {
         document,
         marks,
         language,
     } = sheet;
-    ui.painter().rect_filled(ui.max_rect(), 0.0, GROUND);
+    ui.painter().rect_filled(ui.max_rect(), 0.0, BACKGROUND);
     let area = ScrollArea::both()
         .auto_shrink([false, false])
         .id_salt("text");
     area.show(ui, |ui| {
         let mut layouter = |ui: &Ui, buffer: &dyn egui::TextBuffer, _wrap: f32| {
-            let job = painter.job(buffer.as_str(), &font, marks);
+            let job = painter.layout_text(buffer.as_str(), &font, marks);
             ui.fonts_mut(|fonts| fonts.layout_job(job))
         };
-        let room = ui.available_size();
+        let available = ui.available_size();
         let margin = Margin {
-            left: left as i8,
+            left: numbers_width as i8,
             ..Margin::same(4)
         };
         let mut output = TextEdit::multiline(&mut document.text)
-            .id(id())
+            .id(text_field_id())
             .code_editor()
             // Tab moves the focus: a program does not use tabs, and the keyboard must get out.
             .lock_focus(false)
             .frame(Frame::NONE.inner_margin(margin))
             .desired_width(f32::INFINITY)
-            .min_size(room)
+            .min_size(available)
             .layouter(&mut layouter)
             .show(ui);
         let response = output.response.response.clone();
         let name = say::program_text().text(language);
         response
             .widget_info(|| egui::WidgetInfo::labeled(egui::Role::MultilineTextInput, true, &name));
-        let done = Done {
-            changed: response.changed(),
-            followed: followed(ui, document, &response, &output.galley, output.galley_pos),
+        let done = EditorResponse {
+            is_changed: response.changed(),
+            clicked_target: find_clicked_target(
+                ui,
+                document,
+                &response,
+                &output.galley,
+                output.galley_pos,
+            ),
         };
-        if done.changed {
-            document.changed();
+        if done.is_changed {
+            document.update_after_change();
         }
         if let Some(range) = jump.take() {
             let (from, to) = (CCursor::new(range.start), CCursor::new(range.end));
@@ -138,7 +146,7 @@ pub fn edit(
                 .state
                 .cursor
                 .set_char_range(Some(CCursorRange::two(from, to)));
-            output.state.store(ui.ctx(), id());
+            output.state.store(ui.ctx(), text_field_id());
             response.request_focus();
             let at = output.galley.pos_from_cursor(from);
             ui.scroll_to_rect(
@@ -146,8 +154,8 @@ pub fn edit(
                 Some(Align::Center),
             );
         }
-        numbers(ui, &output.galley, output.galley_pos, left);
-        tip(
+        draw_line_numbers(ui, &output.galley, output.galley_pos, numbers_width);
+        show_hover_text(
             document,
             marks.1,
             language,
@@ -161,12 +169,12 @@ pub fn edit(
 }
 
 /// Draws a read-only text, only its visible lines. `jump`: a line to scroll to.
-pub fn show(ui: &mut Ui, sheet: &Sheet<'_>, jump: Option<usize>) {
-    let font = FontId::monospace(SIZE);
+pub fn show_read_only(ui: &mut Ui, sheet: &EditorInputs<'_>, jump: Option<usize>) {
+    let font = FontId::monospace(FONT_SIZE);
     let count = sheet.document.line_count();
-    let left = width_of_numbers(count);
+    let numbers_width = line_numbers_width(count);
     let height = ui.fonts_mut(|fonts| fonts.row_height(&font));
-    ui.painter().rect_filled(ui.max_rect(), 0.0, GROUND);
+    ui.painter().rect_filled(ui.max_rect(), 0.0, BACKGROUND);
     ui.spacing_mut().item_spacing.y = 0.0;
     let mut area = ScrollArea::both()
         .auto_shrink([false, false])
@@ -178,35 +186,38 @@ pub fn show(ui: &mut Ui, sheet: &Sheet<'_>, jump: Option<usize>) {
     area.show_rows(ui, height, count, |ui, rows| {
         for index in rows {
             let mut job = LayoutJob::default();
-            let wrong = wrong_in(sheet.marks.1, index);
-            paint::line(&mut job, sheet.document.line(index), &font, &wrong);
+            let wrong = find_alarm_ranges(sheet.marks.1, index);
+            paint::append_line(&mut job, sheet.document.line(index), &font, &wrong);
             let galley = ui.fonts_mut(|fonts| fonts.layout_job(job));
-            let size = vec2(left + galley.size().x, height);
-            let (place, _) = ui.allocate_exact_size(size, egui::Sense::HOVER);
-            let at = place.left_top() + vec2(left, 0.0);
+            let size = vec2(numbers_width + galley.size().x, height);
+            let (rect, _) = ui.allocate_exact_size(size, egui::Sense::HOVER);
+            let at = rect.left_top() + vec2(numbers_width, 0.0);
             ui.painter().galley(at, galley, Color32::WHITE);
-            number(
+            draw_line_number(
                 ui,
                 index + 1,
-                pos2(place.left() + left - BESIDE / 2.0, place.top()),
+                pos2(
+                    rect.left() + numbers_width - NUMBERS_MARGIN / 2.0,
+                    rect.top(),
+                ),
             );
         }
     });
 }
 
-fn width_of_numbers(lines: usize) -> f32 {
+fn line_numbers_width(lines: usize) -> f32 {
     let digits = lines.max(100).to_string().len();
-    DIGIT * digits as f32 + BESIDE
+    DIGIT_WIDTH * digits as f32 + NUMBERS_MARGIN
 }
 
 /// Draws line numbers beside the visible rows. They do not move when long lines are scrolled.
-fn numbers(ui: &Ui, galley: &Galley, origin: Pos2, width: f32) {
+fn draw_line_numbers(ui: &Ui, galley: &Galley, origin: Pos2, width: f32) {
     let clip = ui.clip_rect();
     let column = Rect::from_min_max(
         clip.left_top(),
         pos2(clip.left() + width - 4.0, clip.bottom()),
     );
-    ui.painter().rect_filled(column, 0.0, GROUND_OF_NUMBERS);
+    ui.painter().rect_filled(column, 0.0, NUMBERS_BACKGROUND);
     let mut line = 1;
     for row in &galley.rows {
         let top = origin.y + row.pos.y;
@@ -214,16 +225,16 @@ fn numbers(ui: &Ui, galley: &Galley, origin: Pos2, width: f32) {
             break;
         }
         if top + row.size.y >= clip.top() {
-            number(ui, line, pos2(column.right() - BESIDE / 2.0, top));
+            draw_line_number(ui, line, pos2(column.right() - NUMBERS_MARGIN / 2.0, top));
         }
         line += usize::from(row.ends_with_newline);
     }
 }
 
-fn number(ui: &Ui, line: usize, at: Pos2) {
-    let font = FontId::monospace(SIZE - 2.0);
+fn draw_line_number(ui: &Ui, line: usize, at: Pos2) {
+    let font = FontId::monospace(FONT_SIZE - 2.0);
     ui.painter()
-        .text(at, Align2::RIGHT_TOP, line, font, NUMBERS);
+        .text(at, Align2::RIGHT_TOP, line, font, NUMBERS_COLOR);
 }
 
 /// Index of the character at a position in the window.
@@ -232,31 +243,31 @@ fn character_at(galley: &Galley, origin: Pos2, at: Pos2) -> usize {
 }
 
 /// The target of the word under the pointer if it was clicked with Ctrl, and its line.
-fn followed(
+fn find_clicked_target(
     ui: &Ui,
-    document: &Document,
+    document: &ProgramDocument,
     response: &Response,
     galley: &Galley,
     origin: Pos2,
-) -> Option<(Target, usize)> {
+) -> Option<(JumpTarget, usize)> {
     let command = ui.input(|input| input.modifiers.command);
     if !response.clicked() || !command {
         return None;
     }
     let at = response.interact_pointer_pos()?;
-    let byte = document.byte_of(character_at(galley, origin, at));
+    let byte = document.byte_of_character(character_at(galley, origin, at));
     let line = document.line_at(byte);
     let (text, column) = (document.line(line), byte - document.line_start(line));
     let span = spans(text)
         .into_iter()
         .find(|span| span.range.contains(&column))?;
-    Target::of(text, &span).map(|target| (target, line))
+    JumpTarget::from_word(text, &span).map(|target| (target, line))
 }
 
 /// Shows the meaning of the word under the pointer and its alarms as a hover text.
-fn tip(
-    document: &Document,
-    findings: &[Finding],
+fn show_hover_text(
+    document: &ProgramDocument,
+    findings: &[TextFinding],
     language: Language,
     response: &Response,
     galley: &Galley,
@@ -265,7 +276,7 @@ fn tip(
     let Some(at) = response.hover_pos() else {
         return;
     };
-    let byte = document.byte_of(character_at(galley, origin, at));
+    let byte = document.byte_of_character(character_at(galley, origin, at));
     let line = document.line_at(byte);
     let (text, column) = (document.line(line), byte - document.line_start(line));
     let span = spans(text)
@@ -275,9 +286,9 @@ fn tip(
     let mut lines: Vec<String> = Vec::new();
     lines.extend(
         word.and_then(|it| word_meaning(&it))
-            .map(|said| said.text(language)),
+            .map(|meaning| meaning.text(language)),
     );
-    if span.is_some_and(|span| Target::of(text, &span).is_some()) {
+    if span.is_some_and(|span| JumpTarget::from_word(text, &span).is_some()) {
         lines.push(say::program_lead().text(language));
     }
     let character = text
@@ -285,12 +296,12 @@ fn tip(
         .map_or(0, |before| before.chars().count());
     let here = findings.iter().filter(|finding| finding.line == Some(line));
     for finding in here.filter(|finding| finding.columns.contains(&character)) {
-        lines.push(finding.told(language).sentence(Some(language)));
+        lines.push(finding.report(language).sentence(Some(language)));
     }
     // There is no word after the end of a line.
     let row = galley.pos_from_cursor(galley.cursor_from_pos(at - origin));
-    let near = (row.center() + origin.to_vec2() - at).length() < 2.0 * SIZE;
-    if near && !lines.is_empty() {
+    let is_near = (row.center() + origin.to_vec2() - at).length() < 2.0 * FONT_SIZE;
+    if is_near && !lines.is_empty() {
         response.clone().on_hover_text_at_pointer(lines.join("\n"));
     }
 }

@@ -3,8 +3,8 @@
 
 mod bar;
 mod check;
-mod desk;
 mod document;
+mod document_store;
 mod editor;
 mod paint;
 mod targets;
@@ -16,21 +16,21 @@ use gsk_core::command::ProgramId;
 use gsk_messages::{Language, Message, say};
 
 use super::{bar_frame, plain_frame, side_frame};
-use crate::kernel::{Console, Place};
+use crate::kernel::{Console, ProgramPlacement};
 use crate::window::focus;
-use crate::window::message::why_not;
-use bar::{Bar, Wish};
-use check::{Checked, Checker};
-use desk::{Arrived, Desk};
+use crate::window::status_message::not_stored_reason;
+use bar::{EditorCommand, ProgramBar};
+use check::{TextCheck, TextChecker};
 use document::file_name;
-pub use document::{Document, Origin, with_line_feeds};
-use editor::Sheet;
-use paint::{Painter, WRONG};
-use targets::Target;
+pub use document::{ProgramDocument, TextOrigin, with_line_feeds};
+use document_store::{DocumentEvent, DocumentStore};
+use editor::EditorInputs;
+use paint::{ALARM_COLOR, TextColorizer};
+use targets::JumpTarget;
 
 /// A text that shall be loaded into the editor.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Next {
+enum TextToLoad {
     /// An empty text.
     New,
     /// A file that the user chooses.
@@ -41,51 +41,56 @@ enum Next {
 }
 
 pub struct ProgramView {
-    document: Document,
-    desk: Desk,
-    checker: Checker,
-    checked: Option<Checked>,
-    painter: Painter,
-    bar: Bar,
+    document: ProgramDocument,
+    document_store: DocumentStore,
+    checker: TextChecker,
+    last_check: Option<TextCheck>,
+    painter: TextColorizer,
+    bar: ProgramBar,
     /// The range of characters to select and scroll to.
-    jump: Option<Range<usize>>,
+    selection_to_show: Option<Range<usize>>,
     /// End of the last search match, bytes. A read-only text has no cursor to search from.
-    found: usize,
+    search_start: usize,
     /// The text to load once the current one is saved or discarded.
-    next: Option<Next>,
+    text_to_load: Option<TextToLoad>,
     /// A text was requested and has not arrived.
-    bringing: bool,
+    is_loading: bool,
     /// A request of another view.
-    wanted: Option<Wanted>,
+    request: Option<EditorRequest>,
     /// The revision that was last passed to other views.
-    told: u64,
+    reported_revision: u64,
     /// The last message of the view.
-    said: Option<Said>,
+    message: Option<EditorMessage>,
 }
 
 /// A request of another view.
-enum Wanted {
+enum EditorRequest {
     /// Show a block, identified by line and text.
-    Block { line: u32, text: String },
+    ShowBlock { line: u32, text: String },
     /// Replace the text `own` with `text`.
-    Text { own: String, text: String },
+    ReplaceText {
+        control_text: String,
+        new_text: String,
+    },
 }
 
-impl Wanted {
+impl EditorRequest {
     /// Whether the text that the request applies to is in the editor.
-    fn is_in(&self, document: &Document) -> bool {
+    fn applies_to(&self, document: &ProgramDocument) -> bool {
         match self {
-            Self::Block { line, text } => {
+            Self::ShowBlock { line, text } => {
                 let index = line.checked_sub(1).map(|index| index as usize);
                 index.is_some_and(|index| document.line(index).trim() == text.trim())
             }
-            Self::Text { own, .. } => document.text.trim() == with_line_feeds(own).trim(),
+            Self::ReplaceText {
+                control_text: own, ..
+            } => document.text.trim() == with_line_feeds(own).trim(),
         }
     }
 }
 
 /// A message of the view.
-enum Said {
+enum EditorMessage {
     Good(Message),
     Bad(Message),
     NotStored(crate::kernel::NotStored),
@@ -95,81 +100,87 @@ impl ProgramView {
     /// Creates the view. It loads the selected program of the control first.
     pub fn new(console: Console) -> Self {
         Self {
-            document: Document::new(Origin::New, ""),
-            checker: Checker::new(&console),
-            desk: Desk::new(console),
-            checked: None,
-            painter: Painter::default(),
-            bar: Bar::default(),
-            jump: None,
-            found: 0,
-            next: Some(Next::Memory(None)),
-            bringing: false,
-            wanted: None,
-            told: 0,
-            said: None,
+            document: ProgramDocument::new(TextOrigin::New, ""),
+            checker: TextChecker::new(&console),
+            document_store: DocumentStore::new(console),
+            last_check: None,
+            painter: TextColorizer::default(),
+            bar: ProgramBar::default(),
+            selection_to_show: None,
+            search_start: 0,
+            text_to_load: Some(TextToLoad::Memory(None)),
+            is_loading: false,
+            request: None,
+            reported_revision: 0,
+            message: None,
         }
     }
 
     /// Loads a program that was opened in the window.
-    pub fn opened(&mut self, path: Option<&Path>, place: &Place) {
-        self.next = Some(match (path, place) {
-            (Some(path), _) => Next::File(path.to_owned()),
-            (None, Place::Stored(number)) => Next::Memory(Some(*number)),
-            (None, Place::OnlyRun(_)) => return,
+    pub fn load_opened(&mut self, path: Option<&Path>, location: &ProgramPlacement) {
+        self.text_to_load = Some(match (path, location) {
+            (Some(path), _) => TextToLoad::File(path.to_owned()),
+            (None, ProgramPlacement::Stored(number)) => TextToLoad::Memory(Some(*number)),
+            (None, ProgramPlacement::OnlyRun(_)) => return,
         });
     }
 
     /// The document, if its revision has changed since the last call.
-    pub fn newly_typed(&mut self) -> Option<&Document> {
+    pub fn take_changed_document(&mut self) -> Option<&ProgramDocument> {
         let revision = self.document.revision;
-        (std::mem::replace(&mut self.told, revision) != revision).then_some(&self.document)
+        (std::mem::replace(&mut self.reported_revision, revision) != revision)
+            .then_some(&self.document)
     }
 
     /// Shows a block of a program. `text` is the text of the block in another view.
     pub fn show_block(&mut self, program: ProgramId, line: u32, text: String) {
-        self.wanted = Some(Wanted::Block { line, text });
-        self.bring_program(program);
+        self.request = Some(EditorRequest::ShowBlock { line, text });
+        self.load_program(program);
     }
 
     /// Replaces the control's text `own` with `text`. The change can be undone and is not
     /// saved.
-    pub fn take_over(&mut self, program: ProgramId, own: String, text: String) {
-        self.wanted = Some(Wanted::Text { own, text });
-        self.bring_program(program);
+    pub fn replace_text(&mut self, program: ProgramId, own: String, text: String) {
+        self.request = Some(EditorRequest::ReplaceText {
+            control_text: own,
+            new_text: text,
+        });
+        self.load_program(program);
     }
 
     /// Loads a program from the memory unless its text is in the editor.
-    fn bring_program(&mut self, program: ProgramId) {
+    fn load_program(&mut self, program: ProgramId) {
         let ProgramId::Stored(number) = program else {
             return;
         };
-        let wanted = self.wanted.as_ref();
-        if !wanted.is_some_and(|wanted| wanted.is_in(&self.document)) && self.next.is_none() {
-            self.next = Some(Next::Memory(Some(number)));
+        let request = self.request.as_ref();
+        if !request.is_some_and(|wanted| wanted.applies_to(&self.document))
+            && self.text_to_load.is_none()
+        {
+            self.text_to_load = Some(TextToLoad::Memory(Some(number)));
         }
     }
 
     /// Executes the request of another view once the text is loaded.
-    fn carry_out_wanted(&mut self, context: &Context) {
-        let Some(wanted) = self.wanted.take_if(|_| self.next.is_none()) else {
+    fn handle_request(&mut self, context: &Context) {
+        let Some(request) = self.request.take_if(|_| self.text_to_load.is_none()) else {
             return;
         };
-        if !wanted.is_in(&self.document) {
+        if !request.applies_to(&self.document) {
             // The text has not arrived yet.
-            if self.bringing {
-                self.wanted = Some(wanted);
+            if self.is_loading {
+                self.request = Some(request);
                 return;
             }
-            self.said = Some(Said::Bad(say::program_other_text()));
+            self.message = Some(EditorMessage::Bad(say::program_other_text()));
             return;
         }
-        match wanted {
-            Wanted::Block { line, .. } => self.go_to(Target::Line(line), 0, context),
-            Wanted::Text { text, .. } => {
+        match request {
+            EditorRequest::ShowBlock { line, .. } => self.go_to(JumpTarget::Line(line), 0, context),
+            EditorRequest::ReplaceText { new_text: text, .. } => {
                 self.document.text = with_line_feeds(&text);
-                self.document.changed();
-                self.said = Some(Said::Good(say::program_taken_over()));
+                self.document.update_after_change();
+                self.message = Some(EditorMessage::Good(say::program_taken_over()));
             }
         }
     }
@@ -181,291 +192,307 @@ impl ProgramView {
 
     /// Draws the view. `native`: it is in a separate window and receives all keys.
     pub fn show(&mut self, ui: &mut Ui, language: Language, native: bool) {
-        self.receive(ui.ctx());
-        self.keys(ui, language, native);
+        self.receive_events(ui.ctx());
+        self.handle_keys(ui, language, native);
         let document = &self.document;
         let memory = self
-            .checked
+            .last_check
             .as_ref()
-            .map_or(&[][..], |checked| &checked.memory);
+            .map_or(&[][..], |checked| &checked.stored_programs);
         let tools = Panel::top("program bar").frame(bar_frame());
-        let wish = tools
+        let command = tools
             .show(ui, |ui| self.bar.show(ui, document, memory, language))
             .inner;
-        if let Some(wish) = wish {
-            self.carry_out(wish, ui.ctx(), language);
+        if let Some(command) = command {
+            self.execute(command, ui.ctx(), language);
         }
-        focus::pass_over_edge(ui, "program findings");
+        focus::skip_resize_edge(ui, "program findings");
         Panel::bottom("program findings")
             .frame(side_frame())
             .resizable(true)
             .default_size(124.0)
             .min_size(60.0)
-            .show(ui, |ui| self.findings(ui, language));
+            .show(ui, |ui| self.show_findings(ui, language));
         egui::CentralPanel::default()
             .frame(plain_frame())
-            .show(ui, |ui| self.text(ui, language));
-        self.question(ui.ctx(), language);
+            .show(ui, |ui| self.show_text(ui, language));
+        self.show_unsaved_question(ui.ctx(), language);
         let document = &self.document;
-        self.checker.ask(document.revision, ui.ctx(), || {
+        self.checker.request_check(document.revision, ui.ctx(), || {
             (document.name(), document.text.clone())
         });
     }
 
-    fn text(&mut self, ui: &mut Ui, language: Language) {
-        let checked = self.checked.as_ref();
+    fn show_text(&mut self, ui: &mut Ui, language: Language) {
+        let checked = self.last_check.as_ref();
         let marks = checked.map_or((None, &[][..]), |checked| {
             (Some(checked.revision), &checked.findings[..])
         });
-        let line = self
-            .jump
-            .as_ref()
-            .map(|range| self.document.line_at(self.document.byte_of(range.start)));
-        let edited = self.document.is_edited();
-        let sheet = Sheet {
+        let line = self.selection_to_show.as_ref().map(|range| {
+            self.document
+                .line_at(self.document.byte_of_character(range.start))
+        });
+        let edited = self.document.is_editable();
+        let sheet = EditorInputs {
             document: &mut self.document,
             marks,
             language,
         };
         if !edited {
-            self.jump = None;
-            return editor::show(ui, &sheet, line);
+            self.selection_to_show = None;
+            return editor::show_read_only(ui, &sheet, line);
         }
-        let done = editor::edit(ui, sheet, &mut self.painter, &mut self.jump);
-        if done.changed {
-            self.said = None;
+        let done = editor::show_editable(ui, sheet, &mut self.painter, &mut self.selection_to_show);
+        if done.is_changed {
+            self.message = None;
         }
-        if let Some((target, line)) = done.followed {
+        if let Some((target, line)) = done.clicked_target {
             self.go_to(target, line, ui.ctx());
         }
     }
 
     /// Takes texts from files and memory, and the result of the check.
-    fn receive(&mut self, context: &Context) {
-        if let Some(checked) = self.checker.result() {
-            self.checked = Some(checked);
+    fn receive_events(&mut self, context: &Context) {
+        if let Some(checked) = self.checker.take_result() {
+            self.last_check = Some(checked);
         }
-        while let Some(arrived) = self.desk.arrived() {
-            self.bringing = false;
-            self.said = match arrived {
-                Arrived::Text(document) => {
-                    self.replace(*document, context);
+        while let Some(arrived) = self.document_store.next_event() {
+            self.is_loading = false;
+            self.message = match arrived {
+                DocumentEvent::Loaded(document) => {
+                    self.set_document(*document, context);
                     None
                 }
-                Arrived::Saved { text, origin } => {
-                    let Origin::File(path, _) = &origin else {
+                DocumentEvent::Saved { text, origin } => {
+                    let TextOrigin::File(path, _) = &origin else {
                         continue;
                     };
-                    let said = say::window_saved(path.display());
-                    self.document.saved(text, origin);
-                    Some(Said::Good(said))
+                    let message = say::window_saved(path.display());
+                    self.document.mark_saved(text, origin);
+                    Some(EditorMessage::Good(message))
                 }
-                Arrived::Stored { text, number } => {
+                DocumentEvent::Stored { text, number } => {
                     // A text that has a file is saved only when it is written there.
-                    if !matches!(self.document.origin, Origin::File(..)) {
-                        self.document.saved(text, Origin::Memory(number));
+                    if !matches!(self.document.origin, TextOrigin::File(..)) {
+                        self.document.mark_saved(text, TextOrigin::Memory(number));
                     }
-                    self.checker.forget();
-                    Some(Said::Good(say::program_stored(number)))
+                    self.checker.force_next_check();
+                    Some(EditorMessage::Good(say::program_stored(number)))
                 }
-                Arrived::NotStored(why) => Some(Said::NotStored(why)),
-                Arrived::Refused(why) => Some(Said::Bad(why)),
+                DocumentEvent::NotStored(why) => Some(EditorMessage::NotStored(why)),
+                DocumentEvent::Failed(why) => Some(EditorMessage::Bad(why)),
             };
         }
-        // Unsaved changes are kept: `question` asks the user first.
+        // Unsaved changes are kept: `show_unsaved_question` asks the user first.
         if !self.document.is_unsaved()
-            && let Some(next) = self.next.take()
+            && let Some(next) = self.text_to_load.take()
         {
-            self.bring(next, context);
+            self.load_text(next, context);
         }
-        self.carry_out_wanted(context);
+        self.handle_request(context);
     }
 
     /// Puts another document into the editor. Revisions continue to increase.
-    fn replace(&mut self, document: Document, context: &Context) {
+    fn set_document(&mut self, document: ProgramDocument, context: &Context) {
         let revision = self.document.revision + 1;
         self.document = document;
         self.document.revision = revision;
-        self.checked = None;
-        self.jump = None;
-        self.found = 0;
-        editor::forget(context);
+        self.last_check = None;
+        self.selection_to_show = None;
+        self.search_start = 0;
+        editor::clear_undo(context);
     }
 
-    fn bring(&mut self, next: Next, context: &Context) {
-        self.bringing = matches!(next, Next::File(_) | Next::Memory(_));
+    fn load_text(&mut self, next: TextToLoad, context: &Context) {
+        self.is_loading = matches!(next, TextToLoad::File(_) | TextToLoad::Memory(_));
         match next {
-            Next::New => self.replace(Document::new(Origin::New, ""), context),
-            Next::Choose => self.desk.choose(self.bar.language, context),
-            Next::File(path) => self.desk.read(path, context),
-            Next::Memory(number) => self.desk.take(number, context),
+            TextToLoad::New => {
+                self.set_document(ProgramDocument::new(TextOrigin::New, ""), context)
+            }
+            TextToLoad::Choose => self.document_store.choose_file(self.bar.language, context),
+            TextToLoad::File(path) => self.document_store.load_file(path, context),
+            TextToLoad::Memory(number) => self.document_store.load_program(number, context),
         }
     }
 
-    fn carry_out(&mut self, wish: Wish, context: &Context, language: Language) {
-        match wish {
-            Wish::Bring(next) => self.next = Some(next),
-            Wish::Save => self.desk.save(&self.document, language, context),
-            Wish::SaveAs => self.desk.save_as(&self.document, language, context),
-            Wish::Store => self.desk.store(&self.document, context),
-            Wish::Undo => self.step(context, false),
-            Wish::Redo => self.step(context, true),
-            Wish::Find => self.find(context),
-            Wish::GoTo => {
-                let typed = self.bar.go_to.clone();
-                match Target::typed(&typed) {
+    fn execute(&mut self, command: EditorCommand, context: &Context, language: Language) {
+        match command {
+            EditorCommand::LoadText(next) => self.text_to_load = Some(next),
+            EditorCommand::Save => self.document_store.save(&self.document, language, context),
+            EditorCommand::SaveAs => self
+                .document_store
+                .save_as(&self.document, language, context),
+            EditorCommand::Store => self.document_store.store(&self.document, context),
+            EditorCommand::Undo => self.undo_or_redo(context, false),
+            EditorCommand::Redo => self.undo_or_redo(context, true),
+            EditorCommand::Find => self.find_next(context),
+            EditorCommand::GoTo => {
+                let typed = self.bar.target_text.clone();
+                match JumpTarget::parse(&typed) {
                     Some(target) => self.go_to(target, 0, context),
-                    None => self.said = Some(Said::Bad(say::program_go_to_nothing(typed))),
+                    None => {
+                        self.message = Some(EditorMessage::Bad(say::program_go_to_nothing(typed)))
+                    }
                 }
             }
         }
     }
 
-    fn step(&mut self, context: &Context, again: bool) {
-        if let Some(text) = editor::step(context, &self.document.text, again) {
+    fn undo_or_redo(&mut self, context: &Context, redo: bool) {
+        if let Some(text) = editor::undo_or_redo(context, &self.document.text, redo) {
             self.document.text = text;
-            self.document.changed();
+            self.document.update_after_change();
         }
     }
 
     /// Selects the next match after the cursor.
-    fn find(&mut self, context: &Context) {
-        let sought = self.bar.find.clone();
-        let cursor = editor::cursor(context).filter(|_| self.document.is_edited());
-        let from = cursor.map_or(self.found, |range| self.document.byte_of(range.end));
-        match targets::find(&self.document.text, &sought, from) {
+    fn find_next(&mut self, context: &Context) {
+        let sought = self.bar.search_text.clone();
+        let cursor = editor::cursor_range(context).filter(|_| self.document.is_editable());
+        let from = cursor.map_or(self.search_start, |range| {
+            self.document.byte_of_character(range.end)
+        });
+        match targets::find_text(&self.document.text, &sought, from) {
             Some(found) => {
-                self.found = found.end;
-                self.select(&found);
+                self.search_start = found.end;
+                self.select_bytes(&found);
             }
-            None => self.said = Some(Said::Bad(say::program_find_nothing(sought))),
+            None => self.message = Some(EditorMessage::Bad(say::program_find_nothing(sought))),
         }
     }
 
     /// Goes to a block, a program of this text or of the memory, or a line.
-    fn go_to(&mut self, target: Target, from_line: usize, context: &Context) {
-        if let Some(line) = target.line_in(&self.document.text, from_line) {
+    fn go_to(&mut self, target: JumpTarget, from_line: usize, context: &Context) {
+        if let Some(line) = target.find_line(&self.document.text, from_line) {
             let start = self.document.line_start(line);
             let end = start + self.document.line(line).len();
-            return self.select(&(start..end));
+            return self.select_bytes(&(start..end));
         }
         let known = |number| {
-            let checked = self.checked.as_ref();
-            checked.is_some_and(|checked| checked.memory.contains(&number))
+            let checked = self.last_check.as_ref();
+            checked.is_some_and(|checked| checked.stored_programs.contains(&number))
         };
         match target {
-            Target::Program(number) if known(number) => {
-                self.next = Some(Next::Memory(Some(number)));
+            JumpTarget::Program(number) if known(number) => {
+                self.text_to_load = Some(TextToLoad::Memory(Some(number)));
                 context.request_repaint();
             }
-            Target::Program(number) => self.nothing(format!("O{number:04}")),
-            Target::Sequence(number) => self.nothing(format!("N{number}")),
-            Target::Line(line) => self.nothing(line.to_string()),
+            JumpTarget::Program(number) => self.report_missing_target(format!("O{number:04}")),
+            JumpTarget::Sequence(number) => self.report_missing_target(format!("N{number}")),
+            JumpTarget::Line(line) => self.report_missing_target(line.to_string()),
         }
     }
 
-    fn nothing(&mut self, target: String) {
-        self.said = Some(Said::Bad(say::program_go_to_nothing(target)));
+    fn report_missing_target(&mut self, target: String) {
+        self.message = Some(EditorMessage::Bad(say::program_go_to_nothing(target)));
     }
 
     /// Selects a range of bytes of the text and scrolls to it.
-    fn select(&mut self, bytes: &Range<usize>) {
-        let characters = |byte| self.document.character_of(byte);
-        self.jump = Some(characters(bytes.start)..characters(bytes.end));
-        self.said = None;
+    fn select_bytes(&mut self, bytes: &Range<usize>) {
+        let characters = |byte| self.document.character_at_byte(byte);
+        self.selection_to_show = Some(characters(bytes.start)..characters(bytes.end));
+        self.message = None;
     }
 
     /// Handles the keys of the view. The text field handles undo and redo.
-    fn keys(&mut self, ui: &mut Ui, language: Language, native: bool) {
+    fn handle_keys(&mut self, ui: &mut Ui, language: Language, native: bool) {
         self.bar.language = language;
         let typing = ui.ctx().text_edit_focused();
-        if let Some(wish) = self.bar.keys(ui, typing || native) {
-            self.carry_out(wish, &ui.ctx().clone(), language);
+        if let Some(command) = self.bar.handle_keys(ui, typing || native) {
+            self.execute(command, &ui.ctx().clone(), language);
         }
     }
 
     /// Draws the last message and the findings of the check.
-    fn findings(&mut self, ui: &mut Ui, language: Language) {
-        let said = self.said.as_ref().map(|said| match said {
-            Said::Good(said) => (said.text(language), None),
-            Said::Bad(said) => (said.text(language), Some(WRONG)),
-            Said::NotStored(why) => (why_not(why, language).text(language), Some(WRONG)),
+    fn show_findings(&mut self, ui: &mut Ui, language: Language) {
+        let shown_message = self.message.as_ref().map(|message| match message {
+            EditorMessage::Good(message) => (message.text(language), None),
+            EditorMessage::Bad(message) => (message.text(language), Some(ALARM_COLOR)),
+            EditorMessage::NotStored(why) => (
+                not_stored_reason(why, language).text(language),
+                Some(ALARM_COLOR),
+            ),
         });
-        if let Some((text, color)) = said {
+        if let Some((text, color)) = shown_message {
             let text = RichText::new(text);
             ui.label(color.map_or(text.clone(), |color| text.color(color)));
         }
-        if !self.document.is_edited() {
-            let limit = document::LARGEST_EDITED / 1000;
+        if !self.document.is_editable() {
+            let limit = document::MAX_EDITABLE_BYTES / 1000;
             ui.label(say::program_large(limit).text(language));
         }
-        let newest = self.checked.as_ref();
+        let newest = self.last_check.as_ref();
         let Some(checked) = newest.filter(|it| it.revision == self.document.revision) else {
             ui.weak(say::program_checking().text(language));
             return;
         };
-        let mut go = None;
+        let mut clicked_finding = None;
         ScrollArea::vertical()
             .auto_shrink([false, false])
             .show(ui, |ui| {
-                if checked.is_given_up() {
+                if checked.is_incomplete() {
                     let words = say::program_given_up().text(language);
-                    ui.label(RichText::new(words).color(WRONG));
+                    ui.label(RichText::new(words).color(ALARM_COLOR));
                 } else if checked.findings.is_empty() {
-                    ui.label(checked.look.line(language));
+                    ui.label(checked.first_look.summary_line(language));
                 }
                 let name = say::program_findings_name().text(language);
                 let count = checked.findings.len();
-                let list = focus::List::begin(ui, "findings", &name, count, None);
+                let list = focus::FocusList::begin(ui, "findings", &name, count, None);
                 for (at, finding) in checked.findings.iter().enumerate() {
-                    let told = finding.told(language);
-                    let sentence = RichText::new(told.sentence(Some(language))).color(WRONG);
-                    let link = focus::link(ui, sentence);
-                    if list.row(ui, at, &link) || list.entered() == Some(at) {
-                        go = finding.line.map(|line| (line, finding.columns.clone()));
+                    let report = finding.report(language);
+                    let sentence =
+                        RichText::new(report.sentence(Some(language))).color(ALARM_COLOR);
+                    let link = focus::link_row(ui, sentence);
+                    if list.show_cursor(ui, at, &link) || list.entered_row() == Some(at) {
+                        clicked_finding = finding.line.map(|line| (line, finding.columns.clone()));
                     }
                     let helps = [
-                        told.cause.map(say::window_alarm_cause),
-                        told.way_out.map(say::window_alarm_way_out),
+                        report.cause.map(say::window_alarm_cause),
+                        report.way_out.map(say::window_alarm_way_out),
                     ];
-                    for said in helps.into_iter().flatten() {
-                        ui.label(said.text(language));
+                    for help in helps.into_iter().flatten() {
+                        ui.label(help.text(language));
                     }
                 }
                 for warning in &checked.warnings {
                     ui.label(warning.text(language));
                 }
             });
-        if let Some((line, columns)) = go {
-            let start = self.document.character_of(self.document.line_start(line));
-            self.jump = Some(start + columns.start..start + columns.end);
+        if let Some((line, columns)) = clicked_finding {
+            let start = self
+                .document
+                .character_at_byte(self.document.line_start(line));
+            self.selection_to_show = Some(start + columns.start..start + columns.end);
         }
     }
 
     /// Asks what to do with an unsaved text before another one is loaded.
-    fn question(&mut self, context: &Context, language: Language) {
-        if self.next.is_none() || !self.document.is_unsaved() {
+    fn show_unsaved_question(&mut self, context: &Context, language: Language) {
+        if self.text_to_load.is_none() || !self.document.is_unsaved() {
             return;
         }
         let name = match &self.document.origin {
-            Origin::File(path, _) => file_name(path),
-            Origin::New => say::program_new_name().text(language),
-            Origin::Memory(_) => self.document.name(),
+            TextOrigin::File(path, _) => file_name(path),
+            TextOrigin::New => say::program_new_name().text(language),
+            TextOrigin::Memory(_) => self.document.name(),
         };
         match bar::ask_to_save(context, &name, language) {
-            Some(bar::Answer::Save) => {
+            Some(bar::UnsavedAnswer::Save) => {
                 let document = &self.document;
                 match document.origin {
-                    Origin::Memory(_) => self.desk.store(document, context),
-                    Origin::File(..) | Origin::New => self.desk.save(document, language, context),
+                    TextOrigin::Memory(_) => self.document_store.store(document, context),
+                    TextOrigin::File(..) | TextOrigin::New => {
+                        self.document_store.save(document, language, context)
+                    }
                 }
             }
-            Some(bar::Answer::Discard) => {
-                if let Some(next) = self.next.take() {
-                    self.bring(next, context);
+            Some(bar::UnsavedAnswer::Discard) => {
+                if let Some(next) = self.text_to_load.take() {
+                    self.load_text(next, context);
                 }
             }
-            Some(bar::Answer::Cancel) => self.next = None,
+            Some(bar::UnsavedAnswer::Cancel) => self.text_to_load = None,
             None => {}
         }
     }

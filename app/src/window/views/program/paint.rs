@@ -5,15 +5,15 @@ use std::ops::Range;
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, FontId, Stroke};
 
-use super::check::Finding;
+use super::check::TextFinding;
 use gsk_language::words::{SpanKind, spans};
 
 /// Colour of words that raise an alarm.
-pub const WRONG: Color32 = Color32::from_rgb(255, 110, 96);
-const GROUND_OF_WRONG: Color32 = Color32::from_rgb(70, 28, 26);
+pub const ALARM_COLOR: Color32 = Color32::from_rgb(255, 110, 96);
+const ALARM_BACKGROUND: Color32 = Color32::from_rgb(70, 28, 26);
 
 /// The colour of a span on a dark background.
-const fn color(kind: SpanKind) -> Color32 {
+const fn span_color(kind: SpanKind) -> Color32 {
     match kind {
         SpanKind::Name => Color32::from_gray(140),
         SpanKind::Code => Color32::from_rgb(110, 180, 255),
@@ -24,62 +24,67 @@ const fn color(kind: SpanKind) -> Color32 {
         SpanKind::Statement => Color32::from_rgb(150, 215, 225),
         SpanKind::Comment => Color32::from_rgb(120, 190, 130),
         SpanKind::Mark => Color32::from_gray(110),
-        SpanKind::Foreign => WRONG,
+        SpanKind::Foreign => ALARM_COLOR,
     }
 }
 
 /// Appends a coloured line to a layout job. `wrong`: ranges of characters that raise alarms.
-pub fn line(job: &mut LayoutJob, text: &str, font: &FontId, wrong: &[Range<usize>]) {
+pub fn append_line(job: &mut LayoutJob, text: &str, font: &FontId, alarm_ranges: &[Range<usize>]) {
     let plain = |color| TextFormat::simple(font.clone(), color);
     let mut last = 0;
     for span in spans(text) {
         let characters = text[..span.range.start].chars().count();
-        let mut format = plain(color(span.kind));
-        if wrong.iter().any(|range| range.contains(&characters)) {
-            format.underline = Stroke::new(1.5, WRONG);
-            format.background = GROUND_OF_WRONG;
+        let mut format = plain(span_color(span.kind));
+        if alarm_ranges.iter().any(|range| range.contains(&characters)) {
+            format.underline = Stroke::new(1.5, ALARM_COLOR);
+            format.background = ALARM_BACKGROUND;
         }
         if last < span.range.start {
             job.append(
                 &text[last..span.range.start],
                 0.0,
-                plain(color(SpanKind::Axis)),
+                plain(span_color(SpanKind::Axis)),
             );
         }
         job.append(&text[span.range.clone()], 0.0, format);
         last = span.range.end;
     }
     if last < text.len() {
-        job.append(&text[last..], 0.0, plain(color(SpanKind::Axis)));
+        job.append(&text[last..], 0.0, plain(span_color(SpanKind::Axis)));
     }
 }
 
 /// The layout of a whole text, kept until text or findings change.
 #[derive(Default)]
-pub struct Painter {
+pub struct TextColorizer {
     job: LayoutJob,
     /// The revision of the text whose findings are underlined.
-    marked: Option<u64>,
+    marked_revision: Option<u64>,
 }
 
-impl Painter {
+impl TextColorizer {
     /// The coloured text. `marks`: the revision that was checked and its findings.
-    pub fn job(
+    pub fn layout_text(
         &mut self,
         text: &str,
         font: &FontId,
-        marks: (Option<u64>, &[Finding]),
+        marks: (Option<u64>, &[TextFinding]),
     ) -> LayoutJob {
         let (marked, findings) = marks;
-        if self.job.text != text || self.marked != marked {
-            self.marked = marked;
+        if self.job.text != text || self.marked_revision != marked {
+            self.marked_revision = marked;
             self.job = LayoutJob::default();
-            let plain = TextFormat::simple(font.clone(), color(SpanKind::Axis));
-            for (index, piece) in text.split('\n').enumerate() {
+            let plain = TextFormat::simple(font.clone(), span_color(SpanKind::Axis));
+            for (index, line_text) in text.split('\n').enumerate() {
                 if index > 0 {
                     self.job.append("\n", 0.0, plain.clone());
                 }
-                line(&mut self.job, piece, font, &wrong_in(findings, index));
+                append_line(
+                    &mut self.job,
+                    line_text,
+                    font,
+                    &find_alarm_ranges(findings, index),
+                );
             }
         }
         self.job.clone()
@@ -87,7 +92,7 @@ impl Painter {
 }
 
 /// The ranges of characters in a line, from 0, that raise alarms.
-pub fn wrong_in(findings: &[Finding], line: usize) -> Vec<Range<usize>> {
+pub fn find_alarm_ranges(findings: &[TextFinding], line: usize) -> Vec<Range<usize>> {
     let here = findings.iter().filter(|finding| finding.line == Some(line));
     here.map(|finding| finding.columns.clone()).collect()
 }
@@ -99,12 +104,12 @@ mod tests {
     #[test]
     fn nothing_of_a_text_is_lost_in_its_colours() {
         let text = "O0001 (车削)\n\nN10  G1 X2? ;\n  ";
-        let mut painter = Painter::default();
-        let job = painter.job(text, &FontId::monospace(14.0), (None, &[]));
+        let mut painter = TextColorizer::default();
+        let job = painter.layout_text(text, &FontId::monospace(14.0), (None, &[]));
         assert_eq!(job.text, text);
         let mut line_job = LayoutJob::default();
         let wrong: Vec<Range<usize>> = core::iter::once(3..5).collect();
-        line(&mut line_job, "G1 X2", &FontId::monospace(14.0), &wrong);
+        append_line(&mut line_job, "G1 X2", &FontId::monospace(14.0), &wrong);
         let lined: Vec<bool> = (line_job.sections.iter())
             .map(|section| section.format.underline.width > 0.0)
             .collect();

@@ -7,7 +7,7 @@ use gsk_language::{ReferenceTarget, reference_target};
 
 /// The target of a jump.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Target {
+pub enum JumpTarget {
     /// A block, by its N number.
     Sequence(u16),
     /// A program, by its O number.
@@ -16,9 +16,9 @@ pub enum Target {
     Line(u32),
 }
 
-impl Target {
+impl JumpTarget {
     /// Parses a typed target: `N30`, `O2`, or a line number.
-    pub fn typed(text: &str) -> Option<Self> {
+    pub fn parse(text: &str) -> Option<Self> {
         let text = text.trim();
         if let Ok(line) = text.parse::<u32>() {
             return (line > 0).then_some(Self::Line(line));
@@ -32,7 +32,7 @@ impl Target {
     }
 
     /// The target that a word of a line refers to (manual I-2.4, I-3.3, I-5).
-    pub fn of(line: &str, word: &Span) -> Option<Self> {
+    pub fn from_word(line: &str, word: &Span) -> Option<Self> {
         match reference_target(line, &spans(line), word)?.0 {
             ReferenceTarget::Block(number) | ReferenceTarget::Caller(number) => {
                 Some(Self::Sequence(number))
@@ -44,8 +44,8 @@ impl Target {
 
     /// The line of the target in a text, from 0. If several blocks have the number, it is the
     /// next one after the line `after`, as in the control's search.
-    pub fn line_in(self, text: &str, after: usize) -> Option<usize> {
-        let begins = |line: &str, address: char, number: u16| {
+    pub fn find_line(self, text: &str, after: usize) -> Option<usize> {
+        let begins_with = |line: &str, address: char, number: u16| {
             let line = line.trim_start_matches(['/', ' ']);
             words(line)
                 .next()
@@ -61,7 +61,7 @@ impl Target {
         };
         let mut first = None;
         for (index, line) in text.lines().enumerate() {
-            if begins(line, address, number) {
+            if begins_with(line, address, number) {
                 if index > after {
                     return Some(index);
                 }
@@ -74,7 +74,7 @@ impl Target {
 
 /// The next match at byte `from` or later, else the first match in the text. ASCII letters
 /// match in upper and lower case.
-pub fn find(text: &str, sought: &str, from: usize) -> Option<Range<usize>> {
+pub fn find_text(text: &str, sought: &str, from: usize) -> Option<Range<usize>> {
     if sought.is_empty() {
         return None;
     }
@@ -92,54 +92,69 @@ mod tests {
     const TEXT: &str = "O0001\nG71 P30 Q50 U0.5\nN30 G00 X10\nN50 X20\nM98 P20003\nM99 P30\nO0003\n\
                         N30 M99\n";
 
-    fn led(line: &str, address: char) -> Option<Target> {
+    fn target_of(line: &str, address: char) -> Option<JumpTarget> {
         let spans = spans(line);
         let word = spans
             .iter()
             .find(|span| line[span.range.start..].starts_with(address))?;
-        Target::of(line, word)
+        JumpTarget::from_word(line, word)
     }
 
     #[test]
     fn p_and_q_lead_to_their_blocks_and_programs() {
-        assert_eq!(led("G71 P30 Q50 U0.5", 'P'), Some(Target::Sequence(30)));
-        assert_eq!(led("G71 P30 Q50 U0.5", 'Q'), Some(Target::Sequence(50)));
-        assert_eq!(led("M98 P20003", 'P'), Some(Target::Program(3)));
-        assert_eq!(led("M98 P3", 'P'), Some(Target::Program(3)));
-        assert_eq!(led("M99 P30", 'P'), Some(Target::Sequence(30)));
-        assert_eq!(led("G65 H80 P12", 'P'), Some(Target::Sequence(12)));
-        assert_eq!(led("G04 P300", 'P'), None);
-        assert_eq!(led("G75 X10 Q3000", 'Q'), None);
+        assert_eq!(
+            target_of("G71 P30 Q50 U0.5", 'P'),
+            Some(JumpTarget::Sequence(30))
+        );
+        assert_eq!(
+            target_of("G71 P30 Q50 U0.5", 'Q'),
+            Some(JumpTarget::Sequence(50))
+        );
+        assert_eq!(target_of("M98 P20003", 'P'), Some(JumpTarget::Program(3)));
+        assert_eq!(target_of("M98 P3", 'P'), Some(JumpTarget::Program(3)));
+        assert_eq!(target_of("M99 P30", 'P'), Some(JumpTarget::Sequence(30)));
+        assert_eq!(
+            target_of("G65 H80 P12", 'P'),
+            Some(JumpTarget::Sequence(12))
+        );
+        assert_eq!(target_of("G04 P300", 'P'), None);
+        assert_eq!(target_of("G75 X10 Q3000", 'Q'), None);
     }
 
     #[test]
     fn targets_are_found_from_where_they_are_sought() {
-        assert_eq!(Target::Sequence(30).line_in(TEXT, 0), Some(2));
-        assert_eq!(Target::Sequence(30).line_in(TEXT, 5), Some(7));
-        assert_eq!(Target::Sequence(30).line_in(TEXT, 7), Some(2));
-        assert_eq!(Target::Program(3).line_in(TEXT, 0), Some(6));
-        assert_eq!(Target::Program(9).line_in(TEXT, 0), None);
-        assert_eq!(Target::Line(400).line_in(TEXT, 0), Some(7));
+        assert_eq!(JumpTarget::Sequence(30).find_line(TEXT, 0), Some(2));
+        assert_eq!(JumpTarget::Sequence(30).find_line(TEXT, 5), Some(7));
+        assert_eq!(JumpTarget::Sequence(30).find_line(TEXT, 7), Some(2));
+        assert_eq!(JumpTarget::Program(3).find_line(TEXT, 0), Some(6));
+        assert_eq!(JumpTarget::Program(9).find_line(TEXT, 0), None);
+        assert_eq!(JumpTarget::Line(400).find_line(TEXT, 0), Some(7));
     }
 
     #[test]
     fn typed_targets_are_numbers_or_names() {
-        assert_eq!(Target::typed(" n30 "), Some(Target::Sequence(30)));
-        assert_eq!(Target::typed("O0002"), Some(Target::Program(2)));
-        assert_eq!(Target::typed("17"), Some(Target::Line(17)));
+        assert_eq!(JumpTarget::parse(" n30 "), Some(JumpTarget::Sequence(30)));
+        assert_eq!(JumpTarget::parse("O0002"), Some(JumpTarget::Program(2)));
+        assert_eq!(JumpTarget::parse("17"), Some(JumpTarget::Line(17)));
         for nothing in ["", "0", "X3", "N", "车3", "N99999"] {
-            assert_eq!(Target::typed(nothing), None, "{nothing}");
+            assert_eq!(JumpTarget::parse(nothing), None, "{nothing}");
         }
     }
 
     #[test]
-    fn finding_goes_on_at_the_beginning() {
+    fn finding_continues_at_the_beginning() {
         let text = "G00 X1\n(粗车) g00 X2\n";
-        assert_eq!(find(text, "g00", 0), Some(0..3));
+        assert_eq!(find_text(text, "g00", 0), Some(0..3));
         let second = text.find("g00");
-        assert_eq!(find(text, "G00", 1).map(|found| found.start), second);
-        assert_eq!(find(text, "g00", text.len()), Some(0..3));
-        assert_eq!(find(text, "车", 9), text.find("车").map(|at| at..at + 3));
-        assert_eq!((find(text, "G99", 0), find(text, "", 0)), (None, None));
+        assert_eq!(find_text(text, "G00", 1).map(|found| found.start), second);
+        assert_eq!(find_text(text, "g00", text.len()), Some(0..3));
+        assert_eq!(
+            find_text(text, "车", 9),
+            text.find("车").map(|at| at..at + 3)
+        );
+        assert_eq!(
+            (find_text(text, "G99", 0), find_text(text, "", 0)),
+            (None, None)
+        );
     }
 }

@@ -4,17 +4,17 @@ use egui::{Align, Layout, RichText, ScrollArea, TextWrapMode, Ui, vec2};
 use gsk_messages::{Language, Message, say};
 use gsk_project::{ProjectKey, ProjectState, ProjectValue, label, unit};
 
-use super::document::programs;
-use super::tree::{LadderParts, Node, below};
+use super::document::program_numbers;
+use super::tree::{LadderParts, ProjectNode, children};
 
 /// Width of the first column, points.
-const HEAD: f32 = 84.0;
+const HEAD_WIDTH: f32 = 84.0;
 /// Width of the column of values, points.
-const VALUE: f32 = 150.0;
+const VALUE_WIDTH: f32 = 150.0;
 
 /// A line: the name, its value, and the meaning.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-struct Line {
+struct ContentLine {
     head: String,
     text: String,
     note: String,
@@ -22,22 +22,28 @@ struct Line {
 
 /// The lines of a node, kept until another node is shown.
 #[derive(Default)]
-pub struct Content {
-    of: Option<(Node, Language)>,
-    lines: Vec<Line>,
+pub struct NodeContent {
+    shown_node: Option<(ProjectNode, Language)>,
+    lines: Vec<ContentLine>,
 }
 
-impl Content {
+impl NodeContent {
     /// Rebuilds the lines on the next frame: the project has changed.
-    pub fn forget(&mut self) {
-        self.of = None;
+    pub fn invalidate(&mut self) {
+        self.shown_node = None;
     }
 
     /// Draws the lines of a node.
-    pub fn show(&mut self, ui: &mut Ui, language: Language, node: Node, state: &ProjectState) {
-        if self.of != Some((node, language)) {
-            self.of = Some((node, language));
-            self.lines = lines(node, state, language);
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        node: ProjectNode,
+        state: &ProjectState,
+    ) {
+        if self.shown_node != Some((node, language)) {
+            self.shown_node = Some((node, language));
+            self.lines = lines_of(node, state, language);
         }
         if self.lines.is_empty() {
             ui.weak(say::project_view_empty().text(language));
@@ -53,10 +59,10 @@ impl Content {
                 for line in self.lines.get(shown).unwrap_or_default() {
                     ui.horizontal(|ui| {
                         if has_heads {
-                            cell(ui, HEAD, height, RichText::new(&line.head).weak());
+                            show_cell(ui, HEAD_WIDTH, height, RichText::new(&line.head).weak());
                         }
                         if has_values {
-                            cell(ui, VALUE, height, RichText::new(&line.text));
+                            show_cell(ui, VALUE_WIDTH, height, RichText::new(&line.text));
                             ui.label(line.note.as_str());
                         } else {
                             ui.monospace(line.text.as_str());
@@ -68,7 +74,7 @@ impl Content {
 }
 
 /// Draws a text in a column of fixed width.
-fn cell(ui: &mut Ui, width: f32, height: f32, text: RichText) {
+fn show_cell(ui: &mut Ui, width: f32, height: f32, text: RichText) {
     let layout = Layout::left_to_right(Align::Center);
     ui.allocate_ui_with_layout(vec2(width, height), layout, |ui| {
         ui.set_min_width(width);
@@ -76,56 +82,57 @@ fn cell(ui: &mut Ui, width: f32, height: f32, text: RichText) {
     });
 }
 
-fn lines(node: Node, state: &ProjectState, language: Language) -> Vec<Line> {
+fn lines_of(node: ProjectNode, state: &ProjectState, language: Language) -> Vec<ContentLine> {
     let ladder = state.ladder();
     match node {
-        Node::Messages => {
-            let messages = ladder.messages().iter().map(|message| Line {
+        ProjectNode::Messages => {
+            let messages = ladder.messages().iter().map(|message| ContentLine {
                 head: message.bit.to_string(),
                 text: format!("{:04}", message.number),
                 note: message.text.clone(),
             });
             messages.collect()
         }
-        Node::Initial => {
+        ProjectNode::Initial => {
             let values = ladder.start_values().iter();
             values
-                .map(|start| Line {
+                .map(|start| ContentLine {
                     head: start.address.to_string(),
                     text: start.value.to_string(),
                     note: label(ProjectKey::Data(start.address), state, language),
                 })
                 .collect()
         }
-        Node::Ladder => text(ladder.source()),
-        Node::Machine => written(state, ProjectKey::Machine),
-        Node::Program(number) => {
+        ProjectNode::Ladder => numbered_lines(ladder.source()),
+        ProjectNode::Machine => stored_text(state, ProjectKey::Machine),
+        ProjectNode::Program(number) => {
             let program = state.memory().programs.iter();
-            let own = program.into_iter().find(|(own, _)| *own == number);
-            let mut all = own.map_or_else(Vec::new, |(_, program)| text(program.text()));
-            let job = written(state, ProjectKey::Job(number));
+            let stored = program.into_iter().find(|(own, _)| *own == number);
+            let mut all =
+                stored.map_or_else(Vec::new, |(_, program)| numbered_lines(program.text()));
+            let job = stored_text(state, ProjectKey::Job(number));
             if !job.is_empty() {
-                all.push(Line::default());
+                all.push(ContentLine::default());
                 all.extend(job);
             }
             all
         }
-        Node::Programs => programs(state)
+        ProjectNode::Programs => program_numbers(state)
             .into_iter()
-            .map(|number| listed(number, state, language))
+            .map(|number| program_line(number, state, language))
             .collect(),
-        Node::Project | Node::Plc | Node::Cnc => below(node)
-            .map(|(node, name)| summary(node, &name, state, language))
+        ProjectNode::Project | ProjectNode::Plc | ProjectNode::Cnc => children(node)
+            .map(|(node, name)| node_summary(node, &name, state, language))
             .collect(),
-        _ => values(node, state, language),
+        _ => value_lines(node, state, language),
     }
 }
 
 /// The lines of a text with their numbers.
-fn text(source: &str) -> Vec<Line> {
+fn numbered_lines(source: &str) -> Vec<ContentLine> {
     let lines = (1..).zip(source.lines());
     lines
-        .map(|(number, line): (u32, &str)| Line {
+        .map(|(number, line): (u32, &str)| ContentLine {
             head: number.to_string(),
             text: line.trim_end().to_owned(),
             note: String::new(),
@@ -134,18 +141,18 @@ fn text(source: &str) -> Vec<Line> {
 }
 
 /// The lines of the machine file or of a job file.
-fn written(state: &ProjectState, key: ProjectKey) -> Vec<Line> {
-    let found = state.texts().and_then(|texts| texts.get(&key));
-    found.map_or_else(Vec::new, |found| text(found))
+fn stored_text(state: &ProjectState, key: ProjectKey) -> Vec<ContentLine> {
+    let stored = state.texts().and_then(|texts| texts.get(&key));
+    stored.map_or_else(Vec::new, |found| numbered_lines(found))
 }
 
 /// The line of a program in the list of programs.
-fn listed(number: u16, state: &ProjectState, language: Language) -> Line {
+fn program_line(number: u16, state: &ProjectState, language: Language) -> ContentLine {
     let mut programs = state.memory().programs.iter();
-    let own = programs.find(|(own, _)| *own == number);
-    let source = own.as_ref().map_or("", |(_, program)| program.text());
+    let stored = programs.find(|(own, _)| *own == number);
+    let source = stored.as_ref().map_or("", |(_, program)| program.text());
     let count = say::project_node_lines(source.lines().count());
-    Line {
+    ContentLine {
         head: format!("O{number:04}"),
         text: count.text(language),
         note: source.lines().next().unwrap_or_default().trim().to_owned(),
@@ -153,33 +160,43 @@ fn listed(number: u16, state: &ProjectState, language: Language) -> Line {
 }
 
 /// The line with the count of entries of a node.
-fn summary(node: Node, name: &Message, state: &ProjectState, language: Language) -> Line {
+fn node_summary(
+    node: ProjectNode,
+    name: &Message,
+    state: &ProjectState,
+    language: Language,
+) -> ContentLine {
     let ladder = state.ladder();
-    let said = match node {
-        Node::Messages => say::project_node_values(ladder.messages().len()),
-        Node::Initial => say::project_node_values(ladder.start_values().len()),
-        Node::Ladder => say::project_node_lines(ladder.source().lines().count()),
-        Node::Programs => say::project_node_values(programs(state).len()),
-        Node::Machine => say::project_node_lines(written(state, ProjectKey::Machine).len()),
-        _ => say::project_node_values(entries(node, state).count()),
+    let count_text = match node {
+        ProjectNode::Messages => say::project_node_values(ladder.messages().len()),
+        ProjectNode::Initial => say::project_node_values(ladder.start_values().len()),
+        ProjectNode::Ladder => say::project_node_lines(ladder.source().lines().count()),
+        ProjectNode::Programs => say::project_node_values(program_numbers(state).len()),
+        ProjectNode::Machine => {
+            say::project_node_lines(stored_text(state, ProjectKey::Machine).len())
+        }
+        _ => say::project_node_values(entries_of(node, state).count()),
     };
-    Line {
+    ContentLine {
         head: String::new(),
         text: name.text(language),
-        note: said.text(language),
+        note: count_text.text(language),
     }
 }
 
-fn entries(node: Node, state: &ProjectState) -> impl Iterator<Item = (ProjectKey, ProjectValue)> {
+fn entries_of(
+    node: ProjectNode,
+    state: &ProjectState,
+) -> impl Iterator<Item = (ProjectKey, ProjectValue)> {
     let all = state.entries().into_iter();
-    all.filter(move |(key, _)| node.has(*key, LadderParts::default()))
+    all.filter(move |(key, _)| node.contains(*key, LadderParts::default()))
 }
 
 /// The values of a node with their names.
-fn values(node: Node, state: &ProjectState, language: Language) -> Vec<Line> {
+fn value_lines(node: ProjectNode, state: &ProjectState, language: Language) -> Vec<ContentLine> {
     let model = state.memory().model.id();
-    entries(node, state)
-        .map(|(key, value)| Line {
+    entries_of(node, state)
+        .map(|(key, value)| ContentLine {
             head: key.name(),
             text: format!("{value} {}", unit(key, model))
                 .trim_end()

@@ -11,7 +11,7 @@ use crate::files::program_file;
 use crate::project::{self, Encodings, ProjectError};
 
 #[derive(Clone)]
-pub struct Document {
+pub struct ProjectDocument {
     pub folder: PathBuf,
     /// Its values.
     pub state: Arc<ProjectState>,
@@ -21,7 +21,7 @@ pub struct Document {
     pub is_changed: bool,
 }
 
-impl Document {
+impl ProjectDocument {
     /// Reads a project from its folder.
     ///
     /// # Errors
@@ -44,11 +44,15 @@ impl Document {
     ///
     /// The folder contains other files, or a file could not be written.
     pub fn write(&self, language: Language) -> Result<(Self, Message), Message> {
-        let files = export(&self.state, language_of(&self.folder, language));
-        let written = project::write(&self.folder, &self.state, &files, &self.encodings);
-        let written = written.map_err(|error| error.message())?;
-        let said = say::project_exported(self.folder.display(), written.files, written.removed);
-        Ok((Self::read(&self.folder)?, said))
+        let files = export(&self.state, comment_language(&self.folder, language));
+        let counts = project::write(&self.folder, &self.state, &files, &self.encodings);
+        let written = counts.map_err(|error| error.message())?;
+        let message = say::project_exported(
+            self.folder.display(),
+            written.changed_files,
+            written.removed_files,
+        );
+        Ok((Self::read(&self.folder)?, message))
     }
 
     /// Applies differences to the project.
@@ -56,13 +60,13 @@ impl Document {
     /// # Errors
     ///
     /// The rules that the result would violate. The project is unchanged then.
-    pub fn take(
+    pub fn apply_differences(
         &mut self,
         differences: &[ProjectDifference],
         encodings: &Encodings,
     ) -> Result<(), Message> {
         let changed = apply(&self.state, differences);
-        let changed = changed.map_err(|faults| ProjectError::Faults(faults).message())?;
+        let changed = changed.map_err(|faults| ProjectError::InvalidValues(faults).message())?;
         self.state = Arc::new(changed);
         for (number, encoding) in encodings {
             self.encodings.entry(*number).or_insert(*encoding);
@@ -79,7 +83,7 @@ impl Document {
 }
 
 /// The numbers of all programs of a state, and of the jobs without a program.
-pub fn programs(state: &ProjectState) -> BTreeSet<u16> {
+pub fn program_numbers(state: &ProjectState) -> BTreeSet<u16> {
     let programs = state.memory().programs.iter();
     let jobs = state.texts().into_iter().flat_map(|texts| texts.keys());
     let jobs = jobs.filter_map(|key| match key {
@@ -91,23 +95,23 @@ pub fn programs(state: &ProjectState) -> BTreeSet<u16> {
 
 /// The project folder for a chosen file: the folder of `project.gpr`, else a folder with the
 /// name of the file (manual GSKCC: a folder for each project).
-pub fn folder_of(path: &Path) -> PathBuf {
+pub fn project_folder(path: &Path) -> PathBuf {
     match (path.file_name(), path.parent()) {
-        (Some(name), Some(folder)) if name == project::HEAD => folder.to_owned(),
+        (Some(name), Some(folder)) if name == project::PROJECT_FILE => folder.to_owned(),
         _ => path.with_extension(""),
     }
 }
 
 /// The language of the comments in the folder's files. Saving in this language changes none of
 /// them.
-fn language_of(folder: &Path, otherwise: Language) -> Language {
-    let Ok(head) = program_file::read(&folder.join(project::HEAD)) else {
-        return otherwise;
+fn comment_language(folder: &Path, default: Language) -> Language {
+    let Ok(head) = program_file::read(&folder.join(project::PROJECT_FILE)) else {
+        return default;
     };
-    let speaks = |language: &Language| {
+    let is_used = |language: &Language| {
         let heading = say::project_heading().text(*language);
         head.text.lines().any(|line| line.contains(&heading))
     };
-    let found = [Language::Zh, Language::En].into_iter().find(speaks);
-    found.unwrap_or(otherwise)
+    let language = [Language::Zh, Language::En].into_iter().find(is_used);
+    language.unwrap_or(default)
 }

@@ -2,11 +2,11 @@
 //! nodes, the differences from the control or another project, and taking differences over.
 //! The control is off while it takes values over, as for a new ladder.
 
-mod compared;
+mod commands;
+mod comparison;
 mod content;
 mod document;
-mod editing;
-mod steps;
+mod project_sheets;
 mod tree;
 
 use std::path::PathBuf;
@@ -23,31 +23,31 @@ use serde::{Deserialize, Serialize};
 use crate::kernel::Console;
 use crate::project::Encodings;
 use crate::window::focus;
-pub use compared::Chosen;
-use compared::{Asked, Compared, Other, Target};
-use content::Content;
-use document::{Document, programs};
-use editing::{Editing, differences};
-use steps::{Begun, News, Question};
-pub use steps::{COMMANDS, ProjectCommand};
-use tree::{Name, Node, places};
+pub use commands::{COMMANDS, ProjectViewCommand};
+use commands::{ComparisonCounter, ProjectEvent, ProjectQuestion};
+pub use comparison::ProjectSelection;
+use comparison::{ComparedWith, Comparison, ComparisonRequest, TakeoverTarget};
+use content::NodeContent;
+use document::{ProjectDocument, program_numbers};
+use project_sheets::{ProjectSheets, differences_of_edits};
+use tree::{NodeName, ProjectNode, tree_entries};
 
 /// Width of the tree, and the indent per level, points.
-const TREE: f32 = 200.0;
-const STEP: f32 = 14.0;
+const TREE_WIDTH: f32 = 200.0;
+const INDENT: f32 = 14.0;
 /// Below this width of the view the tree is a drop-down list, points.
-const NARROW: f32 = 520.0;
+const NARROW_WIDTH: f32 = 520.0;
 /// Margin below the open drop-down list, points.
-const LIST_ROOM: f32 = 50.0;
+const LIST_MARGIN: f32 = 50.0;
 /// Greatest count of recent projects (manual PLC-V 3: four).
-const MOST: usize = 4;
+const MAX_RECENT: usize = 4;
 /// Colour of the sign for unsaved changes.
-const CHANGED: Color32 = Color32::from_rgb(255, 214, 110);
+const CHANGED_COLOR: Color32 = Color32::from_rgb(255, 214, 110);
 
 /// The projects that the settings store for the next start.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Projects {
+pub struct ProjectSettings {
     /// The folder of the open project.
     pub open: Option<PathBuf>,
     /// The last projects, the newest first.
@@ -56,7 +56,7 @@ pub struct Projects {
 
 /// The tab of the selected node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Page {
+enum NodePage {
     /// Fields to type into. Nodes without fields show their content instead.
     Edit,
     Contents,
@@ -66,45 +66,45 @@ enum Page {
 /// The project view.
 pub struct ProjectView {
     console: Console,
-    remembered: Projects,
-    document: Option<Document>,
-    compared: Option<Compared>,
-    node: Node,
-    page: Page,
-    content: Content,
-    editing: Editing,
-    question: Option<Question>,
+    settings: ProjectSettings,
+    document: Option<ProjectDocument>,
+    comparison: Option<Comparison>,
+    node: ProjectNode,
+    page: NodePage,
+    content: NodeContent,
+    editing: ProjectSheets,
+    question: Option<ProjectQuestion>,
     /// Why the control cannot be turned off now; `None`: it can.
     why_not: Option<Message>,
     /// What the control takes over while it is off.
-    chosen: Option<Chosen>,
-    news: (Sender<News>, Receiver<News>),
-    begun: Begun,
+    selection: Option<ProjectSelection>,
+    results: (Sender<ProjectEvent>, Receiver<ProjectEvent>),
+    comparison_counter: ComparisonCounter,
 }
 
 impl ProjectView {
     /// Creates the view. It reads no project before it is shown.
-    pub fn new(console: Console, remembered: Projects) -> Self {
+    pub fn new(console: Console, settings: ProjectSettings) -> Self {
         Self {
             console,
-            remembered,
+            settings,
             document: None,
-            compared: None,
-            node: Node::Project,
-            page: Page::Edit,
-            content: Content::default(),
-            editing: Editing::default(),
+            comparison: None,
+            node: ProjectNode::Project,
+            page: NodePage::Edit,
+            content: NodeContent::default(),
+            editing: ProjectSheets::default(),
             question: None,
             why_not: None,
-            chosen: None,
-            news: unbounded(),
-            begun: Begun::default(),
+            selection: None,
+            results: unbounded(),
+            comparison_counter: ComparisonCounter::default(),
         }
     }
 
     /// The projects to store for the next start.
-    pub const fn remembered(&self) -> &Projects {
-        &self.remembered
+    pub const fn settings(&self) -> &ProjectSettings {
+        &self.settings
     }
 
     /// Whether the project has changes that are not in its folder.
@@ -114,87 +114,87 @@ impl ProjectView {
     }
 
     /// Sets why the control cannot be turned off now; `None`: it can.
-    pub fn set_why_not(&mut self, why_not: Option<Message>) {
-        self.why_not = why_not;
+    pub fn set_refusal(&mut self, refusal: Option<Message>) {
+        self.why_not = refusal;
     }
 
     /// Takes the values that the control is to take over while it is off.
-    pub const fn take_chosen(&mut self) -> Option<Chosen> {
-        self.chosen.take()
+    pub const fn take_selection(&mut self) -> Option<ProjectSelection> {
+        self.selection.take()
     }
 
     pub fn show(&mut self, ui: &mut Ui, language: Language) {
-        self.reopen(ui.ctx());
+        self.reopen_last(ui.ctx());
         let bottom = ui.max_rect().bottom();
-        self.hear(ui.ctx());
+        self.receive(ui.ctx());
         Panel::top("project bar")
             .frame(super::bar_frame())
-            .show(ui, |ui| self.bar(ui, language));
-        if self.document.is_some() && ui.available_width() < NARROW {
+            .show(ui, |ui| self.show_bar(ui, language));
+        if self.document.is_some() && ui.available_width() < NARROW_WIDTH {
             Panel::top("project place")
                 .frame(super::side_frame())
-                .show(ui, |ui| self.place(ui, language, bottom));
+                .show(ui, |ui| self.show_node_list(ui, language, bottom));
         } else if self.document.is_some() {
             Panel::left("project tree")
-                .exact_size(TREE)
+                .exact_size(TREE_WIDTH)
                 .resizable(false)
                 .frame(super::side_frame())
                 .show(ui, |ui| {
                     ScrollArea::vertical()
                         .id_salt("project tree")
                         .auto_shrink([false, false])
-                        .show(ui, |ui| self.tree(ui, language));
+                        .show(ui, |ui| self.show_tree(ui, language));
                 });
         }
         CentralPanel::default()
             .frame(super::side_frame())
-            .show(ui, |ui| self.page(ui, language));
-        self.ask(ui.ctx(), language);
+            .show(ui, |ui| self.show_page(ui, language));
+        self.show_question(ui.ctx(), language);
     }
 
     /// Draws the buttons of the project, and those for the other side of the comparison.
-    fn bar(&mut self, ui: &mut Ui, language: Language) {
+    fn show_bar(&mut self, ui: &mut Ui, language: Language) {
         ui.horizontal_wrapped(|ui| {
             for (command, name) in [
-                (ProjectCommand::New, say::project_menu_new()),
+                (ProjectViewCommand::New, say::project_menu_new()),
                 (
-                    ProjectCommand::FromControl,
+                    ProjectViewCommand::FromControl,
                     say::project_view_from_control(),
                 ),
-                (ProjectCommand::Open, say::project_view_open()),
+                (ProjectViewCommand::Open, say::project_view_open()),
             ] {
                 if ui.button(name.text(language)).clicked() {
                     self.command(command, language, ui.ctx());
                 }
             }
-            let mut again = None;
-            let recent = &self.remembered.recent;
+            let mut reopened = None;
+            let recent = &self.settings.recent;
             if !recent.is_empty() {
                 ui.menu_button(say::project_view_recent().text(language), |ui| {
                     for folder in recent {
                         let name = folder.file_name().unwrap_or_default().to_string_lossy();
                         let path = folder.display().to_string();
                         if ui.button(name.as_ref()).on_hover_text(path).clicked() {
-                            again = Some(folder.clone());
+                            reopened = Some(folder.clone());
                             ui.close();
                         }
                     }
                 });
             }
-            if let Some(folder) = again {
-                self.command(ProjectCommand::Folder(folder), language, ui.ctx());
+            if let Some(folder) = reopened {
+                self.command(ProjectViewCommand::OpenFolder(folder), language, ui.ctx());
             }
             let Some(document) = &self.document else {
                 return;
             };
             let is_changed = document.is_changed;
-            let why_not = match self.editing.has_drafts() {
+            let save_refusal = match self.editing.has_drafts() {
                 true => say::project_view_save_drafts(),
                 false => say::project_view_saved(),
             };
             let save = Button::new(say::project_view_save().text(language));
             let save = ui.add_enabled(is_changed, save);
-            let save = save.on_disabled_hover_text(why_not.text(language));
+            let save = save.on_disabled_hover_text(save_refusal.text(language));
             if save.clicked() {
                 self.save(language, ui.ctx());
             }
@@ -205,7 +205,7 @@ impl ProjectView {
                 .button(say::project_view_close().text(language))
                 .clicked()
             {
-                self.command(ProjectCommand::Close, language, ui.ctx());
+                self.command(ProjectViewCommand::Close, language, ui.ctx());
             }
         });
         let Some(document) = &self.document else {
@@ -215,18 +215,18 @@ impl ProjectView {
         let is_changed = document.is_changed;
         ui.horizontal_wrapped(|ui| {
             ui.weak(say::project_view_compare().text(language));
-            let other = self.compared.as_ref().map(|it| it.basis.other.clone());
-            let control = matches!(other, Some(Other::Control));
-            let words = say::project_view_control().text(language);
-            if ui.selectable_label(control, words).clicked() {
-                self.compare(Other::Control, Target::Control, ui.ctx());
+            let other = self.comparison.as_ref().map(|it| it.basis.other.clone());
+            let is_control = matches!(other, Some(ComparedWith::Control));
+            let label = say::project_view_control().text(language);
+            if ui.selectable_label(is_control, label).clicked() {
+                self.compare(ComparedWith::Control, TakeoverTarget::Control, ui.ctx());
             }
-            let folder_too = matches!(other, Some(Other::Folder(_)));
-            let words = say::project_view_folder().text(language);
-            if ui.selectable_label(folder_too, words).clicked() {
-                self.choose_other(language, ui.ctx());
+            let is_folder = matches!(other, Some(ComparedWith::Folder(_)));
+            let label = say::project_view_folder().text(language);
+            if ui.selectable_label(is_folder, label).clicked() {
+                self.choose_and_compare(language, ui.ctx());
             }
-            if let Some(compared) = &self.compared
+            if let Some(compared) = &self.comparison
                 && ui
                     .button(say::project_view_again().text(language))
                     .clicked()
@@ -236,7 +236,7 @@ impl ProjectView {
             }
             if is_changed {
                 let words = say::project_view_changed().text(language);
-                ui.label(RichText::new(words).color(CHANGED));
+                ui.label(RichText::new(words).color(CHANGED_COLOR));
             }
             ui.weak(folder);
         });
@@ -244,97 +244,103 @@ impl ProjectView {
 
     /// The nodes of the tree with their depth and name. The name includes the count of
     /// differences.
-    fn places(&self, language: Language) -> Vec<(Node, u8, String)> {
+    fn node_labels(&self, language: Language) -> Vec<(ProjectNode, u8, String)> {
         let Some(document) = &self.document else {
             return Vec::new();
         };
-        let mut all = programs(&document.state);
-        if let Some(compared) = &self.compared {
-            all.extend(programs(&compared.basis.state));
+        let mut all = program_numbers(&document.state);
+        if let Some(compared) = &self.comparison {
+            all.extend(program_numbers(&compared.basis.state));
         }
         let all: Vec<u16> = all.into_iter().collect();
-        let places = places(&document.name(), &all).into_iter().map(|place| {
-            let name = match place.name {
-                Name::Said(said) => said.text(language),
-                Name::Program(name) => name,
-            };
-            let count = self.compared.as_ref().map_or(0, |it| it.count(place.node));
-            let words = match count {
-                0 => name,
-                _ => format!("{name} · {count}"),
-            };
-            (place.node, place.depth, words)
-        });
-        places.collect()
+        let labels = tree_entries(&document.name(), &all)
+            .into_iter()
+            .map(|place| {
+                let name = match place.name {
+                    NodeName::Text(said) => said.text(language),
+                    NodeName::Program(name) => name,
+                };
+                let count = self
+                    .comparison
+                    .as_ref()
+                    .map_or(0, |it| it.count_of(place.node));
+                let label = match count {
+                    0 => name,
+                    _ => format!("{name} · {count}"),
+                };
+                (place.node, place.depth, label)
+            });
+        labels.collect()
     }
 
     /// Draws the tree. Returns whether Enter was pressed on a node.
-    fn tree(&mut self, ui: &mut Ui, language: Language) -> bool {
-        let places = self.places(language);
+    fn show_tree(&mut self, ui: &mut Ui, language: Language) -> bool {
+        let places = self.node_labels(language);
         let chosen = places.iter().position(|(node, ..)| *node == self.node);
         let name = say::project_view_place().text(language);
-        let list = focus::List::begin(ui, "places", &name, places.len(), chosen);
-        if let Some((node, ..)) = list.moved().and_then(|at| places.get(at)) {
+        let list = focus::FocusList::begin(ui, "places", &name, places.len(), chosen);
+        if let Some((node, ..)) = list.moved_row().and_then(|at| places.get(at)) {
             self.node = *node;
         }
         for (at, (node, depth, words)) in places.into_iter().enumerate() {
             ui.horizontal(|ui| {
-                ui.add_space(f32::from(depth) * STEP);
+                ui.add_space(f32::from(depth) * INDENT);
                 let is_chosen = self.node == node;
-                let row = focus::row(ui, is_chosen, words);
-                if list.row(ui, at, &row) {
+                let row = focus::selectable_row(ui, is_chosen, words);
+                if list.show_cursor(ui, at, &row) {
                     self.node = node;
                 }
             });
         }
-        list.entered().is_some()
+        list.entered_row().is_some()
     }
 
     /// Draws the tree as a drop-down list, in a narrow view. The open list reaches down to
     /// `bottom`.
-    fn place(&mut self, ui: &mut Ui, language: Language, bottom: f32) {
-        let places = self.places(language);
+    fn show_node_list(&mut self, ui: &mut Ui, language: Language, bottom: f32) {
+        let places = self.node_labels(language);
         let chosen = places.into_iter().find(|(node, ..)| *node == self.node);
-        let words = chosen.map_or_else(String::new, |(_, _, words)| words);
-        let shown = ComboBox::from_id_salt("project place")
+        let selected_label = chosen.map_or_else(String::new, |(_, _, words)| words);
+        let list = ComboBox::from_id_salt("project place")
             .width(ui.available_width())
-            .height(bottom - ui.cursor().top() - LIST_ROOM)
-            .selected_text(words.as_str())
+            .height(bottom - ui.cursor().top() - LIST_MARGIN)
+            .selected_text(selected_label.as_str())
             .show_ui(ui, |ui| {
-                if self.tree(ui, language) {
+                if self.show_tree(ui, language) {
                     ui.close();
                 }
             });
         let name = say::project_view_place().text(language);
-        shown.response.widget_info(|| WidgetInfo {
-            current_text_value: Some(words.clone()),
+        list.response.widget_info(|| WidgetInfo {
+            current_text_value: Some(selected_label.clone()),
             ..WidgetInfo::labeled(Role::ComboBox, true, &name)
         });
     }
 
     /// Draws the tabs and the page of the selected node.
-    fn page(&mut self, ui: &mut Ui, language: Language) {
+    fn show_page(&mut self, ui: &mut Ui, language: Language) {
         let Some(document) = &self.document else {
             ui.label(say::project_view_none().text(language));
             return;
         };
-        let sheet = Editing::page(self.node);
-        let counted = self.compared.as_ref().map(|it| it.count(self.node));
+        let sheet_page = ProjectSheets::page_of(self.node);
+        let difference_count = self.comparison.as_ref().map(|it| it.count_of(self.node));
         let tabs = [
-            sheet.map(|_| (Page::Edit, say::project_view_edit())),
-            Some((Page::Contents, say::project_view_contents())),
-            counted.map(|count| (Page::Differences, say::project_view_differences(count))),
+            sheet_page.map(|_| (NodePage::Edit, say::project_view_edit())),
+            Some((NodePage::Contents, say::project_view_contents())),
+            difference_count
+                .map(|count| (NodePage::Differences, say::project_view_differences(count))),
         ];
         // Nodes without fields show their content instead.
-        let shown = match self.page {
-            Page::Edit if sheet.is_none() => Page::Contents,
-            Page::Differences if counted.is_none() => Page::Contents,
+        let shown_page = match self.page {
+            NodePage::Edit if sheet_page.is_none() => NodePage::Contents,
+            NodePage::Differences if difference_count.is_none() => NodePage::Contents,
             page => page,
         };
-        if sheet.is_some() || counted.is_some() {
+        if sheet_page.is_some() || difference_count.is_some() {
             ui.horizontal_wrapped(|ui| {
-                for (page, said) in tabs.into_iter().flatten() {
-                    let tab = ui.selectable_label(shown == page, said.text(language));
+                for (page, title) in tabs.into_iter().flatten() {
+                    let tab = ui.selectable_label(shown_page == page, title.text(language));
                     if tab.clicked() {
                         self.page = page;
                     }
@@ -342,24 +348,24 @@ impl ProjectView {
             });
             ui.separator();
         }
-        let asked = match (shown, &mut self.compared, sheet) {
-            (Page::Edit, _, Some(sheet)) => {
+        let request = match (shown_page, &mut self.comparison, sheet_page) {
+            (NodePage::Edit, _, Some(sheet)) => {
                 let state = Arc::clone(&document.state);
-                if let Some(asked) = self.editing.show(ui, language, sheet, &state) {
-                    self.put(&asked, ui.ctx());
+                if let Some(edit_request) = self.editing.show(ui, language, sheet, &state) {
+                    self.apply_edits(&edit_request, ui.ctx());
                 }
                 return;
             }
-            (Page::Differences, Some(compared), _) => {
+            (NodePage::Differences, Some(compared), _) => {
                 // The control is turned on again with the project folder: drafts would be
                 // lost.
-                let first = match (document.is_changed, self.editing.has_drafts()) {
+                let unsaved_refusal = match (document.is_changed, self.editing.has_drafts()) {
                     (true, _) => Some(say::project_view_save_first()),
                     (false, true) => Some(say::project_view_save_drafts()),
                     (false, false) => None,
                 };
-                let why_not = first.as_ref().or(self.why_not.as_ref());
-                compared.show(ui, language, self.node, why_not)
+                let refusal = unsaved_refusal.as_ref().or(self.why_not.as_ref());
+                compared.show(ui, language, self.node, refusal)
             }
             _ => {
                 let state = Arc::clone(&document.state);
@@ -367,54 +373,54 @@ impl ProjectView {
                 None
             }
         };
-        match asked {
-            Some(Asked::Turn(target)) => self.turn(target, ui.ctx()),
-            Some(Asked::Take(differences)) => self.take(differences, ui.ctx()),
+        match request {
+            Some(ComparisonRequest::SetTarget(target)) => self.compare_again(target, ui.ctx()),
+            Some(ComparisonRequest::TakeOver(differences)) => self.take_over(differences, ui.ctx()),
             None => {}
         }
     }
 
     /// Puts typed values into the project.
-    fn put(&mut self, asked: &super::data::Asked, context: &Context) {
+    fn apply_edits(&mut self, request: &super::data::WriteRequest, context: &Context) {
         let Some(document) = &mut self.document else {
             return;
         };
-        let differences = differences(&asked.edits, &document.state);
-        if let Err(said) = document.take(&differences, &Encodings::new()) {
-            self.editing.refuse(said, asked);
+        let differences = differences_of_edits(&request.edits, &document.state);
+        if let Err(error) = document.apply_differences(&differences, &Encodings::new()) {
+            self.editing.show_refusal(error, request);
             return;
         }
-        self.content.forget();
-        if let Some(target) = self.compared.as_ref().map(|it| it.target) {
-            self.turn(target, context);
+        self.content.invalidate();
+        if let Some(target) = self.comparison.as_ref().map(|it| it.target) {
+            self.compare_again(target, context);
         }
     }
 
     /// Selects the checked differences for the control, or takes them over into the project.
-    fn take(&mut self, differences: Vec<gsk_project::ProjectDifference>, context: &Context) {
-        let (Some(document), Some(compared)) = (&mut self.document, &self.compared) else {
+    fn take_over(&mut self, differences: Vec<gsk_project::ProjectDifference>, context: &Context) {
+        let (Some(document), Some(compared)) = (&mut self.document, &self.comparison) else {
             return;
         };
-        if compared.target == Target::Control {
-            self.chosen = Some(Chosen {
+        if compared.target == TakeoverTarget::Control {
+            self.selection = Some(ProjectSelection {
                 folder: document.folder.clone(),
                 differences,
             });
             return;
         }
         let basis = Arc::clone(&compared.basis);
-        let said = match document.take(&differences, &basis.encodings) {
+        let message = match document.apply_differences(&differences, &basis.encodings) {
             Ok(()) => say::project_view_taken_in(differences.len()),
-            Err(said) => said,
+            Err(error) => error,
         };
-        self.content.forget();
-        self.say(said);
-        self.turn(Target::Project, context);
+        self.content.invalidate();
+        self.notify(message);
+        self.compare_again(TakeoverTarget::Project, context);
     }
 
-    fn say(&self, said: Message) {
+    fn notify(&self, message: Message) {
         // A full queue means that the window is closed: the message is dropped.
-        let notice = crate::kernel::Notice::Said(said);
-        let _ = self.console.say.try_send(notice);
+        let notice = crate::kernel::Notice::Message(message);
+        let _ = self.console.notice_sender.try_send(notice);
     }
 }

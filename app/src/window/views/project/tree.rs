@@ -5,7 +5,7 @@ use gsk_project::{ProjectKey, ProjectSection, ProjectState};
 
 /// A node of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Node {
+pub enum ProjectNode {
     /// 工程: the whole project.
     Project,
     Plc,
@@ -16,7 +16,7 @@ pub enum Node {
     /// 初始化数据表.
     Initial,
     /// PLC data that is retained at power-off.
-    Kept,
+    Retained,
     /// CNC配置.
     Cnc,
     /// 参数.
@@ -39,71 +39,71 @@ pub enum Node {
     Machine,
 }
 
-struct Row {
-    node: Node,
+struct NodeRow {
+    node: ProjectNode,
     /// Indent level.
     depth: u8,
     name: fn() -> Message,
 }
 
-const fn row(node: Node, depth: u8, name: fn() -> Message) -> Row {
-    Row { node, depth, name }
+const fn row(node: ProjectNode, depth: u8, name: fn() -> Message) -> NodeRow {
+    NodeRow { node, depth, name }
 }
 
 /// The rows below the project itself. The programs follow the last row.
-const ROWS: [Row; 15] = [
-    row(Node::Plc, 1, say::project_node_plc),
-    row(Node::Messages, 2, say::project_node_messages),
-    row(Node::Ladder, 2, say::project_node_ladder),
-    row(Node::Initial, 2, say::project_node_initial),
-    row(Node::Kept, 2, say::project_node_kept),
-    row(Node::Cnc, 1, say::project_node_cnc),
-    row(Node::Parameters, 2, say::project_node_parameters),
-    row(Node::Offsets, 2, say::project_node_offsets),
-    row(Node::Pitch, 2, say::project_node_pitch),
-    row(Node::Variables, 2, say::project_node_variables),
-    row(Node::Settings, 2, say::project_node_settings),
-    row(Node::Counters, 2, say::project_node_counters),
-    row(Node::Disks, 2, say::project_node_disks),
-    row(Node::Machine, 1, say::project_node_machine),
-    row(Node::Programs, 1, say::project_node_programs),
+const ROWS: [NodeRow; 15] = [
+    row(ProjectNode::Plc, 1, say::project_node_plc),
+    row(ProjectNode::Messages, 2, say::project_node_messages),
+    row(ProjectNode::Ladder, 2, say::project_node_ladder),
+    row(ProjectNode::Initial, 2, say::project_node_initial),
+    row(ProjectNode::Retained, 2, say::project_node_kept),
+    row(ProjectNode::Cnc, 1, say::project_node_cnc),
+    row(ProjectNode::Parameters, 2, say::project_node_parameters),
+    row(ProjectNode::Offsets, 2, say::project_node_offsets),
+    row(ProjectNode::Pitch, 2, say::project_node_pitch),
+    row(ProjectNode::Variables, 2, say::project_node_variables),
+    row(ProjectNode::Settings, 2, say::project_node_settings),
+    row(ProjectNode::Counters, 2, say::project_node_counters),
+    row(ProjectNode::Disks, 2, say::project_node_disks),
+    row(ProjectNode::Machine, 1, say::project_node_machine),
+    row(ProjectNode::Programs, 1, say::project_node_programs),
 ];
 
 /// A node as it is drawn.
-pub struct Place {
-    pub node: Node,
+pub struct TreeEntry {
+    pub node: ProjectNode,
     /// Indent level; 0 is the project.
     pub depth: u8,
-    pub name: Name,
+    pub name: NodeName,
 }
 
 /// The name of a node.
-pub enum Name {
+pub enum NodeName {
     /// A translated name.
-    Said(Message),
+    Text(Message),
     /// Program number: `O0001`.
     Program(String),
 }
 
 /// The tree of a project. `programs` includes those that only the other side of a comparison
 /// has.
-pub fn places(name: &str, programs: &[u16]) -> Vec<Place> {
-    let place = |node, depth, name| Place { node, depth, name };
+pub fn tree_entries(name: &str, programs: &[u16]) -> Vec<TreeEntry> {
+    let entry = |node, depth, name| TreeEntry { node, depth, name };
     let mut all = Vec::with_capacity(ROWS.len() + programs.len() + 1);
-    let whole = say::project_node_project(name);
-    all.push(place(Node::Project, 0, Name::Said(whole)));
+    let title = say::project_node_project(name);
+    all.push(entry(ProjectNode::Project, 0, NodeName::Text(title)));
     for row in &ROWS {
-        all.push(place(row.node, row.depth, Name::Said((row.name)())));
+        all.push(entry(row.node, row.depth, NodeName::Text((row.name)())));
     }
     all.extend(programs.iter().map(|number| {
-        let name = Name::Program(format!("O{number:04}"));
-        place(Node::Program(*number), 2, name)
+        let name = NodeName::Program(format!("O{number:04}"));
+        entry(ProjectNode::Program(*number), 2, name)
     }));
     all
 }
 
 /// The nodes one level below another one, with their names, without programs.
-pub fn below(node: Node) -> impl Iterator<Item = (Node, Message)> {
+pub fn children(node: ProjectNode) -> impl Iterator<Item = (ProjectNode, Message)> {
     let at = ROWS.iter().position(|row| row.node == node);
     let depth = at.and_then(|at| ROWS.get(at)).map_or(0, |row| row.depth);
     let rows = ROWS.iter().skip(at.map_or(0, |at| at + 1));
@@ -122,28 +122,28 @@ pub struct LadderParts {
 
 impl LadderParts {
     /// Compares two ladders.
-    pub fn of(old: &ProjectState, new: &ProjectState) -> Self {
+    pub fn compare(old: &ProjectState, new: &ProjectState) -> Self {
         let [old, new] = [old.ladder(), new.ladder()];
         Self {
             messages: old.messages() != new.messages(),
-            rungs: rest(old.source()) != rest(new.source()),
+            rungs: rung_lines(old.source()) != rung_lines(new.source()),
             initial: old.start_values() != new.start_values(),
         }
     }
 }
 
 /// The lines of a ladder without messages and start values.
-fn rest(source: &str) -> Vec<&str> {
-    let own = |line: &&str| {
+fn rung_lines(source: &str) -> Vec<&str> {
+    let is_rung_line = |line: &&str| {
         let word = line.split_whitespace().next().unwrap_or_default();
         !word.eq_ignore_ascii_case(".MSG") && !word.eq_ignore_ascii_case(".INIT")
     };
-    source.lines().filter(own).collect()
+    source.lines().filter(is_rung_line).collect()
 }
 
-impl Node {
+impl ProjectNode {
     /// The nodes that contain a value, from the whole project down to a program.
-    pub fn with(key: ProjectKey, parts: LadderParts) -> impl Iterator<Item = Self> {
+    pub fn containing(key: ProjectKey, parts: LadderParts) -> impl Iterator<Item = Self> {
         let program = match key {
             ProjectKey::Program(number) | ProjectKey::Job(number) => Some(Self::Program(number)),
             _ => None,
@@ -151,13 +151,13 @@ impl Node {
         let rows = ROWS.iter().map(|row| row.node);
         core::iter::once(Self::Project)
             .chain(rows)
-            .filter(move |node| node.has(key, parts))
+            .filter(move |node| node.contains(key, parts))
             .chain(program)
     }
 
     /// Whether the node contains a value. `parts` are the differing parts of the ladder, which
     /// is one value.
-    pub fn has(self, key: ProjectKey, parts: LadderParts) -> bool {
+    pub fn contains(self, key: ProjectKey, parts: LadderParts) -> bool {
         let section = ProjectSection::from_key(key);
         match self {
             Self::Project => true,
@@ -165,8 +165,8 @@ impl Node {
             Self::Messages => section == ProjectSection::Ladder && parts.messages,
             Self::Ladder => section == ProjectSection::Ladder && parts.rungs,
             Self::Initial => section == ProjectSection::Ladder && parts.initial,
-            Self::Kept => section == ProjectSection::Data,
-            Self::Cnc => below(self).any(|(node, _)| node.has(key, parts)),
+            Self::Retained => section == ProjectSection::Data,
+            Self::Cnc => children(self).any(|(node, _)| node.contains(key, parts)),
             Self::Parameters => {
                 section == ProjectSection::Parameters
                     || matches!(key, ProjectKey::ModelParameter(_))
@@ -196,7 +196,7 @@ mod tests {
 
     /// Every value belongs to exactly one leaf of the tree.
     #[test]
-    fn every_value_has_its_place() {
+    fn every_value_belongs_to_one_leaf() {
         let mut setup = Setup::delivered();
         setup.memory.programs.store("O0003;\nM30;\n").unwrap();
         let state =
@@ -208,16 +208,19 @@ mod tests {
         let leaves = ROWS
             .iter()
             .map(|row| row.node)
-            .filter(|node| !matches!(node, Node::Plc | Node::Cnc));
-        let leaves: Vec<Node> = leaves.collect();
+            .filter(|node| !matches!(node, ProjectNode::Plc | ProjectNode::Cnc));
+        let leaves: Vec<ProjectNode> = leaves.collect();
         for key in state.entries().keys() {
-            let found: Vec<&Node> = leaves.iter().filter(|it| it.has(*key, parts)).collect();
+            let found: Vec<&ProjectNode> = leaves
+                .iter()
+                .filter(|it| it.contains(*key, parts))
+                .collect();
             assert_eq!(found.len(), 1, "{key:?}: {found:?}");
-            let all: Vec<Node> = Node::with(*key, parts).collect();
-            assert!(all.contains(found[0]) && all[0] == Node::Project);
-            assert!(all.iter().all(|node| node.has(*key, parts)));
+            let all: Vec<ProjectNode> = ProjectNode::containing(*key, parts).collect();
+            assert!(all.contains(found[0]) && all[0] == ProjectNode::Project);
+            assert!(all.iter().all(|node| node.contains(*key, parts)));
         }
-        assert!(Node::Program(3).has(ProjectKey::Program(3), parts));
-        assert!(!Node::Program(3).has(ProjectKey::Program(4), parts));
+        assert!(ProjectNode::Program(3).contains(ProjectKey::Program(3), parts));
+        assert!(!ProjectNode::Program(3).contains(ProjectKey::Program(4), parts));
     }
 }

@@ -3,12 +3,17 @@
 use std::fmt::Write as _;
 
 use super::BitChannel;
-use super::record::Record;
+use super::record::SampleRecord;
 use super::trace::TRACES;
 
 /// The traces and bits from the first to the last tick, a line a millisecond. X lengths are
 /// radii. A field is empty where a trace has no value.
-pub fn table(record: &Record, bits: &[BitChannel], ticks: (u64, u64), over: u64) -> String {
+pub fn format_table(
+    record: &SampleRecord,
+    bits: &[BitChannel],
+    ticks: (u64, u64),
+    average_ticks: u64,
+) -> String {
     let mut text = String::from("t_s");
     for trace in &TRACES {
         text.push(',');
@@ -19,20 +24,20 @@ pub fn table(record: &Record, bits: &[BitChannel], ticks: (u64, u64), over: u64)
     }
     text.push('\n');
     for tick in ticks.0..=ticks.1 {
-        let Some(sample) = record.at(tick) else {
+        let Some(sample) = record.sample_at(tick) else {
             continue;
         };
         let _ = write!(text, "{:.3}", (tick - ticks.0) as f64 / 1000.0);
         for trace in &TRACES {
             text.push(',');
-            if let Some(value) = record.value(trace, tick, over) {
+            if let Some(value) = record.trace_value(trace, tick, average_ticks) {
                 let decimals = trace.quantity.decimals() + 1;
                 // Adding 0.0 removes the sign of a negative zero.
                 let _ = write!(text, "{:.decimals$}", value + 0.0);
             }
         }
         for bit in bits {
-            let _ = write!(text, ",{}", sample.bits >> bit.place & 1);
+            let _ = write!(text, ",{}", sample.bits >> bit.bit_index & 1);
         }
         text.push('\n');
     }
@@ -42,29 +47,29 @@ pub fn table(record: &Record, bits: &[BitChannel], ticks: (u64, u64), over: u64)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::probe::Sample;
+    use crate::kernel::probe::ScopeSample;
     use gsk_core::units::Point;
 
     #[test]
-    fn a_line_a_tick_and_empty_fields_where_nothing_can_be_said() {
-        let queue = Record::new();
+    fn each_tick_is_a_line_and_missing_values_are_empty() {
+        let queue = SampleRecord::new();
         for tick in 11..=13 {
             let z = tick as f64 * 0.05;
-            queue.queue().force_push(Sample {
+            queue.queue().force_push(ScopeSample {
                 tick,
                 commanded: Point::new(1.0, z),
                 actual: Point::new(1.0, z - 0.01),
                 bits: 2,
-                ..Sample::default()
+                ..ScopeSample::default()
             });
         }
         let mut record = queue;
-        assert_eq!(record.take(), 3);
+        assert_eq!(record.take_samples(), 3);
         let bits = [BitChannel {
             address: "F0.5".parse().unwrap(),
-            place: 1,
+            bit_index: 1,
         }];
-        let table = table(&record, &bits, (11, 13), 1);
+        let table = format_table(&record, &bits, (11, 13), 1);
         let lines: Vec<&str> = table.lines().collect();
         assert_eq!(lines.len(), 4);
         assert!(lines[0].starts_with("t_s,x_command_mm,z_command_mm,x_mm"));

@@ -16,37 +16,37 @@ use std::time::Duration;
 use egui::{Event, Key, Panel, Ui};
 use gsk_core::plc::address::BitAddress;
 
-use super::aside;
-use crate::kernel::probe::{BITS, Probe};
+use super::text_files;
+use crate::kernel::probe::{MAX_BITS, Probe};
 use crate::kernel::{Command, Console};
 use gsk_messages::{Language, say};
 use pointer::Drag;
-use record::Record;
-use scale::Range;
+use record::SampleRecord;
+use scale::LaneRange;
 use trace::{Quantity, TRACES};
-use trigger::{Mode, Trigger};
+use trigger::{Trigger, TriggerMode};
 
 /// Time spans of the picture that can be chosen, ms.
-const SPANS: [u64; 11] = [
+const SPANS_MS: [u64; 11] = [
     50, 100, 200, 500, 1000, 2000, 5000, 10_000, 20_000, 30_000, 60_000,
 ];
 /// Numbers of ticks for the average of speed and acceleration that can be chosen.
-const AVERAGES: [u64; 6] = [1, 2, 4, 8, 16, 32];
+const AVERAGES_TICKS: [u64; 6] = [1, 2, 4, 8, 16, 32];
 /// Part of the picture after the trigger's edge, in tenths.
-const AFTER_EDGE: u64 = 9;
+const TENTHS_AFTER_EDGE: u64 = 9;
 
 /// A watched PLC bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BitChannel {
     pub address: BitAddress,
     /// Its position in the bits of a sample.
-    pub place: usize,
+    pub bit_index: usize,
 }
 
 /// The two cursors, ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Cursors {
-    at: [u64; 2],
+    ticks: [u64; 2],
     /// Index of the cursor that keys move.
     active: usize,
 }
@@ -54,24 +54,24 @@ struct Cursors {
 /// The state of the scope.
 pub struct Scope {
     console: Console,
-    record: Option<Record>,
-    running: bool,
+    record: Option<SampleRecord>,
+    is_running: bool,
     /// Right edge of a stopped picture, ticks; `None`: the picture rolls.
-    stopped_at: Option<u64>,
+    stop_tick: Option<u64>,
     /// Tick of the time axis' zero.
-    origin: u64,
-    span: u64,
-    over: u64,
-    on: [bool; TRACES.len()],
-    bits: Vec<BitChannel>,
-    next_place: usize,
+    origin_tick: u64,
+    span_ms: u64,
+    average_ticks: u64,
+    trace_enabled: [bool; TRACES.len()],
+    bit_channels: Vec<BitChannel>,
+    next_bit_index: usize,
     trigger: Trigger,
     cursors: Option<Cursors>,
     autoscale: bool,
-    ranges: [Range; Quantity::ALL.len()],
+    ranges: [LaneRange; Quantity::ALL.len()],
     drag: Drag,
     entry: String,
-    complaint: Option<String>,
+    entry_error: Option<String>,
 }
 
 impl Scope {
@@ -80,33 +80,33 @@ impl Scope {
         Self {
             console,
             record: None,
-            running: true,
-            stopped_at: None,
-            origin: 0,
-            span: 5000,
-            over: 8,
-            on: std::array::from_fn(|index| TRACES[index].on),
-            bits: Vec::new(),
-            next_place: 0,
+            is_running: true,
+            stop_tick: None,
+            origin_tick: 0,
+            span_ms: 5000,
+            average_ticks: 8,
+            trace_enabled: std::array::from_fn(|index| TRACES[index].on_at_start),
+            bit_channels: Vec::new(),
+            next_bit_index: 0,
             trigger: Trigger::new(),
             cursors: None,
             autoscale: true,
-            ranges: Quantity::ALL.map(|quantity| Range::around(0.0, quantity)),
+            ranges: Quantity::ALL.map(|quantity| LaneRange::around_value(0.0, quantity)),
             drag: Drag::Nothing,
             entry: String::new(),
-            complaint: None,
+            entry_error: None,
         }
     }
 
     /// Starts the sampling in the kernel with an empty record.
     pub fn open(&mut self) {
-        self.record = Some(Record::new());
-        self.running = true;
-        self.stopped_at = None;
-        self.origin = 0;
+        self.record = Some(SampleRecord::new());
+        self.is_running = true;
+        self.stop_tick = None;
+        self.origin_tick = 0;
         self.cursors = None;
         self.trigger.arm();
-        self.watch();
+        self.start_probe();
     }
 
     /// Stops the sampling in the kernel.
@@ -115,12 +115,12 @@ impl Scope {
         self.console.send(Command::Probe(None));
     }
 
-    fn watch(&self) {
+    fn start_probe(&self) {
         let Some(record) = &self.record else { return };
-        let mut bits = vec![None; BITS];
-        for channel in &self.bits {
-            if let Some(place) = bits.get_mut(channel.place) {
-                *place = Some(channel.address);
+        let mut bits = vec![None; MAX_BITS];
+        for channel in &self.bit_channels {
+            if let Some(slot) = bits.get_mut(channel.bit_index) {
+                *slot = Some(channel.address);
             }
         }
         let queue = record.queue();
@@ -131,108 +131,108 @@ impl Scope {
     /// Draws the scope and handles its input. `own_keys`: the scope is in a separate window
     /// and handles its keys.
     pub fn show(&mut self, ui: &mut Ui, language: Language, own_keys: bool) {
-        self.take();
+        self.take_samples();
         if own_keys {
-            self.keys(ui);
+            self.handle_keys(ui);
         }
         let bar = Panel::top("scope bar").frame(super::bar_frame());
-        bar.show(ui, |ui| self.toolbar(ui, language));
+        bar.show(ui, |ui| self.show_toolbar(ui, language));
         let side = Panel::right("scope side")
             .exact_size(self.side_width())
             .resizable(false)
             .frame(super::side_frame());
-        side.show(ui, |ui| self.side(ui, language));
+        side.show(ui, |ui| self.show_side(ui, language));
         egui::CentralPanel::default()
             .frame(super::plain_frame())
-            .show(ui, |ui| self.plot(ui, language));
-        if self.running {
+            .show(ui, |ui| self.show_plot(ui, language));
+        if self.is_running {
             // No more often than the picture moves by a pixel.
-            let pause = (self.span / 800).clamp(33, 100);
+            let pause = (self.span_ms / 800).clamp(33, 100);
             ui.ctx().request_repaint_after(Duration::from_millis(pause));
         }
     }
 
     /// Takes new samples and checks them for the trigger.
-    fn take(&mut self) {
-        let Some(record) = self.record.as_mut().filter(|_| self.running) else {
+    fn take_samples(&mut self) {
+        let Some(record) = self.record.as_mut().filter(|_| self.is_running) else {
             return;
         };
-        let count = record.take();
-        if self.origin == 0 {
-            self.origin = record.ticks().map_or(0, |(first, _)| first);
+        let count = record.take_samples();
+        if self.origin_tick == 0 {
+            self.origin_tick = record.tick_range().map_or(0, |(first, _)| first);
         }
-        let after = self.span * AFTER_EDGE / 10;
-        for sample in record.last(count) {
-            let Some(edge) = self.trigger.look(sample, after) else {
+        let after = self.span_ms * TENTHS_AFTER_EDGE / 10;
+        for sample in record.last_samples(count) {
+            let Some(edge) = self.trigger.check_sample(sample, after) else {
                 continue;
             };
-            self.origin = edge;
-            self.stopped_at = Some(edge + after);
-            if self.trigger.mode == Mode::Once {
-                self.running = false;
+            self.origin_tick = edge;
+            self.stop_tick = Some(edge + after);
+            if self.trigger.mode == TriggerMode::Once {
+                self.is_running = false;
                 break;
             }
         }
     }
 
     /// First and last tick of the picture. The first may be earlier than the record.
-    fn shown(&self) -> Option<(u64, u64)> {
-        let (_, last) = self.record.as_ref()?.ticks()?;
-        let end = self.stopped_at.unwrap_or(last);
-        Some((end.saturating_sub(self.span), end))
+    fn visible_ticks(&self) -> Option<(u64, u64)> {
+        let (_, last) = self.record.as_ref()?.tick_range()?;
+        let end = self.stop_tick.unwrap_or(last);
+        Some((end.saturating_sub(self.span_ms), end))
     }
 
     fn pause(&mut self) {
-        self.stopped_at = self.shown().map(|(_, end)| end);
-        self.running = false;
+        self.stop_tick = self.visible_ticks().map(|(_, end)| end);
+        self.is_running = false;
     }
 
-    fn go_on(&mut self) {
-        self.running = true;
-        self.stopped_at = None;
+    fn resume(&mut self) {
+        self.is_running = true;
+        self.stop_tick = None;
         self.trigger.arm();
     }
 
-    fn toggle(&mut self) {
-        if self.running {
+    fn toggle_running(&mut self) {
+        if self.is_running {
             self.pause();
         } else {
-            self.go_on();
+            self.resume();
         }
     }
 
-    /// Changes the span by steps of `SPANS`. In a stopped picture the tick at `at`, 0 to 1 of
+    /// Changes the span by steps of `SPANS_MS`. In a stopped picture the tick at `at`, 0 to 1 of
     /// the width, keeps its position.
-    fn zoom(&mut self, steps: i32, at: f64) {
-        let now = SPANS.iter().position(|span| *span >= self.span);
-        let now = now.unwrap_or(SPANS.len() - 1) as i32;
-        let next = (now + steps).clamp(0, SPANS.len() as i32 - 1);
-        let span = SPANS[next as usize];
-        if let Some(end) = self.stopped_at {
-            let fixed = end as f64 - (1.0 - at) * self.span as f64;
-            self.stopped_at = Some((fixed + (1.0 - at) * span as f64).max(0.0).round() as u64);
+    fn zoom_time(&mut self, steps: i32, at: f64) {
+        let now = SPANS_MS.iter().position(|span| *span >= self.span_ms);
+        let now = now.unwrap_or(SPANS_MS.len() - 1) as i32;
+        let next = (now + steps).clamp(0, SPANS_MS.len() as i32 - 1);
+        let span = SPANS_MS[next as usize];
+        if let Some(end) = self.stop_tick {
+            let fixed = end as f64 - (1.0 - at) * self.span_ms as f64;
+            self.stop_tick = Some((fixed + (1.0 - at) * span as f64).max(0.0).round() as u64);
         }
-        self.span = span;
+        self.span_ms = span;
     }
 
     /// Stops the picture and moves it by `ticks`, positive to the right.
-    fn pan(&mut self, ticks: i64) {
-        if self.running {
+    fn pan_time(&mut self, ticks: i64) {
+        if self.is_running {
             self.pause();
         }
-        let Some((first, last)) = self.record.as_ref().and_then(Record::ticks) else {
+        let Some((first, last)) = self.record.as_ref().and_then(SampleRecord::tick_range) else {
             return;
         };
-        let end = self.stopped_at.unwrap_or(last);
-        self.stopped_at = Some(end.saturating_add_signed(-ticks).clamp(first, last));
+        let end = self.stop_tick.unwrap_or(last);
+        self.stop_tick = Some(end.saturating_add_signed(-ticks).clamp(first, last));
     }
 
     fn toggle_cursors(&mut self) {
-        self.cursors = match (self.cursors, self.shown()) {
+        self.cursors = match (self.cursors, self.visible_ticks()) {
             (None, Some((first, end))) => {
                 let quarter = (end - first) / 4;
                 Some(Cursors {
-                    at: [first + quarter, end - quarter],
+                    ticks: [first + quarter, end - quarter],
                     active: 0,
                 })
             }
@@ -242,14 +242,14 @@ impl Scope {
 
     fn move_cursor(&mut self, ticks: i64) {
         if let Some(cursors) = &mut self.cursors
-            && let Some(at) = cursors.at.get_mut(cursors.active)
+            && let Some(at) = cursors.ticks.get_mut(cursors.active)
         {
             *at = at.saturating_add_signed(ticks);
         }
     }
 
     /// Handles the keys of the scope. Keys with Ctrl or Alt belong to the panel.
-    fn keys(&mut self, ui: &Ui) {
+    fn handle_keys(&mut self, ui: &Ui) {
         if ui.ctx().egui_wants_keyboard_input() {
             return;
         }
@@ -269,16 +269,16 @@ impl Scope {
             let step = if fine {
                 1
             } else {
-                (self.span / 200).max(1) as i64
+                (self.span_ms / 200).max(1) as i64
             };
             match key {
-                Key::Space => self.toggle(),
+                Key::Space => self.toggle_running(),
                 Key::C => self.toggle_cursors(),
                 Key::A => self.autoscale = !self.autoscale,
-                Key::Plus | Key::Equals => self.zoom(-1, 0.5),
-                Key::Minus => self.zoom(1, 0.5),
-                Key::PageUp => self.pan(self.span as i64 / 2),
-                Key::PageDown => self.pan(-(self.span as i64 / 2)),
+                Key::Plus | Key::Equals => self.zoom_time(-1, 0.5),
+                Key::Minus => self.zoom_time(1, 0.5),
+                Key::PageUp => self.pan_time(self.span_ms as i64 / 2),
+                Key::PageDown => self.pan_time(-(self.span_ms as i64 / 2)),
                 Key::ArrowLeft => self.move_cursor(-step),
                 Key::ArrowRight => self.move_cursor(step),
                 Key::ArrowUp | Key::ArrowDown => {
@@ -296,16 +296,19 @@ impl Scope {
         let entry = self.entry.trim().to_ascii_uppercase();
         match entry.parse::<BitAddress>() {
             Err(error) => {
-                self.complaint = Some(say::scope_not_an_address(error).text(language));
+                self.entry_error = Some(say::scope_not_an_address(error).text(language));
             }
             Ok(address) => {
-                self.complaint = None;
+                self.entry_error = None;
                 self.entry.clear();
-                let known = self.bits.iter().any(|channel| channel.address == address);
-                if !known && self.bits.len() < BITS {
-                    let place = self.free_place();
-                    self.bits.push(BitChannel { address, place });
-                    self.watch();
+                let known = self
+                    .bit_channels
+                    .iter()
+                    .any(|channel| channel.address == address);
+                if !known && self.bit_channels.len() < MAX_BITS {
+                    let bit_index = self.free_bit_index();
+                    self.bit_channels.push(BitChannel { address, bit_index });
+                    self.start_probe();
                 }
             }
         }
@@ -313,32 +316,32 @@ impl Scope {
 
     /// The position in the samples that has been unused for the longest time: old samples of
     /// another bit must not appear under the new name.
-    fn free_place(&mut self) -> usize {
+    fn free_bit_index(&mut self) -> usize {
         while self
-            .bits
+            .bit_channels
             .iter()
-            .any(|channel| channel.place == self.next_place)
+            .any(|channel| channel.bit_index == self.next_bit_index)
         {
-            self.next_place = (self.next_place + 1) % BITS;
+            self.next_bit_index = (self.next_bit_index + 1) % MAX_BITS;
         }
-        let place = self.next_place;
-        self.next_place = (place + 1) % BITS;
-        place
+        let bit_index = self.next_bit_index;
+        self.next_bit_index = (bit_index + 1) % MAX_BITS;
+        bit_index
     }
 
     /// Writes the visible part of the record to a file that the user chooses.
     fn export(&self, language: Language, context: &egui::Context) {
-        let (Some(record), Some((first, last))) = (&self.record, self.shown()) else {
+        let (Some(record), Some((first, last))) = (&self.record, self.visible_ticks()) else {
             return;
         };
-        let excerpt = record.excerpt(first.saturating_sub(2 * self.over), last);
-        let (bits, over) = (self.bits.clone(), self.over);
-        aside::save(
+        let excerpt = record.excerpt(first.saturating_sub(2 * self.average_ticks), last);
+        let (bits, average_ticks) = (self.bit_channels.clone(), self.average_ticks);
+        text_files::save(
             &self.console,
             context,
             language,
             ("scope.csv", "CSV"),
-            move || csv::table(&excerpt, &bits, (first, last), over),
+            move || csv::format_table(&excerpt, &bits, (first, last), average_ticks),
         );
     }
 }

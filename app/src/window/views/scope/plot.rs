@@ -8,94 +8,107 @@ use egui::{
     Align2, Color32, FontId, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 
-use super::scale::{Range, decimals_of, nice_step};
+use super::scale::{LaneRange, round_step, step_decimals};
 use super::side::{BIT_COLOUR, CURSOR_COLOURS};
 use super::trace::{Quantity, TRACES, Trace};
 use super::{BitChannel, Scope};
 use gsk_messages::{Language, say};
 
 /// Width for the figures of a scale, points.
-const GUTTER: f32 = 74.0;
+const SCALE_WIDTH: f32 = 74.0;
 /// Height for the figures of the time axis, points.
-const FOOT: f32 = 24.0;
+const TIME_HEIGHT: f32 = 24.0;
 /// Height of a bit's lane, points.
-const BIT: f32 = 24.0;
+const BIT_HEIGHT: f32 = 24.0;
 
 const GRID: Color32 = Color32::from_gray(46);
-const ZERO: Color32 = Color32::from_gray(74);
+const ZERO_LINE: Color32 = Color32::from_gray(74);
 const FRAME: Color32 = Color32::from_gray(84);
 const FIGURES: Color32 = Color32::from_gray(160);
 
 /// Converts ticks to window coordinates and back.
 #[derive(Clone, Copy)]
-pub struct Time {
+pub struct TimeScale {
     left: f32,
     right: f32,
     /// First tick of the picture.
-    pub first: u64,
+    pub first_tick: u64,
     /// Last tick of the picture.
-    pub last: u64,
+    pub last_tick: u64,
 }
 
-impl Time {
+impl TimeScale {
     /// The x coordinate of a tick, points.
-    pub fn x(self, tick: f64) -> f32 {
-        let share = (tick - self.first as f64) / (self.last - self.first).max(1) as f64;
+    pub fn to_x(self, tick: f64) -> f32 {
+        let share =
+            (tick - self.first_tick as f64) / (self.last_tick - self.first_tick).max(1) as f64;
         self.left + (share as f32) * (self.right - self.left)
     }
 
     /// The tick at an x coordinate, points.
-    pub fn tick(self, x: f32) -> f64 {
+    pub fn to_tick(self, x: f32) -> f64 {
         let share = f64::from((x - self.left) / (self.right - self.left).max(1.0));
-        self.first as f64 + share * (self.last - self.first) as f64
+        self.first_tick as f64 + share * (self.last_tick - self.first_tick) as f64
     }
 }
 
 impl Scope {
-    pub(super) fn plot(&mut self, ui: &mut Ui, language: Language) {
-        let room = ui.available_rect_before_wrap().shrink2(vec2(6.0, 6.0));
-        let response = ui.interact(room, ui.scope_id().with("plot"), Sense::CLICK | Sense::DRAG);
+    pub(super) fn show_plot(&mut self, ui: &mut Ui, language: Language) {
+        let plot_rect = ui.available_rect_before_wrap().shrink2(vec2(6.0, 6.0));
+        let response = ui.interact(
+            plot_rect,
+            ui.scope_id().with("plot"),
+            Sense::CLICK | Sense::DRAG,
+        );
         response.widget_info(|| {
             let name = say::scope_picture().text(language);
             WidgetInfo::labeled(Role::Canvas, true, name)
         });
-        let area = Rect::from_min_max(room.min + vec2(GUTTER, 0.0), room.max - vec2(4.0, FOOT));
-        let lanes = self.lanes(area);
-        let Some((first, last)) = self.shown() else {
+        let area = Rect::from_min_max(
+            plot_rect.min + vec2(SCALE_WIDTH, 0.0),
+            plot_rect.max - vec2(4.0, TIME_HEIGHT),
+        );
+        let lanes = self.layout_lanes(area);
+        let Some((first, last)) = self.visible_ticks() else {
             let words = say::scope_waits_for_samples().text(language);
             let font = FontId::proportional(15.0);
-            ui.painter()
-                .text(room.center(), Align2::CENTER_CENTER, words, font, FIGURES);
+            ui.painter().text(
+                plot_rect.center(),
+                Align2::CENTER_CENTER,
+                words,
+                font,
+                FIGURES,
+            );
             return;
         };
-        let time = Time {
+        let time = TimeScale {
             left: area.left(),
             right: area.right(),
-            first,
-            last,
+            first_tick: first,
+            last_tick: last,
         };
-        self.point(ui, &response, area, &lanes, time);
+        self.handle_pointer(ui, &response, area, &lanes, time);
         // The pointer may have moved the picture.
-        let (first, last) = self.shown().unwrap_or((first, last));
-        let time = Time {
-            first,
-            last,
+        let (first, last) = self.visible_ticks().unwrap_or((first, last));
+        let time = TimeScale {
+            first_tick: first,
+            last_tick: last,
             ..time
         };
-        self.time_scale(ui, area, time);
+        self.draw_time_scale(ui, area, time);
         for (lane, place) in &lanes {
             match lane {
-                Lane::Quantity(index) => self.lane(ui, *index, *place, time, language),
-                Lane::Bit(channel) => self.bit(ui, channel, *place, time),
+                Lane::Quantity(index) => self.draw_lane(ui, *index, *place, time, language),
+                Lane::Bit(channel) => self.draw_bit_lane(ui, channel, *place, time),
             }
         }
         self.draw_cursors(ui, area, time);
     }
 
     /// The lanes that have traces, from top to bottom, with their rectangles.
-    fn lanes(&self, area: Rect) -> Vec<(Lane, Rect)> {
+    fn layout_lanes(&self, area: Rect) -> Vec<(Lane, Rect)> {
         let drawn = |quantity| {
-            let shown = TRACES.iter().zip(self.on);
+            let shown = TRACES.iter().zip(self.trace_enabled);
             shown
                 .into_iter()
                 .any(|(trace, on)| on && trace.quantity == quantity)
@@ -106,7 +119,7 @@ impl Scope {
             .filter(|(_, quantity)| drawn(**quantity))
             .map(|(index, _)| index)
             .collect();
-        let bits = self.bits.len() as f32 * BIT;
+        let bits = self.bit_channels.len() as f32 * BIT_HEIGHT;
         let height = (area.height() - bits) / quantities.len().max(1) as f32;
         let height = height.max(20.0);
         let mut top = area.top();
@@ -120,23 +133,23 @@ impl Scope {
         for index in quantities {
             add(Lane::Quantity(index), height);
         }
-        for channel in &self.bits {
-            add(Lane::Bit(*channel), BIT);
+        for channel in &self.bit_channels {
+            add(Lane::Bit(*channel), BIT_HEIGHT);
         }
         lanes
     }
 
-    fn time_scale(&self, ui: &Ui, area: Rect, time: Time) {
+    fn draw_time_scale(&self, ui: &Ui, area: Rect, time: TimeScale) {
         let painter = ui.painter();
-        let span = (time.last - time.first) as f64 / 1000.0;
-        let step = nice_step(span, f64::from(area.width() / 90.0));
-        let from = (time.first as f64 - self.origin as f64) / 1000.0;
-        let decimals = decimals_of(step);
+        let span = (time.last_tick - time.first_tick) as f64 / 1000.0;
+        let step = round_step(span, f64::from(area.width() / 90.0));
+        let from = (time.first_tick as f64 - self.origin_tick as f64) / 1000.0;
+        let decimals = step_decimals(step);
         let mut count = (from / step).ceil();
         while count * step <= from + span * 1.000_001 {
             let seconds = count * step;
-            let x = time.x(self.origin as f64 + seconds * 1000.0);
-            let colour = if count == 0.0 { ZERO } else { GRID };
+            let x = time.to_x(self.origin_tick as f64 + seconds * 1000.0);
+            let colour = if count == 0.0 { ZERO_LINE } else { GRID };
             painter.vline(x, area.y_range(), Stroke::new(1.0, colour));
             let text = format!("{:.decimals$}", seconds + 0.0);
             let at = pos2(x, area.bottom() + 5.0);
@@ -161,14 +174,21 @@ impl Scope {
         );
     }
 
-    fn lane(&mut self, ui: &Ui, index: usize, place: Rect, time: Time, language: Language) {
+    fn draw_lane(
+        &mut self,
+        ui: &Ui,
+        index: usize,
+        rect: Rect,
+        time: TimeScale,
+        language: Language,
+    ) {
         let quantity = Quantity::ALL[index];
-        let dots = (place.width() * ui.pixels_per_point()).round().max(1.0);
-        let lines: Vec<(&Trace, Pieces)> = TRACES
+        let dots = (rect.width() * ui.pixels_per_point()).round().max(1.0);
+        let lines: Vec<(&Trace, TraceLines)> = TRACES
             .iter()
-            .zip(self.on)
+            .zip(self.trace_enabled)
             .filter(|(trace, on)| *on && trace.quantity == quantity)
-            .map(|(trace, _)| (trace, self.line(trace, time, dots as u64)))
+            .map(|(trace, _)| (trace, self.trace_lines(trace, time, dots as u64)))
             .collect();
         if self.autoscale {
             let values = lines.iter().flat_map(|(_, line)| line.iter().flatten());
@@ -176,21 +196,21 @@ impl Scope {
                 (low.min(*value), high.max(*value))
             });
             if low <= high {
-                self.ranges[index] = self.ranges[index].follow(low, high, quantity);
+                self.ranges[index] = self.ranges[index].fit_values(low, high, quantity);
             }
         }
         let range = self.ranges[index];
-        self.scale(ui, place, range);
-        let painter = ui.painter().with_clip_rect(place);
+        self.draw_value_scale(ui, rect, range);
+        let painter = ui.painter().with_clip_rect(rect);
         let y = |value: f64| {
             let share = (value - range.low) / range.span();
-            place.bottom() - (share.clamp(-2.0, 3.0) as f32) * place.height()
+            rect.bottom() - (share.clamp(-2.0, 3.0) as f32) * rect.height()
         };
         for (trace, line) in &lines {
-            for piece in line {
-                let points: Vec<Pos2> = piece
+            for polyline in line {
+                let points: Vec<Pos2> = polyline
                     .iter()
-                    .map(|(tick, value)| pos2(time.x(*tick), y(*value)))
+                    .map(|(tick, value)| pos2(time.to_x(*tick), y(*value)))
                     .collect();
                 let stroke = Stroke::new(1.3, trace.colour());
                 painter.add(Shape::Path(PathShape::line(points, stroke)));
@@ -198,13 +218,13 @@ impl Scope {
         }
         let frame = Stroke::new(1.0, FRAME);
         ui.painter()
-            .rect_stroke(place, 0.0, frame, egui::StrokeKind::Inside);
+            .rect_stroke(rect, 0.0, frame, egui::StrokeKind::Inside);
         let name = format!("{}  {}", quantity.name(language), quantity.unit());
         let font = FontId::proportional(13.0);
         let name = ui
             .painter()
             .layout_no_wrap(name, font, Color32::from_gray(205));
-        let corner = place.min + vec2(6.0, 3.0);
+        let corner = rect.min + vec2(6.0, 3.0);
         let back = Rect::from_min_size(corner, name.size()).expand2(vec2(3.0, 1.0));
         let shade = Color32::from_black_alpha(150);
         ui.painter().rect_filled(back, 2.0, shade);
@@ -212,23 +232,23 @@ impl Scope {
     }
 
     /// The line segments of a trace: at most two values a column of pixels.
-    fn line(&self, trace: &Trace, time: Time, dots: u64) -> Pieces {
-        let mut pieces = Vec::new();
+    fn trace_lines(&self, trace: &Trace, time: TimeScale, dots: u64) -> TraceLines {
+        let mut lines = Vec::new();
         let Some((record, (oldest, newest))) = self
             .record
             .as_ref()
-            .and_then(|record| Some((record, record.ticks()?)))
+            .and_then(|record| Some((record, record.tick_range()?)))
         else {
-            return pieces;
+            return lines;
         };
-        let (from, to) = (time.first.max(oldest), time.last.min(newest));
-        let column = ((time.last - time.first) / dots).max(1);
-        let mut piece: Vec<(f64, f64)> = Vec::new();
+        let (from, to) = (time.first_tick.max(oldest), time.last_tick.min(newest));
+        let column = ((time.last_tick - time.first_tick) / dots).max(1);
+        let mut line: Vec<(f64, f64)> = Vec::new();
         let mut tick = from;
         while tick <= to {
             let end = ((tick / column + 1) * column).min(to + 1);
-            let values =
-                (tick..end).filter_map(|at| Some((at, record.value(trace, at, self.over)?)));
+            let values = (tick..end)
+                .filter_map(|at| Some((at, record.trace_value(trace, at, self.average_ticks)?)));
             let (mut least, mut most) = (None, None);
             for (at, value) in values {
                 if least.is_none_or(|(_, known)| value < known) {
@@ -245,37 +265,37 @@ impl Scope {
                     } else {
                         (most, least)
                     };
-                    piece.push((first.0 as f64, first.1));
+                    line.push((first.0 as f64, first.1));
                     if second.0 != first.0 {
-                        piece.push((second.0 as f64, second.1));
+                        line.push((second.0 as f64, second.1));
                     }
                 }
-                _ if piece.is_empty() => {}
-                _ => pieces.push(std::mem::take(&mut piece)),
+                _ if line.is_empty() => {}
+                _ => lines.push(std::mem::take(&mut line)),
             }
             tick = end;
         }
-        if !piece.is_empty() {
-            pieces.push(piece);
+        if !line.is_empty() {
+            lines.push(line);
         }
-        pieces
+        lines
     }
 
-    fn scale(&self, ui: &Ui, place: Rect, range: Range) {
+    fn draw_value_scale(&self, ui: &Ui, rect: Rect, range: LaneRange) {
         let painter = ui.painter();
-        let parts = f64::from((place.height() / 30.0).max(1.5));
-        let step = nice_step(range.span(), parts);
-        let decimals = decimals_of(step);
+        let parts = f64::from((rect.height() / 30.0).max(1.5));
+        let step = round_step(range.span(), parts);
+        let decimals = step_decimals(step);
         let mut count = (range.low / step).ceil();
         while count * step <= range.high {
             let value = count * step;
             let share = ((value - range.low) / range.span()) as f32;
-            let y = place.bottom() - share * place.height();
-            let colour = if count == 0.0 { ZERO } else { GRID };
-            painter.hline(place.x_range(), y, Stroke::new(1.0, colour));
+            let y = rect.bottom() - share * rect.height();
+            let colour = if count == 0.0 { ZERO_LINE } else { GRID };
+            painter.hline(rect.x_range(), y, Stroke::new(1.0, colour));
             let text = format!("{:.decimals$}", value + 0.0);
-            let y = y.clamp(place.top() + 6.0, place.bottom() - 6.0);
-            let at = pos2(place.left() - 6.0, y);
+            let y = y.clamp(rect.top() + 6.0, rect.bottom() - 6.0);
+            let at = pos2(rect.left() - 6.0, y);
             painter.text(
                 at,
                 Align2::RIGHT_CENTER,
@@ -287,9 +307,9 @@ impl Scope {
         }
     }
 
-    fn bit(&self, ui: &Ui, channel: &BitChannel, place: Rect, time: Time) {
+    fn draw_bit_lane(&self, ui: &Ui, channel: &BitChannel, rect: Rect, time: TimeScale) {
         let painter = ui.painter();
-        let at = pos2(place.left() - 6.0, place.center().y);
+        let at = pos2(rect.left() - 6.0, rect.center().y);
         let name = channel.address.to_string();
         painter.text(
             at,
@@ -299,56 +319,56 @@ impl Scope {
             BIT_COLOUR,
         );
         let Some(record) = &self.record else { return };
-        let Some((oldest, newest)) = record.ticks() else {
+        let Some((oldest, newest)) = record.tick_range() else {
             return;
         };
         let state = |tick| {
-            let sample = record.at(tick);
-            sample.is_some_and(|sample| sample.bits >> channel.place & 1 == 1)
+            let sample = record.sample_at(tick);
+            sample.is_some_and(|sample| sample.bits >> channel.bit_index & 1 == 1)
         };
         let y = |on: bool| {
             if on {
-                place.top() + 1.0
+                rect.top() + 1.0
             } else {
-                place.bottom() - 1.0
+                rect.bottom() - 1.0
             }
         };
-        let (from, to) = (time.first.max(oldest), time.last.min(newest));
+        let (from, to) = (time.first_tick.max(oldest), time.last_tick.min(newest));
         if from > to {
             return;
         }
-        let mut begun = from;
-        let mut points = vec![pos2(time.x(from as f64), y(state(from)))];
+        let mut level_start = from;
+        let mut points = vec![pos2(time.to_x(from as f64), y(state(from)))];
         for tick in from + 1..=to {
-            if state(tick) == state(begun) {
+            if state(tick) == state(level_start) {
                 continue;
             }
-            let x = time.x(tick as f64);
-            points.push(pos2(x, y(state(begun))));
+            let x = time.to_x(tick as f64);
+            points.push(pos2(x, y(state(level_start))));
             points.push(pos2(x, y(state(tick))));
-            self.fill(ui, place, (begun, tick), state(begun), time);
-            begun = tick;
+            self.fill_bit(ui, rect, (level_start, tick), state(level_start), time);
+            level_start = tick;
         }
-        self.fill(ui, place, (begun, to), state(begun), time);
-        points.push(pos2(time.x(to as f64), y(state(begun))));
+        self.fill_bit(ui, rect, (level_start, to), state(level_start), time);
+        points.push(pos2(time.to_x(to as f64), y(state(level_start))));
         let stroke = Stroke::new(1.3, BIT_COLOUR);
         painter.add(Shape::Path(PathShape::line(points, stroke)));
     }
 
-    fn fill(&self, ui: &Ui, place: Rect, ticks: (u64, u64), on: bool, time: Time) {
+    fn fill_bit(&self, ui: &Ui, rect: Rect, ticks: (u64, u64), on: bool, time: TimeScale) {
         if on {
-            let left = time.x(ticks.0 as f64);
-            let right = time.x(ticks.1 as f64);
-            let part = Rect::from_x_y_ranges(left..=right, place.y_range());
+            let left = time.to_x(ticks.0 as f64);
+            let right = time.to_x(ticks.1 as f64);
+            let part = Rect::from_x_y_ranges(left..=right, rect.y_range());
             let colour = BIT_COLOUR.gamma_multiply(0.25);
             ui.painter().rect_filled(part, 0.0, colour);
         }
     }
 
-    fn draw_cursors(&self, ui: &Ui, area: Rect, time: Time) {
+    fn draw_cursors(&self, ui: &Ui, area: Rect, time: TimeScale) {
         let Some(cursors) = self.cursors else { return };
-        for (place, tick) in cursors.at.iter().enumerate() {
-            let x = time.x(*tick as f64);
+        for (place, tick) in cursors.ticks.iter().enumerate() {
+            let x = time.to_x(*tick as f64);
             if !area.x_range().contains(x) {
                 continue;
             }
@@ -368,7 +388,7 @@ impl Scope {
 }
 
 /// Connected lines of ticks and values. A line ends where the trace has no value.
-type Pieces = Vec<Vec<(f64, f64)>>;
+type TraceLines = Vec<Vec<(f64, f64)>>;
 
 /// A lane of the plot.
 #[derive(Clone, Copy, Debug)]

@@ -3,10 +3,10 @@
 use egui::{Pos2, Rect, Ui};
 
 use super::Scope;
-use super::plot::{Lane, Time};
+use super::plot::{Lane, TimeScale};
 
 /// Greatest distance of the pointer from a cursor, points.
-const GRIP: f32 = 6.0;
+const CURSOR_REACH: f32 = 6.0;
 
 /// What a drag moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,13 +22,13 @@ pub enum Drag {
 
 impl Scope {
     /// Handles the mouse and touch input on the plot.
-    pub(super) fn point(
+    pub(super) fn handle_pointer(
         &mut self,
         ui: &Ui,
         response: &egui::Response,
         area: Rect,
         lanes: &[(Lane, Rect)],
-        time: Time,
+        time: TimeScale,
     ) {
         let scale_at = |at: Pos2| {
             lanes.iter().find_map(|(lane, place)| match lane {
@@ -40,8 +40,8 @@ impl Scope {
         };
         let cursor_at = |scope: &Self, at: Pos2| {
             let cursors = scope.cursors?;
-            let near = |tick: &u64| (time.x(*tick as f64) - at.x).abs() <= GRIP;
-            cursors.at.iter().position(near)
+            let near = |tick: &u64| (time.to_x(*tick as f64) - at.x).abs() <= CURSOR_REACH;
+            cursors.ticks.iter().position(near)
         };
         if let Some(at) = response.hover_pos() {
             let icon = if cursor_at(self, at).is_some() {
@@ -64,7 +64,7 @@ impl Scope {
                 }
                 _ if notch != 0 => {
                     let share = f64::from((at.x - area.left()) / area.width());
-                    self.zoom(-notch, share.clamp(0.0, 1.0));
+                    self.zoom_time(-notch, share.clamp(0.0, 1.0));
                 }
                 _ => {}
             }
@@ -81,19 +81,21 @@ impl Scope {
                 _ => Drag::Nothing,
             };
         }
-        let tick = time.tick(at.x).clamp(time.first as f64, time.last as f64);
+        let tick = time
+            .to_tick(at.x)
+            .clamp(time.first_tick as f64, time.last_tick as f64);
         if response.clicked() && area.contains(at) {
-            self.put_cursor(None, tick.round() as u64);
+            self.move_cursor_to(None, tick.round() as u64);
         }
         if !response.dragged() {
             return;
         }
-        let way = response.drag_delta();
+        let delta = response.drag_delta();
         match self.drag {
-            Drag::Cursor(cursor) => self.put_cursor(Some(cursor), tick.round() as u64),
+            Drag::Cursor(cursor) => self.move_cursor_to(Some(cursor), tick.round() as u64),
             Drag::Time => {
-                let ticks = time.tick(area.left() + way.x) - time.first as f64;
-                self.pan(ticks.round() as i64);
+                let ticks = time.to_tick(area.left() + delta.x) - time.first_tick as f64;
+                self.pan_time(ticks.round() as i64);
             }
             Drag::Scale(index) => {
                 let lane =
@@ -102,17 +104,17 @@ impl Scope {
                     .iter()
                     .find(lane)
                     .map_or(100.0, |(_, place)| place.height());
-                self.ranges[index].shift(f64::from(way.y / height));
+                self.ranges[index].shift(f64::from(delta.y / height));
             }
             Drag::Nothing => {}
         }
     }
 
     /// Moves a cursor, or the active one, to a tick.
-    fn put_cursor(&mut self, cursor: Option<usize>, tick: u64) {
+    fn move_cursor_to(&mut self, cursor: Option<usize>, tick: u64) {
         if let Some(cursors) = &mut self.cursors {
             cursors.active = cursor.unwrap_or(cursors.active);
-            if let Some(at) = cursors.at.get_mut(cursors.active) {
+            if let Some(at) = cursors.ticks.get_mut(cursors.active) {
                 *at = tick;
             }
         }
@@ -121,16 +123,16 @@ impl Scope {
 
 /// Direction of the wheel, 1, 0 or -1: a notch changes the span by one step.
 fn wheel_notches(events: &[egui::Event]) -> i32 {
-    let way: f32 = events
+    let scrolled: f32 = events
         .iter()
         .map(|event| match event {
             egui::Event::MouseWheel { delta, .. } => delta.y,
             _ => 0.0,
         })
         .sum();
-    if way > 0.0 {
+    if scrolled > 0.0 {
         1
-    } else if way < 0.0 {
+    } else if scrolled < 0.0 {
         -1
     } else {
         0

@@ -4,16 +4,16 @@ use super::trace::Quantity;
 
 /// The values that a lane shows, in the unit of its quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
+pub struct LaneRange {
     /// Value at the lower edge.
     pub low: f64,
     /// Value at the upper edge.
     pub high: f64,
 }
 
-impl Range {
+impl LaneRange {
     /// The least range of a quantity, centred at a value.
-    pub fn around(value: f64, quantity: Quantity) -> Self {
+    pub fn around_value(value: f64, quantity: Quantity) -> Self {
         let half = quantity.least_range() / 2.0;
         Self {
             low: value - half,
@@ -28,17 +28,17 @@ impl Range {
 
     /// The range for values from `low` to `high`. The present range is kept while it fits, so
     /// the picture does not move.
-    pub fn follow(self, low: f64, high: f64, quantity: Quantity) -> Self {
+    pub fn fit_values(self, low: f64, high: f64, quantity: Quantity) -> Self {
         let needed = (high - low).max(quantity.least_range());
         let edge = self.span() * 0.04;
-        let inside = self.low + edge <= low && self.high - edge >= high;
-        let fits = inside && self.span() <= 2.5 * needed;
+        let is_inside = self.low + edge <= low && self.high - edge >= high;
+        let fits = is_inside && self.span() <= 2.5 * needed;
         if fits {
             return self;
         }
         let middle = f64::midpoint(low, high);
         let half = needed * 0.6;
-        let step = nice_step(needed, 4.0);
+        let step = round_step(needed, 4.0);
         Self {
             low: ((middle - half) / step).floor() * step,
             high: ((middle + half) / step).ceil() * step,
@@ -54,14 +54,14 @@ impl Range {
 
     /// Shifts the range by a share of its span.
     pub fn shift(&mut self, share: f64) {
-        let way = self.span() * share;
-        self.low += way;
-        self.high += way;
+        let offset = self.span() * share;
+        self.low += offset;
+        self.high += offset;
     }
 }
 
 /// A step of 1, 2 or 5 times a power of ten that divides a range into about `parts`.
-pub fn nice_step(range: f64, parts: f64) -> f64 {
+pub fn round_step(range: f64, parts: f64) -> f64 {
     let rough = (range / parts).max(1e-9);
     let ten = 10f64.powf(rough.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0]
@@ -72,7 +72,7 @@ pub fn nice_step(range: f64, parts: f64) -> f64 {
 }
 
 /// The number of decimals that a step needs, at most 6.
-pub fn decimals_of(step: f64) -> usize {
+pub fn step_decimals(step: f64) -> usize {
     (-step.log10().floor()).clamp(0.0, 6.0) as usize
 }
 
@@ -89,22 +89,30 @@ mod tests {
             (0.03, 3.0, 0.01),
         ] {
             assert!(
-                (nice_step(range, parts) - step).abs() < 1e-12,
+                (round_step(range, parts) - step).abs() < 1e-12,
                 "{range} in {parts}"
             );
         }
         assert_eq!(
-            (decimals_of(0.05), decimals_of(1.0), decimals_of(200.0)),
+            (
+                step_decimals(0.05),
+                step_decimals(1.0),
+                step_decimals(200.0)
+            ),
             (2, 0, 0)
         );
     }
 
     #[test]
     fn a_range_stands_still_while_it_fits() {
-        let range = Range::around(0.0, Quantity::Speed).follow(-3000.0, 3000.0, Quantity::Speed);
+        let range = LaneRange::around_value(0.0, Quantity::Speed).fit_values(
+            -3000.0,
+            3000.0,
+            Quantity::Speed,
+        );
         assert!(range.low <= -3000.0 && range.high >= 3000.0);
-        assert_eq!(range.follow(-2800.0, 2900.0, Quantity::Speed), range);
-        assert_ne!(range.follow(0.0, 10.0, Quantity::Speed), range);
-        assert!(range.follow(0.0, 9000.0, Quantity::Speed).high >= 9000.0);
+        assert_eq!(range.fit_values(-2800.0, 2900.0, Quantity::Speed), range);
+        assert_ne!(range.fit_values(0.0, 10.0, Quantity::Speed), range);
+        assert!(range.fit_values(0.0, 9000.0, Quantity::Speed).high >= 9000.0);
     }
 }

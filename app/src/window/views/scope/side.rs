@@ -9,12 +9,12 @@ use crate::window::focus;
 use gsk_messages::{Language, say};
 
 /// Width of the list with one reading a trace, and with two cursors, points.
-const NARROW: f32 = 250.0;
-const WIDE: f32 = 366.0;
+const NARROW_WIDTH: f32 = 250.0;
+const WIDE_WIDTH: f32 = 366.0;
 /// Height of a line, points.
-const LINE: f32 = 21.0;
+const LINE_HEIGHT: f32 = 21.0;
 /// Width of a reading, points.
-const READING: f32 = 80.0;
+const READING_WIDTH: f32 = 80.0;
 pub const BIT_COLOUR: Color32 = Color32::from_rgb(150, 214, 190);
 pub const CURSOR_COLOURS: [Color32; 2] = [
     Color32::from_rgb(255, 226, 90),
@@ -23,30 +23,34 @@ pub const CURSOR_COLOURS: [Color32; 2] = [
 
 impl Scope {
     pub(super) const fn side_width(&self) -> f32 {
-        if self.cursors.is_some() { WIDE } else { NARROW }
+        if self.cursors.is_some() {
+            WIDE_WIDTH
+        } else {
+            NARROW_WIDTH
+        }
     }
 
-    pub(super) fn side(&mut self, ui: &mut Ui, language: Language) {
-        self.head(ui, language);
+    pub(super) fn show_side(&mut self, ui: &mut Ui, language: Language) {
+        self.show_head(ui, language);
         ui.separator();
         ScrollArea::vertical()
             .auto_shrink([false, false])
             .show(ui, |ui| {
                 for quantity in Quantity::ALL {
-                    self.traces(ui, language, quantity);
+                    self.show_traces(ui, language, quantity);
                 }
                 ui.add_space(6.0);
-                self.bits(ui, language);
-                focus::follow(ui);
+                self.show_bits(ui, language);
+                focus::scroll_to_focus(ui);
             });
     }
 
     /// Draws the times of the cursors, or the heading of the readings at the right edge.
-    fn head(&mut self, ui: &mut Ui, language: Language) {
+    fn show_head(&mut self, ui: &mut Ui, language: Language) {
         let Some(cursors) = self.cursors else {
-            line(
+            draw_line(
                 ui,
-                LINE,
+                LINE_HEIGHT,
                 |ui| {
                     ui.label(RichText::new(say::scope_shown().text(language)).weak());
                 },
@@ -57,38 +61,38 @@ impl Scope {
             );
             return;
         };
-        let [a, b] = cursors.at;
-        let origin = self.origin;
+        let [a, b] = cursors.ticks;
+        let origin = self.origin_tick;
         let seconds = |tick: u64| (tick as f64 - origin as f64) / 1000.0;
-        line(
+        draw_line(
             ui,
-            LINE,
+            LINE_HEIGHT,
             |ui| {
                 ui.label(RichText::new(say::scope_cursors().text(language)).weak());
             },
             |ui| {
-                reading(ui, RichText::new("B - A").weak());
+                draw_reading(ui, RichText::new("B - A").weak());
                 for (name, place) in [("B", 1), ("A", 0)] {
                     let colour = CURSOR_COLOURS[place];
-                    reading(ui, RichText::new(name).color(colour).strong());
+                    draw_reading(ui, RichText::new(name).color(colour).strong());
                 }
             },
         );
-        line(
+        draw_line(
             ui,
-            LINE,
+            LINE_HEIGHT,
             |ui| {
                 ui.label(say::scope_time_seconds().text(language));
             },
             |ui| {
-                reading(ui, figure(Some((b as f64 - a as f64) / 1000.0), 3));
+                draw_reading(ui, format_figure(Some((b as f64 - a as f64) / 1000.0), 3));
                 let mut at = [a, b];
                 for place in [1, 0] {
                     let mut time = seconds(at[place]);
                     let entry = egui::DragValue::new(&mut time)
-                        .speed(self.span as f64 / 400_000.0)
+                        .speed(self.span_ms as f64 / 400_000.0)
                         .fixed_decimals(3);
-                    let response = ui.add_sized([READING, LINE], entry);
+                    let response = ui.add_sized([READING_WIDTH, LINE_HEIGHT], entry);
                     let name = ["A", "B"][place];
                     response.widget_info(|| {
                         let name = say::scope_time_of_cursor(name).text(language);
@@ -98,12 +102,15 @@ impl Scope {
                         at[place] = (origin as f64 + time * 1000.0).round().max(0.0) as u64;
                     }
                 }
-                self.cursors = Some(Cursors { at, ..cursors });
+                self.cursors = Some(Cursors {
+                    ticks: at,
+                    ..cursors
+                });
             },
         );
     }
 
-    fn traces(&mut self, ui: &mut Ui, language: Language, quantity: Quantity) {
+    fn show_traces(&mut self, ui: &mut Ui, language: Language, quantity: Quantity) {
         ui.add_space(4.0);
         let (name, unit) = (quantity.name(language), quantity.unit());
         let heading = match quantity {
@@ -115,13 +122,17 @@ impl Scope {
             if trace.quantity != quantity {
                 continue;
             }
-            let readings =
-                self.readings(|scope, tick| scope.record.as_ref()?.value(trace, tick, scope.over));
-            let shown = self.on[index];
-            let on = &mut self.on[index];
-            line(
+            let readings = self.cursor_readings(|scope, tick| {
+                scope
+                    .record
+                    .as_ref()?
+                    .trace_value(trace, tick, scope.average_ticks)
+            });
+            let shown = self.trace_enabled[index];
+            let on = &mut self.trace_enabled[index];
+            draw_line(
                 ui,
-                LINE,
+                LINE_HEIGHT,
                 |ui| {
                     let name = RichText::new(trace.name(language)).color(trace.colour());
                     let response = ui.checkbox(on, name);
@@ -133,27 +144,27 @@ impl Scope {
                 },
                 |ui| {
                     for value in readings.iter().rev() {
-                        let text = figure(*value, quantity.decimals());
-                        reading(ui, if shown { text } else { text.weak() });
+                        let text = format_figure(*value, quantity.decimals());
+                        draw_reading(ui, if shown { text } else { text.weak() });
                     }
                 },
             );
         }
     }
 
-    fn bits(&mut self, ui: &mut Ui, language: Language) {
+    fn show_bits(&mut self, ui: &mut Ui, language: Language) {
         ui.label(RichText::new(say::scope_plc_bits().text(language)).weak());
-        let mut gone = None;
-        for (index, channel) in self.bits.iter().enumerate() {
+        let mut removed = None;
+        for (index, channel) in self.bit_channels.iter().enumerate() {
             let state = |scope: &Self, tick| {
-                let sample = scope.record.as_ref()?.at(tick)?;
-                Some(f64::from(sample.bits >> channel.place & 1))
+                let sample = scope.record.as_ref()?.sample_at(tick)?;
+                Some(f64::from(sample.bits >> channel.bit_index & 1))
             };
-            let readings = self.readings(state);
+            let readings = self.cursor_readings(state);
             let readings = readings.get(..readings.len().min(2)).unwrap_or_default();
-            line(
+            draw_line(
                 ui,
-                LINE,
+                LINE_HEIGHT,
                 |ui| {
                     let words = say::scope_remove().text(language);
                     let button = ui.small_button("×").on_hover_text(&words);
@@ -161,27 +172,27 @@ impl Scope {
                     button
                         .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
                     if button.clicked() {
-                        gone = Some(index);
+                        removed = Some(index);
                     }
                     let name = RichText::new(channel.address.to_string())
                         .color(BIT_COLOUR)
                         .monospace();
                     ui.label(name);
-                    let meaning = meaning(channel, language);
+                    let meaning = bit_meaning(channel, language);
                     ui.add(Label::new(RichText::new(&meaning).weak()).truncate())
                         .on_hover_text(&meaning);
                 },
                 |ui| {
                     for value in readings.iter().rev() {
-                        let text = figure(*value, 0);
-                        cell(ui, 26.0, text);
+                        let text = format_figure(*value, 0);
+                        draw_cell(ui, 26.0, text);
                     }
                 },
             );
         }
-        if let Some(index) = gone {
-            self.bits.remove(index);
-            self.watch();
+        if let Some(index) = removed {
+            self.bit_channels.remove(index);
+            self.start_probe();
         }
         ui.horizontal(|ui| {
             // An explicit id: the field moves when a bit is added.
@@ -202,33 +213,33 @@ impl Scope {
                 }
             }
         });
-        if let Some(complaint) = &self.complaint {
+        if let Some(complaint) = &self.entry_error {
             ui.label(RichText::new(complaint).color(Color32::from_rgb(255, 150, 120)));
         }
     }
 
     /// The values at both cursors and their difference; without cursors the value at the right
     /// edge.
-    fn readings(&self, value: impl Fn(&Self, u64) -> Option<f64>) -> Vec<Option<f64>> {
-        let Some((_, end)) = self.shown() else {
+    fn cursor_readings(&self, value: impl Fn(&Self, u64) -> Option<f64>) -> Vec<Option<f64>> {
+        let Some((_, end)) = self.visible_ticks() else {
             return vec![None];
         };
         let Some(cursors) = self.cursors else {
             return vec![value(self, end)];
         };
-        let [a, b] = cursors.at.map(|tick| value(self, tick));
+        let [a, b] = cursors.ticks.map(|tick| value(self, tick));
         let difference = a.zip(b).map(|(a, b)| b - a);
         vec![a, b, difference]
     }
 }
 
 /// The meaning of a bit in the signal table.
-pub fn meaning(channel: &BitChannel, language: Language) -> String {
+pub fn bit_meaning(channel: &BitChannel, language: Language) -> String {
     signal_meaning(channel.address, language).to_owned()
 }
 
 /// Draws a line with content at the left and at the right edge.
-fn line(ui: &mut Ui, height: f32, left: impl FnOnce(&mut Ui), right: impl FnOnce(&mut Ui)) {
+fn draw_line(ui: &mut Ui, height: f32, left: impl FnOnce(&mut Ui), right: impl FnOnce(&mut Ui)) {
     // The rest of the width is for the scroll bar.
     let size = vec2(ui.available_width() - 9.0, height);
     let (rect, _) = ui.allocate_exact_size(size, egui::Sense::HOVER);
@@ -241,20 +252,20 @@ fn line(ui: &mut Ui, height: f32, left: impl FnOnce(&mut Ui), right: impl FnOnce
     });
 }
 
-fn reading(ui: &mut Ui, text: RichText) {
-    cell(ui, READING, text);
+fn draw_reading(ui: &mut Ui, text: RichText) {
+    draw_cell(ui, READING_WIDTH, text);
 }
 
 /// Draws a right-aligned text in a column of `width` points.
-fn cell(ui: &mut Ui, width: f32, text: RichText) {
+fn draw_cell(ui: &mut Ui, width: f32, text: RichText) {
     let layout = Layout::right_to_left(Align::Center);
-    ui.allocate_ui_with_layout(vec2(width, LINE), layout, |ui| {
+    ui.allocate_ui_with_layout(vec2(width, LINE_HEIGHT), layout, |ui| {
         ui.set_min_width(width);
         ui.label(text);
     });
 }
 
-fn figure(value: Option<f64>, decimals: usize) -> RichText {
+fn format_figure(value: Option<f64>, decimals: usize) -> RichText {
     let text = value.map_or_else(
         || "-".to_owned(),
         |value| {

@@ -2,14 +2,14 @@
 
 use egui::{ComboBox, RichText, Ui};
 
-use super::trigger::{Mode, Source};
-use super::{AVERAGES, SPANS, Scope};
+use super::trigger::{TriggerMode, TriggerSource};
+use super::{AVERAGES_TICKS, SPANS_MS, Scope};
 use gsk_messages::{Language, say};
 
 impl Scope {
-    pub(super) fn toolbar(&mut self, ui: &mut Ui, language: Language) {
+    pub(super) fn show_toolbar(&mut self, ui: &mut Ui, language: Language) {
         ui.horizontal_wrapped(|ui| {
-            let word = if self.running {
+            let word = if self.is_running {
                 say::scope_pause().text(language)
             } else {
                 say::scope_run().text(language)
@@ -18,7 +18,7 @@ impl Scope {
             // Both words have the same width: the buttons beside them do not move.
             let button = egui::Button::new(word).min_size(egui::vec2(64.0, 0.0));
             if ui.add(button).on_hover_text(hint).clicked() {
-                self.toggle();
+                self.toggle_running();
             }
             ui.separator();
             self.choose_span(ui, language);
@@ -46,22 +46,22 @@ impl Scope {
     fn choose_span(&mut self, ui: &mut Ui, language: Language) {
         let name = say::scope_span().text(language);
         let label = ui.label(name);
-        let mut chosen = self.span;
+        let mut chosen = self.span_ms;
         let shown = ComboBox::from_id_salt("span")
             .width(78.0)
-            .selected_text(time(chosen))
+            .selected_text(format_time(chosen))
             .show_ui(ui, |ui| {
-                for span in SPANS {
-                    ui.selectable_value(&mut chosen, span, time(span));
+                for span in SPANS_MS {
+                    ui.selectable_value(&mut chosen, span, format_time(span));
                 }
             });
         shown.response.labelled_by(label.id);
-        if chosen != self.span {
-            let place = |span| SPANS.iter().position(|known| *known == span);
-            let (Some(from), Some(to)) = (place(self.span), place(chosen)) else {
+        if chosen != self.span_ms {
+            let index_of = |span| SPANS_MS.iter().position(|known| *known == span);
+            let (Some(from), Some(to)) = (index_of(self.span_ms), index_of(chosen)) else {
                 return;
             };
-            self.zoom(to as i32 - from as i32, 1.0);
+            self.zoom_time(to as i32 - from as i32, 1.0);
         }
     }
 
@@ -69,10 +69,10 @@ impl Scope {
         let label = ui.label(say::scope_average().text(language));
         let shown = ComboBox::from_id_salt("average")
             .width(64.0)
-            .selected_text(time(self.over))
+            .selected_text(format_time(self.average_ticks))
             .show_ui(ui, |ui| {
-                for over in AVERAGES {
-                    ui.selectable_value(&mut self.over, over, time(over));
+                for over in AVERAGES_TICKS {
+                    ui.selectable_value(&mut self.average_ticks, over, format_time(over));
                 }
             });
         let hint = say::scope_average_hint().text(language);
@@ -86,19 +86,19 @@ impl Scope {
             .width(72.0)
             .selected_text(mode_name(mode, language))
             .show_ui(ui, |ui| {
-                for known in [Mode::Off, Mode::Each, Mode::Once] {
+                for known in [TriggerMode::Off, TriggerMode::Each, TriggerMode::Once] {
                     ui.selectable_value(&mut mode, known, mode_name(known, language));
                 }
             });
         shown.response.labelled_by(label.id);
         let mut source = self.trigger.source;
-        if mode != Mode::Off {
+        if mode != TriggerMode::Off {
             let name = say::scope_trigger_source().text(language);
             let shown = ComboBox::from_id_salt("trigger source")
                 .width(118.0)
                 .selected_text(self.source_name(source, language))
                 .show_ui(ui, |ui| {
-                    for known in self.sources() {
+                    for known in self.trigger_sources() {
                         let name = self.source_name(known, language);
                         ui.selectable_value(&mut source, known, name);
                     }
@@ -108,12 +108,12 @@ impl Scope {
         if (mode, source) != (self.trigger.mode, self.trigger.source) {
             self.trigger.mode = mode;
             self.trigger.source = source;
-            self.go_on();
+            self.resume();
         }
-        if mode != Mode::Off {
-            let state = if !self.running {
+        if mode != TriggerMode::Off {
+            let state = if !self.is_running {
                 say::scope_trigger_stopped().text(language)
-            } else if self.trigger.fired() {
+            } else if self.trigger.has_fired() {
                 say::scope_triggered().text(language)
             } else {
                 say::scope_trigger_waits().text(language)
@@ -122,39 +122,47 @@ impl Scope {
         }
     }
 
-    fn sources(&self) -> Vec<Source> {
-        let places = self.bits.iter().map(|channel| channel.place);
-        let edges = places.flat_map(|place| [Source::BitRises(place), Source::BitFalls(place)]);
-        [Source::Motion, Source::Spindle]
+    fn trigger_sources(&self) -> Vec<TriggerSource> {
+        let indices = self.bit_channels.iter().map(|channel| channel.bit_index);
+        let edges = indices.flat_map(|place| {
+            [
+                TriggerSource::BitRises(place),
+                TriggerSource::BitFalls(place),
+            ]
+        });
+        [TriggerSource::Motion, TriggerSource::Spindle]
             .into_iter()
             .chain(edges)
             .collect()
     }
 
-    fn source_name(&self, source: Source, language: Language) -> String {
+    fn source_name(&self, source: TriggerSource, language: Language) -> String {
         let bit = |place| {
-            let known = self.bits.iter().find(|channel| channel.place == place);
+            let known = self
+                .bit_channels
+                .iter()
+                .find(|channel| channel.bit_index == place);
             known.map_or_else(|| "?".to_owned(), |channel| channel.address.to_string())
         };
         match source {
-            Source::Motion => say::scope_when_axis_starts().text(language),
-            Source::Spindle => say::scope_when_spindle_starts().text(language),
-            Source::BitRises(place) => format!("{} 0 → 1", bit(place)),
-            Source::BitFalls(place) => format!("{} 1 → 0", bit(place)),
+            TriggerSource::Motion => say::scope_when_axis_starts().text(language),
+            TriggerSource::Spindle => say::scope_when_spindle_starts().text(language),
+            TriggerSource::BitRises(place) => format!("{} 0 → 1", bit(place)),
+            TriggerSource::BitFalls(place) => format!("{} 1 → 0", bit(place)),
         }
     }
 }
 
-fn mode_name(mode: Mode, language: Language) -> String {
+fn mode_name(mode: TriggerMode, language: Language) -> String {
     match mode {
-        Mode::Off => say::scope_trigger_off().text(language),
-        Mode::Each => say::scope_trigger_each().text(language),
-        Mode::Once => say::scope_trigger_once().text(language),
+        TriggerMode::Off => say::scope_trigger_off().text(language),
+        TriggerMode::Each => say::scope_trigger_each().text(language),
+        TriggerMode::Once => say::scope_trigger_once().text(language),
     }
 }
 
 /// A time in ms as text, in s from 1000 ms.
-fn time(ms: u64) -> String {
+fn format_time(ms: u64) -> String {
     if ms < 1000 {
         format!("{ms} ms")
     } else {

@@ -15,7 +15,7 @@ pub enum Quantity {
     /// Acceleration, m/s².
     Acceleration,
     /// Following error, mm.
-    Following,
+    FollowingError,
     /// Spindle speed, r/min.
     Spindle,
 }
@@ -26,7 +26,7 @@ impl Quantity {
         Self::Position,
         Self::Speed,
         Self::Acceleration,
-        Self::Following,
+        Self::FollowingError,
         Self::Spindle,
     ];
 
@@ -35,7 +35,7 @@ impl Quantity {
             Self::Position => say::scope_position(),
             Self::Speed => say::scope_speed(),
             Self::Acceleration => say::scope_acceleration(),
-            Self::Following => say::scope_following_error(),
+            Self::FollowingError => say::scope_following_error(),
             Self::Spindle => say::scope_spindle(),
         };
         name.text(language)
@@ -43,7 +43,7 @@ impl Quantity {
 
     pub const fn unit(self) -> &'static str {
         match self {
-            Self::Position | Self::Following => "mm",
+            Self::Position | Self::FollowingError => "mm",
             Self::Speed => "mm/min",
             Self::Acceleration => "m/s²",
             Self::Spindle => "r/min",
@@ -54,7 +54,7 @@ impl Quantity {
     pub const fn decimals(self) -> usize {
         match self {
             Self::Position | Self::Acceleration => 3,
-            Self::Following => 4,
+            Self::FollowingError => 4,
             Self::Speed | Self::Spindle => 1,
         }
     }
@@ -63,7 +63,7 @@ impl Quantity {
     pub const fn least_range(self) -> f64 {
         match self {
             Self::Position => 0.01,
-            Self::Following => 0.002,
+            Self::FollowingError => 0.002,
             Self::Speed => 10.0,
             Self::Spindle => 20.0,
             Self::Acceleration => 0.1,
@@ -73,7 +73,7 @@ impl Quantity {
 
 /// The subject of a trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Of {
+pub enum TraceSubject {
     Axis(Axis),
     /// The path of both axes, or the spindle.
     Path,
@@ -85,11 +85,11 @@ pub struct Trace {
     /// Column heading in the exported table.
     pub id: &'static str,
     pub quantity: Quantity,
-    pub of: Of,
+    pub subject: TraceSubject,
     /// The commanded value; else the actual one.
-    pub commanded: bool,
+    pub is_commanded: bool,
     /// The trace is shown when the scope is opened for the first time.
-    pub on: bool,
+    pub on_at_start: bool,
     colour: [u8; 3],
 }
 
@@ -97,17 +97,17 @@ impl Trace {
     const fn new(
         id: &'static str,
         quantity: Quantity,
-        of: Of,
-        commanded: bool,
-        on: bool,
+        subject: TraceSubject,
+        is_commanded: bool,
+        on_at_start: bool,
         colour: [u8; 3],
     ) -> Self {
         Self {
             id,
             quantity,
-            of,
-            commanded,
-            on,
+            subject,
+            is_commanded,
+            on_at_start,
             colour,
         }
     }
@@ -119,14 +119,14 @@ impl Trace {
 
     /// The short name for a list under the quantity: `X`, `X 指令`, …
     pub fn name(&self, language: Language) -> String {
-        let name = match (self.quantity, self.of, self.commanded) {
-            (_, Of::Axis(Axis::X), false) => return "X".to_owned(),
-            (_, Of::Axis(Axis::Z), false) => return "Z".to_owned(),
-            (_, Of::Axis(Axis::X), true) => say::scope_x_command(),
-            (_, Of::Axis(Axis::Z), true) => say::scope_z_command(),
-            (Quantity::Spindle, Of::Path, true) => say::scope_spindle_command(),
-            (Quantity::Spindle, Of::Path, false) => say::scope_spindle_actual(),
-            (_, Of::Path, _) => say::scope_along_path(),
+        let name = match (self.quantity, self.subject, self.is_commanded) {
+            (_, TraceSubject::Axis(Axis::X), false) => return "X".to_owned(),
+            (_, TraceSubject::Axis(Axis::Z), false) => return "Z".to_owned(),
+            (_, TraceSubject::Axis(Axis::X), true) => say::scope_x_command(),
+            (_, TraceSubject::Axis(Axis::Z), true) => say::scope_z_command(),
+            (Quantity::Spindle, TraceSubject::Path, true) => say::scope_spindle_command(),
+            (Quantity::Spindle, TraceSubject::Path, false) => say::scope_spindle_actual(),
+            (_, TraceSubject::Path, _) => say::scope_along_path(),
         };
         name.text(language)
     }
@@ -137,8 +137,8 @@ impl Trace {
     }
 }
 
-const X: Of = Of::Axis(Axis::X);
-const Z: Of = Of::Axis(Axis::Z);
+const X: TraceSubject = TraceSubject::Axis(Axis::X);
+const Z: TraceSubject = TraceSubject::Axis(Axis::Z);
 const BLUE: [u8; 3] = [92, 190, 255];
 const PALE_BLUE: [u8; 3] = [64, 118, 158];
 const ORANGE: [u8; 3] = [255, 176, 72];
@@ -186,18 +186,32 @@ pub static TRACES: [Trace; 15] = [
     ),
     Trace::new("vx_mm_min", Quantity::Speed, X, false, true, BLUE),
     Trace::new("vz_mm_min", Quantity::Speed, Z, false, true, ORANGE),
-    Trace::new("v_mm_min", Quantity::Speed, Of::Path, false, false, GREEN),
+    Trace::new(
+        "v_mm_min",
+        Quantity::Speed,
+        TraceSubject::Path,
+        false,
+        false,
+        GREEN,
+    ),
     Trace::new("ax_m_s2", Quantity::Acceleration, X, false, true, BLUE),
     Trace::new("az_m_s2", Quantity::Acceleration, Z, false, true, ORANGE),
-    Trace::new("ex_mm", Quantity::Following, X, false, true, BLUE),
-    Trace::new("ez_mm", Quantity::Following, Z, false, true, ORANGE),
+    Trace::new("ex_mm", Quantity::FollowingError, X, false, true, BLUE),
+    Trace::new("ez_mm", Quantity::FollowingError, Z, false, true, ORANGE),
     Trace::new(
         "s_command_rpm",
         Quantity::Spindle,
-        Of::Path,
+        TraceSubject::Path,
         true,
         true,
         PALE_PINK,
     ),
-    Trace::new("s_rpm", Quantity::Spindle, Of::Path, false, true, PINK),
+    Trace::new(
+        "s_rpm",
+        Quantity::Spindle,
+        TraceSubject::Path,
+        false,
+        true,
+        PINK,
+    ),
 ];

@@ -7,24 +7,24 @@ use egui::{ComboBox, Context, Grid, Id, Rect, TextEdit, Ui};
 use gsk_messages::{Language, Message, say};
 use gsk_transfer::{FileName, Partition, RemotePath, TransferFile};
 
-use super::job::Wish;
-use super::naming::{FIELD, Naming, complaint, ended, window};
-use super::{Chosen, TransferView};
-use crate::pc::Item;
-use crate::pc::worker::Order;
-use crate::window::files::{self, Wanted};
+use super::rename_fields::{FIELD_WIDTH, RenameFields, show_buttons, show_name_error, show_window};
+use super::transfer_job::JobRequest;
+use super::{ChosenPath, TransferView};
+use crate::pc::SendListItem;
+use crate::pc::worker::PcWorkerCommand;
+use crate::window::files::{self, FileChoice};
 
 /// Extensions of the files that the file dialog offers.
-const ENDINGS: [&str; 7] = ["cnc", "nc", "txt", "tap", "par", "ofs", "wmp"];
+const EXTENSIONS: [&str; 7] = ["cnc", "nc", "txt", "tap", "par", "ofs", "wmp"];
 
 /// The open dialog.
-pub enum Dialog {
+pub enum TransferDialog {
     /// Settings of a file to send.
     File {
         /// Row of the list to change; `None`: a new row.
-        at: Option<usize>,
+        row: Option<usize>,
         /// Name and partition as they are typed.
-        item: Item,
+        item: SendListItem,
         /// Path as it is typed.
         path: String,
     },
@@ -33,23 +33,23 @@ pub enum Dialog {
         /// Index of its partition in [`Partition::ALL`].
         partition: usize,
         /// Old and new name as they are typed.
-        naming: Naming,
+        naming: RenameFields,
     },
     /// Confirm that these files of the control are deleted.
     Delete(Vec<RemotePath>),
     /// Confirm that a backup is restored to the control.
     Restore(PathBuf),
     /// Ask whether to save a file that the control has sent without a request.
-    Keep(TransferFile),
+    SaveReceived(TransferFile),
 }
 
-impl Dialog {
+impl TransferDialog {
     /// The dialog for a new file of the list.
-    pub fn of_file(path: PathBuf, name: Option<FileName>) -> Self {
+    pub fn new_file(path: PathBuf, name: Option<FileName>) -> Self {
         Self::File {
-            at: None,
+            row: None,
             path: path.display().to_string(),
-            item: Item {
+            item: SendListItem {
                 path,
                 name: name.map(|it| it.to_string()).unwrap_or_default(),
                 partition: 0,
@@ -58,9 +58,9 @@ impl Dialog {
     }
 
     /// The dialog for an existing row of the list.
-    pub fn change(at: usize, item: &Item) -> Self {
+    pub fn change_row(at: usize, item: &SendListItem) -> Self {
         Self::File {
-            at: Some(at),
+            row: Some(at),
             path: item.path.display().to_string(),
             item: item.clone(),
         }
@@ -71,13 +71,13 @@ impl Dialog {
         let old = first.map(|place| place.name.to_string());
         let partition = first.map(|place| place.partition).unwrap_or_default();
         Self::Rename {
-            partition: position(partition),
-            naming: Naming::new(old.unwrap_or_default(), String::new()),
+            partition: partition_index(partition),
+            naming: RenameFields::new(old.unwrap_or_default(), String::new()),
         }
     }
 
     /// Whether the dialog needs a connection.
-    pub const fn is_of_control(&self) -> bool {
+    pub const fn needs_connection(&self) -> bool {
         matches!(
             self,
             Self::Rename { .. } | Self::Delete(_) | Self::Restore(_)
@@ -85,27 +85,27 @@ impl Dialog {
     }
 }
 
-fn position(partition: Partition) -> usize {
+fn partition_index(partition: Partition) -> usize {
     let mut all = Partition::ALL.into_iter();
     all.position(|it| it == partition).unwrap_or_default()
 }
 
 /// Draws a question and returns the index of the clicked answer.
-fn ask(
+fn show_question(
     context: &Context,
-    room: Rect,
+    bounds: Rect,
     language: Language,
     title: &Message,
-    said: &Message,
+    text: &Message,
     answers: &[Message; 2],
 ) -> Option<usize> {
     let mut clicked = None;
-    window(context, room, title, language, |ui| {
-        ui.label(said.text(language));
+    show_window(context, bounds, title, language, |ui| {
+        ui.label(text.text(language));
         ui.add_space(8.0);
         ui.horizontal(|ui| {
-            for (at, words) in answers.iter().enumerate() {
-                if ui.button(words.text(language)).clicked() {
+            for (at, answer) in answers.iter().enumerate() {
+                if ui.button(answer.text(language)).clicked() {
                     clicked = Some(at);
                 }
             }
@@ -114,35 +114,41 @@ fn ask(
     clicked
 }
 
-fn partitions(ui: &mut Ui, id: &str, named: Id, chosen: &mut usize) {
-    let name = Partition::ALL.get(*chosen).map_or("", |it| it.name());
+fn show_partitions(ui: &mut Ui, id: &str, label: Id, selected: &mut usize) {
+    let name = Partition::ALL.get(*selected).map_or("", |it| it.name());
     ComboBox::from_id_salt(id)
         .selected_text(name)
         .show_ui(ui, |ui| {
             for (at, partition) in Partition::ALL.into_iter().enumerate() {
-                ui.selectable_value(chosen, at, partition.name());
+                ui.selectable_value(selected, at, partition.name());
             }
         })
         .response
-        .labelled_by(named);
+        .labelled_by(label);
 }
 
 impl TransferView {
     /// Draws the dialog of the job, or the open dialog.
-    pub(super) fn dialogs(&mut self, context: &Context, language: Language) {
+    pub(super) fn show_dialogs(&mut self, context: &Context, language: Language) {
         if let Some(job) = &mut self.job {
-            match job.show(context, self.room, language) {
-                Some(Wish::Cancel) => {
+            match job.show(context, self.bounds, language) {
+                Some(JobRequest::Cancel) => {
                     if let Some(worker) = &self.worker {
                         worker.cancel();
                     }
                 }
-                Some(Wish::Answer(answer)) => self.order(Order::Answer(answer)),
-                Some(Wish::Close) => self.job = None,
+                Some(JobRequest::Answer(answer)) => {
+                    self.send_order(PcWorkerCommand::Answer(answer))
+                }
+                Some(JobRequest::Close) => self.job = None,
                 None => {}
             }
-            if let Some(said) = self.job.as_ref().and_then(super::job::Job::all_well) {
-                self.said = Some((said, false));
+            if let Some(message) = self
+                .job
+                .as_ref()
+                .and_then(super::transfer_job::TransferJob::success_message)
+            {
+                self.message = Some((message, false));
                 self.job = None;
             }
             return;
@@ -151,29 +157,33 @@ impl TransferView {
             return;
         };
         self.dialog = match dialog {
-            Dialog::File { at, item, path } => self.file(context, language, at, item, path),
-            Dialog::Rename { partition, naming } => {
-                self.rename(context, language, partition, naming)
+            TransferDialog::File {
+                row: at,
+                item,
+                path,
+            } => self.show_file_dialog(context, language, at, item, path),
+            TransferDialog::Rename { partition, naming } => {
+                self.show_rename_dialog(context, language, partition, naming)
             }
-            Dialog::Delete(places) => self.delete(context, language, places),
-            Dialog::Restore(folder) => self.restore(context, language, folder),
-            Dialog::Keep(file) => self.keep(context, language, file),
+            TransferDialog::Delete(places) => self.show_delete_dialog(context, language, places),
+            TransferDialog::Restore(folder) => self.show_restore_dialog(context, language, folder),
+            TransferDialog::SaveReceived(file) => self.show_save_dialog(context, language, file),
         };
     }
 
     /// Draws 发送文件设置. Returns the dialog while it stays open.
-    fn file(
+    fn show_file_dialog(
         &mut self,
         context: &Context,
         language: Language,
-        at: Option<usize>,
-        mut item: Item,
+        row: Option<usize>,
+        mut item: SendListItem,
         mut path: String,
-    ) -> Option<Dialog> {
-        let room = self.room;
-        let mut done = None;
+    ) -> Option<TransferDialog> {
+        let room = self.bounds;
+        let mut accepted = None;
         let mut browse = false;
-        window(
+        show_window(
             context,
             room,
             &say::transfer_view_add_title(),
@@ -182,39 +192,40 @@ impl TransferView {
                 Grid::new("transfer file").num_columns(2).show(ui, |ui| {
                     ui.label(say::transfer_view_path().text(language));
                     ui.horizontal(|ui| {
-                        let line = TextEdit::singleline(&mut path).desired_width(FIELD - 80.0);
+                        let line =
+                            TextEdit::singleline(&mut path).desired_width(FIELD_WIDTH - 80.0);
                         ui.add(line);
-                        let words = say::transfer_view_browse().text(language);
-                        browse = at.is_none() && ui.button(words).clicked();
+                        let label = say::transfer_view_browse().text(language);
+                        browse = row.is_none() && ui.button(label).clicked();
                     });
                     ui.end_row();
                     ui.label(say::transfer_view_name().text(language));
-                    let line = TextEdit::singleline(&mut item.name).desired_width(FIELD);
+                    let line = TextEdit::singleline(&mut item.name).desired_width(FIELD_WIDTH);
                     ui.add(line.hint_text("O0001.CNC"));
                     ui.end_row();
-                    let named = ui.label(say::transfer_view_partition().text(language)).id;
-                    partitions(ui, "file-partition", named, &mut item.partition);
+                    let label = ui.label(say::transfer_view_partition().text(language)).id;
+                    show_partitions(ui, "file-partition", label, &mut item.partition);
                     ui.end_row();
                 });
-                complaint(ui, language, &item.name);
-                let good = FileName::new(&item.name).is_ok() && !path.trim().is_empty();
-                done = ended(ui, language, good);
+                show_name_error(ui, language, &item.name);
+                let is_valid = FileName::new(&item.name).is_ok() && !path.trim().is_empty();
+                accepted = show_buttons(ui, language, is_valid);
             },
         );
         if browse {
             self.choose_file(context, language);
             return None;
         }
-        match done {
-            None => Some(Dialog::File { at, item, path }),
+        match accepted {
+            None => Some(TransferDialog::File { row, item, path }),
             Some(false) => None,
             Some(true) => {
                 item.path = PathBuf::from(path.trim());
-                match at.and_then(|at| self.remembered.list.get_mut(at)) {
+                match row.and_then(|at| self.settings.list.get_mut(at)) {
                     Some(row) => *row = item,
-                    None => self.remembered.list.push(item),
+                    None => self.settings.list.push(item),
                 }
-                self.measure();
+                self.request_lengths();
                 None
             }
         }
@@ -222,91 +233,104 @@ impl TransferView {
 
     /// Lets the operator choose a file for the list.
     pub(super) fn choose_file(&self, context: &Context, language: Language) {
-        let deliver = self.chosen.0.clone();
+        let sender = self.chosen_paths.0.clone();
         let name = say::window_part_programs().text(language);
-        let wanted = Wanted::Open(name, ENDINGS.to_vec());
-        files::choose(context, language, &self.console.say, wanted, move |path| {
-            let name = crate::pc::folder::named(&path);
-            // A closed view needs no file.
-            let _ = deliver.send(Chosen::File(path, name));
-            None
-        });
+        let choice = FileChoice::Open(name, EXTENSIONS.to_vec());
+        files::choose_file(
+            context,
+            language,
+            &self.console.notice_sender,
+            choice,
+            move |path| {
+                let name = crate::pc::folder::control_name(&path);
+                // A closed view needs no file.
+                let _ = sender.send(ChosenPath::File(path, name));
+                None
+            },
+        );
     }
 
     /// Draws CNC文件重命名. Returns the dialog while it stays open.
-    fn rename(
+    fn show_rename_dialog(
         &self,
         context: &Context,
         language: Language,
         mut partition: usize,
-        mut naming: Naming,
-    ) -> Option<Dialog> {
-        let room = self.room;
-        let listed = self.listing.partitions.get(partition);
-        let entries = listed.map_or([].as_slice(), |(_, entries)| entries);
-        let mut done = None;
-        window(
+        mut naming: RenameFields,
+    ) -> Option<TransferDialog> {
+        let room = self.bounds;
+        let directory = self.listing.partitions.get(partition);
+        let entries = directory.map_or([].as_slice(), |(_, entries)| entries);
+        let mut accepted = None;
+        show_window(
             context,
             room,
             &say::transfer_view_rename_title(),
             language,
             |ui| {
-                naming.fields(ui, language, true);
+                naming.show_fields(ui, language, true);
                 ui.horizontal(|ui| {
-                    let named = ui.label(say::transfer_view_partition().text(language)).id;
-                    partitions(ui, "rename-partition", named, &mut partition);
+                    let label = ui.label(say::transfer_view_partition().text(language)).id;
+                    show_partitions(ui, "rename-partition", label, &mut partition);
                     let words = say::transfer_view_directory().text(language);
                     if ui.button(words).clicked() {
-                        self.order(Order::List);
+                        self.send_order(PcWorkerCommand::List);
                     }
                 });
-                naming.entries(ui, entries, true);
-                done = ended(ui, language, naming.is_good());
+                naming.show_entries(ui, entries, true);
+                accepted = show_buttons(ui, language, naming.is_valid());
             },
         );
-        match done {
-            None => return Some(Dialog::Rename { partition, naming }),
+        match accepted {
+            None => return Some(TransferDialog::Rename { partition, naming }),
             Some(false) => {}
             Some(true) => {
-                let place = Partition::ALL.get(partition).copied().unwrap_or_default();
-                if let (Ok(old), Ok(to)) = (FileName::new(&naming.old), FileName::new(&naming.new))
-                {
+                let selected = Partition::ALL.get(partition).copied().unwrap_or_default();
+                if let (Ok(old), Ok(new)) = (
+                    FileName::new(&naming.old_name),
+                    FileName::new(&naming.new_name),
+                ) {
                     let from = RemotePath {
-                        partition: place,
+                        partition: selected,
                         name: old,
                     };
-                    self.order(Order::Rename { from, to });
+                    self.send_order(PcWorkerCommand::Rename { from, to: new });
                 }
             }
         }
         None
     }
 
-    fn delete(
+    fn show_delete_dialog(
         &self,
         context: &Context,
         language: Language,
-        places: Vec<RemotePath>,
-    ) -> Option<Dialog> {
-        let title = say::transfer_view_delete_ask(places.len());
-        let names: Vec<String> = places.iter().map(|place| place.name.to_string()).collect();
-        let said = say::transfer_view_delete_gone(names.join(", "));
+        paths: Vec<RemotePath>,
+    ) -> Option<TransferDialog> {
+        let title = say::transfer_view_delete_ask(paths.len());
+        let names: Vec<String> = paths.iter().map(|place| place.name.to_string()).collect();
+        let text = say::transfer_view_delete_gone(names.join(", "));
         let answers = [say::transfer_view_delete(), say::window_cancel()];
-        match ask(context, self.room, language, &title, &said, &answers) {
-            None => return Some(Dialog::Delete(places)),
-            Some(0) => self.order(Order::Delete(places)),
+        match show_question(context, self.bounds, language, &title, &text, &answers) {
+            None => return Some(TransferDialog::Delete(paths)),
+            Some(0) => self.send_order(PcWorkerCommand::Delete(paths)),
             Some(_) => {}
         }
         None
     }
 
-    fn restore(&self, context: &Context, language: Language, folder: PathBuf) -> Option<Dialog> {
+    fn show_restore_dialog(
+        &self,
+        context: &Context,
+        language: Language,
+        folder: PathBuf,
+    ) -> Option<TransferDialog> {
         let title = say::transfer_view_restore();
-        let said = say::transfer_view_restore_ask(folder.display());
+        let text = say::transfer_view_restore_ask(folder.display());
         let answers = [say::transfer_view_send(), say::window_cancel()];
-        match ask(context, self.room, language, &title, &said, &answers) {
-            None => return Some(Dialog::Restore(folder)),
-            Some(0) => self.order(Order::Restore(folder)),
+        match show_question(context, self.bounds, language, &title, &text, &answers) {
+            None => return Some(TransferDialog::Restore(folder)),
+            Some(0) => self.send_order(PcWorkerCommand::Restore(folder)),
             Some(_) => {}
         }
         None
@@ -314,20 +338,31 @@ impl TransferView {
 
     /// Draws 接收到CNC上传的文件,保存在硬盘上吗? (save the received file?). Returns the dialog while it stays
     /// open.
-    fn keep(&self, context: &Context, language: Language, file: TransferFile) -> Option<Dialog> {
+    fn show_save_dialog(
+        &self,
+        context: &Context,
+        language: Language,
+        file: TransferFile,
+    ) -> Option<TransferDialog> {
         let title = say::transfer_view_keep();
         let name = file.remote_path.name.clone();
-        let said = say::transfer_view_keep_what(&name, file.bytes.len());
+        let text = say::transfer_view_keep_what(&name, file.bytes.len());
         let answers = [say::transfer_view_yes(), say::transfer_view_no()];
-        match ask(context, self.room, language, &title, &said, &answers) {
-            None => return Some(Dialog::Keep(file)),
+        match show_question(context, self.bounds, language, &title, &text, &answers) {
+            None => return Some(TransferDialog::SaveReceived(file)),
             Some(0) => {
-                let deliver = self.chosen.0.clone();
-                let wanted = Wanted::Save(name.to_string(), "cnc");
-                files::choose(context, language, &self.console.say, wanted, move |path| {
-                    let _ = deliver.send(Chosen::Keep(path, file));
-                    None
-                });
+                let sender = self.chosen_paths.0.clone();
+                let choice = FileChoice::Save(name.to_string(), "cnc");
+                files::choose_file(
+                    context,
+                    language,
+                    &self.console.notice_sender,
+                    choice,
+                    move |path| {
+                        let _ = sender.send(ChosenPath::Save(path, file));
+                        None
+                    },
+                );
             }
             Some(_) => {}
         }

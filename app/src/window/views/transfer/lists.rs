@@ -3,14 +3,14 @@
 use egui::{Grid, Label, RichText, Sense, Ui, vec2};
 use gsk_messages::{Language, say};
 
-use super::{BAD, Dialog, TransferView};
+use super::{ERROR_COLOR, TransferDialog, TransferView};
 
 /// Least and greatest width of the column of paths, and the width of the columns after it,
 /// points.
-const PATH: [f32; 2] = [120.0, 420.0];
-const AFTER: f32 = 300.0;
+const PATH_WIDTH_RANGE: [f32; 2] = [120.0, 420.0];
+const OTHER_COLUMNS_WIDTH: f32 = 300.0;
 /// Approximate width of a letter of a path, points.
-const LETTER: f32 = 7.0;
+const LETTER_WIDTH: f32 = 7.0;
 
 /// File size in kilobytes, rounded up.
 fn kilobytes(bytes: u64) -> u64 {
@@ -18,26 +18,27 @@ fn kilobytes(bytes: u64) -> u64 {
 }
 
 /// Shortens a path to the width of its column. The end of the path remains.
-fn ending(path: &str, width: f32) -> String {
-    let most = (width / LETTER) as usize;
+fn shorten_path(path: &str, width: f32) -> String {
+    let max_letters = (width / LETTER_WIDTH) as usize;
     let letters = path.chars().count();
-    if letters <= most {
+    if letters <= max_letters {
         return path.to_owned();
     }
-    let end = path.chars().skip(letters + 1 - most);
+    let end = path.chars().skip(letters + 1 - max_letters);
     core::iter::once('…').chain(end).collect()
 }
 
 impl TransferView {
     /// Draws 发送文件路径, CNC保存文件名, 长度, 存储区 (path, name, length, partition). A double click edits a
     /// row; its context menu removes it.
-    pub(super) fn sending(&mut self, ui: &mut Ui, language: Language) {
-        if self.remembered.list.is_empty() {
+    pub(super) fn show_files_to_send(&mut self, ui: &mut Ui, language: Language) {
+        if self.settings.list.is_empty() {
             ui.label(RichText::new(say::transfer_view_list_empty().text(language)).weak());
             return;
         }
-        let width = (ui.available_width() - AFTER).clamp(PATH[0], PATH[1]);
-        let (mut edited, mut removed, mut cleared) = (None, None, false);
+        let width = (ui.available_width() - OTHER_COLUMNS_WIDTH)
+            .clamp(PATH_WIDTH_RANGE[0], PATH_WIDTH_RANGE[1]);
+        let (mut edited_row, mut removed_row, mut is_cleared) = (None, None, false);
         Grid::new("to-send")
             .num_columns(4)
             .spacing(vec2(18.0, 4.0))
@@ -52,12 +53,12 @@ impl TransferView {
                     ui.label(RichText::new(heading.text(language)).weak());
                 }
                 ui.end_row();
-                for (at, item) in self.remembered.list.iter().enumerate() {
+                for (at, item) in self.settings.list.iter().enumerate() {
                     let path = item.path.display().to_string();
                     let length = self.lengths.get(&item.path).copied();
-                    let text = RichText::new(ending(&path, width));
+                    let text = RichText::new(shorten_path(&path, width));
                     let text = match length {
-                        Some(None) => text.color(BAD),
+                        Some(None) => text.color(ERROR_COLOR),
                         _ => text,
                     };
                     let label = Label::new(text).truncate().selectable(false);
@@ -73,22 +74,22 @@ impl TransferView {
                     };
                     let row = row.on_hover_text(hint);
                     if row.double_clicked() {
-                        edited = Some(at);
+                        edited_row = Some(at);
                     }
                     row.context_menu(|ui| {
                         if ui
                             .button(say::transfer_view_edit().text(language))
                             .clicked()
                         {
-                            edited = Some(at);
+                            edited_row = Some(at);
                         }
                         if ui
                             .button(say::transfer_view_remove().text(language))
                             .clicked()
                         {
-                            removed = Some(at);
+                            removed_row = Some(at);
                         }
-                        cleared |= ui
+                        is_cleared |= ui
                             .button(say::transfer_view_clear().text(language))
                             .clicked();
                     });
@@ -99,57 +100,57 @@ impl TransferView {
                     ui.end_row();
                 }
             });
-        if let Some(at) = edited {
+        if let Some(at) = edited_row {
             self.dialog = self
-                .remembered
+                .settings
                 .list
                 .get(at)
-                .map(|it| Dialog::change(at, it));
+                .map(|it| TransferDialog::change_row(at, it));
         }
-        if let Some(at) = removed {
-            self.remembered.list.remove(at);
+        if let Some(at) = removed_row {
+            self.settings.list.remove(at);
         }
-        if cleared {
-            self.remembered.list.clear();
+        if is_cleared {
+            self.settings.list.clear();
         }
     }
 
     /// Draws the tree of partitions. A check box selects a file; that of a partition selects
     /// all of its files.
-    pub(super) fn receiving(&mut self, ui: &mut Ui, language: Language) {
+    pub(super) fn show_control_files(&mut self, ui: &mut Ui, language: Language) {
         if self.listing.partitions.is_empty() {
             ui.label(RichText::new(say::transfer_view_not_listed().text(language)).weak());
             return;
         }
         let listing = &mut self.listing;
-        for (at, (partition, entries)) in listing.partitions.iter().enumerate() {
-            let key = |name: &gsk_transfer::FileName| (at, name.to_string());
-            let chosen = entries
+        for (index, (partition, entries)) in listing.partitions.iter().enumerate() {
+            let key = |name: &gsk_transfer::FileName| (index, name.to_string());
+            let checked = entries
                 .iter()
-                .filter(|it| listing.ticked.contains(&key(&it.name)));
-            let mut all = !entries.is_empty() && chosen.count() == entries.len();
+                .filter(|it| listing.checked.contains(&key(&it.name)));
+            let mut all_checked = !entries.is_empty() && checked.count() == entries.len();
             let words = RichText::new(partition.name()).strong();
-            let tick = egui::Checkbox::new(&mut all, words);
+            let tick = egui::Checkbox::new(&mut all_checked, words);
             if ui.add_enabled(!entries.is_empty(), tick).changed() {
                 for entry in entries {
-                    match all {
-                        true => listing.ticked.insert(key(&entry.name)),
-                        false => listing.ticked.remove(&key(&entry.name)),
+                    match all_checked {
+                        true => listing.checked.insert(key(&entry.name)),
+                        false => listing.checked.remove(&key(&entry.name)),
                     };
                 }
             }
-            ui.indent(("partition", at), |ui| {
-                Grid::new(("entries", at))
+            ui.indent(("partition", index), |ui| {
+                Grid::new(("entries", index))
                     .num_columns(2)
                     .spacing(vec2(24.0, 2.0))
                     .show(ui, |ui| {
                         for entry in entries {
                             let key = key(&entry.name);
-                            let mut ticked = listing.ticked.contains(&key);
-                            if ui.checkbox(&mut ticked, entry.name.as_str()).changed() {
-                                match ticked {
-                                    true => listing.ticked.insert(key),
-                                    false => listing.ticked.remove(&key),
+                            let mut is_checked = listing.checked.contains(&key);
+                            if ui.checkbox(&mut is_checked, entry.name.as_str()).changed() {
+                                match is_checked {
+                                    true => listing.checked.insert(key),
+                                    false => listing.checked.remove(&key),
                                 };
                             }
                             let bytes = say::transfer_view_bytes(entry.size).text(language);
@@ -168,7 +169,7 @@ mod tests {
 
     #[test]
     fn a_long_path_keeps_its_end() {
-        assert_eq!(ending("/a/b.nc", 80.0), "/a/b.nc");
-        assert_eq!(ending("/programs/轴/O0001.CNC", 80.0), "…/O0001.CNC");
+        assert_eq!(shorten_path("/a/b.nc", 80.0), "/a/b.nc");
+        assert_eq!(shorten_path("/programs/轴/O0001.CNC", 80.0), "…/O0001.CNC");
     }
 }

@@ -4,9 +4,9 @@
 
 mod buttons;
 mod dialogs;
-mod job;
 mod lists;
-mod naming;
+mod rename_fields;
+mod transfer_job;
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::PathBuf;
@@ -20,24 +20,24 @@ use gsk_transfer::{BLOCK_BYTES, DirectoryEntry, FileName, Partition, RemotePath,
 use web_time::Duration;
 
 use crate::kernel::Console;
-use crate::pc::worker::{News, Order, Stage, Worker};
-use crate::pc::{Item, Remembered};
+use crate::pc::worker::{ConnectionStage, PcWorker, PcWorkerCommand, PcWorkerEvent};
+use crate::pc::{SendListItem, TransferSettings};
 use crate::window::focus;
-use dialogs::Dialog;
-use job::Job;
+use dialogs::TransferDialog;
+use transfer_job::TransferJob;
 
 /// Baud rates that controls and PCs support, bit/s (manual V-3.2).
-const SPEEDS: [u32; 6] = [4800, 9600, 19_200, 38_400, 57_600, 115_200];
+const BAUD_RATES: [u32; 6] = [4800, 9600, 19_200, 38_400, 57_600, 115_200];
 /// Width of the column of buttons, points.
-const BUTTONS: f32 = 148.0;
+const BUTTON_COLUMN_WIDTH: f32 = 148.0;
 
-const GOOD: Color32 = Color32::from_rgb(110, 230, 120);
-const WAITS: Color32 = Color32::from_rgb(255, 196, 90);
-const BAD: Color32 = Color32::from_rgb(255, 120, 96);
+const SUCCESS_COLOR: Color32 = Color32::from_rgb(110, 230, 120);
+const WAITING_COLOR: Color32 = Color32::from_rgb(255, 196, 90);
+const ERROR_COLOR: Color32 = Color32::from_rgb(255, 120, 96);
 
 /// 传输方式: the direction of a transfer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Direction {
+enum TransferDirection {
     /// 发送文件: to the control.
     #[default]
     Send,
@@ -46,127 +46,127 @@ enum Direction {
 }
 
 /// The result of a file dialog.
-enum Chosen {
+enum ChosenPath {
     /// A file for the list, and its proposed name in the control.
     File(PathBuf, Option<FileName>),
     /// The content of a list file.
-    List(Vec<Item>),
+    List(Vec<SendListItem>),
     /// The files to receive, and their folder on the PC.
-    Into(Vec<RemotePath>, PathBuf),
+    ReceiveInto(Vec<RemotePath>, PathBuf),
     /// The folder for a new backup.
     BackUp(PathBuf),
     /// The folder of a backup to restore.
     Restore(PathBuf),
     /// The path for a file that the control has sent without a request.
-    Keep(PathBuf, TransferFile),
+    Save(PathBuf, TransferFile),
 }
 
 /// The directory of the control that was received last.
 #[derive(Default)]
-struct Listing {
+struct ControlDirectory {
     partitions: Vec<(Partition, Vec<DirectoryEntry>)>,
     /// The checked files: index of the partition in [`Partition::ALL`], file name.
-    ticked: BTreeSet<(usize, String)>,
+    checked: BTreeSet<(usize, String)>,
 }
 
 /// The transfer view.
 pub struct TransferView {
     console: Console,
-    remembered: Remembered,
+    settings: TransferSettings,
     /// The thread for the port. `None` before the view is drawn for the first time, and if the
     /// thread could not be started.
-    worker: Option<Worker>,
+    worker: Option<PcWorker>,
     ports: Vec<String>,
-    stage: Stage,
-    direction: Direction,
-    listing: Listing,
+    stage: ConnectionStage,
+    direction: TransferDirection,
+    listing: ControlDirectory,
     /// Lengths of the files to send, bytes; `None`: the file does not exist.
     lengths: BTreeMap<PathBuf, Option<u64>>,
-    job: Option<Job>,
-    dialog: Option<Dialog>,
+    job: Option<TransferJob>,
+    dialog: Option<TransferDialog>,
     /// Files that the control has sent without a request, until the operator decides about
     /// them.
-    pushed: VecDeque<TransferFile>,
+    received_files: VecDeque<TransferFile>,
     /// The last message, and whether it is an error.
-    said: Option<(Message, bool)>,
-    chosen: (Sender<Chosen>, Receiver<Chosen>),
+    message: Option<(Message, bool)>,
+    chosen_paths: (Sender<ChosenPath>, Receiver<ChosenPath>),
     /// Rectangle of the view; its dialogs are inside.
-    room: Rect,
+    bounds: Rect,
 }
 
 impl TransferView {
     /// Creates the view with the stored settings. It opens no port.
-    pub fn new(console: Console, remembered: Remembered) -> Self {
+    pub fn new(console: Console, settings: TransferSettings) -> Self {
         Self {
             console,
-            remembered,
+            settings,
             worker: None,
             ports: Vec::new(),
-            stage: Stage::default(),
-            direction: Direction::default(),
-            listing: Listing::default(),
+            stage: ConnectionStage::default(),
+            direction: TransferDirection::default(),
+            listing: ControlDirectory::default(),
             lengths: BTreeMap::new(),
             job: None,
             dialog: None,
-            pushed: VecDeque::new(),
-            said: None,
-            chosen: unbounded(),
-            room: Rect::ZERO,
+            received_files: VecDeque::new(),
+            message: None,
+            chosen_paths: unbounded(),
+            bounds: Rect::ZERO,
         }
     }
 
     /// The settings to store for the next start.
-    pub const fn remembered(&self) -> &Remembered {
-        &self.remembered
+    pub const fn settings(&self) -> &TransferSettings {
+        &self.settings
     }
 
     /// Closes the port after the running job has ended.
     pub fn close(&mut self) {
-        self.order(Order::Close);
+        self.send_order(PcWorkerCommand::Close);
         self.dialog = None;
     }
 
-    fn order(&self, order: Order) {
+    fn send_order(&self, order: PcWorkerCommand) {
         if let Some(worker) = &self.worker {
-            worker.order(order);
+            worker.send_command(order);
         }
     }
 
     /// Starts the thread when the view is drawn for the first time.
-    fn begin(&mut self, ui: &Ui) {
-        if self.worker.is_some() || self.said.as_ref().is_some_and(|(_, wrong)| *wrong) {
+    fn start_worker(&mut self, ui: &Ui) {
+        if self.worker.is_some() || self.message.as_ref().is_some_and(|(_, is_error)| *is_error) {
             return;
         }
         let context = ui.ctx().clone();
         let wake = move || context.request_repaint_after(Duration::from_millis(1));
-        match Worker::start(wake) {
+        match PcWorker::start(wake) {
             Ok(worker) => {
-                worker.order(Order::FindPorts);
+                worker.send_command(PcWorkerCommand::FindPorts);
                 self.worker = Some(worker);
-                self.measure();
+                self.request_lengths();
             }
-            Err(error) => self.said = Some((say::as_written(error), true)),
+            Err(error) => self.message = Some((say::as_written(error), true)),
         }
     }
 
     /// Requests the lengths of the files to send.
-    fn measure(&self) {
-        let paths = self.remembered.list.iter().map(|item| item.path.clone());
-        self.order(Order::Measure(paths.collect()));
+    fn request_lengths(&self) {
+        let paths = self.settings.list.iter().map(|item| item.path.clone());
+        self.send_order(PcWorkerCommand::Measure(paths.collect()));
     }
 
     pub fn show(&mut self, ui: &mut Ui, language: Language) {
-        self.room = ui.max_rect();
-        self.begin(ui);
-        self.hear();
+        self.bounds = ui.max_rect();
+        self.start_worker(ui);
+        self.receive();
         Panel::top("transfer line")
             .frame(super::bar_frame())
-            .show(ui, |ui| self.line(ui, language));
+            .show(ui, |ui| self.show_settings(ui, language));
         Panel::bottom("transfer said")
             .frame(super::bar_frame())
-            .show(ui, |ui| self.words(ui, language));
+            .show(ui, |ui| self.show_message(ui, language));
         Panel::right("transfer buttons")
-            .exact_size(BUTTONS)
+            .exact_size(BUTTON_COLUMN_WIDTH)
             .resizable(false)
             .frame(super::side_frame())
             .show(ui, |ui| {
@@ -174,8 +174,8 @@ impl TransferView {
                     .id_salt("transfer buttons")
                     .auto_shrink([false, false])
                     .show(ui, |ui| {
-                        self.buttons(ui, language);
-                        focus::follow(ui);
+                        self.show_buttons(ui, language);
+                        focus::scroll_to_focus(ui);
                     });
             });
         CentralPanel::default()
@@ -186,115 +186,127 @@ impl TransferView {
                     .auto_shrink([false, false])
                     .show(ui, |ui| {
                         match self.direction {
-                            Direction::Send => self.sending(ui, language),
-                            Direction::Receive => self.receiving(ui, language),
+                            TransferDirection::Send => self.show_files_to_send(ui, language),
+                            TransferDirection::Receive => self.show_control_files(ui, language),
                         }
-                        focus::follow(ui);
+                        focus::scroll_to_focus(ui);
                     });
             });
-        self.dialogs(ui.ctx(), language);
+        self.show_dialogs(ui.ctx(), language);
     }
 
     /// Receives the results of the thread and of the file dialogs.
-    fn hear(&mut self) {
-        while let Some(news) = self.worker.as_ref().and_then(Worker::news) {
-            self.take(news);
+    fn receive(&mut self) {
+        while let Some(news) = self.worker.as_ref().and_then(PcWorker::next_event) {
+            self.handle_event(news);
         }
-        while let Ok(chosen) = self.chosen.1.try_recv() {
-            match chosen {
-                Chosen::File(path, name) => self.dialog = Some(Dialog::of_file(path, name)),
-                Chosen::List(list) => {
-                    self.remembered.list = list;
-                    self.measure();
+        while let Ok(result) = self.chosen_paths.1.try_recv() {
+            match result {
+                ChosenPath::File(path, name) => {
+                    self.dialog = Some(TransferDialog::new_file(path, name))
                 }
-                Chosen::Into(places, into) => self.order(Order::Receive { places, into }),
-                Chosen::BackUp(folder) => self.order(Order::BackUp(folder)),
-                Chosen::Restore(folder) => self.dialog = Some(Dialog::Restore(folder)),
-                Chosen::Keep(path, file) => self.order(Order::Keep { path, file }),
+                ChosenPath::List(list) => {
+                    self.settings.list = list;
+                    self.request_lengths();
+                }
+                ChosenPath::ReceiveInto(places, into) => {
+                    self.send_order(PcWorkerCommand::Receive {
+                        locations: places,
+                        into,
+                    })
+                }
+                ChosenPath::BackUp(folder) => self.send_order(PcWorkerCommand::BackUp(folder)),
+                ChosenPath::Restore(folder) => self.dialog = Some(TransferDialog::Restore(folder)),
+                ChosenPath::Save(path, file) => {
+                    self.send_order(PcWorkerCommand::StorePushed { path, file })
+                }
             }
         }
         if self.dialog.is_none() && self.job.is_none() {
-            self.dialog = self.pushed.pop_front().map(Dialog::Keep);
+            self.dialog = self
+                .received_files
+                .pop_front()
+                .map(TransferDialog::SaveReceived);
         }
     }
 
-    fn take(&mut self, news: News) {
+    fn handle_event(&mut self, news: PcWorkerEvent) {
         match news {
-            News::Ports(ports) => {
-                if self.remembered.port.is_empty()
+            PcWorkerEvent::Ports(ports) => {
+                if self.settings.port.is_empty()
                     && let Some(first) = ports.first()
                 {
-                    self.remembered.port.clone_from(first);
+                    self.settings.port.clone_from(first);
                 }
                 self.ports = ports;
             }
-            News::Stage(stage) => {
+            PcWorkerEvent::Stage(stage) => {
                 self.stage = stage;
-                self.said = None;
-                if stage != Stage::Connected {
-                    self.listing = Listing::default();
-                    self.dialog.take_if(|dialog| dialog.is_of_control());
+                self.message = None;
+                if stage != ConnectionStage::Connected {
+                    self.listing = ControlDirectory::default();
+                    self.dialog.take_if(|dialog| dialog.needs_connection());
                 }
             }
-            News::Lengths(lengths) => self.lengths.extend(lengths),
-            News::Failed(said) => self.said = Some((said, true)),
-            News::Said(said) => self.said = Some((said, false)),
-            News::Listed(partitions) => self.listing.list(partitions),
-            News::Pushed(file) => self.pushed.push_back(file),
-            News::Asked(question) => {
+            PcWorkerEvent::Lengths(lengths) => self.lengths.extend(lengths),
+            PcWorkerEvent::Failed(message) => self.message = Some((message, true)),
+            PcWorkerEvent::Succeeded(message) => self.message = Some((message, false)),
+            PcWorkerEvent::Listed(partitions) => self.listing.update(partitions),
+            PcWorkerEvent::Pushed(file) => self.received_files.push_back(file),
+            PcWorkerEvent::Conflict(question) => {
                 if let Some(job) = &mut self.job {
-                    job.ask(question);
+                    job.set_question(question);
                 }
             }
-            News::Begun(kind, names) => self.job = Some(Job::new(kind, names)),
+            PcWorkerEvent::JobBegun(kind, names) => self.job = Some(TransferJob::new(kind, names)),
             other => {
                 if let Some(job) = &mut self.job {
-                    job.take(other);
+                    job.handle_event(other);
                 }
             }
         }
     }
 
     /// Draws 通讯设置 (port settings) and 文件传输 (direction).
-    fn line(&mut self, ui: &mut Ui, language: Language) {
+    fn show_settings(&mut self, ui: &mut Ui, language: Language) {
         ui.horizontal_wrapped(|ui| {
-            let named = ui.label(say::transfer_view_port().text(language)).id;
-            let closed = self.stage == Stage::Closed;
-            ui.add_enabled_ui(closed, |ui| self.port(ui, language, named));
-            let named = ui.label(say::transfer_view_speed().text(language)).id;
-            ui.add_enabled_ui(closed, |ui| {
-                let baud = &mut self.remembered.baud;
+            let label = ui.label(say::transfer_view_port().text(language)).id;
+            let is_closed = self.stage == ConnectionStage::Closed;
+            ui.add_enabled_ui(is_closed, |ui| self.show_port(ui, language, label));
+            let label = ui.label(say::transfer_view_speed().text(language)).id;
+            ui.add_enabled_ui(is_closed, |ui| {
+                let baud = &mut self.settings.baud;
                 ComboBox::from_id_salt("transfer speed")
                     .width(80.0)
                     .selected_text(baud.to_string())
                     .show_ui(ui, |ui| {
-                        for speed in SPEEDS {
+                        for speed in BAUD_RATES {
                             ui.selectable_value(baud, speed, speed.to_string());
                         }
                     })
                     .response
-                    .labelled_by(named);
+                    .labelled_by(label);
             });
         });
         ui.horizontal_wrapped(|ui| {
             ui.label(say::transfer_view_direction().text(language));
-            for (direction, words) in [
-                (Direction::Send, say::transfer_view_send()),
-                (Direction::Receive, say::transfer_view_receive()),
+            for (direction, text) in [
+                (TransferDirection::Send, say::transfer_view_send()),
+                (TransferDirection::Receive, say::transfer_view_receive()),
             ] {
-                ui.selectable_value(&mut self.direction, direction, words.text(language));
+                ui.selectable_value(&mut self.direction, direction, text.text(language));
             }
             ui.separator();
-            let words = say::transfer_view_block().text(language);
-            ui.label(RichText::new(format!("{words} {BLOCK_BYTES}")).weak());
+            let text = say::transfer_view_block().text(language);
+            ui.label(RichText::new(format!("{text} {BLOCK_BYTES}")).weak());
         });
     }
 
-    fn port(&mut self, ui: &mut Ui, language: Language, named: Id) {
+    fn show_port(&mut self, ui: &mut Ui, language: Language, label: Id) {
         let hint = say::transfer_view_port_hint().text(language);
-        let port = &mut self.remembered.port;
+        let port = &mut self.settings.port;
         let line = TextEdit::singleline(port).desired_width(190.0);
-        ui.add(line).labelled_by(named).on_hover_text(hint);
+        ui.add(line).labelled_by(label).on_hover_text(hint);
         let list = ComboBox::from_id_salt("transfer ports")
             .width(24.0)
             .selected_text("")
@@ -303,35 +315,35 @@ impl TransferView {
                     ui.selectable_value(port, known.clone(), known);
                 }
             });
-        if list.response.labelled_by(named).clicked() {
-            self.order(Order::FindPorts);
+        if list.response.labelled_by(label).clicked() {
+            self.send_order(PcWorkerCommand::FindPorts);
         }
     }
 
     /// Draws the last message, or what to do next.
-    fn words(&self, ui: &mut Ui, language: Language) {
-        let (said, ink) = match &self.said {
-            Some((said, true)) => (said.clone(), BAD),
-            Some((said, false)) => (said.clone(), ui.visuals().text_color()),
+    fn show_message(&self, ui: &mut Ui, language: Language) {
+        let (message, ink) = match &self.message {
+            Some((message, true)) => (message.clone(), ERROR_COLOR),
+            Some((message, false)) => (message.clone(), ui.visuals().text_color()),
             None => match self.stage {
-                Stage::Closed => (say::transfer_view_stage_closed(), WAITS),
-                Stage::Open => (say::transfer_view_stage_open(), WAITS),
-                Stage::Connected => (say::transfer_view_stage_connected(), GOOD),
+                ConnectionStage::Closed => (say::transfer_view_stage_closed(), WAITING_COLOR),
+                ConnectionStage::Open => (say::transfer_view_stage_open(), WAITING_COLOR),
+                ConnectionStage::Connected => (say::transfer_view_stage_connected(), SUCCESS_COLOR),
             },
         };
         ui.set_min_height(ui.spacing().interact_size.y);
         ui.spacing_mut().item_spacing = vec2(8.0, 2.0);
-        let text = RichText::new(said.text(language)).color(ink);
+        let text = RichText::new(message.text(language)).color(ink);
         ui.add(egui::Label::new(text).wrap());
     }
 }
 
-impl Listing {
+impl ControlDirectory {
     /// Replaces the directory. Files that still exist remain checked.
-    fn list(&mut self, partitions: Vec<(Partition, Vec<DirectoryEntry>)>) {
+    fn update(&mut self, partitions: Vec<(Partition, Vec<DirectoryEntry>)>) {
         self.partitions = partitions;
-        let there: BTreeSet<_> = self.keys().collect();
-        self.ticked.retain(|key| there.contains(key));
+        let existing: BTreeSet<_> = self.keys().collect();
+        self.checked.retain(|key| existing.contains(key));
     }
 
     fn keys(&self) -> impl Iterator<Item = (usize, String)> + '_ {
@@ -340,18 +352,18 @@ impl Listing {
     }
 
     /// The checked files.
-    fn places(&self) -> Vec<RemotePath> {
-        let mut places = Vec::new();
+    fn checked_paths(&self) -> Vec<RemotePath> {
+        let mut paths = Vec::new();
         for (at, (partition, entries)) in self.partitions.iter().enumerate() {
             for entry in entries {
-                if self.ticked.contains(&(at, entry.name.to_string())) {
-                    places.push(RemotePath {
+                if self.checked.contains(&(at, entry.name.to_string())) {
+                    paths.push(RemotePath {
                         partition: *partition,
                         name: entry.name.clone(),
                     });
                 }
             }
         }
-        places
+        paths
     }
 }

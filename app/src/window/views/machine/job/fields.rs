@@ -10,12 +10,12 @@ use gsk_workpiece::stock::{Form, Stock, Tailstock};
 use gsk_workpiece::tool::{Holder, Insert, InsertLetter, Tool};
 
 /// Limit of all fields, mm. The rules of the job are narrower.
-const MOST: f64 = 5000.0;
+const LIMIT_MM: f64 = 5000.0;
 
 /// Draws a number field with its name.
-fn value(ui: &mut Ui, name: &Message, value: &mut f64, language: Language) {
+fn show_value(ui: &mut Ui, name: &Message, value: &mut f64, language: Language) {
     let drag = DragValue::new(value)
-        .range(-MOST..=MOST)
+        .range(-LIMIT_MM..=LIMIT_MM)
         .speed(0.1)
         .max_decimals(3);
     let drag = ui.add(drag);
@@ -24,7 +24,7 @@ fn value(ui: &mut Ui, name: &Message, value: &mut f64, language: Language) {
     ui.end_row();
 }
 
-fn grid(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
+fn show_grid(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
     Grid::new(id)
         .num_columns(2)
         .spacing([8.0, 3.0])
@@ -32,9 +32,9 @@ fn grid(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
 }
 
 /// Draws the fields of the stock and its clamping.
-pub fn stock(ui: &mut Ui, stock: &mut Stock, language: Language) {
-    form(ui, &mut stock.form, language);
-    grid(ui, "stock", |ui| {
+pub fn show_stock(ui: &mut Ui, stock: &mut Stock, language: Language) {
+    show_form(ui, &mut stock.form, language);
+    show_grid(ui, "stock", |ui| {
         let chuck = &mut stock.chuck;
         for (name, field) in [
             (say::stock_word_face(), &mut stock.face),
@@ -45,26 +45,26 @@ pub fn stock(ui: &mut Ui, stock: &mut Stock, language: Language) {
             (say::stock_word_jaws(), &mut chuck.jaws),
             (say::stock_word_jaw_height(), &mut chuck.jaw_height),
         ] {
-            value(ui, &name, field, language);
+            show_value(ui, &name, field, language);
         }
     });
-    let mut is_there = stock.tailstock.is_some();
+    let mut has_tailstock = stock.tailstock.is_some();
     let words = say::stock_tailstock().text(language);
-    if ui.checkbox(&mut is_there, words).changed() {
-        stock.tailstock = is_there.then_some(Tailstock {
+    if ui.checkbox(&mut has_tailstock, words).changed() {
+        stock.tailstock = has_tailstock.then_some(Tailstock {
             quill: Diameter(40.0),
             center: Diameter(6.0),
         });
     }
     if let Some(tailstock) = &mut stock.tailstock {
-        grid(ui, "tailstock", |ui| {
-            value(
+        show_grid(ui, "tailstock", |ui| {
+            show_value(
                 ui,
                 &say::stock_word_quill(),
                 &mut tailstock.quill.0,
                 language,
             );
-            value(
+            show_value(
                 ui,
                 &say::stock_word_center(),
                 &mut tailstock.center.0,
@@ -75,7 +75,7 @@ pub fn stock(ui: &mut Ui, stock: &mut Stock, language: Language) {
 }
 
 /// Draws the choice of bar, tube or contour, with the fields of the chosen form.
-fn form(ui: &mut Ui, form: &mut Form, language: Language) {
+fn show_form(ui: &mut Ui, form: &mut Form, language: Language) {
     let (outside, inside) = match form {
         Form::Bar { diameter } => (*diameter, None),
         Form::Tube { diameter, bore } => (*diameter, Some(*bore)),
@@ -108,31 +108,31 @@ fn form(ui: &mut Ui, form: &mut Form, language: Language) {
             };
         }
     });
-    grid(ui, "form", |ui| match form {
+    show_grid(ui, "form", |ui| match form {
         Form::Bar { diameter } => {
-            value(ui, &say::stock_word_diameter(), &mut diameter.0, language);
+            show_value(ui, &say::stock_word_diameter(), &mut diameter.0, language);
         }
         Form::Tube { diameter, bore } => {
-            value(ui, &say::stock_word_diameter(), &mut diameter.0, language);
-            value(ui, &say::stock_word_bore(), &mut bore.0, language);
+            show_value(ui, &say::stock_word_diameter(), &mut diameter.0, language);
+            show_value(ui, &say::stock_word_bore(), &mut bore.0, language);
         }
         Form::Contour { corners, bore } => {
-            self::corners(ui, corners, language);
-            value(ui, &say::stock_word_bore(), &mut bore.0, language);
+            self::show_corners(ui, corners, language);
+            show_value(ui, &say::stock_word_bore(), &mut bore.0, language);
         }
     });
 }
 
 /// Draws the corners of a contour from the front to the back, diameter and Z, with buttons
 /// that add and remove them.
-fn corners(ui: &mut Ui, corners: &mut Vec<(Diameter, f64)>, language: Language) {
+fn show_corners(ui: &mut Ui, corners: &mut Vec<(Diameter, f64)>, language: Language) {
     let mut removed = None;
     let count = corners.len();
     for (index, (diameter, z)) in corners.iter_mut().enumerate() {
         ui.horizontal(|ui| {
             for (prefix, field) in [("⌀ ", &mut diameter.0), ("Z ", z)] {
                 let drag = DragValue::new(field).prefix(prefix);
-                ui.add(drag.range(-MOST..=MOST).speed(0.1).max_decimals(3));
+                ui.add(drag.range(-LIMIT_MM..=LIMIT_MM).speed(0.1).max_decimals(3));
             }
         });
         let less = ui.add_enabled(count > 2, egui::Button::new("−"));
@@ -154,7 +154,7 @@ fn corners(ui: &mut Ui, corners: &mut Vec<(Diameter, f64)>, language: Language) 
 }
 
 /// Draws the fields of insert, tip and holder.
-pub fn tool(ui: &mut Ui, tool: &mut Tool, language: Language) {
+pub fn show_tool(ui: &mut Ui, tool: &mut Tool, language: Language) {
     if let Insert::Turning { letter, .. } = &mut tool.insert {
         ui.horizontal_wrapped(|ui| {
             for each in InsertLetter::ALL {
@@ -162,7 +162,7 @@ pub fn tool(ui: &mut Ui, tool: &mut Tool, language: Language) {
             }
         });
     }
-    grid(ui, "insert", |ui| {
+    show_grid(ui, "insert", |ui| {
         let fields: Vec<(Message, &mut f64)> = match &mut tool.insert {
             Insert::Turning {
                 letter: InsertLetter::R,
@@ -204,25 +204,25 @@ pub fn tool(ui: &mut Ui, tool: &mut Tool, language: Language) {
             ],
         };
         for (name, field) in fields {
-            value(ui, &name, field, language);
+            show_value(ui, &name, field, language);
         }
     });
-    tip(ui, &mut tool.tip, language);
-    holder(ui, &mut tool.holder, language);
+    show_tip(ui, &mut tool.tip, language);
+    show_holder(ui, &mut tool.holder, language);
 }
 
 /// Draws the choice of the imaginary tip number as a grid of directions from the nose.
-fn tip(ui: &mut Ui, tip: &mut u8, language: Language) {
+fn show_tip(ui: &mut Ui, tip: &mut u8, language: Language) {
     ui.horizontal(|ui| {
         Grid::new("tip").spacing([2.0, 2.0]).show(ui, |ui| {
             // X increases upwards, Z to the right.
             for x in [1.0, 0.0, -1.0] {
                 for z in [-1.0, 0.0, 1.0] {
-                    let lies = |number: &u8| {
+                    let points_to_cell = |number: &u8| {
                         let direction = tip_direction(*number);
                         (direction.x, direction.z) == (x, z)
                     };
-                    if let Some(number) = (0..=8).find(lies) {
+                    if let Some(number) = (0..=8).find(points_to_cell) {
                         ui.selectable_value(tip, number, format!(" {number} "));
                     }
                 }
@@ -233,7 +233,7 @@ fn tip(ui: &mut Ui, tip: &mut u8, language: Language) {
     });
 }
 
-fn holder(ui: &mut Ui, holder: &mut Holder, language: Language) {
+fn show_holder(ui: &mut Ui, holder: &mut Holder, language: Language) {
     ui.horizontal_wrapped(|ui| {
         for (kind, words) in [
             (
@@ -258,57 +258,57 @@ fn holder(ui: &mut Ui, holder: &mut Holder, language: Language) {
             }
         }
     });
-    grid(ui, "holder", |ui| match holder {
+    show_grid(ui, "holder", |ui| match holder {
         Holder::None => {}
         Holder::Shank { width, length } => {
-            value(ui, &say::tool_word_holder_width(), width, language);
-            value(ui, &say::tool_word_holder_length(), length, language);
+            show_value(ui, &say::tool_word_holder_width(), width, language);
+            show_value(ui, &say::tool_word_holder_length(), length, language);
         }
         Holder::Bar { diameter, length } => {
-            value(ui, &say::tool_word_holder_diameter(), diameter, language);
-            value(ui, &say::tool_word_holder_length(), length, language);
+            show_value(ui, &say::tool_word_holder_diameter(), diameter, language);
+            show_value(ui, &say::tool_word_holder_length(), length, language);
         }
     });
 }
 
 /// Draws the optional position of the work zero, where the lathe's differs from the control's.
-pub fn zero(ui: &mut Ui, zero: &mut Option<DiameterPoint>, language: Language) {
-    let mut known = zero.is_some();
-    let check = ui.checkbox(&mut known, say::job_zero().text(language));
+pub fn show_zero(ui: &mut Ui, zero: &mut Option<DiameterPoint>, language: Language) {
+    let mut is_set = zero.is_some();
+    let check = ui.checkbox(&mut is_set, say::job_zero().text(language));
     let hint = say::job_zero_hint().text(language);
     if check.on_hover_text(hint).changed() {
-        *zero = known.then(DiameterPoint::default);
+        *zero = is_set.then(DiameterPoint::default);
     }
-    if let Some(place) = zero {
-        self::place(ui, "zero", place, language);
+    if let Some(point) = zero {
+        self::show_point(ui, "zero", point, language);
     }
 }
 
 /// Draws the optional true length of a tool.
-pub fn length(
+pub fn show_length(
     ui: &mut Ui,
     lengths: &mut BTreeMap<u8, DiameterPoint>,
     number: u8,
     language: Language,
 ) {
-    let mut known = lengths.contains_key(&number);
-    let check = ui.checkbox(&mut known, say::job_length().text(language));
+    let mut is_set = lengths.contains_key(&number);
+    let check = ui.checkbox(&mut is_set, say::job_length().text(language));
     let hint = say::job_length_hint().text(language);
     if check.on_hover_text(hint).changed() {
-        if known {
+        if is_set {
             lengths.insert(number, DiameterPoint::default());
         } else {
             lengths.remove(&number);
         }
     }
-    if let Some(place) = lengths.get_mut(&number) {
-        self::place(ui, "length", place, language);
+    if let Some(point) = lengths.get_mut(&number) {
+        self::show_point(ui, "length", point, language);
     }
 }
 
-fn place(ui: &mut Ui, id: &str, place: &mut DiameterPoint, language: Language) {
-    grid(ui, id, |ui| {
-        value(ui, &say::job_place_x(), &mut place.x.0, language);
-        value(ui, &say::job_place_z(), &mut place.z, language);
+fn show_point(ui: &mut Ui, id: &str, place: &mut DiameterPoint, language: Language) {
+    show_grid(ui, id, |ui| {
+        show_value(ui, &say::job_place_x(), &mut place.x.0, language);
+        show_value(ui, &say::job_place_z(), &mut place.z, language);
     });
 }

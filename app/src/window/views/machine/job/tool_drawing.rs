@@ -7,17 +7,17 @@ use gsk_workpiece::grid::{GridPoint, from_grid};
 use gsk_workpiece::tool::{Tool, ToolShape};
 
 use crate::window::views::machine::camera::Camera;
-use crate::window::views::machine::{grid, place, solids};
+use crate::window::views::machine::{grid, section_drawing, to_pos2};
 
 /// Height of the drawing, points.
 const HEIGHT: f32 = 170.0;
 /// Margin around the insert that shows the holder, as a share of the insert's size.
-const AROUND: f32 = 0.35;
+const MARGIN_SHARE: f32 = 0.35;
 
 /// Draws the tool; an invalid one leaves the area empty.
 pub fn show(ui: &mut Ui, tool: &Tool, language: Language) {
     let size = vec2(ui.available_width(), HEIGHT);
-    let (room, response) = ui.allocate_exact_size(size, Sense::HOVER);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::HOVER);
     response.widget_info(|| {
         let name = say::tool_picture().text(language);
         WidgetInfo::labeled(Role::Image, true, name)
@@ -25,27 +25,31 @@ pub fn show(ui: &mut Ui, tool: &Tool, language: Language) {
     if tool.check().is_err() {
         return;
     }
-    let painter = ui.painter_at(room);
-    painter.rect_filled(room, 2.0, grid::GROUND);
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 2.0, grid::LABEL_BACKGROUND);
     let shape = ToolShape::from_tool(tool);
-    let bounds = around(&shape.cutting);
-    let camera = Camera::fit(bounds.expand(bounds.size().max_elem() * AROUND), true, room);
-    grid::lines(&painter, &camera);
-    solids::draw_tool(&painter, &camera, tool);
-    let center = camera.screen(place(tool.center()));
-    let nose = tool.nose() as f32 * camera.scale;
+    let bounds_mm = bounding_box(&shape.cutting);
+    let camera = Camera::fit(
+        bounds_mm.expand(bounds_mm.size().max_elem() * MARGIN_SHARE),
+        true,
+        rect,
+    );
+    grid::draw_lines(&painter, &camera);
+    section_drawing::draw_tool(&painter, &camera, tool);
+    let center = camera.screen_position(to_pos2(tool.center()));
+    let nose = tool.nose() as f32 * camera.points_per_mm;
     let stroke = Stroke::new(1.5, super::WRONG);
     if nose > 1.0 {
         painter.add(Shape::circle_stroke(center, nose, stroke));
     }
-    let tip = camera.screen(place(Point::default()));
+    let tip = camera.screen_position(to_pos2(Point::default()));
     for arm in [Vec2::new(6.0, 0.0), Vec2::new(0.0, 6.0)] {
         painter.line_segment([tip - arm, tip + arm], stroke);
     }
 }
 
 /// The bounding box of a contour in camera coordinates (x is Z, y is X as a radius), mm.
-fn around(contour: &[GridPoint]) -> Rect {
+fn bounding_box(contour: &[GridPoint]) -> Rect {
     let points = contour.iter().map(|point| {
         let at = from_grid(*point);
         pos2(at.z as f32, at.x as f32)

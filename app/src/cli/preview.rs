@@ -1,0 +1,128 @@
+//! Options of `check` and `plot`, which preview a program without a machine.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use gsk_core::preview::WorkBudget;
+use web_time::Duration;
+
+use super::PictureArgs;
+use crate::job::{JobArgs, PartArgs};
+use crate::setup_args::{self, SetupArgs};
+use crate::work_limit::WorkLimit;
+
+/// Limits at which `check` and `plot` cancel a preview.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct LimitArgs {
+    /// Give a program up after so many moves
+    #[arg(long, default_value_t = WorkBudget::FULL.moves, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub most_moves: u64,
+    /// Give a program up after so many blocks; those of loops and subprograms count each time
+    #[arg(long, default_value_t = WorkBudget::FULL.work, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub most_blocks: u64,
+    /// Give a program up after so much time of this computer as well, for instance 90s, 10m [default: no limit]
+    #[arg(long, value_name = "TIME", value_parser = setup_args::parse_duration_ms)]
+    pub give_up: Option<u64>,
+}
+
+impl LimitArgs {
+    /// Starts the limits; the time limit counts from now.
+    pub fn start(self) -> WorkLimit {
+        let budget = WorkBudget {
+            moves: self.most_moves,
+            work: self.most_blocks,
+            ..WorkBudget::FULL
+        };
+        WorkLimit::new(budget).with_deadline(self.give_up.map(Duration::from_millis))
+    }
+}
+
+/// Options of the preview of `check` and `plot`.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct LookArgs {
+    /// Where the work zero lies in machine coordinates: X (diameter), Z in mm; --start is then counted from it [default: at the machine zero]
+    ///
+    /// G28 goes to the machine zero: with this option it is drawn, and the program
+    /// goes on, where it truly lies. A program that begins with G50 needs --start as
+    /// well: where its tool stands there.
+    #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = setup_args::parse_xz)]
+    pub work_zero: Option<(f64, f64)>,
+    #[command(flatten)]
+    pub limits: LimitArgs,
+}
+
+/// `check`.
+#[derive(Args, Debug)]
+pub struct CheckArgs {
+    /// The programs; of a folder those in it and below it
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub look: LookArgs,
+    #[command(flatten)]
+    pub part: PartArgs,
+    /// Write every move as one JSON object a line (`-`: standard output); one program only
+    #[arg(long, value_name = "FILE")]
+    pub moves: Option<PathBuf>,
+    /// Print one JSON object for each file; `times` are its seconds by kind (rapid, feed, thread, dwell, other), `tool_times` the same for each tool
+    #[arg(long)]
+    pub json: bool,
+    /// How the results are written
+    #[arg(
+        long,
+        value_enum,
+        default_value_t,
+        conflicts_with = "json",
+        value_name = "FORMAT"
+    )]
+    pub format: CheckFormat,
+    #[command(flatten)]
+    pub setup: SetupArgs,
+}
+
+impl CheckArgs {
+    /// The output format: `--json` is short for `--format json`.
+    pub const fn format(&self) -> CheckFormat {
+        match self.json {
+            true => CheckFormat::Json,
+            false => self.format,
+        }
+    }
+}
+
+/// Output format of `check`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum CheckFormat {
+    /// For people; of several programs with a summary at the end
+    #[default]
+    Human,
+    /// One JSON object for each file
+    Json,
+    /// A line for each alarm, collision and warning, that a GitHub workflow shows beside the block
+    Github,
+    /// One SARIF 2.1.0 log, for editors and code scanning
+    Sarif,
+}
+
+/// `plot`.
+#[derive(Args, Debug)]
+pub struct PlotArgs {
+    /// The program
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub look: LookArgs,
+    /// The part, drawn under the path.
+    #[command(flatten)]
+    pub part: JobArgs,
+    /// Draw the part as a lit solid with a quarter cut out, not the path (.png only)
+    #[arg(long, conflicts_with_all = ["whole", "labels", "dimensions", "tools"])]
+    pub solid: bool,
+    /// The picture (name ends in .png or .svg)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub picture: PictureArgs,
+    #[command(flatten)]
+    pub setup: SetupArgs,
+}

@@ -1,0 +1,147 @@
+//! The thread that analyses programs.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+
+use crossbeam::channel::{Receiver, Sender, unbounded};
+use gsk_core::command::ProgramId;
+use gsk_core::preview::{PreviewEnd, WorkBudget};
+use gsk_core::program::Program;
+use gsk_language::{
+    Analysis, LineTimes, ProgramFinding, Severity, Structure, TextDocument, analyse, analyse_mill,
+};
+use gsk_messages::{Language, Message, say};
+use lsp_types::Uri;
+
+use super::CheckedControl;
+use crate::files::subprograms::{FoundSubprogram, SubprogramCalls};
+use crate::loading;
+use crate::work_limit::WorkLimit;
+
+/// Work budget of one analysis.
+const BUDGET: WorkBudget = WorkBudget::interactive(20_000_000);
+
+/// A text to be analysed.
+pub struct AnalysisJob {
+    pub uri: Uri,
+    /// Version of the document.
+    pub version: i32,
+    /// `None` if the document was never saved.
+    pub path: Option<PathBuf>,
+    pub text: Arc<TextDocument>,
+    /// Called programs of other files.
+    pub called_programs: Arc<Vec<FoundSubprogram>>,
+    /// False cancels the job.
+    pub is_wanted: Arc<AtomicBool>,
+}
+
+/// The result of a job.
+pub struct AnalysisResult {
+    pub uri: Uri,
+    /// Version of the document that was analysed.
+    pub version: i32,
+    pub structure: Arc<Structure>,
+    /// The findings; if the program cannot be loaded, the reason is the only one.
+    pub analysis: Arc<Analysis>,
+}
+
+/// Starts the thread. It takes jobs from the sender, returns results through the receiver,
+/// and ends when the sender is dropped.
+pub fn start_checker(
+    control: CheckedControl,
+    language: Language,
+) -> (Sender<AnalysisJob>, Receiver<AnalysisResult>) {
+    let (jobs, from_server) = unbounded::<AnalysisJob>();
+    let (to_server, results) = unbounded();
+    thread::spawn(move || {
+        for job in from_server {
+            if !job.is_wanted.load(Ordering::Relaxed) {
+                continue;
+            }
+            // Structure and analysis are independent: both take long for a long text.
+            let (structure, analysis) = thread::scope(|side_by_side| {
+                let structure = side_by_side.spawn(|| Structure::read(&job.text));
+                let analysis = analyse_job(&control, &job, language);
+                let read_anew = |_| Structure::read(&job.text);
+                (structure.join().unwrap_or_else(read_anew), analysis)
+            });
+            // The server may have ended.
+            if job.is_wanted.load(Ordering::Relaxed) {
+                let _ = to_server.send(AnalysisResult {
+                    uri: job.uri,
+                    version: job.version,
+                    structure: Arc::new(structure),
+                    analysis: Arc::new(analysis),
+                });
+            }
+        }
+    });
+    (jobs, results)
+}
+
+fn analyse_job(control: &CheckedControl, job: &AnalysisJob, language: Language) -> Analysis {
+    let mut setup = control.setup.clone();
+    let unsaved = || PathBuf::from(job.uri.as_str());
+    let path = job.path.clone().unwrap_or_else(unsaved);
+    let find_programs = |_: SubprogramCalls, loaded: &BTreeSet<u16>| {
+        let new = |it: &&FoundSubprogram| !loaded.contains(&it.number);
+        job.called_programs.iter().filter(new).cloned().collect()
+    };
+    let text = job.text.as_str().to_owned();
+    let opened = loading::open_text(&mut setup, &path, text, find_programs);
+    let notices = match opened {
+        Ok(notices) => notices.0,
+        Err(error) => return load_error_analysis(&error.message(), language),
+    };
+    let limit = WorkLimit::new(BUDGET);
+    let mut should_continue =
+        |progress: &_| limit.allows(progress) && job.is_wanted.load(Ordering::Relaxed);
+    let mut analysis = match &control.mill {
+        Some(mill) => {
+            let programs = &setup.memory.programs;
+            analyse_mill(mill, programs, language, &mut should_continue)
+        }
+        None => analyse(&setup, language, &mut should_continue),
+    };
+    let external = setup.memory.programs.external();
+    let full_width = external.and_then(Program::full_width_line);
+    let full_width = full_width.map(|line| say::file_full_width(short_name(&path), line));
+    let notices = notices.into_iter().chain(full_width);
+    analysis
+        .findings
+        .extend(notices.map(|notice| ProgramFinding {
+            program: ProgramId::External,
+            at: None,
+            severity: Severity::Warning,
+            code: notice.id().name().to_owned(),
+            text: notice.text(language),
+        }));
+    analysis
+}
+
+fn short_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+/// The analysis of a program that cannot be loaded.
+fn load_error_analysis(message: &Message, language: Language) -> Analysis {
+    Analysis {
+        findings: vec![ProgramFinding {
+            program: ProgramId::External,
+            at: None,
+            severity: Severity::Error,
+            code: message.id().name().to_owned(),
+            text: message.text(language),
+        }],
+        end: PreviewEnd::Alarm,
+        time_s: 0.0,
+        cutting_s: 0.0,
+        extents: None,
+        tools: Vec::new(),
+        line_times: LineTimes::default(),
+    }
+}

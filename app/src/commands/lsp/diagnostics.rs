@@ -1,0 +1,130 @@
+//! Converts the findings of an analysis to diagnostics with their positions.
+
+use gsk_core::command::ProgramId;
+use gsk_language::{
+    Analysis, ProgramFinding, ReferenceTarget, Severity, Structure, TextDocument, TextRange,
+};
+use gsk_messages::{Language, say};
+use lsp_types::{
+    Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, Location, NumberOrString, Range,
+};
+
+use super::convert::{ColumnEncoding, path_to_uri};
+use super::documents::OpenDocument;
+
+/// The source name that the editor shows.
+const SOURCE: &str = "gsk980td";
+
+pub fn diagnostics(
+    document: &OpenDocument,
+    analysis: &Analysis,
+    encoding: ColumnEncoding,
+    language: Language,
+) -> Vec<Diagnostic> {
+    let findings = analysis.findings.iter();
+    findings
+        .map(|it| diagnostic(document, it, encoding, language))
+        .collect()
+}
+
+fn diagnostic(
+    document: &OpenDocument,
+    finding: &ProgramFinding,
+    encoding: ColumnEncoding,
+    language: Language,
+) -> Diagnostic {
+    let (text, structure) = (&*document.text, &**document.structure());
+    let mut message = finding.text.clone();
+    let (text_range, related) = match (finding.program, &finding.at) {
+        (ProgramId::Stored(number), Some(_)) if !is_part_of_text(structure, number) => {
+            message = format!("O{number:04}: {message}");
+            let text_range =
+                find_call(structure, number).unwrap_or_else(|| first_block_line(text, structure));
+            let related = related_position(document, number, finding, encoding, language);
+            (text_range, related)
+        }
+        (_, Some(at)) => {
+            let line = at.line.saturating_sub(1);
+            (TextRange::new(line, &at.bytes), None)
+        }
+        (_, None) => (first_block_line(text, structure), None),
+    };
+    Diagnostic {
+        range: to_visible_range(encoding, text, &text_range),
+        severity: Some(match finding.severity {
+            Severity::Error => DiagnosticSeverity::ERROR,
+            Severity::Warning => DiagnosticSeverity::WARNING,
+        }),
+        code: Some(NumberOrString::String(finding.code.clone())),
+        source: Some(SOURCE.to_owned()),
+        message,
+        related_information: related.map(|it| vec![it]),
+        ..Diagnostic::default()
+    }
+}
+
+/// The range of a finding, at least one character wide to be visible.
+fn to_visible_range(
+    encoding: ColumnEncoding,
+    text: &TextDocument,
+    text_range: &TextRange,
+) -> Range {
+    let mut range = encoding.to_range(text, text_range);
+    if range.start == range.end && text_range.to < text.line(text_range.line).len() as u32 {
+        range.end.character += 1;
+    }
+    range
+}
+
+/// Whether a program is part of the text.
+fn is_part_of_text(structure: &Structure, number: u16) -> bool {
+    structure
+        .parts
+        .iter()
+        .any(|part| part.number == Some(number))
+}
+
+/// The first word of the text that calls a program. If only another program calls it, the
+/// first call of the text.
+fn find_call(structure: &Structure, number: u16) -> Option<TextRange> {
+    let calls = || {
+        let references = structure.references.iter();
+        references.filter(|reference| matches!(reference.target, ReferenceTarget::Program(_)))
+    };
+    let direct = calls().find(|reference| reference.target == ReferenceTarget::Program(number));
+    direct
+        .or_else(|| calls().next())
+        .map(|reference| reference.word.clone())
+}
+
+/// The first line that the control reads.
+fn first_block_line(text: &TextDocument, structure: &Structure) -> TextRange {
+    let line = structure.block_lines.0;
+    TextRange::new(line, &(0..text.line(line).len()))
+}
+
+/// The position of a finding in another file.
+fn related_position(
+    document: &OpenDocument,
+    number: u16,
+    finding: &ProgramFinding,
+    encoding: ColumnEncoding,
+    language: Language,
+) -> Option<DiagnosticRelatedInformation> {
+    let found = document
+        .called_programs
+        .iter()
+        .find(|it| it.number == number)?;
+    let text = TextDocument::new(found.text.as_str());
+    let at = finding.at.as_ref()?;
+    let line = at.line.saturating_sub(1);
+    let text_range = TextRange::new(line, &at.bytes);
+    let message = say::in_line(at.line, say::as_written(text.line(line).trim()));
+    Some(DiagnosticRelatedInformation {
+        location: Location::new(
+            path_to_uri(&found.path)?,
+            encoding.to_range(&text, &text_range),
+        ),
+        message: message.text(language),
+    })
+}

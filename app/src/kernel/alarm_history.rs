@@ -1,0 +1,27 @@
+//! Collects the alarms raised since the control was opened, for the window.
+
+use std::sync::Arc;
+
+use gsk_core::cnc::Cnc;
+use gsk_panel::alarm_log::{AlarmLog, AlarmRecord};
+
+/// The alarm log, and the copy for the window.
+#[derive(Debug, Default)]
+pub(super) struct AlarmHistory {
+    record: AlarmLog,
+    published: Arc<Vec<AlarmRecord>>,
+}
+
+impl AlarmHistory {
+    /// Updates the log; called once a tick.
+    pub(super) fn update(&mut self, cnc: &Cnc) {
+        if self.record.update(cnc) {
+            self.published = Arc::new(self.record.newest_first().cloned().collect());
+        }
+    }
+
+    /// Returns the alarms, the newest first.
+    pub(super) fn records(&self) -> Arc<Vec<AlarmRecord>> {
+        Arc::clone(&self.published)
+    }
+}

@@ -1,0 +1,56 @@
+//! Reports once why a key does nothing, and takes the report back when a key acts again.
+
+use gsk_core::cnc::Cnc;
+use gsk_messages::Message;
+use gsk_panel::refusal::{CHECK_DELAY_TICKS, KeyPress};
+
+/// A change of the report on refused keys.
+pub(super) enum RefusalReport {
+    /// The key does nothing, and why.
+    Refused(Message),
+    /// A key acts: the earlier refusal is obsolete.
+    KeyActs,
+}
+
+/// Key presses that wait for their check.
+#[derive(Debug, Default)]
+pub(super) struct KeyRefusals {
+    /// Machine keys, with the tick of their check.
+    pending: Vec<(u64, KeyPress)>,
+    /// A refusal is on display.
+    is_refusal_shown: bool,
+}
+
+impl KeyRefusals {
+    /// Records a key press at a tick; `refused`: page, mode or a switch forbids it.
+    pub(super) fn record_press(
+        &mut self,
+        press: Option<KeyPress>,
+        refused: Option<Message>,
+        tick: u64,
+    ) -> Option<RefusalReport> {
+        self.pending
+            .extend(press.map(|press| (tick + CHECK_DELAY_TICKS, press)));
+        match refused {
+            Some(why) => {
+                self.is_refusal_shown = true;
+                Some(RefusalReport::Refused(why))
+            }
+            None => core::mem::take(&mut self.is_refusal_shown).then_some(RefusalReport::KeyActs),
+        }
+    }
+
+    /// Checks the machine keys that are due.
+    pub(super) fn check_due(&mut self, tick: u64, cnc: &Cnc) -> Option<RefusalReport> {
+        if self.pending.is_empty() {
+            return None;
+        }
+        let due = self.pending.iter().filter(|(at, _)| *at <= tick);
+        let why = due
+            .filter_map(|(_, press)| press.refusal_reason(cnc))
+            .next_back();
+        self.pending.retain(|(at, _)| *at > tick);
+        self.is_refusal_shown |= why.is_some();
+        why.map(RefusalReport::Refused)
+    }
+}

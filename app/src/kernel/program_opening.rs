@@ -1,0 +1,125 @@
+//! Opens a program read from a file: stores it in the memory, or reports why not.
+
+use gsk_core::cnc::ControlRequest;
+use gsk_core::command::ProgramId;
+use gsk_core::operation::RunState;
+use gsk_core::program::Program;
+use gsk_messages::say;
+use tracing::info;
+
+use super::{Kernel, NotStored, Notice, OpenedProgram, ProgramPlacement, StorePolicy};
+
+/// The program opened last.
+#[derive(Clone, Debug)]
+pub(super) struct LastOpened {
+    pub name: String,
+    /// Its text as stored.
+    stored: Option<Program>,
+}
+
+impl Kernel {
+    /// Opens a program; returns whether it is selected now.
+    pub(super) fn open(&mut self, opened: OpenedProgram) -> bool {
+        let run_state = self.emulator.simulation.cnc.run_state();
+        if matches!(run_state, RunState::Run | RunState::Hold) {
+            let why = say::program_opened_after_reset(&opened.name);
+            self.notify(Notice::Message(why));
+            return false;
+        }
+        let program = with_number(&opened);
+        let taken = program
+            .number()
+            .filter(|number| self.is_other_program(*number, &program, &opened.name));
+        if let (Some(number), StorePolicy::AskOperator) = (taken, opened.store_policy) {
+            self.notify(Notice::NumberTaken(Box::new(opened), number));
+            return false;
+        }
+        for program in &opened.subprograms {
+            self.store_subprogram(program);
+        }
+        let kept = match (taken, opened.store_policy) {
+            (Some(number), StorePolicy::RunOnly) => Err(NotStored::NumberTaken(number)),
+            _ => self.store(&program),
+        };
+        let place = match kept {
+            Ok(number) => ProgramPlacement::Stored(number),
+            Err(why) => {
+                if let Err(alarm) = self.emulator.load_external(opened.program) {
+                    self.notify(Notice::Refused(alarm));
+                    return false;
+                }
+                ProgramPlacement::OnlyRun(why)
+            }
+        };
+        let stored = matches!(place, ProgramPlacement::Stored(_)).then_some(program);
+        let OpenedProgram { name, path, .. } = opened;
+        self.last_opened = Some(LastOpened {
+            name: name.clone(),
+            stored,
+        });
+        info!(file = name, place = ?place, "program opened");
+        self.notify(Notice::Opened {
+            name,
+            path,
+            placement: place,
+        });
+        true
+    }
+
+    /// Whether the memory has a program of this number that is neither this file's text
+    /// nor the text of this file when it was opened last.
+    fn is_other_program(&self, number: u16, program: &Program, name: &str) -> bool {
+        let programs = self.emulator.simulation.cnc.programs();
+        let Some(existing) = programs.get(ProgramId::Stored(number)) else {
+            return false;
+        };
+        let last = self.last_opened.as_ref().filter(|last| last.name == name);
+        let before = last.and_then(|last| last.stored.as_ref());
+        existing.text() != program.text()
+            && before.is_none_or(|before| before.text() != existing.text())
+    }
+
+    /// Selects a program; stores it first unless the memory has the same text.
+    pub(super) fn store(&mut self, program: &Program) -> Result<u16, NotStored> {
+        let number = program.number().ok_or(NotStored::NoNumber)?;
+        let cnc = &mut self.emulator.simulation.cnc;
+        let existing = cnc.programs().get(ProgramId::Stored(number));
+        let request = if existing.is_some_and(|there| there.text() == program.text()) {
+            ControlRequest::SelectProgram(number)
+        } else {
+            let allowed = cnc.rights().check_program_store(number);
+            allowed.map_err(NotStored::Refused)?;
+            ControlRequest::StoreProgram(program.text().to_owned())
+        };
+        cnc.request(request).map_err(NotStored::Alarm)?;
+        Ok(number)
+    }
+
+    /// Stores a subprogram unless the memory has one of its number.
+    fn store_subprogram(&mut self, program: &Program) {
+        let cnc = &mut self.emulator.simulation.cnc;
+        let known = program
+            .number()
+            .is_some_and(|number| cnc.programs().get(ProgramId::Stored(number)).is_some());
+        if known {
+            return;
+        }
+        let request = ControlRequest::StoreProgram(program.text().to_owned());
+        if let Err(alarm) = cnc.request(request) {
+            self.notify(Notice::Refused(alarm));
+        }
+    }
+}
+
+/// Returns the program with its number; a program without one takes the number in its file
+/// name.
+fn with_number(opened: &OpenedProgram) -> Program {
+    let program = &opened.program;
+    match (
+        program.number(),
+        gsk_panel::emulator::number_of_name(&opened.name),
+    ) {
+        (None, Some(number)) => program.renumbered(number),
+        _ => program.clone(),
+    }
+}

@@ -1,0 +1,47 @@
+//! Reports what the running program waits for, once that takes longer than usual.
+
+use gsk_core::command::SourcePosition;
+use gsk_core::operation::RunState;
+use gsk_core::simulation::Simulation;
+use gsk_messages::Message;
+use gsk_runner::machining::live_part::running_block;
+
+/// Usual duration of a wait for tool post or spindle, ticks; shorter waits are not
+/// reported.
+const USUAL_WAIT_TICKS: u64 = 3000;
+
+/// What a program waits for, and in which block.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProgramWait {
+    /// The condition it waits for.
+    pub condition: Message,
+    pub block: Option<SourcePosition>,
+}
+
+/// The current wait, and the tick it began at.
+#[derive(Debug, Default)]
+pub(super) struct WaitWatch {
+    current: Option<ProgramWait>,
+    since_tick: u64,
+}
+
+impl WaitWatch {
+    /// Updates the current wait.
+    pub(super) fn update(&mut self, tick: u64, simulation: &Simulation) {
+        let now = simulation.cnc.wait_reason().map(|what| ProgramWait {
+            condition: what,
+            block: running_block(simulation),
+        });
+        if self.current != now {
+            self.current = now;
+            self.since_tick = tick;
+        }
+    }
+
+    /// Returns the wait if it is longer than usual, or at once if the program is held.
+    pub(super) fn report(&self, tick: u64, run: RunState) -> Option<ProgramWait> {
+        let is_long =
+            run == RunState::Hold || tick.saturating_sub(self.since_tick) >= USUAL_WAIT_TICKS;
+        self.current.clone().filter(|_| is_long)
+    }
+}

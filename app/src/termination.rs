@@ -1,0 +1,51 @@
+//! Handles termination signals (Ctrl-C, `kill`, end of the session): the thread that
+//! drives a board stops it before the process exits.
+
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use gsk_messages::{Message, say};
+
+use crate::platform;
+
+/// Exit code after a termination signal.
+pub const TERMINATED_EXIT_CODE: u8 = 130;
+
+/// The signal handlers cannot be installed.
+#[derive(Debug, thiserror::Error)]
+#[error("{}", self.message())]
+pub struct SignalError(io::Error);
+
+impl SignalError {
+    /// Returns the message for the operator.
+    pub fn message(&self) -> Message {
+        say::signals_unheard(&self.0)
+    }
+}
+
+/// Shared flag: the end of the program is requested.
+#[derive(Clone, Debug, Default)]
+pub struct TerminationFlag(Arc<AtomicBool>);
+
+impl TerminationFlag {
+    /// Installs the signal handlers. A second signal ends the program at once.
+    ///
+    /// # Errors
+    /// The system refuses the handlers.
+    pub fn install_signal_handlers() -> Result<Self, SignalError> {
+        let flag = Self::default();
+        platform::register_termination_flag(&flag.0, TERMINATED_EXIT_CODE).map_err(SignalError)?;
+        Ok(flag)
+    }
+
+    /// Requests the end of the program: the window cannot be used any more.
+    pub fn request(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the end of the program is requested.
+    pub fn is_requested(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}

@@ -1,0 +1,88 @@
+//! Chooses the most important message for the message line.
+
+use egui::Ui;
+use gsk_messages::say;
+use gsk_panel::keys::Key;
+
+use super::status_message::StatusMessage;
+use super::{Window, alarm_text, focus, key_label, top_bar};
+use crate::kernel::Command;
+
+impl Window {
+    /// Draws the message line.
+    pub(super) fn show_message_line(&self, ui: &mut Ui) {
+        let language = self.settings.language;
+        if let Some(key) = self.held_keys.latched_key() {
+            let text = say::window_key_is_kept_hint(key_label(key)).text(language);
+            return top_bar::show_message(ui, Some(&text), true, "");
+        }
+        let faults = self.snapshot.as_ref().map_or(0, |it| it.forced.faults);
+        if let Some(crash @ StatusMessage::Collided(_)) = &self.message
+            && faults > 0
+        {
+            if top_bar::crash(ui, &crash.text(language), language) {
+                self.console.send(Command::FreeLathe);
+            }
+            return;
+        }
+        let speed = self
+            .snapshot
+            .as_ref()
+            .map_or(100, |picture| picture.speed_percent);
+        if speed < 100 {
+            let text = say::window_too_slow(speed).text(language);
+            return top_bar::show_message(ui, Some(&text), true, "");
+        }
+        let pressed = self
+            .snapshot
+            .as_ref()
+            .is_some_and(|picture| picture.pressed.contains(&Key::EmergencyStop));
+        let alarm = self.snapshot.as_ref().and_then(|it| it.alarm.as_ref());
+        // With a board the alarm's detail reports the position of the slides.
+        if pressed && alarm.is_none_or(|alarm| alarm.detail.is_none()) {
+            return top_bar::show_message(
+                ui,
+                Some(&say::window_hint_emergency_stop().text(language)),
+                true,
+                "",
+            );
+        }
+        if let Some(alarm) = alarm
+            && self.message.is_none()
+        {
+            return top_bar::show_alarm(ui, alarm, language, self.lcd.bounds());
+        }
+        let warned = self.message.as_ref().is_some_and(StatusMessage::is_warning);
+        if focus::are_cursor_keys_reserved(ui.ctx()) && !warned {
+            let text = say::window_hint_list().text(language);
+            return top_bar::show_message(ui, Some(&text), false, "");
+        }
+        let wait = self
+            .snapshot
+            .as_ref()
+            .and_then(|it| it.program_wait.as_ref());
+        if let Some(waits) = wait.filter(|_| !warned) {
+            let block = waits.block.as_ref();
+            let place = block.map(|it| alarm_text::source_text(it, language));
+            let condition = waits.condition.clone();
+            let text = say::window_waits(place.unwrap_or_default(), condition).text(language);
+            return top_bar::show_message(ui, Some(&text), false, "");
+        }
+        let is_position_unknown = self.snapshot.as_ref().is_some_and(|it| it.position_unknown);
+        let program = self.snapshot.as_ref().and_then(|it| it.program);
+        // A lesson shows its own instructions.
+        let in_lesson = self.snapshot.as_ref().is_some_and(|it| it.lesson.is_some());
+        if in_lesson && self.message.is_none() {
+            return top_bar::show_message(ui, None, false, "");
+        }
+        let hint = match (is_position_unknown, program) {
+            (true, _) => say::window_hint_machine_zero(),
+            (false, Some(_)) => say::window_hint_start(),
+            (false, None) => say::window_hint(),
+        };
+        let message = self.message.as_ref();
+        let text = message.map(|message| message.text(language));
+        let warning = message.is_some_and(StatusMessage::is_warning);
+        top_bar::show_message(ui, text.as_deref(), warning, &hint.text(language));
+    }
+}

@@ -1,0 +1,102 @@
+//! Draws the box of a function instruction: its operands and their current values.
+
+use egui::{Align2, Color32, FontId, Rect, Stroke, StrokeKind, pos2, vec2};
+use gsk_core::plc::{Operand, Statement};
+
+use super::draw::{ADDRESS, COMMENT, FORCED, LEAD_LENGTH, LIVE, RAIL, RungPainter, WIRE_OFFSET};
+use super::layout::{HEADING_HEIGHT, LINE_HEIGHT};
+use super::operand_value;
+use gsk_messages::say;
+
+impl RungPainter<'_> {
+    /// Draws a function instruction between the bus and the right rail.
+    pub(super) fn draw_function(
+        &mut self,
+        output: &Statement,
+        at: usize,
+        row: usize,
+        (bus, right): (f32, f32),
+        live: bool,
+    ) {
+        let y = self.wire_y(row);
+        let lines = operand_value::operand_line_count(output);
+        let corner = pos2(bus + LEAD_LENGTH, y - WIRE_OFFSET + 8.0);
+        let size = vec2(
+            right - 10.0 - corner.x,
+            HEADING_HEIGHT + lines as f32 * LINE_HEIGHT + 2.0,
+        );
+        let rect = Rect::from_min_size(corner, size);
+        self.draw_wire(pos2(bus, y), pos2(rect.left(), y), live);
+        self.draw_wire(pos2(rect.right(), y), pos2(right, y), live);
+        let painter = self.ui.painter().with_clip_rect(rect.expand(1.0));
+        let colour = if live { LIVE } else { RAIL };
+        painter.rect_filled(rect, 3.0, Color32::from_gray(30));
+        painter.rect_stroke(rect, 3.0, Stroke::new(1.4, colour), StrokeKind::Inside);
+        let head = pos2(rect.left() + 8.0, rect.top() + 3.0);
+        let name = output.mnemonic.row().name;
+        painter.text(
+            head,
+            Align2::LEFT_TOP,
+            name,
+            FontId::monospace(13.0),
+            colour,
+        );
+        let kinds = output.mnemonic.row().operands;
+        let mut top = rect.top() + HEADING_HEIGHT;
+        for (kind, operand) in kinds.iter().zip(&output.operands) {
+            let role = operand_value::operand_role(*kind, self.context.language);
+            let font = FontId::proportional(12.0);
+            painter.text(
+                pos2(rect.left() + 8.0, top),
+                Align2::LEFT_TOP,
+                role,
+                font,
+                COMMENT,
+            );
+            let text = operand.to_string();
+            let forced = match operand {
+                Operand::Bit(bit) => (self.context.forced)(*bit).is_some(),
+                _ => false,
+            };
+            let ink = if forced { FORCED } else { ADDRESS };
+            let x = rect.left() + 74.0;
+            painter.text(
+                pos2(x, top),
+                Align2::LEFT_TOP,
+                text,
+                FontId::monospace(13.0),
+                ink,
+            );
+            let held = self
+                .context
+                .memory
+                .and_then(|memory| operand_value::format_operand(output, *kind, operand, memory));
+            if let Some(held) = held {
+                let at = pos2(rect.right() - 8.0, top);
+                painter.text(at, Align2::RIGHT_TOP, held, FontId::monospace(13.0), LIVE);
+            }
+            top += LINE_HEIGHT;
+        }
+        if !output.table.is_empty() {
+            let words = say::ladder_operand_table().text(self.context.language);
+            let font = FontId::proportional(12.0);
+            painter.text(
+                pos2(rect.left() + 8.0, top),
+                Align2::LEFT_TOP,
+                words,
+                font,
+                COMMENT,
+            );
+            let entries: Vec<String> = output.table.iter().map(ToString::to_string).collect();
+            let at = pos2(rect.left() + 74.0, top);
+            painter.text(
+                at,
+                Align2::LEFT_TOP,
+                entries.join(" "),
+                FontId::monospace(12.0),
+                ADDRESS,
+            );
+        }
+        self.add_selectable(at, rect, &output.to_string());
+    }
+}

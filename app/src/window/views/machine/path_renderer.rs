@@ -1,0 +1,31 @@
+//! Draws the path on the picture: as lines, or as dots where it has a great number of
+//! segments.
+
+use std::sync::Arc;
+
+use egui::Painter;
+
+use super::camera::Camera;
+use super::path::DrawnPath;
+use super::path_dots::PathDots;
+use super::path_lines::PathLines;
+
+/// A path with more segments is drawn as dots.
+const MAX_LINES: usize = 50_000;
+
+/// The drawings of a path.
+#[derive(Default)]
+pub struct PathRenderer {
+    lines: PathLines,
+    dots: PathDots,
+}
+
+impl PathRenderer {
+    pub fn draw(&mut self, painter: &Painter, camera: &Camera, path: &Arc<DrawnPath>) {
+        if path.segment_count() > MAX_LINES {
+            self.dots.draw(painter, camera, path);
+        } else {
+            self.lines.draw(painter, camera, path);
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! Shows where the time of a program goes: a bar of its moves over time with the running
+//! block, and sums by kind of move and tool.
+
+use std::sync::Arc;
+
+use egui::{Color32, Rect, RichText, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+use gsk_messages::{Language, say};
+use gsk_runner::text_format::format_whole_seconds as clock;
+use gsk_runner::times::{ProgramTimes, TimeUse};
+
+use super::path::{BlockRef, DrawnPath, SegmentKind};
+use super::path_lines;
+
+const COLUMN_COUNT: usize = 600;
+/// Height of the bar, points.
+const BAR_HEIGHT: f32 = 12.0;
+/// Dwells and times without a known move.
+const WAIT_COLOR: Color32 = Color32::from_gray(64);
+
+/// The time bar, and the path it was made for.
+#[derive(Default)]
+pub struct TimeBar {
+    drawn_path: Option<Arc<DrawnPath>>,
+    columns: Vec<SegmentKind>,
+    /// Machine time of the running block, s. A repeated block has a later time.
+    running_block_s: f32,
+}
+
+impl TimeBar {
+    /// Draws bar and sums. `running`: the block that is being executed.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        (times, path): (&ProgramTimes, &Arc<DrawnPath>),
+        running: Option<BlockRef>,
+        language: Language,
+    ) {
+        let total_s = times.spent().total_s();
+        if total_s <= 0.0 {
+            return;
+        }
+        let known = self.drawn_path.as_ref();
+        if !known.is_some_and(|known| Arc::ptr_eq(known, path)) {
+            self.columns = fill_columns(path, total_s as f32);
+            self.drawn_path = Some(Arc::clone(path));
+        }
+        self.running_block_s = running.map_or(0.0, |block| {
+            block_start_s(path, block, self.running_block_s)
+        });
+        let share = (self.running_block_s / total_s as f32).clamp(0.0, 1.0);
+        self.draw_bar(ui, running.map(|_| share), times, language);
+        ui.horizontal_wrapped(|ui| {
+            let mut add_label = |words: String, color| ui.label(RichText::new(words).color(color));
+            let all = clock(total_s);
+            add_label(
+                match running {
+                    Some(_) => {
+                        let left = clock(total_s - f64::from(self.running_block_s));
+                        say::lathe_time_left(all, left).text(language)
+                    }
+                    None => say::lathe_time(all).text(language),
+                },
+                Color32::from_gray(200),
+            );
+            for what in TimeUse::ALL {
+                let seconds = times.spent().seconds_of(what);
+                if seconds > 0.0 {
+                    let name = what.message().text(language);
+                    add_label(format!("{name} {}", clock(seconds)), spending_color(what));
+                }
+            }
+        });
+    }
+
+    fn draw_bar(&self, ui: &mut Ui, at: Option<f32>, times: &ProgramTimes, language: Language) {
+        let size = vec2(ui.available_width(), BAR_HEIGHT);
+        let (room, response) = ui.allocate_exact_size(size, Sense::HOVER);
+        response.widget_info(|| {
+            let name = say::lathe_time_bar().text(language);
+            WidgetInfo::labeled(Role::ProgressIndicator, true, name)
+        });
+        let painter = ui.painter_at(room);
+        let width = room.width() / COLUMN_COUNT as f32;
+        for (index, kind) in self.columns.iter().enumerate() {
+            let left = room.left() + index as f32 * width;
+            // Slightly wider, so that no gaps remain between the columns.
+            let column = Rect::from_x_y_ranges(left..=left + width + 0.5, room.y_range());
+            let color = match kind {
+                SegmentKind::Jump => WAIT_COLOR,
+                SegmentKind::Rapid => path_lines::RAPID,
+                SegmentKind::Feed => path_lines::FEED,
+                SegmentKind::Thread => path_lines::THREAD,
+            };
+            painter.rect_filled(column, 0.0, color.gamma_multiply(0.75));
+        }
+        if let Some(at) = at {
+            let x = room.left() + at * room.width();
+            let done = Rect::from_min_max(room.min, pos2(x, room.bottom()));
+            painter.rect_filled(done, 0.0, Color32::from_black_alpha(110));
+            painter.vline(x, room.y_range(), Stroke::new(2.0, Color32::WHITE));
+        }
+        let tools = times.tools().iter().map(|tool| {
+            let time = clock(tool.times.total_s());
+            let cutting = clock(tool.times.cutting_s());
+            let words = say::lathe_time_of_tool(tool.tool, tool.offset, time, cutting);
+            words.text(language)
+        });
+        let tools: Vec<String> = tools.collect();
+        response.on_hover_text(tools.join("\n"));
+    }
+}
+
+const fn spending_color(what: TimeUse) -> Color32 {
+    match what {
+        TimeUse::Rapid => path_lines::RAPID,
+        TimeUse::Feed => path_lines::FEED,
+        TimeUse::Thread => path_lines::THREAD,
+        TimeUse::Dwell | TimeUse::Other => Color32::from_gray(150),
+    }
+}
+
+/// The kind of move in each column of the bar.
+fn fill_columns(path: &DrawnPath, total_s: f32) -> Vec<SegmentKind> {
+    let mut columns = vec![SegmentKind::Jump; COLUMN_COUNT];
+    let column = |seconds: f32| (seconds / total_s * COLUMN_COUNT as f32) as usize;
+    for (_, piece) in path.segments() {
+        let (first, last) = (column(piece.start_s), column(piece.end_s));
+        for index in first..=last.min(COLUMN_COUNT - 1) {
+            if let Some(way) = columns.get_mut(index) {
+                *way = piece.kind;
+            }
+        }
+    }
+    columns
+}
+
+/// Machine time at which a block begins, s: the first start that is not before `earliest_s`.
+fn block_start_s(path: &DrawnPath, block: BlockRef, earliest_s: f32) -> f32 {
+    let of_block = path
+        .segments()
+        .filter(|(_, piece)| piece.line == block.line && piece.program == block.program);
+    let starts = of_block.map(|(_, piece)| piece.start_s);
+    let (mut first, mut next) = (None, None);
+    for start in starts {
+        first.get_or_insert(start);
+        if start >= earliest_s {
+            next = Some(start);
+            break;
+        }
+    }
+    // A block without motion begins with the block before it.
+    next.unwrap_or(earliest_s.max(first.unwrap_or(0.0)))
+}

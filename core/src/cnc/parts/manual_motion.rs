@@ -1,0 +1,20 @@
+//! State of manual motion: jog keys and handwheel.
+
+use serde::{Deserialize, Serialize};
+
+use crate::motion::JogRate;
+use crate::operation::WheelCounter;
+use crate::units::PerAxis;
+
+/// Keys that are down, and the manual motion of the axes.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ManualMotion {
+    /// Whether a key was down when its motion was refused: it must be released first.
+    pub jog_blocked: PerAxis<bool>,
+    /// Direction (`true`: plus) and rate of the jog under way.
+    pub jog: PerAxis<Option<(bool, JogRate)>>,
+    /// Axis keys that were down at the last tick.
+    pub axis_keys: PerAxis<bool>,
+    /// Counter of the handwheel's detents.
+    pub wheel: WheelCounter,
+}

@@ -1,0 +1,205 @@
+//! Geometry of a programmed move.
+//!
+//! ```text
+//!     line                          arc, turn +1 counter-clockwise
+//!     start o---entry/exit--> o     start o--.         exit ^
+//!                                              `.  entry    |
+//!                                       center +  `o end----'
+//! ```
+
+use core::f64::consts::{PI, TAU};
+
+use serde::{Deserialize, Serialize};
+
+use super::fault::CompensationFault;
+use super::plane::sweep;
+use crate::units::Point;
+
+/// Points closer than this are the same, mm.
+pub(super) const SAME_POINT_MM: f64 = 1e-7;
+/// A centre closer than this to a point of its arc is on that point, mm.
+const ON_POINT_MM: f64 = 0.0005;
+/// Greatest distance of an end point from the circle of its arc, mm.
+pub(crate) const OFF_CIRCLE_MM: f64 = 0.010;
+/// An end closer than this to its circle is on it, mm.
+const ON_CIRCLE_MM: f64 = 1e-10;
+/// How much larger than an inner arc the nose may be, mm: the effect of rounding both ends
+/// and the centre to 0.001 mm.
+const ROUNDING_SHORTAGE_MM: f64 = 0.0018;
+/// The nose fills an inner arc that is larger by less than this, mm.
+const FILLED_ARC_MM: f64 = 0.002;
+/// Shorter arcs are run as straight lines, mm: rounding could reverse them.
+const SHORT_ARC_MM: f64 = 0.002;
+
+/// A larger nose does not fit into an inner arc with a wider sweep, rad.
+const WIDE_SWEEP_RAD: f64 = 0.9 * PI;
+
+/// A line or an arc with the directions of travel at its ends.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct ContourSegment {
+    pub(super) start: Point,
+    pub(super) end: Point,
+    /// Direction of travel at the start, a unit vector.
+    pub(super) entry: Point,
+    /// Direction of travel at the end, a unit vector.
+    pub(super) exit: Point,
+    pub(super) circle: Option<Circle>,
+}
+
+/// The circle of an arc.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Circle {
+    pub(super) center: Point,
+    /// Radius at the start, mm. If the end is off this circle, the radius changes linearly.
+    pub(super) radius: f64,
+    /// Radius at the end, mm.
+    pub(super) last_radius: f64,
+    /// +1 counter-clockwise, -1 clockwise.
+    pub(super) turn: f64,
+}
+
+/// Whether two points are so close that they count as one.
+#[inline]
+pub(super) fn are_same(one: Point, other: Point) -> bool {
+    let between = other - one;
+    between.dot(between) <= SAME_POINT_MM * SAME_POINT_MM
+}
+
+impl ContourSegment {
+    /// A straight move.
+    pub(super) fn line(start: Point, end: Point) -> Result<Self, CompensationFault> {
+        let along = (end - start)
+            .unit()
+            .filter(|_| !are_same(start, end))
+            .ok_or(CompensationFault::SamePoint)?;
+        Ok(Self {
+            start,
+            end,
+            entry: along,
+            exit: along,
+            circle: None,
+        })
+    }
+
+    /// An arc about a centre.
+    pub(super) fn arc(
+        start: Point,
+        end: Point,
+        center: Point,
+        clockwise: bool,
+    ) -> Result<Self, CompensationFault> {
+        let turn = if clockwise { -1.0 } else { 1.0 };
+        let (first, last) = (start - center, end - center);
+        check_arc(first.length(), last.length())?;
+        let entry = first.unit().ok_or(CompensationFault::CenterAtStart)?;
+        let exit = last.unit().ok_or(CompensationFault::CenterAtEnd)?;
+        Ok(Self {
+            start,
+            end,
+            entry: entry.left() * turn,
+            exit: exit.left() * turn,
+            circle: Some(Circle {
+                center,
+                radius: first.length(),
+                last_radius: last.length(),
+                turn,
+            }),
+        })
+    }
+
+    /// The sweep of an arc, rad, up to a full turn; 0 for a line.
+    pub(super) fn sweep(&self) -> f64 {
+        let Some(circle) = &self.circle else {
+            return 0.0;
+        };
+        let (first, last) = (self.start - circle.center, self.end - circle.center);
+        let angle = sweep(first, last, circle.turn);
+        if angle <= 0.0 { TAU } else { angle }
+    }
+
+    /// The radius of an arc in a direction from its centre, mm. Outside the sweep it is the
+    /// radius of the closer end.
+    pub(super) fn radius_toward(&self, circle: &Circle, direction: Point) -> f64 {
+        if (circle.last_radius - circle.radius).abs() < ON_CIRCLE_MM {
+            return circle.radius;
+        }
+        let whole = self.sweep();
+        let angle = sweep(self.start - circle.center, direction, circle.turn);
+        let part = if angle <= whole {
+            angle / whole
+        } else if angle - whole < TAU - angle {
+            1.0
+        } else {
+            0.0
+        };
+        circle.radius + (circle.last_radius - circle.radius) * part
+    }
+
+    /// The centre of a nose that fills an inner arc, `None` if it does not fill it. A nose
+    /// as large as the arc rests on the centre of the arc. A larger one rests above its
+    /// middle, so that it cuts into neither end.
+    ///
+    /// ```text
+    ///   start o    V    o end       the shortage / cos (sweep / 2) from the
+    ///          `.  +  .'            centre + to V
+    ///            `---'
+    /// ```
+    pub(super) fn rest_center(&self, rho: f64) -> Option<Point> {
+        let circle = self.circle.as_ref()?;
+        let shortage = circle.shortage(rho);
+        if shortage < -FILLED_ARC_MM || self.sweep() > WIDE_SWEEP_RAD {
+            return None;
+        }
+        let arm = |end: Point| (end - circle.center).unit();
+        let to_middle = (arm(self.start)? + arm(self.end)?) * 0.5;
+        let above = to_middle.unit()? * (shortage.max(0.0) / to_middle.length());
+        Some(circle.center - above)
+    }
+
+    pub(super) fn chord_length(&self) -> f64 {
+        (self.end - self.start).length()
+    }
+}
+
+impl Circle {
+    /// The radius of the nose-centre path, offset to the left by `rho`, where the arc has
+    /// the radius `radius`, mm.
+    pub(super) fn path_radius(&self, radius: f64, rho: f64) -> f64 {
+        (radius - self.turn * rho).max(0.0)
+    }
+
+    /// How much larger the nose is than an inner arc, mm, when it runs to the left by `rho`.
+    fn shortage(&self, rho: f64) -> f64 {
+        self.turn * rho - self.radius.min(self.last_radius)
+    }
+
+    /// Refuses a nose that is too large for an inner arc (alarm 053).
+    pub(super) fn check_radius(&self, rho: f64) -> Result<(), CompensationFault> {
+        if self.shortage(rho) > ROUNDING_SHORTAGE_MM {
+            return Err(CompensationFault::SmallArc);
+        }
+        Ok(())
+    }
+}
+
+/// Checks the arc data of compensation C: the distances of the centre from both ends, mm.
+pub(crate) fn check_arc(at_start: f64, at_end: f64) -> Result<(), CompensationFault> {
+    if at_start <= ON_POINT_MM {
+        return Err(CompensationFault::CenterAtStart);
+    }
+    if at_end <= ON_POINT_MM {
+        return Err(CompensationFault::CenterAtEnd);
+    }
+    // 1e-9: an excess of 0.001 mm is out of tolerance, rounding is not.
+    if (at_end - at_start).abs() > OFF_CIRCLE_MM + 1e-9 {
+        return Err(CompensationFault::ArcEnd);
+    }
+    Ok(())
+}
+
+/// Whether an arc from `p` to `q` is so short that it is run as a straight line.
+pub(super) fn is_too_short(piece: &ContourSegment, circle: &Circle, p: Point, q: Point) -> bool {
+    let (p, q) = (p - circle.center, q - circle.center);
+    let short = (q - p).length() < SHORT_ARC_MM;
+    short && (p.length() < SHORT_ARC_MM || sweep(p, q, circle.turn) < PI || piece.sweep() <= PI)
+}

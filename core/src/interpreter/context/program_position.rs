@@ -1,0 +1,89 @@
+//! Positions of blocks in programs, and the calls that return to them.
+
+use core::num::NonZeroU32;
+
+use serde::{Deserialize, Serialize};
+
+use crate::command::ProgramId;
+
+/// The position of a block: its program and index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct ProgramPosition {
+    pub(crate) program: ProgramId,
+    /// Index of the block, from 0.
+    pub(crate) block: u32,
+}
+
+impl ProgramPosition {
+    /// The position of the next block.
+    pub(crate) const fn next_block(self) -> Self {
+        Self {
+            block: self.block.saturating_add(1),
+            ..self
+        }
+    }
+}
+
+/// A running call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct ProgramCall {
+    /// The called program.
+    pub(crate) program: ProgramId,
+    /// Number of runs left, the current one included.
+    #[serde(rename = "runs")]
+    pub(crate) runs_left: u16,
+    /// The block after the call.
+    #[serde(rename = "back")]
+    pub(crate) return_position: ProgramPosition,
+    /// Which variables the call has.
+    #[serde(default, skip_serializing_if = "CallKind::is_subprogram")]
+    pub(crate) kind: CallKind,
+    /// Index of the first block of each run.
+    #[serde(default)]
+    #[serde(rename = "first")]
+    pub(crate) first_block: u32,
+    /// Number of blocks of each run; `None` if M99 or the end of the text ends it.
+    #[serde(default)]
+    #[serde(rename = "blocks")]
+    pub(crate) block_count: Option<NonZeroU32>,
+    /// Whether codes that call by parameters are ordinary codes in the called program.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    pub(crate) codes_ordinary: bool,
+}
+
+impl ProgramCall {
+    /// The position of the first block of each run.
+    pub(crate) const fn begin_position(&self) -> ProgramPosition {
+        ProgramPosition {
+            program: self.program,
+            block: self.first_block,
+        }
+    }
+
+    /// Whether a position is after the last block of a run.
+    pub(crate) fn is_finished_at(&self, position: ProgramPosition) -> bool {
+        self.block_count.is_some_and(|count| {
+            position.program == self.program
+                && position.block >= self.first_block.saturating_add(count.get())
+        })
+    }
+}
+
+/// How a program was called, which decides its local variables.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum CallKind {
+    /// By M98: shares the variables of its caller.
+    #[default]
+    Subprogram,
+    /// By G65: has separate variables.
+    Macro,
+    /// By a move under the G66 of this index: keeps its variables from call to call.
+    Modal(u8),
+}
+
+impl CallKind {
+    /// Whether the call shares the variables of its caller.
+    pub(crate) const fn is_subprogram(&self) -> bool {
+        matches!(self, Self::Subprogram)
+    }
+}

@@ -1,0 +1,112 @@
+//! A host that finishes every command at once, for interpretation without machine time.
+
+use core::cell::LazyCell;
+
+use super::Host;
+use crate::memory::{ControlParameters, ControlSettings, Counters, Offsets, Registers, Variables};
+use crate::program::ProgramMemory;
+use crate::units::{PerAxis, Point};
+
+/// A host that stores everything a program may write (parameters, offsets, variables, outputs)
+/// and reports every command as finished.
+pub struct ImmediateHost<'a> {
+    /// A separate copy of the parameters, which the program may change.
+    pub parameters: ControlParameters,
+    /// A separate copy of the tool offsets.
+    pub offsets: Offsets,
+    /// A separate copy of the macro variables.
+    pub variables: Variables,
+    /// A separate copy of timer, date and the stops that the program switches off.
+    pub registers: Registers,
+    /// A separate copy of the part counter and the times.
+    pub counters: Counters,
+    /// A separate copy of the rows of the setting page.
+    pub settings: ControlSettings,
+    /// Machine time since the start, s; the caller advances it.
+    pub now_s: f64,
+    /// Signals from the ladder to macros, computed when a program reads one first.
+    pub inputs: LazyCell<u16, Box<dyn FnOnce() -> u16 + 'a>>,
+    /// Signals from macros to the ladder, F54 in the lowest byte.
+    pub outputs: u64,
+    /// The stored programs and the external one.
+    pub programs: &'a ProgramMemory,
+    /// Machine position at the start of a run, mm, X as a radius.
+    pub machine_position: Point,
+    /// Whether each axis has a reference.
+    pub referenced: PerAxis<bool>,
+    /// Whether block skip is on.
+    pub block_skip: bool,
+}
+
+impl Host for ImmediateHost<'_> {
+    fn parameters(&self) -> &ControlParameters {
+        &self.parameters
+    }
+    fn parameters_mut(&mut self) -> &mut ControlParameters {
+        &mut self.parameters
+    }
+    fn offsets(&self) -> &Offsets {
+        &self.offsets
+    }
+    fn offsets_mut(&mut self) -> &mut Offsets {
+        &mut self.offsets
+    }
+    fn registers(&self) -> &Registers {
+        &self.registers
+    }
+    fn registers_mut(&mut self) -> &mut Registers {
+        &mut self.registers
+    }
+    fn counters(&self) -> &Counters {
+        &self.counters
+    }
+    fn counters_mut(&mut self) -> &mut Counters {
+        &mut self.counters
+    }
+    // Cycle start is always on here.
+    fn started_ms(&self) -> u64 {
+        self.counters.started_ms.wrapping_add(self.now_ms())
+    }
+    fn set_started_ms(&mut self, ms: u64) {
+        self.counters.started_ms = ms.wrapping_sub(self.now_ms());
+    }
+    fn settings(&self) -> &ControlSettings {
+        &self.settings
+    }
+    fn settings_mut(&mut self) -> &mut ControlSettings {
+        &mut self.settings
+    }
+    fn now_ms(&self) -> u64 {
+        (self.now_s * 1000.0) as u64
+    }
+    fn variables(&self) -> &Variables {
+        &self.variables
+    }
+    fn variables_mut(&mut self) -> &mut Variables {
+        &mut self.variables
+    }
+    fn interface_inputs(&self) -> u16 {
+        *self.inputs
+    }
+    fn interface_outputs(&self) -> u64 {
+        self.outputs
+    }
+    fn set_interface_outputs(&mut self, outputs: u64) {
+        self.outputs = outputs;
+    }
+    fn programs(&self) -> &ProgramMemory {
+        self.programs
+    }
+    fn machine_position(&self) -> Point {
+        self.machine_position
+    }
+    fn referenced(&self) -> PerAxis<bool> {
+        self.referenced
+    }
+    fn is_block_skip_on(&self) -> bool {
+        self.block_skip
+    }
+    fn is_settled(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,28 @@
+//! The result of reading a block.
+
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
+use crate::command::{ControlCommand, ProgramId};
+
+/// The result of reading one block.
+pub(super) enum BlockRead {
+    /// Its plan is stored in the run.
+    Planned,
+    /// It only moves: this is its command.
+    Moves(ControlCommand),
+    /// It must wait until every earlier command is finished.
+    Wait,
+    /// It has not arrived through the serial line yet.
+    Starved,
+    /// It is skipped or has no words.
+    Skipped,
+    /// The text has ended.
+    Ended,
+}
+
+/// Alarm 031 for a missing program.
+pub(super) fn missing_program_alarm(program: ProgramId) -> Alarm {
+    Alarm::new(number::PROGRAM_MISSING)
+        .with_detail(say::program_not_there(format_args!("{program:?}")))
+}

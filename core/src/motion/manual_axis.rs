@@ -1,0 +1,172 @@
+//! Manual motion of one axis: jog, manual rapid, steps and handwheel (manual III-4, III-6),
+//! and the approach of a reference return.
+
+use serde::{Deserialize, Serialize};
+
+use super::limits::MotionLimits;
+use super::ramp::{Ramp, SpeedLaw};
+use crate::units::Axis;
+
+/// Rate of manual motion.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum JogRate {
+    /// Jog feed, mm/min (X in radius): exponential law, 029 and 041.
+    Feed(f64),
+    /// Manual rapid: rapid rate and law of the axis, with the rapid override.
+    Rapid,
+    /// Given rate, mm/min, with the linear law of rapids (reference return 113, 033). No
+    /// override applies.
+    Approach(f64),
+}
+
+impl JogRate {
+    const fn is_linear(self) -> bool {
+        !matches!(self, Self::Feed(_))
+    }
+}
+
+/// One axis in manual motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ManualAxis {
+    /// Requested jog: direction (true = positive) and rate.
+    command: Option<(bool, JogRate)>,
+    /// Target of a step or of the handwheel, mm, and its rate.
+    goal: Option<(f64, JogRate)>,
+    /// Speed, mm/s, with its direction and law.
+    speed: f64,
+    positive: bool,
+    linear: bool,
+}
+
+impl ManualAxis {
+    /// Requests a jog, or a standstill.
+    pub const fn request_jog(&mut self, command: Option<(bool, JogRate)>) {
+        self.command = command;
+    }
+
+    /// Moves the target of a step or of the handwheel by `distance` mm.
+    pub fn step(&mut self, position: f64, distance: f64, rate: JogRate) {
+        let base = self.goal.map_or(position, |(goal, _)| goal);
+        self.goal = Some((base + distance, rate));
+    }
+
+    /// Moves the axis to a coordinate, mm.
+    pub const fn go_to(&mut self, goal: f64, rate: JogRate) {
+        self.goal = Some((goal, rate));
+    }
+
+    /// Changes the rate of a step that is under way.
+    pub const fn set_rate(&mut self, rate: JogRate) {
+        if let Some((_, goal_rate)) = &mut self.goal {
+            *goal_rate = rate;
+        }
+    }
+
+    /// Target of a step, mm; `None` if no step is under way.
+    pub(crate) fn goal(&self) -> Option<f64> {
+        self.goal.map(|(goal, _)| goal)
+    }
+
+    /// Speed, mm/s.
+    pub const fn speed(&self) -> f64 {
+        self.speed
+    }
+
+    /// Whether a step is under way.
+    pub const fn is_stepping(&self) -> bool {
+        self.goal.is_some()
+    }
+
+    /// Whether the axis stands still without a request.
+    pub fn is_idle(&self) -> bool {
+        self.speed <= 0.0 && self.command.is_none() && self.goal.is_none()
+    }
+
+    /// Whether the axis has speed.
+    pub fn is_moving(&self) -> bool {
+        self.speed > 0.0
+    }
+
+    /// Drops the request; the axis decelerates.
+    pub const fn release(&mut self) {
+        self.command = None;
+        self.goal = None;
+    }
+
+    const fn law<'a>(&self, axis: Axis, limits: &'a MotionLimits) -> &'a SpeedLaw {
+        if self.linear {
+            limits.rapid_law(axis)
+        } else {
+            limits.jog_law()
+        }
+    }
+
+    /// Signed braking distance, mm.
+    pub(crate) fn braking_distance(&self, axis: Axis, limits: &MotionLimits) -> f64 {
+        let distance = self.law(axis, limits).braking_distance(self.speed);
+        if self.positive { distance } else { -distance }
+    }
+
+    /// Shifts the target with the coordinates.
+    pub(crate) fn translate(&mut self, by: f64) {
+        if let Some((goal, _)) = &mut self.goal {
+            *goal += by;
+        }
+    }
+
+    /// Advances by `dt` seconds from `position` and returns the new position. `rapid` is
+    /// the rapid rate with its override, mm/s.
+    pub fn advance(
+        &mut self,
+        axis: Axis,
+        position: f64,
+        limits: &MotionLimits,
+        rapid: f64,
+        dt: f64,
+    ) -> f64 {
+        let wanted = match self.goal {
+            Some((goal, rate)) => Some((goal >= position, rate)),
+            None => self.command,
+        };
+        let is_compatible = |(positive, rate): (bool, JogRate)| {
+            positive == self.positive && rate.is_linear() == self.linear
+        };
+        let mut matches = wanted.is_some_and(is_compatible);
+        // A change of direction or law begins at standstill.
+        if let (false, Some((positive, rate))) = (matches, wanted)
+            && self.speed <= 0.0
+        {
+            self.positive = positive;
+            self.linear = rate.is_linear();
+            matches = true;
+        }
+        let target = match wanted {
+            Some((_, rate)) if matches => match rate {
+                JogRate::Feed(rate) => (rate / 60.0).min(limits.rapid(axis)),
+                JogRate::Rapid => rapid,
+                JogRate::Approach(rate) => rate / 60.0,
+            },
+            _ => 0.0,
+        };
+        let rest = match self.goal {
+            Some((goal, _)) if matches => (goal - position).abs(),
+            _ => f64::INFINITY,
+        };
+        let mut ramp = Ramp {
+            speed: self.speed,
+            remaining: rest,
+        };
+        let step = ramp.advance(self.law(axis, limits), target, dt);
+        self.speed = ramp.speed;
+        if ramp.is_finished()
+            && let Some((goal, _)) = self.goal.take()
+        {
+            return goal;
+        }
+        if self.positive {
+            position + step.distance
+        } else {
+            position - step.distance
+        }
+    }
+}

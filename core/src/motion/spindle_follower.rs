@@ -1,0 +1,296 @@
+//! Follows the spindle angle for threads and taps, finer than a tick: waits for the start
+//! angle, then turns with the spindle through the electronic gear.
+//!
+//! ```text
+//!  spindle  ──┴── phase ──┴───────────────────────►   angle
+//!           index       begin
+//!  tick     ──┼───────┼───────┼───────┼───────►       part of the tick since then
+//! ```
+
+use serde::{Deserialize, Serialize};
+
+use super::gear::{Gear, GearEnd};
+use super::limits::MotionLimits;
+use crate::spindle::SpindleTurn;
+use crate::units::TICK_S;
+
+/// A start angle that passed this long before the tick was missed, turns: the next one
+/// counts.
+const MISSED_TURNS: f64 = 0.01;
+
+/// State that a thread passes to the thread that continues it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Handover {
+    /// Angle at which the next thread begins, turns.
+    begin: f64,
+    direction: f64,
+    /// Spindle turns beyond that angle, and rate of the gear.
+    #[serde(rename = "turned")]
+    turns_beyond: f64,
+    rate: f64,
+}
+
+impl Handover {
+    /// Notes that the axes have stopped in between: only the angle still counts.
+    pub(crate) const fn stop(&mut self) {
+        self.rate = 0.0;
+    }
+}
+
+/// What a thread or a tap waits for before it begins.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum FollowerWait {
+    /// The one-turn signal after the one at `seen`, and then `phase` turns more.
+    Index { seen: Option<f64>, phase: f64 },
+    /// The next time that this angle passes, turns.
+    Angle(f64),
+    /// This angle, turns, in this direction.
+    Begin { angle: f64, direction: f64 },
+}
+
+impl FollowerWait {
+    pub fn from_degrees(degrees: f64) -> Self {
+        let phase = degrees / 360.0;
+        Self::Index {
+            seen: None,
+            phase: phase - phase.floor(),
+        }
+    }
+
+    /// Advances the wait by one tick. When the start comes: its angle, the direction, and
+    /// the fraction of the tick since then.
+    fn tick(&mut self, spindle: &SpindleTurn, rpm: f64, hold: bool) -> Option<FollowerStart> {
+        let direction = if rpm < 0.0 { -1.0 } else { 1.0 };
+        if hold {
+            if let Self::Index { seen, .. } = self {
+                *seen = Some(spindle.index);
+            }
+            return None;
+        }
+        match *self {
+            Self::Index { seen: None, phase } => {
+                *self = Self::Index {
+                    seen: Some(spindle.index),
+                    phase,
+                };
+            }
+            Self::Index {
+                seen: Some(seen),
+                phase,
+            } if seen != spindle.index => {
+                let angle = next_angle(spindle.zero + direction * phase, spindle.index, direction);
+                *self = Self::Begin { angle, direction };
+            }
+            Self::Angle(angle) => {
+                let angle = next_angle(angle, spindle.now, direction);
+                *self = Self::Begin { angle, direction };
+            }
+            // The spindle was reversed in the meantime.
+            Self::Begin {
+                angle,
+                direction: wanted,
+            } if wanted != direction => {
+                let angle = next_angle(angle, spindle.now, direction);
+                *self = Self::Begin { angle, direction };
+            }
+            Self::Index { .. } | Self::Begin { .. } => {}
+        }
+        let Self::Begin { angle, direction } = *self else {
+            return None;
+        };
+        let since = direction * (spindle.now - angle);
+        let step = direction * (spindle.now - spindle.before);
+        if since > step + MISSED_TURNS {
+            *self = Self::Angle(angle);
+            return None;
+        }
+        (since > 0.0 && step > 0.0).then(|| FollowerStart {
+            angle,
+            direction,
+            fraction: (since / step).min(1.0),
+        })
+    }
+}
+
+/// The first angle at or after `from` that equals `angle` plus whole turns.
+fn next_angle(angle: f64, from: f64, direction: f64) -> f64 {
+    let turns = direction * (from - angle);
+    // The signal itself is the start, regardless of rounding.
+    angle + direction * (turns - 1e-6).ceil()
+}
+
+/// The start of a thread within a tick.
+#[derive(Clone, Copy, Debug)]
+struct FollowerStart {
+    pub angle: f64,
+    pub direction: f64,
+    /// Fraction of the tick since the start.
+    pub fraction: f64,
+}
+
+/// Inputs of a motion that follows the spindle, for one tick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SpindleTick<'a> {
+    pub limits: &'a MotionLimits,
+    pub spindle: &'a SpindleTurn,
+    /// Measured spindle speed, r/min.
+    pub rpm: f64,
+    /// Whether no thread may begin.
+    pub is_held: bool,
+    /// Whether a thread continues in phase after this one.
+    pub continues: bool,
+}
+
+/// Turns and leads of a motion that follows the spindle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FollowerTravel {
+    /// Total turns.
+    pub turns: f64,
+    /// Lead at the start, mm per turn.
+    pub first_lead: f64,
+    /// Lead at the end if the gear slows down for it; `None`: the motion continues.
+    pub last_lead: Option<f64>,
+}
+
+/// Use of the time of a step, s.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StepTime {
+    /// Time before the start.
+    pub waiting_s: f64,
+    /// Time since the start: available, and used. `used_s` is less only at the end.
+    pub available_s: f64,
+    pub used_s: f64,
+}
+
+/// Follows the spindle through the electronic gear.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct SpindleFollower {
+    wait: Option<FollowerWait>,
+    begin: f64,
+    direction: f64,
+    /// Spindle turns since the start.
+    turned: f64,
+    gear: Gear,
+    /// Whether the spindle turns, at any speed.
+    #[serde(rename = "turns")]
+    spindle_turns: bool,
+}
+
+impl SpindleFollower {
+    /// Begins when the wait has ended.
+    pub const fn waiting(wait: FollowerWait) -> Self {
+        Self {
+            wait: Some(wait),
+            begin: 0.0,
+            direction: 1.0,
+            turned: 0.0,
+            gear: Gear {
+                rate: 0.0,
+                done_turns: 0.0,
+            },
+            spindle_turns: false,
+        }
+    }
+
+    /// Continues another motion from its end. If that motion stopped, it waits for the next
+    /// time that its end angle passes.
+    pub(crate) const fn continuing(before: &Handover) -> Self {
+        if before.rate <= 0.0 {
+            return Self::waiting(FollowerWait::Angle(before.begin));
+        }
+        Self {
+            wait: None,
+            begin: before.begin,
+            direction: before.direction,
+            turned: before.turns_beyond,
+            gear: Gear {
+                rate: before.rate,
+                done_turns: 0.0,
+            },
+            spindle_turns: true,
+        }
+    }
+
+    /// Whether it has begun and the spindle turns. A slow spindle has ticks without a
+    /// count.
+    pub const fn is_moving(&self) -> bool {
+        self.is_running() && self.spindle_turns
+    }
+
+    /// Whether it has begun.
+    pub const fn is_running(&self) -> bool {
+        self.wait.is_none()
+    }
+
+    /// Turns made by the tool. Negative when the spindle has turned back before the start.
+    pub const fn turns_done(&self) -> f64 {
+        self.gear.done_turns
+    }
+
+    /// Reverses: the other direction of the spindle leads out over the same turns.
+    pub(crate) fn reverse(&mut self) {
+        self.begin += self.direction * self.turned;
+        self.direction = -self.direction;
+        self.turned = 0.0;
+        self.gear = Gear {
+            rate: 1.0,
+            done_turns: 0.0,
+        };
+    }
+
+    /// State for a motion that continues this one after `turns`.
+    pub(crate) fn handover(&self, turns: f64, continues: bool) -> Handover {
+        Handover {
+            begin: self.begin + self.direction * turns,
+            direction: self.direction,
+            turns_beyond: self.turned - turns,
+            rate: if continues { self.gear.rate } else { 0.0 },
+        }
+    }
+
+    /// Advances by `time` seconds, the last of the tick.
+    pub fn advance(
+        &mut self,
+        tick: &SpindleTick<'_>,
+        travel: FollowerTravel,
+        time: f64,
+    ) -> StepTime {
+        let law = tick.limits.gear_law();
+        let spin = tick.rpm.abs() / 60.0;
+        self.spindle_turns = spin > 0.0;
+        let mut step_time = StepTime {
+            waiting_s: 0.0,
+            available_s: time,
+            used_s: 0.0,
+        };
+        if let Some(wait) = &mut self.wait {
+            let Some(beginning) = wait.tick(tick.spindle, tick.rpm, tick.is_held) else {
+                return StepTime {
+                    waiting_s: time,
+                    available_s: 0.0,
+                    used_s: 0.0,
+                };
+            };
+            self.wait = None;
+            self.begin = beginning.angle;
+            self.direction = beginning.direction;
+            self.gear.rate = law.lowest_rate(travel.first_lead, spin);
+            step_time.available_s = (beginning.fraction * TICK_S).min(time);
+            step_time.waiting_s = time - step_time.available_s;
+        }
+        let turned = self.direction * (tick.spindle.now - self.begin);
+        let turns = turned - self.turned;
+        let last = travel.last_lead.map(|lead| law.lowest_rate(lead, spin));
+        let end = GearEnd {
+            total: travel.turns,
+            last: last.filter(|rate| *rate < 1.0),
+        };
+        step_time.used_s = self.gear.advance(law, end, turns, step_time.available_s);
+        self.turned += if step_time.available_s > 0.0 {
+            turns * step_time.used_s / step_time.available_s
+        } else {
+            turns
+        };
+        step_time
+    }
+}

@@ -1,0 +1,176 @@
+//! Executes one command of a preview: its effect on clock, spindle and counters.
+
+use super::{PreviewEnd, PreviewRun};
+use crate::alarm::Alarm;
+use crate::command::{Action, ControlCommand, Frame, MoveKind, ThreadStart};
+use crate::motion::ThreadMove;
+use crate::units::{PerAxis, Point, TICK_S};
+
+impl PreviewRun<'_> {
+    pub(super) fn execute_command(
+        &mut self,
+        command: &ControlCommand,
+    ) -> Result<Option<PreviewEnd>, Alarm> {
+        self.motionless += 1;
+        self.source = Some(command.source);
+        self.report_return(Some(command));
+        self.settle_uncertainty(command);
+        if self.owed_deceleration_s > 0.0 {
+            self.add_owed_deceleration(&command.action);
+        }
+        if !matches!(&command.action, Action::Line { .. } | Action::Arc { .. }) {
+            self.report_pending_cut(false);
+        }
+        if !can_spindle_be_stopped(&command.action) {
+            self.spindle.start_pending();
+        }
+        match &command.action {
+            Action::Rapid { to } => self.execute_move(command, MoveKind::Rapid, *to, None, None)?,
+            Action::Line { to, feed } => {
+                self.execute_move(command, MoveKind::Feed, *to, None, Some(*feed))?;
+            }
+            Action::Arc {
+                to,
+                center,
+                clockwise,
+                feed,
+            } => {
+                let kind = MoveKind::arc(*clockwise);
+                self.execute_move(command, kind, *to, Some(*center), Some(*feed))?;
+            }
+            thread @ Action::Thread { .. } => {
+                if let Some(thread) = ThreadMove::from_action(thread) {
+                    self.execute_thread(command, &thread)?;
+                }
+            }
+            Action::ThreadCycle { per_revolution, .. } => {
+                self.check_thread_cycle(*per_revolution)?;
+            }
+            Action::Tap {
+                to,
+                lead,
+                start_degrees,
+            } => {
+                if *start_degrees > 0.0 {
+                    self.restart_spindle();
+                }
+                self.execute_tap(command, *to, *lead)?;
+            }
+            Action::Dwell { ms } => self.execute_dwell(command, *ms),
+            Action::Frame {
+                frame,
+                relative,
+                program_zero,
+            } => {
+                self.change_frame(*frame, *relative);
+                if program_zero.is_some() {
+                    self.record_preset(command.source);
+                }
+            }
+            Action::Miscellaneous { code } => {
+                self.messages.check_m_code(*code, self.spindle.rotation())?;
+                self.spindle.start_m_in_parallel(*code);
+                match code {
+                    8 => self.preview.coolant = true,
+                    9 => self.preview.coolant = false,
+                    _ => {}
+                }
+                match code {
+                    41..=44 if self.spindle.change_gear(code - 40) => {
+                        self.clock.change_gear(code - 40);
+                    }
+                    41..=44 => {}
+                    _ => self.clock.start_m_function(),
+                }
+            }
+            Action::Spindle(speed) => {
+                self.spindle.set_speed(*speed);
+                self.clock.add_speed_time(speed);
+            }
+            Action::Tool { tool, offset, .. } => {
+                self.clock.change_tool(*tool);
+                if !self.preview.tools.contains(&(*tool, *offset)) {
+                    self.preview.tools.push((*tool, *offset));
+                }
+            }
+            Action::ProgramStop => self.preview.stops += 1,
+            Action::Repeat => {
+                self.preview.parts += 1;
+                self.preview.blocks += 1;
+                return Ok(Some(PreviewEnd::M99));
+            }
+            Action::End { counts, m30, m02 } => {
+                self.preview.parts += u32::from(*counts);
+                self.preview.blocks += u64::from(*m30);
+                if *m30 {
+                    self.spindle.execute_m(5);
+                    self.preview.coolant = false;
+                }
+                return Ok(Some(match (m30, m02) {
+                    (_, true) => PreviewEnd::M02,
+                    (true, false) => PreviewEnd::M30,
+                    (false, false) => PreviewEnd::Text,
+                }));
+            }
+            Action::Macro => self.clock.advance(TICK_S),
+            Action::ZeroReturn { x, z } | Action::Referenced { x, z } => {
+                self.record_return(command.source, PerAxis::new(*x, *z));
+            }
+            // The time of an input cannot be predicted.
+            Action::Outputs { .. } | Action::InputWait { .. } | Action::Nothing => {}
+        }
+        if command.block_end {
+            self.preview.blocks += 1;
+            self.spindle.start_pending();
+            self.clock.end_block();
+        }
+        Ok(None)
+    }
+
+    /// Adds the deceleration of the last thread, unless the next thread continues it in
+    /// phase.
+    fn add_owed_deceleration(&mut self, next: &Action) {
+        let owed = core::mem::take(&mut self.owed_deceleration_s);
+        let in_phase = matches!(
+            next,
+            Action::Thread {
+                start: ThreadStart::Continued,
+                ..
+            }
+        );
+        if !in_phase {
+            self.clock.advance(owed);
+        }
+    }
+
+    /// Changes the coordinate frame. The relative coordinates do not change with the work
+    /// zero, unless `relative_follows` is set; an offset shifts them like the absolute ones.
+    fn change_frame(&mut self, frame: Frame, relative_follows: bool) {
+        let before = self.preview.frame;
+        self.preview.frame = frame;
+        if before.zero == frame.zero {
+            return;
+        }
+        if relative_follows {
+            self.relative_zero = Point::default();
+            return;
+        }
+        let machine = self.preview.machine;
+        self.relative_zero =
+            self.relative_zero + frame.to_program(machine) - before.to_program(machine);
+    }
+}
+
+/// Whether a spindle that starts in the block of this action may still be stopped: a thread
+/// starts in parallel with the M code of its block.
+const fn can_spindle_be_stopped(action: &Action) -> bool {
+    matches!(
+        action,
+        Action::Thread { .. }
+            | Action::Tap { .. }
+            | Action::Miscellaneous { .. }
+            | Action::Spindle(_)
+            | Action::Tool { .. }
+            | Action::Frame { .. }
+    )
+}

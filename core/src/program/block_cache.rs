@@ -1,0 +1,127 @@
+//! Caches parsed blocks: those of loops and subprograms are executed repeatedly, but parsed
+//! once.
+
+use super::block::ProgramBlock;
+use super::program_text::{Program, TextIdentity};
+use super::syntax::{BlockError, Syntax};
+
+/// Number of cached blocks: more than a loop or a short subprogram has.
+const CACHED_BLOCKS: u32 = 64;
+/// Distance between the cache entries of the first blocks of two programs with consecutive
+/// numbers.
+const PROGRAM_DISTANCE: u32 = 29;
+
+/// Parsed blocks, each in an entry that follows from its program and its index. A copy is
+/// empty.
+#[derive(Debug, Default)]
+pub(crate) struct BlockCache {
+    entries: Vec<CachedBlock>,
+    work: u64,
+}
+
+/// Bytes of text that count as the work of one block.
+const BYTES_PER_BLOCK: usize = 64;
+
+#[derive(Clone, Debug, Default)]
+struct CachedBlock {
+    program: TextIdentity,
+    /// Index of the block; `None` if it was invalid.
+    index: Option<u32>,
+    syntax: Syntax,
+    block: ProgramBlock,
+}
+
+impl BlockCache {
+    /// Returns a block; words may still refer to variables.
+    ///
+    /// # Errors
+    /// As [`Program::parse`].
+    pub(crate) fn read(
+        &mut self,
+        program: &Program,
+        index: u32,
+        syntax: Syntax,
+    ) -> Result<&ProgramBlock, BlockError> {
+        if self.entries.is_empty() {
+            self.entries
+                .resize(CACHED_BLOCKS as usize, CachedBlock::default());
+        }
+        let begin = u32::from(program.number().unwrap_or(0)).wrapping_mul(PROGRAM_DISTANCE);
+        let entry = index.wrapping_add(begin) % CACHED_BLOCKS;
+        let kept = &mut self.entries[entry as usize];
+        self.work += 1;
+        let same = program.has_identity(&kept.program);
+        if same && kept.index == Some(index) && kept.syntax == syntax {
+            return Ok(&kept.block);
+        }
+        kept.index = None;
+        self.work += (program.block(index).len() / BYTES_PER_BLOCK) as u64;
+        program.read(index, syntax, &mut kept.block)?;
+        if !same {
+            kept.program = program.identity();
+        }
+        (kept.index, kept.syntax) = (Some(index), syntax);
+        Ok(&kept.block)
+    }
+
+    /// Number of blocks requested so far, plus one for each 64 bytes of parsed text.
+    pub(crate) const fn work(&self) -> u64 {
+        self.work
+    }
+}
+
+impl Clone for BlockCache {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+/// The content of the cache makes no difference.
+impl PartialEq for BlockCache {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_are_those_of_their_program_and_syntax() {
+        let first = Program::new("O1;\nG01 X1.2345 Z2;\nX;\n");
+        let second = Program::new("O1;\nG01 X7.5;\nG01 XX;\n");
+        let metric = Syntax::default();
+        let inch = Syntax {
+            inch: true,
+            ..metric
+        };
+        let mut recent = BlockCache::default();
+        for _ in 0..2 {
+            for program in [&first, &second] {
+                for syntax in [metric, inch] {
+                    for index in 0..4 {
+                        let expected = program.parse(index, syntax);
+                        for _ in 0..2 {
+                            let read = recent.read(program, index, syntax).cloned();
+                            assert_eq!(read, expected, "{index}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_program_is_not_kept_alive() {
+        let mut recent = BlockCache::default();
+        let syntax = Syntax::default();
+        for number in 0..300 {
+            // A new text may have the address of the previous one.
+            let program = Program::new(format!("G01 X{number};\n"));
+            let read = recent.read(&program, 0, syntax).expect("a block");
+            assert_eq!(read, &program.parse(0, syntax).expect("a block"));
+            assert_eq!(program.text_references(), 1);
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! Stores the positions of blocks compactly: a program may have ten million blocks.
+//!
+//! Blocks form groups of 16. A group is close if each of its blocks is on the next line and
+//! none is longer than 255 bytes. A close group stores its first position and a byte for
+//! each step to the next block. Other groups store all positions.
+//!
+//! ```text
+//! first      steps
+//! byte line  18  17  21  17 …      its third block: byte + 18 + 17, line + 2
+//! ```
+
+/// Position of a block in the text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct BlockPosition {
+    pub(super) byte: u32,
+    pub(super) line: u32,
+}
+
+/// Number of blocks in a group.
+const GROUP_SIZE: usize = 16;
+
+/// The positions of blocks, in the order of the text.
+#[derive(Default)]
+pub(super) struct BlockPositions {
+    groups: Vec<PositionGroup>,
+    /// The positions in groups that are not close.
+    wide: Vec<BlockPosition>,
+    last: Option<BlockPosition>,
+    count: usize,
+}
+
+#[derive(Clone, Copy)]
+struct PositionGroup {
+    first: BlockPosition,
+    tail: GroupTail,
+}
+
+/// The blocks of a group after the first one.
+#[derive(Clone, Copy)]
+enum GroupTail {
+    /// Bytes from block to block; each block is on the next line.
+    Close([u8; GROUP_SIZE - 1]),
+    /// Index in `wide` of the first position of the group.
+    Wide(u32),
+}
+
+impl PositionGroup {
+    /// The position of a block of the group.
+    #[inline]
+    fn position(&self, within: usize, wide: &[BlockPosition]) -> Option<BlockPosition> {
+        match &self.tail {
+            GroupTail::Close(steps) => {
+                let steps = steps.get(..within)?;
+                Some(BlockPosition {
+                    byte: self.first.byte + steps.iter().map(|step| u32::from(*step)).sum::<u32>(),
+                    line: self.first.line + within as u32,
+                })
+            }
+            GroupTail::Wide(from) => wide.get(*from as usize + within).copied(),
+        }
+    }
+}
+
+impl BlockPositions {
+    /// Number of blocks.
+    pub(super) const fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Adds the position of the next block.
+    pub(super) fn push(&mut self, position: BlockPosition) {
+        let last = self.last.replace(position);
+        let within = self.count % GROUP_SIZE;
+        self.count += 1;
+        let (Some(last), Some(group), 1..) = (last, self.groups.last_mut(), within) else {
+            let rest = GroupTail::Close([0; GROUP_SIZE - 1]);
+            self.groups.push(PositionGroup {
+                first: position,
+                tail: rest,
+            });
+            return;
+        };
+        let step = u8::try_from(position.byte - last.byte);
+        match (&mut group.tail, step) {
+            (GroupTail::Close(steps), Ok(step)) if position.line == last.line + 1 => {
+                steps[within - 1] = step;
+            }
+            (GroupTail::Close(_), _) => {
+                // The positions of the group so far move to `wide`.
+                let from = self.wide.len() as u32;
+                let before = (0..within).filter_map(|index| group.position(index, &[]));
+                self.wide.extend(before);
+                self.wide.push(position);
+                group.tail = GroupTail::Wide(from);
+            }
+            (GroupTail::Wide(_), _) => self.wide.push(position),
+        }
+    }
+
+    /// Releases the memory reserved for more positions.
+    pub(super) fn shrink_to_fit(&mut self) {
+        self.groups.shrink_to_fit();
+        self.wide.shrink_to_fit();
+    }
+
+    /// The position of a block; `None` beyond the last one.
+    #[inline]
+    pub(super) fn get(&self, index: usize) -> Option<BlockPosition> {
+        if index >= self.count {
+            return None;
+        }
+        let group = self.groups.get(index / GROUP_SIZE)?;
+        group.position(index % GROUP_SIZE, &self.wide)
+    }
+
+    /// The line of a block; `None` beyond the last one.
+    #[inline]
+    pub(super) fn line(&self, index: usize) -> Option<u32> {
+        if index >= self.count {
+            return None;
+        }
+        let (group, within) = (self.groups.get(index / GROUP_SIZE)?, index % GROUP_SIZE);
+        match group.tail {
+            GroupTail::Close(_) => Some(group.first.line + within as u32),
+            GroupTail::Wide(from) => self.wide.get(from as usize + within).map(|it| it.line),
+        }
+    }
+
+    /// All positions in order.
+    pub(super) fn iter(&self) -> impl Iterator<Item = BlockPosition> {
+        let mut before = None;
+        (0..self.count).filter_map(move |index| {
+            let (group, within) = (self.groups.get(index / GROUP_SIZE)?, index % GROUP_SIZE);
+            let position = match (&group.tail, before) {
+                (GroupTail::Close(steps), Some(BlockPosition { byte, line })) if within > 0 => {
+                    BlockPosition {
+                        byte: byte + u32::from(*steps.get(within - 1)?),
+                        line: line + 1,
+                    }
+                }
+                _ => group.position(within, &self.wide)?,
+            };
+            before = Some(position);
+            Some(position)
+        })
+    }
+
+    /// The position of the last block.
+    pub(super) const fn last(&self) -> Option<BlockPosition> {
+        self.last
+    }
+
+    /// The first block in this line or after it; the number of blocks if there is none.
+    pub(super) fn first_at(&self, line: u32) -> usize {
+        let groups = self.groups.partition_point(|group| group.first.line < line);
+        // It is in the group before the first group that begins late enough, or is the first
+        // block of that group.
+        let from = groups.saturating_sub(1) * GROUP_SIZE;
+        let to = (groups * GROUP_SIZE).min(self.count);
+        let (mut low, mut high) = (from, to);
+        while low < high {
+            let middle = low.midpoint(high);
+            match self.line(middle).is_some_and(|at| at < line) {
+                true => low = middle + 1,
+                false => high = middle,
+            }
+        }
+        low
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Positions as in usual texts: mostly one block per line, sometimes several, long
+    /// blocks, and lines without blocks.
+    fn sample_positions(count: u32, seed: u32) -> Vec<BlockPosition> {
+        let mut state = seed;
+        let mut place = BlockPosition { byte: 3, line: 1 };
+        let mut places = Vec::new();
+        for _ in 0..count {
+            places.push(place);
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let (bytes, lines) = match state >> 24 {
+                0 => (700, 1),
+                1 => (9, 0),
+                2 => (30, 3),
+                draw => (1 + draw, 1),
+            };
+            place.byte += bytes;
+            place.line += lines;
+        }
+        places
+    }
+
+    #[test]
+    fn positions_are_stored_exactly() {
+        for (count, seed) in [(0, 1), (1, 1), (64, 2), (65, 3), (5000, 4), (777, 5)] {
+            let expected = sample_positions(count, seed);
+            let mut places = BlockPositions::default();
+            expected.iter().for_each(|place| places.push(*place));
+            places.shrink_to_fit();
+            assert_eq!(places.len(), expected.len());
+            assert_eq!(places.last(), expected.last().copied());
+            assert_eq!(places.iter().collect::<Vec<_>>(), expected);
+            for index in 0..expected.len() + 2 {
+                let place = expected.get(index).copied();
+                assert_eq!(places.get(index), place, "{index} of {count}");
+                assert_eq!(places.line(index), place.map(|place| place.line));
+            }
+            let end = expected.last().map_or(2, |place| place.line + 2);
+            for line in 0..=end {
+                let first = expected.partition_point(|place| place.line < line);
+                assert_eq!(places.first_at(line), first, "line {line} of {count}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_block_a_line_takes_a_byte_and_a_half() {
+        let mut places = BlockPositions::default();
+        for block in 0..6400 {
+            let (byte, line) = (block * 20, block + 1);
+            places.push(BlockPosition { byte, line });
+        }
+        assert!(places.wide.is_empty());
+        assert_eq!(places.groups.len() * size_of::<PositionGroup>(), 9600);
+    }
+}

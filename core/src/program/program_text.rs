@@ -1,0 +1,582 @@
+//! A program: its text and the index of its blocks.
+
+use std::sync::{Arc, OnceLock, Weak};
+
+use gsk_messages::say;
+use serde::{Deserialize, Serialize};
+
+use super::block::ProgramBlock;
+use super::block_head::BlockHead;
+use super::block_positions::{BlockPosition, BlockPositions};
+use super::code_call::{self, CodeCall};
+use super::macro_b::uses_macro_b;
+use super::parse::read_block;
+use super::syntax::{BlockError, Syntax};
+use super::text_index::{TextIndex, line_end, line_start};
+use crate::alarm::number;
+
+/// A program text with the index of its blocks; cheap to clone.
+///
+/// The index needs a byte and a half per block if each line has one block, otherwise eight
+/// bytes.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(into = "Plain", from = "Plain")]
+pub struct Program {
+    shared: Arc<SharedText>,
+}
+
+/// Identifies the text of a program without keeping it in memory.
+#[derive(Clone, Default)]
+pub(super) struct TextIdentity(Weak<SharedText>);
+
+struct SharedText {
+    text: String,
+    blocks: BlockPositions,
+    /// Byte after the last block.
+    end_byte: u32,
+    first_line: u32,
+    lines: u32,
+    characters: u32,
+    number: Option<u16>,
+    full_width: Option<u32>,
+    /// The first line with text after the `%` at the end of the program.
+    after_end: Option<u32>,
+    /// Whether the program uses macro B; unset until it is first queried.
+    macro_b: OnceLock<bool>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "Program")]
+struct Plain {
+    text: String,
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    first_line: u32,
+}
+
+const fn one() -> u32 {
+    1
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "the form that serde asks for"
+)]
+const fn is_one(line: &u32) -> bool {
+    *line == 1
+}
+
+/// Longer texts are truncated so that positions fit 32 bits; files are limited to 256 MB.
+const MAX_BYTES: usize = u32::MAX as usize - 16;
+
+impl Program {
+    /// Indexes a text. A `String` is not copied.
+    pub fn new(text: impl Into<String>) -> Self {
+        Self::from_line(text.into(), 1)
+    }
+
+    /// A program that begins at a later line of its file.
+    fn from_line(mut text: String, first_line: u32) -> Self {
+        if text.len() > MAX_BYTES {
+            text.truncate(text.floor_char_boundary(MAX_BYTES));
+        }
+        let mut index = TextIndex::default();
+        index.read(&text, first_line);
+        let characters = text.chars().count();
+        let mut shared = SharedText {
+            blocks: index.blocks,
+            end_byte: index.end,
+            first_line,
+            lines: index.lines,
+            characters: characters as u32,
+            number: None,
+            full_width: index.full_width,
+            after_end: index.after_end,
+            macro_b: OnceLock::new(),
+            text,
+        };
+        shared.number = (0..shared.blocks.len().min(NAME_SEARCH_BLOCKS))
+            .find_map(|block| BlockHead::read(shared.block(block)).o)
+            .or_else(|| percent_name(&shared.text).map(|(number, _)| number));
+        Self {
+            shared: Arc::new(shared),
+        }
+    }
+
+    /// The identity of the program's text.
+    pub(super) fn identity(&self) -> TextIdentity {
+        TextIdentity(Arc::downgrade(&self.shared))
+    }
+
+    /// Whether the program has this identity.
+    pub(super) fn has_identity(&self, identity: &TextIdentity) -> bool {
+        core::ptr::eq(Arc::as_ptr(&self.shared), identity.0.as_ptr())
+    }
+
+    /// Number of references to the text.
+    #[cfg(test)]
+    pub(super) fn text_references(&self) -> usize {
+        Arc::strong_count(&self.shared)
+    }
+
+    /// The whole text.
+    pub fn text(&self) -> &str {
+        &self.shared.text
+    }
+
+    /// Number of characters, as counted for the capacity of the memory.
+    pub fn characters(&self) -> usize {
+        self.shared.characters as usize
+    }
+
+    /// The program number: the first O word within the first blocks, or `%P01` at the start
+    /// of the text; `None` without one.
+    pub fn number(&self) -> Option<u16> {
+        self.shared.number
+    }
+
+    /// The first line with full-width letters or digits outside comments, which are read as
+    /// ASCII; `None` without one.
+    pub fn full_width_line(&self) -> Option<u32> {
+        self.shared.full_width
+    }
+
+    /// The first line with text after the `%` at the end of the program: the control does
+    /// not read it.
+    pub(crate) fn line_after_end(&self) -> Option<u32> {
+        self.shared.after_end
+    }
+
+    /// The line and the number of a program name that begins with `:`, as on other controls.
+    pub(crate) fn colon_name(&self) -> Option<(u32, u16)> {
+        let within = self.shared.blocks.len().min(NAME_SEARCH_BLOCKS);
+        (0..within).find_map(|index| {
+            let head = BlockHead::read(self.shared.block(index));
+            let line = self.shared.blocks.line(index)?;
+            head.o.filter(|_| head.colon).map(|number| (line, number))
+        })
+    }
+
+    /// Whether the program has statements, formulas or variables that only macro B has.
+    pub(crate) fn uses_macro_b(&self) -> bool {
+        let shared = &self.shared;
+        *shared.macro_b.get_or_init(|| uses_macro_b(&shared.text))
+    }
+
+    /// The call by the G or M code at the beginning of a block; `None` if it calls no
+    /// program. `program_of` returns the program that a code calls.
+    ///
+    /// # Errors
+    /// 114 for an invalid word, 129 for an address that cannot be an argument.
+    pub(crate) fn code_call(
+        &self,
+        index: u32,
+        program_of: &dyn Fn(char, u16) -> Option<u16>,
+    ) -> Result<Option<CodeCall>, BlockError> {
+        code_call::read_code_call(self.block(index), program_of)
+    }
+
+    /// Number of lines of the text.
+    pub fn line_count(&self) -> u32 {
+        self.shared.lines
+    }
+
+    /// The text of a line of the file, from 1, without its line end; empty for a line
+    /// outside.
+    pub fn line(&self, line: u32) -> &str {
+        self.shared.line(line)
+    }
+
+    /// Number of blocks.
+    pub fn block_count(&self) -> u32 {
+        self.shared.blocks.len() as u32
+    }
+
+    /// The text of a block, from 0, up to the next block.
+    pub fn block(&self, index: u32) -> &str {
+        self.shared.block(index as usize)
+    }
+
+    /// The line of a block in the file; for an index beyond the last block the line after
+    /// it.
+    pub fn block_line(&self, index: u32) -> u32 {
+        let blocks = &self.shared.blocks;
+        let after_all = || {
+            let last = blocks.last();
+            last.map_or(self.shared.first_line, |place| place.line + 1)
+        };
+        blocks.line(index as usize).unwrap_or_else(after_all)
+    }
+
+    /// The column of the first character of a block in its line, from 1.
+    pub(crate) fn block_column(&self, index: u32) -> u32 {
+        self.before_block(index).chars().count() as u32 + 1
+    }
+
+    /// Whether only a `;` is before a block in its line.
+    #[inline]
+    pub(crate) fn follows_semicolon(&self, index: u32) -> bool {
+        let blocks = &self.shared.blocks;
+        let line_of = |index: Option<usize>| index.and_then(|index| blocks.line(index));
+        let index = index as usize;
+        let line = line_of(Some(index));
+        line_of(index.checked_sub(1)) == line
+            && line_of(index.checked_sub(2)) != line
+            && self.shared.block(index.saturating_sub(1)).trim() == ";"
+    }
+
+    /// The text before a block in its line.
+    #[cold]
+    fn before_block(&self, index: u32) -> &str {
+        let shared = &self.shared;
+        let at = shared.blocks.get(index as usize);
+        let at = at.map_or(0, |place| place.byte as usize);
+        let before = shared.text.get(line_start(&shared.text, at)..at);
+        before.unwrap_or_default()
+    }
+
+    /// The first block in this line of the file or after it; [`Self::block_count`] if there
+    /// is none.
+    pub fn block_from_line(&self, line: u32) -> u32 {
+        self.shared.blocks.first_at(line) as u32
+    }
+
+    /// Parses a block without variables, except in G65, whose words remain unchanged. An
+    /// index beyond the last block yields an empty block.
+    ///
+    /// # Errors
+    /// As `parse_block`; 115 if a variable takes the place of a number.
+    pub fn parse(&self, index: u32, syntax: Syntax) -> Result<ProgramBlock, BlockError> {
+        let mut block = ProgramBlock::default();
+        self.read(index, syntax, &mut block)?;
+        if !block.has_variables() {
+            return Ok(block);
+        }
+        block.resolve(syntax, |variable| {
+            let detail = say::variable_without_value(variable.number);
+            Err(BlockError {
+                alarm: number::BAD_VARIABLE,
+                column: 1,
+                detail,
+            })
+        })
+    }
+
+    /// Parses a block that may refer to variables. [`ProgramBlock::resolve`] must be called before
+    /// its numbers are used.
+    ///
+    /// # Errors
+    /// As `parse_block`.
+    pub fn parse_with_variables(
+        &self,
+        index: u32,
+        syntax: Syntax,
+    ) -> Result<ProgramBlock, BlockError> {
+        let mut block = ProgramBlock::default();
+        self.read(index, syntax, &mut block)?;
+        Ok(block)
+    }
+
+    /// Parses into an existing block: a block is large to move. Its old content is lost.
+    ///
+    /// # Errors
+    /// As `parse_block`.
+    #[inline]
+    pub(crate) fn read(
+        &self,
+        index: u32,
+        syntax: Syntax,
+        block: &mut ProgramBlock,
+    ) -> Result<(), BlockError> {
+        block.clear();
+        let shared = &self.shared;
+        let Some(place) = shared.blocks.get(index as usize) else {
+            block.line = self.block_line(index);
+            return Ok(());
+        };
+        block.line = place.line;
+        if index == 0 && !syntax.model.is_main() {
+            self.check_percent_name(syntax)?;
+        }
+        // The block ends where the next one begins.
+        let text = shared
+            .text
+            .get(place.byte as usize..shared.end_byte as usize);
+        read_block(text.unwrap_or(""), syntax, block)
+            .map_err(|error| self.with_line_column(error, index))
+    }
+
+    /// Converts the column of an error to one in the line. Adds a message about a `;` that
+    /// begins a comment in other languages.
+    #[cold]
+    fn with_line_column(&self, mut error: BlockError, index: u32) -> BlockError {
+        error.column = error.column.saturating_add(self.block_column(index) - 1);
+        if self.before_block(index).contains(';') {
+            error.detail = say::several([error.detail, say::instead_of_semicolon()]);
+        }
+        error
+    }
+
+    /// Checks the number of `%P01` on models that name programs so: alarm 043 if it is out
+    /// of range.
+    #[cold]
+    fn check_percent_name(&self, syntax: Syntax) -> Result<(), BlockError> {
+        let record = syntax.model.record();
+        let Some((number, (start, _))) = percent_name(&self.shared.text) else {
+            return Ok(());
+        };
+        let last = record.last_program;
+        if !record.program_name.starts_with('%') || (1..=last).contains(&number) {
+            return Ok(());
+        }
+        let rule = say::program_name_out_of_range(number, last);
+        Err(BlockError::at(number::OUT_OF_RANGE, start, rule))
+    }
+
+    /// The line of the first block with this sequence number, in `from_line` or after it.
+    /// Only an N at the beginning of a block counts (manual I-2.1).
+    pub fn find_sequence(&self, number: u32, from_line: u32) -> Option<u32> {
+        let from = self.block_from_line(from_line);
+        self.find_sequence_block(number, from..self.block_count())
+            .map(|index| self.block_line(index))
+    }
+
+    /// The first block with this sequence number within a range of blocks.
+    pub(crate) fn find_sequence_block(
+        &self,
+        number: u32,
+        range: core::ops::Range<u32>,
+    ) -> Option<u32> {
+        let mut range = range.start..range.end.min(self.block_count());
+        range.find(|&index| BlockHead::read(self.block(index)).n == Some(number))
+    }
+
+    /// The sequence number at the beginning of a block; `None` without one.
+    pub fn sequence(&self, index: u32) -> Option<u32> {
+        BlockHead::read(self.block(index)).n
+    }
+
+    /// Whether a block begins with the skip mark `/`.
+    pub fn has_skip_mark(&self, index: u32) -> bool {
+        BlockHead::read(self.block(index)).skip
+    }
+
+    /// The block with the program number; `None` without one.
+    pub(super) fn name_block(&self) -> Option<u32> {
+        let within = self.shared.blocks.len().min(NAME_SEARCH_BLOCKS);
+        (0..within)
+            .find(|&block| BlockHead::read(self.shared.block(block)).o.is_some())
+            .map(|block| block as u32)
+    }
+
+    /// The program with the lines from `first` up to, but not including, `end` replaced by
+    /// text. Each new line gets a line end.
+    pub(super) fn with_lines(&self, first: u32, end: u32, text: &str) -> Self {
+        let shared = &self.shared;
+        let (start, stop) = (shared.line_byte(first), shared.line_byte(end.max(first)));
+        let (before, rest) = shared.text.split_at_checked(start).unwrap_or_default();
+        let after = rest.get(stop - start..).unwrap_or("");
+        let newline = if shared.text.contains("\r\n") {
+            "\r\n"
+        } else {
+            "\n"
+        };
+        let mut whole = String::with_capacity(shared.text.len() + text.len() + 4);
+        whole.push_str(before);
+        if !before.is_empty() && !before.ends_with(['\n', '\r']) {
+            whole.push_str(newline);
+        }
+        for line in text.lines() {
+            whole.push_str(line);
+            whole.push_str(newline);
+        }
+        whole.push_str(after);
+        Self::from_line(whole, shared.first_line)
+    }
+
+    /// The text from a line of the file on, followed by more text. The lines keep their
+    /// numbers.
+    pub(super) fn from_line_with(&self, first: u32, more: &str) -> Self {
+        let first = first.max(self.shared.first_line);
+        let kept = self.shared.text.get(self.shared.line_byte(first)..);
+        let whole = [kept.unwrap_or(""), more].concat();
+        Self::from_line(whole, first)
+    }
+
+    /// The program under another number: its O word is replaced, or inserted at the
+    /// beginning.
+    #[must_use]
+    pub fn renumbered(&self, number: u16) -> Self {
+        let shared = &self.shared;
+        let name = (0..shared.blocks.len().min(NAME_SEARCH_BLOCKS)).find_map(|index| {
+            let (start, end) = BlockHead::read(shared.block(index)).o_span?;
+            let byte = shared.blocks.get(index)?.byte as usize;
+            Some((byte + start, byte + end))
+        });
+        let text = &shared.text;
+        let percent = percent_name(text).filter(|_| name.is_none());
+        if let Some((_, (start, end))) = percent {
+            let (before, after) = (text.get(..start), text.get(end..));
+            let (before, after) = (before.unwrap_or(""), after.unwrap_or(""));
+            return Self::new(format!("{before}{number:02}{after}"));
+        }
+        let text = match name {
+            Some((start, end)) => format!(
+                "{}O{number:04}{}",
+                text.get(..start).unwrap_or(""),
+                text.get(end..).unwrap_or("")
+            ),
+            None => {
+                let first = shared.blocks.get(0).map_or(0, |place| place.byte as usize);
+                let (before, after) = text.split_at_checked(first).unwrap_or(("", text));
+                format!("{before}O{number:04};\n{after}")
+            }
+        };
+        Self::new(text)
+    }
+}
+
+/// The number of `%P01` at the start of a text (Huaxing), and the byte range of its digits.
+fn percent_name(text: &str) -> Option<(u16, (usize, usize))> {
+    let line = text.lines().next()?;
+    let after = line.trim_start().strip_prefix('%')?.trim_start();
+    let digits = after.strip_prefix(['P', 'p'])?;
+    let count = digits.bytes().take_while(u8::is_ascii_digit).count();
+    let number = digits
+        .get(..count)
+        .filter(|it| (1..=4).contains(&it.len()))?;
+    let start = line.len() - digits.len();
+    Some((number.parse().ok()?, (start, start + count)))
+}
+
+/// Number of blocks in which the O word of a program is searched.
+const NAME_SEARCH_BLOCKS: usize = 16;
+
+impl PartialEq for Program {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.shared, &other.shared)
+            || (self.shared.first_line == other.shared.first_line
+                && self.shared.text == other.shared.text)
+    }
+}
+
+impl Eq for Program {}
+
+impl core::fmt::Debug for TextIdentity {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_tuple("Identity").finish()
+    }
+}
+
+impl core::fmt::Debug for Program {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Program")
+            .field("number", &self.number())
+            .field("blocks", &self.block_count())
+            .finish_non_exhaustive()
+    }
+}
+
+impl From<Plain> for Program {
+    fn from(plain: Plain) -> Self {
+        Self::from_line(plain.text, plain.first_line)
+    }
+}
+
+impl From<Program> for Plain {
+    fn from(program: Program) -> Self {
+        Self {
+            text: program.text().to_owned(),
+            first_line: program.shared.first_line,
+        }
+    }
+}
+
+impl SharedText {
+    fn block(&self, index: usize) -> &str {
+        let Some(place) = self.blocks.get(index) else {
+            return "";
+        };
+        let end = self
+            .blocks
+            .get(index + 1)
+            .map_or(self.end_byte, |next| next.byte);
+        self.text
+            .get(place.byte as usize..end as usize)
+            .unwrap_or("")
+    }
+
+    fn line(&self, line: u32) -> &str {
+        let Some(below) = line.checked_sub(self.first_line) else {
+            return "";
+        };
+        if below >= self.lines {
+            return "";
+        }
+        let at = self.line_byte(line);
+        // The last block of a line is near its end, whatever is before it.
+        let last = self.last_block_before(line);
+        let last = last.filter(|place| place.line == line);
+        let near = last.map_or(at, |place| at.max(place.byte as usize));
+        let (end, _) = line_end(&self.text, near);
+        self.text.get(at..end).unwrap_or("")
+    }
+
+    /// The last block in this line or before it.
+    fn last_block_before(&self, line: u32) -> Option<BlockPosition> {
+        let known = self.blocks.first_at(line.saturating_add(1));
+        self.blocks.get(known.checked_sub(1)?)
+    }
+
+    /// Byte position of the beginning of a line; beyond the end the length of the text. A
+    /// line may contain the whole program: only one block of it is read.
+    fn line_byte(&self, line: u32) -> usize {
+        let first = self.blocks.first_at(line);
+        if let Some(place) = self.blocks.get(first)
+            && place.line == line
+        {
+            return line_start(&self.text, place.byte as usize);
+        }
+        let before = line
+            .checked_sub(1)
+            .and_then(|line| self.last_block_before(line));
+        let (mut at, mut here) = before.map_or((0, self.first_line), |place| {
+            (place.byte as usize, place.line)
+        });
+        while here < line && at < self.text.len() {
+            (at, here) = (line_end(&self.text, at).1, here + 1);
+        }
+        at
+    }
+}
+
+/// Splits a file with several programs, each with an O word at the beginning of a block.
+/// Lines keep the numbers of the file. The text of a single program is not copied if it is a
+/// `String`.
+pub fn split_programs(text: impl Into<String>) -> Vec<Program> {
+    let whole = Program::new(text);
+    let text = whole
+        .text()
+        .get(..whole.shared.end_byte as usize)
+        .unwrap_or("");
+    let begins = |place: &BlockPosition| {
+        BlockHead::names_program(text.get(place.byte as usize..).unwrap_or(""))
+    };
+    let starts: Vec<BlockPosition> = whole.shared.blocks.iter().filter(begins).collect();
+    if starts.len() < 2 {
+        return vec![whole];
+    }
+    let end = whole.shared.end_byte as usize;
+    let mut programs = Vec::with_capacity(starts.len());
+    for (index, place) in starts.iter().enumerate() {
+        // The text before the first O word belongs to the first program.
+        let (byte, line) = if index == 0 {
+            (0, 1)
+        } else {
+            (place.byte as usize, place.line)
+        };
+        let next = starts.get(index + 1).map_or(end, |next| next.byte as usize);
+        let part = text.get(byte..next).unwrap_or("");
+        programs.push(Program::from_line(part.to_owned(), line));
+    }
+    programs
+}

@@ -1,0 +1,236 @@
+//! Cuts the part while the control runs, tick by tick, in manual and automatic operation.
+
+use gsk_core::cnc::Event;
+use gsk_core::command::{ProgramId, SequenceNumber, SourcePosition};
+use gsk_core::operation::RunState;
+use gsk_core::simulation::Simulation;
+use gsk_core::units::Point;
+use gsk_workpiece::motion::{MotionKind, ToolMotion};
+
+use super::{CollisionFinding, Machining};
+
+/// Greatest distance of a tick from a straight piece that it extends, mm: a grid unit.
+const STRAIGHTNESS_MM: f64 = 0.000_1;
+/// Ticks after which a piece is cut even if it continues: the time of a picture.
+const MAX_PIECE_TICKS: u32 = 25;
+/// Below this speed the spindle counts as stopped, r/min.
+const STANDSTILL_RPM: f64 = 1.0;
+
+/// A part that follows a running control.
+#[derive(Clone, Debug)]
+pub struct LivePart {
+    machining: Machining,
+    /// Slide and spindle at the last tick.
+    last_tick: Option<TickState>,
+    pending: Option<PendingCut>,
+    /// Number of findings that the caller has received.
+    reported_findings: usize,
+    /// Whether the program has ended; the next one begins with new stock.
+    program_ended: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct TickState {
+    /// Slide position, machine coordinates.
+    slide: Point,
+    /// Tip of the tool, part coordinates.
+    tip: Point,
+    spindle_turns: f64,
+}
+
+/// Ticks that continue straight in the same manner.
+#[derive(Clone, Debug)]
+struct PendingCut {
+    from: Point,
+    to: Point,
+    ticks: u32,
+    conditions: MotionConditions,
+    /// Positions of the tool where it passed the drawn plane.
+    imprints: Vec<Point>,
+}
+
+/// What must stay the same within a piece.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct MotionConditions {
+    tool: u8,
+    rapid: bool,
+    thread: bool,
+    turning: bool,
+    source: Option<SourcePosition>,
+}
+
+impl LivePart {
+    /// Follows a control with this part, which must be uncut.
+    pub const fn new(machining: Machining) -> Self {
+        Self {
+            machining,
+            last_tick: None,
+            pending: None,
+            reported_findings: 0,
+            program_ended: false,
+        }
+    }
+
+    /// The part and its collisions so far.
+    pub const fn machining(&self) -> &Machining {
+        &self.machining
+    }
+
+    /// Clamps new stock and discards the findings.
+    pub fn clamp_new_stock(&mut self) {
+        self.pending = None;
+        self.machining.clamp_new_stock();
+        self.reported_findings = 0;
+    }
+
+    /// Follows one tick of the control. Call it after every tick. Returns the collisions found
+    /// since the last call.
+    pub fn follow_tick(&mut self, simulation: &Simulation) -> &[CollisionFinding] {
+        let cnc = &simulation.cnc;
+        let tool = simulation.lathe.station().unwrap_or(cnc.tool().0);
+        let frame = cnc.frame();
+        let conditions = MotionConditions {
+            tool,
+            rapid: cnc.is_rapid_under_way(),
+            thread: cnc.is_in_thread(),
+            turning: simulation.lathe.spindle_rpm().abs() > STANDSTILL_RPM,
+            source: moving_block(simulation),
+        };
+        self.change_stock(simulation);
+        if !conditions.rapid && conditions.source.is_some() && cnc.is_moving() {
+            self.machining.track.mounting_mut().fix_tool(tool, &frame);
+        }
+        let tip = |slide| self.machining.mounting().tip_in_part(tool, slide, &frame);
+        let slide = cnc.position_machine();
+        let now = TickState {
+            slide,
+            tip: tip(slide),
+            spindle_turns: simulation.lathe.spindle_turns(),
+        };
+        // Position before, in present coordinates: G50 and T move nothing.
+        let before = self.last_tick.map(|last| TickState {
+            tip: tip(last.slide),
+            ..last
+        });
+        self.last_tick = Some(now);
+        match before {
+            Some(before) if before.slide != slide => self.add_tick(conditions, before, now),
+            // At standstill the pending motion shows at once.
+            _ => self.cut_pending(),
+        }
+        let first = self.reported_findings.min(self.machining.findings.len());
+        self.reported_findings = self.machining.findings.len();
+        &self.machining.findings[first..]
+    }
+
+    /// Clamps new stock when the next program starts after the end of one.
+    fn change_stock(&mut self, simulation: &Simulation) {
+        for event in simulation.cnc.events() {
+            match event {
+                Event::ProgramEnded { .. } => self.program_ended = true,
+                Event::BlockStarted(source, _)
+                    if self.program_ended && source.program != ProgramId::Mdi =>
+                {
+                    self.program_ended = false;
+                    self.clamp_new_stock();
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn add_tick(&mut self, conditions: MotionConditions, before: TickState, now: TickState) {
+        let continues = self.pending.as_ref().is_some_and(|piece| {
+            piece.conditions == conditions && piece.is_continued_by(before.tip, now.tip)
+        });
+        if !continues {
+            self.cut_pending();
+        }
+        let piece = self.pending.get_or_insert_with(|| PendingCut {
+            from: before.tip,
+            to: before.tip,
+            ticks: 0,
+            conditions,
+            imprints: Vec::new(),
+        });
+        piece.to = now.tip;
+        piece.ticks += 1;
+        if conditions.thread {
+            piece.imprints.extend(plane_crossing(before, now));
+        }
+        if piece.ticks >= MAX_PIECE_TICKS {
+            self.cut_pending();
+        }
+    }
+
+    /// Cuts the pending piece.
+    fn cut_pending(&mut self) {
+        let Some(piece) = self.pending.take() else {
+            return;
+        };
+        let kind = match (piece.conditions.thread, piece.conditions.rapid) {
+            (true, _) => MotionKind::Thread(piece.imprints),
+            (false, true) => MotionKind::Rapid,
+            (false, false) => MotionKind::Line,
+        };
+        let motion = ToolMotion {
+            from: piece.from,
+            to: piece.to,
+            kind,
+            turning: piece.conditions.turning,
+        };
+        self.machining
+            .move_tool(piece.conditions.source, piece.conditions.tool, &motion);
+    }
+}
+
+impl PendingCut {
+    /// Whether a tick continues at the end of the piece, in its direction.
+    fn is_continued_by(&self, from: Point, to: Point) -> bool {
+        let along = self.to - self.from;
+        let Some(direction) = along.unit() else {
+            return from == self.to;
+        };
+        let beyond = to - self.from;
+        from == self.to
+            && direction.cross(beyond).abs() <= STRAIGHTNESS_MM
+            && direction.dot(to - from) > 0.0
+    }
+}
+
+/// The block in execution in automatic operation; between two blocks the last one. `None`
+/// after the end of an MDI block and when nothing runs.
+pub fn running_block(simulation: &Simulation) -> Option<SourcePosition> {
+    let cnc = &simulation.cnc;
+    let cursor = cnc.cursor();
+    let program = cursor.program.filter(|program| match cnc.run_state() {
+        RunState::Reset => false,
+        RunState::Stop => *program != ProgramId::Mdi,
+        RunState::Run | RunState::Hold => true,
+    });
+    program.map(|program| SourcePosition {
+        program,
+        line: cursor.line,
+        sequence: cursor.sequence.map(SequenceNumber::from),
+    })
+}
+
+/// The block that moves the tool; `None` in manual operation.
+fn moving_block(simulation: &Simulation) -> Option<SourcePosition> {
+    let by_program = matches!(simulation.cnc.run_state(), RunState::Run | RunState::Hold);
+    running_block(simulation).filter(|_| by_program)
+}
+
+/// Position of the tip when the spindle passed the drawn plane between two ticks.
+fn plane_crossing(before: TickState, now: TickState) -> Option<Point> {
+    let (low, high) = (
+        before.spindle_turns.min(now.spindle_turns),
+        before.spindle_turns.max(now.spindle_turns),
+    );
+    let whole = high.floor();
+    if whole <= low || high <= low {
+        return None;
+    }
+    let part = (whole - before.spindle_turns) / (now.spindle_turns - before.spindle_turns);
+    Some(before.tip + (now.tip - before.tip) * part)
+}

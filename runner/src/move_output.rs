@@ -1,0 +1,133 @@
+//! Writes executed moves and positions as lines of text: NDJSON and CSV.
+
+use std::io::{self, Write};
+
+use crate::json_line::JsonLine;
+use gsk_core::command::{ExecutedMove, MoveKind};
+use gsk_core::units::{Feed, Point};
+
+/// Rounds to six decimals: a nanometre, a microsecond. Returns no negative zero.
+pub fn round_to_millionth(value: f64) -> f64 {
+    let rounded = (value * 1e6).round() / 1e6;
+    // No negative zero in the output.
+    if rounded == 0.0 { 0.0 } else { rounded }
+}
+
+/// A point as diameter and Z, mm, rounded to six decimals.
+pub fn diameter_z(point: Point) -> (f64, f64) {
+    (
+        round_to_millionth(point.diameter().0),
+        round_to_millionth(point.z),
+    )
+}
+
+/// Whether a move is part of the output. Motions without length are not, but dwells and full
+/// circles are.
+pub fn is_reported(executed: &ExecutedMove) -> bool {
+    let full_circle = executed.center.is_some();
+    executed.kind == MoveKind::Dwell || full_circle || executed.from != executed.to
+}
+
+/// Writes a move as one line, a JSON object. X values are diameters in the program's work
+/// coordinates without tool offset, mm. Times are seconds of machine time.
+pub fn write_move(out: &mut dyn Write, executed: &ExecutedMove) -> io::Result<()> {
+    let mut line = JsonLine::default();
+    line.push_integer("{\"line\":", executed.source.line.into());
+    match executed.source.sequence {
+        Some(sequence) => line.push_integer(",\"n\":", u32::from(sequence).into()),
+        None => line.push_text(",\"n\":null"),
+    }
+    line.push_text(",\"kind\":\"");
+    line.push_text(executed.kind.name());
+    line.push_number("\",\"x0\":", Some(executed.from.diameter().0));
+    line.push_number(",\"z0\":", Some(executed.from.z));
+    line.push_number(",\"x\":", Some(executed.to.diameter().0));
+    line.push_number(",\"z\":", Some(executed.to.z));
+    line.push_number(
+        ",\"cx\":",
+        executed.center.map(|center| center.diameter().0),
+    );
+    line.push_number(",\"cz\":", executed.center.map(|center| center.z));
+    let (feed, per) = match executed.feed {
+        Some(Feed::PerMinute(feed)) => (Some(feed), "\"min\""),
+        Some(Feed::PerRevolution(feed)) => (Some(feed), "\"rev\""),
+        None => (None, "null"),
+    };
+    // A thread has a lead instead of a feed.
+    let (feed, per, lead) = if executed.kind.is_thread() {
+        (None, "null", feed)
+    } else {
+        (feed, per, None)
+    };
+    line.push_number(",\"feed\":", feed);
+    line.push_text(",\"per\":");
+    line.push_text(per);
+    line.push_number(",\"lead\":", lead);
+    line.push_number(",\"t\":", Some(executed.start_s));
+    line.push_number(",\"dt\":", Some(executed.duration_s));
+    line.push_text("}\n");
+    out.write_all(&line.bytes)
+}
+
+/// Header line of the CSV file of positions.
+pub const POSITIONS_HEADER: &str = "t,x,z,spindle_deg\n";
+
+/// Writes a line of the CSV file: the time, s, the machine position with X as a diameter, mm,
+/// and the angle of the spindle, degrees.
+pub fn write_position(
+    out: &mut dyn Write,
+    time_s: f64,
+    machine: Point,
+    spindle_degrees: f64,
+) -> io::Result<()> {
+    let (x, z) = (machine.diameter().0, machine.z);
+    writeln!(out, "{time_s:.3},{x:.6},{z:.6},{spindle_degrees:.3}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_core::command::{MoveConditions, ProgramId, SourcePosition};
+
+    fn executed(kind: MoveKind) -> ExecutedMove {
+        ExecutedMove {
+            source: SourcePosition {
+                program: ProgramId::External,
+                line: 12,
+                sequence: Some(50.into()),
+            },
+            kind,
+            from: Point::new(25.0, 0.0),
+            to: Point::new(25.0, -30.000_000_04),
+            center: None,
+            feed: Some(Feed::PerMinute(120.0)),
+            start_s: 1.5,
+            duration_s: 15.0,
+            conditions: MoveConditions::default(),
+        }
+    }
+
+    #[test]
+    fn a_move_is_one_line_with_diameters() {
+        let mut out = Vec::new();
+        write_move(&mut out, &executed(MoveKind::Feed)).expect("write");
+        assert_eq!(
+            String::from_utf8(out).expect("text"),
+            "{\"line\":12,\"n\":50,\"kind\":\"feed\",\"x0\":50.0,\"z0\":0.0,\"x\":50.0,\"z\":-30.0,\
+             \"cx\":null,\"cz\":null,\"feed\":120.0,\"per\":\"min\",\"lead\":null,\"t\":1.5,\"dt\":15.0}\n"
+        );
+    }
+
+    #[test]
+    fn only_motions_of_no_length_are_left_out() {
+        let mut still = executed(MoveKind::Feed);
+        assert!(is_reported(&still));
+        still.to = still.from;
+        assert!(!is_reported(&still));
+        still.kind = MoveKind::Dwell;
+        assert!(is_reported(&still));
+        still.kind = MoveKind::Clockwise;
+        still.center = Some(Point::default());
+        assert!(is_reported(&still), "a full circle ends where it began");
+    }
+}

@@ -1,0 +1,200 @@
+//! The report on the machined part.
+
+use gsk_core::command::ProgramId;
+use gsk_core::units::Diameter;
+use gsk_messages::{Language, Message, say};
+use gsk_workpiece::measure::{self, Feature, SectionSide};
+use serde::Serialize;
+
+use super::message_text;
+use crate::machining::{CollisionFinding, Machining};
+use crate::move_output::{diameter_z, round_to_millionth};
+
+/// The part at the end of a program.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PartReport {
+    /// The job's file; `None` for a guessed job.
+    pub job: Option<String>,
+    /// Volume of the new stock, mm³.
+    pub stock_mm3: f64,
+    /// Volume removed by cutting, mm³.
+    pub removed_mm3: f64,
+    /// Volume of the part, mm³.
+    pub left_mm3: f64,
+    /// The features of the outside and then of the bore, each from front to back, if they were
+    /// measured.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub features: Vec<Feature>,
+    /// The collisions in the order in which they happened.
+    pub collisions: Vec<CollisionReport>,
+}
+
+/// A collision in a report.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CollisionReport {
+    /// Line of its block, from 1; `None` in manual operation.
+    pub line: Option<u32>,
+    /// Sequence number of its block.
+    pub n: Option<u32>,
+    /// The program of its block. Not part of the JSON.
+    #[serde(skip)]
+    pub program: Option<ProgramId>,
+    /// The T number of the tool.
+    pub tool: u8,
+    /// The parts that touched, as a message.
+    pub text: String,
+    /// Position of the tip at the first contact: X as a diameter and Z, part coordinates.
+    pub tip: (f64, f64),
+    /// Position of the contact, in the same form.
+    pub contact: (f64, f64),
+    /// Greatest depth of the overlap, mm.
+    pub depth: f64,
+}
+
+impl PartReport {
+    /// The report on the current part. With `measure` its features are measured.
+    pub fn new(
+        machining: &Machining,
+        job: Option<String>,
+        measure: bool,
+        language: Option<Language>,
+    ) -> Self {
+        let features = match measure {
+            true => {
+                let section = machining.scene().part().section();
+                let sides = [SectionSide::Outside, SectionSide::Inside];
+                let of_side = |side| measure::measure_features(&section, side);
+                sides
+                    .into_iter()
+                    .flat_map(of_side)
+                    .map(round_to_micrometre)
+                    .collect()
+            }
+            false => Vec::new(),
+        };
+        Self {
+            job,
+            stock_mm3: round_to_millionth(machining.scene().stock().section().volume()),
+            removed_mm3: round_to_millionth(machining.removed_volume()),
+            left_mm3: round_to_millionth(machining.scene().part().volume()),
+            features,
+            collisions: machining
+                .findings()
+                .iter()
+                .map(|finding| CollisionReport::new(finding, language))
+                .collect(),
+        }
+    }
+
+    /// Lines of text for the user.
+    pub(super) fn text_lines(&self, words: Language) -> Vec<String> {
+        let part = match &self.job {
+            Some(job) => say::report_part(job, self.removed_mm3, self.left_mm3),
+            None => say::report_part_guessed(self.removed_mm3, self.left_mm3),
+        };
+        let collisions = self.collisions.iter().map(CollisionReport::message);
+        let features = self.features.iter().map(feature_message);
+        core::iter::once(part)
+            .chain(features)
+            .chain(collisions)
+            .map(|message| message.text(words))
+            .collect()
+    }
+}
+
+/// Rounds a feature as on a drawing: whole micrometres, thousandths of a degree.
+fn round_to_micrometre(feature: Feature) -> Feature {
+    let round = |value: f64| (value * 1000.0).round() / 1000.0;
+    let both = |(from, to): (f64, f64)| (round(from), round(to));
+    let across =
+        |(from, to): (Diameter, Diameter)| (Diameter(round(from.0)), Diameter(round(to.0)));
+    match feature {
+        Feature::Cylinder { diameter, z } => Feature::Cylinder {
+            diameter: Diameter(round(diameter.0)),
+            z: both(z),
+        },
+        Feature::Face { diameters, z } => Feature::Face {
+            diameters: across(diameters),
+            z: round(z),
+        },
+        Feature::Cone {
+            diameters,
+            z,
+            angle,
+        } => Feature::Cone {
+            diameters: across(diameters),
+            z: both(z),
+            angle: round(angle),
+        },
+        Feature::Arc {
+            radius,
+            diameters,
+            z,
+        } => Feature::Arc {
+            radius: round(radius),
+            diameters: across(diameters),
+            z: both(z),
+        },
+        Feature::Thread {
+            pitch,
+            diameters,
+            z,
+        } => Feature::Thread {
+            pitch: round(pitch),
+            diameters: across(diameters),
+            z: both(z),
+        },
+    }
+}
+
+/// The measured values of a feature as a message.
+pub fn feature_message(feature: &Feature) -> Message {
+    match *feature {
+        Feature::Cylinder { diameter, z } => say::measure_cylinder(diameter.0, z.0, z.1),
+        Feature::Face {
+            diameters: (from, to),
+            z,
+        } => say::measure_face(z, from.0, to.0),
+        Feature::Cone {
+            diameters: (from, to),
+            z,
+            angle,
+        } => say::measure_cone(from.0, to.0, z.0, z.1, angle),
+        Feature::Arc {
+            radius,
+            diameters: (from, to),
+            z,
+        } => say::measure_arc(radius, from.0, to.0, z.0, z.1),
+        Feature::Thread {
+            pitch,
+            diameters: (crest, root),
+            z,
+        } => say::measure_thread(pitch, crest.0, root.0, z.0, z.1),
+    }
+}
+
+impl CollisionReport {
+    fn new(finding: &CollisionFinding, language: Option<Language>) -> Self {
+        let collision = &finding.collision;
+        Self {
+            line: finding.source.map(|source| source.line),
+            n: finding
+                .source
+                .and_then(|source| source.sequence.map(u32::from)),
+            program: finding.source.map(|source| source.program),
+            tool: finding.tool,
+            text: message_text(&collision.message(), language),
+            tip: diameter_z(collision.tip),
+            contact: diameter_z(collision.contact),
+            depth: round_to_millionth(collision.depth),
+        }
+    }
+
+    pub(super) fn message(&self) -> Message {
+        let ((x, z), depth) = (self.tip, self.depth);
+        match self.line {
+            Some(line) => say::report_collision(line, self.tool, &self.text, x, z, depth),
+            None => say::report_collision_by_hand(self.tool, &self.text, x, z, depth),
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! The ways a program can end.
+
+use gsk_core::preview;
+use serde::{Serialize, Serializer};
+
+/// How a program ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RunEnd {
+    /// M30.
+    M30,
+    /// M02, on models that have it.
+    M02,
+    /// M99 in the main program.
+    M99,
+    /// The end of the text.
+    Text,
+    /// An alarm, or a message of the ladder.
+    Alarm,
+    /// Cycle start was refused.
+    Refused,
+    /// It stopped at a board, and no operator was there to press cycle start.
+    Stop,
+    /// The end was requested: Ctrl-C, `kill`.
+    Requested,
+    /// A tool hit something, and the run was set to end then.
+    Collision,
+    /// It did not end within the limits.
+    Limit,
+}
+
+impl RunEnd {
+    /// The name in the JSON of a report.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::M30 => "M30",
+            Self::M02 => "M02",
+            Self::M99 => "M99",
+            Self::Text => "EOF",
+            Self::Alarm => "alarm",
+            Self::Refused => "refused",
+            Self::Stop => "stop",
+            Self::Requested => "ended",
+            Self::Collision => "collision",
+            Self::Limit => "limit",
+        }
+    }
+
+    /// Whether the program reached its own end.
+    pub(crate) const fn is_program_end(self) -> bool {
+        matches!(self, Self::M30 | Self::M02 | Self::M99 | Self::Text)
+    }
+}
+
+impl Serialize for RunEnd {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+impl From<preview::PreviewEnd> for RunEnd {
+    fn from(end: preview::PreviewEnd) -> Self {
+        match end {
+            preview::PreviewEnd::M30 => Self::M30,
+            preview::PreviewEnd::M02 => Self::M02,
+            preview::PreviewEnd::M99 => Self::M99,
+            preview::PreviewEnd::Text => Self::Text,
+            preview::PreviewEnd::Alarm => Self::Alarm,
+            preview::PreviewEnd::Limit => Self::Limit,
+        }
+    }
+}
