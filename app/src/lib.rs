@@ -2,6 +2,10 @@
 //! does I/O.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
+#![allow(
+    missing_docs,
+    reason = "only this package uses its items: a name that says enough needs no comment"
+)]
 
 #[macro_use]
 pub mod output;

@@ -52,7 +52,7 @@ pub struct SetupArgs {
     /// [default: as the data directory says, else off]
     #[arg(long, value_name = "on|off", value_parser = parse_switch)]
     pub macro_b: Option<bool>,
-    /// The control model whose programs are read; each has a memory of its own in the data
+    /// The control model whose programs are read; each has a separate memory in the data
     /// directory [default: as the data directory says, else gsk980td]
     #[arg(long, value_name = "MODEL", value_parser = model_parser())]
     pub model: Option<ModelId>,
@@ -172,7 +172,7 @@ pub struct MillArgs {
         allow_hyphen_values = true
     )]
     pub mill_zeros: Vec<String>,
-    /// The length and the radius of a tool, with the wear of both behind: N=H,D or N=H,D,W,W
+    /// The length and the radius of a tool, followed by the wear of both: N=H,D or N=H,D,W,W
     /// (may be repeated)
     #[arg(long = "mill-offset", value_name = "N=H,D", allow_hyphen_values = true)]
     pub mill_offsets: Vec<String>,

@@ -45,7 +45,7 @@ fn with_hint(mut error: Error, language: Language) -> Error {
 /// name.
 fn hint_for_word(word: &str, has_similar_command: bool) -> Option<Message> {
     if CommandLine::command().find_subcommand(word).is_some() {
-        return Some(say::hint_options_behind(word));
+        return Some(say::hint_options_after_command(word));
     }
     if setup_args::parse_switch(word).is_ok() {
         return Some(say::hint_first_start(word));

@@ -412,7 +412,7 @@ impl ThreadPassFeature {
         match self {
             Self::LeadChange => say::pass_lead_changes(),
             Self::RunOut => say::pass_run_out(),
-            Self::Continued => say::pass_goes_on(),
+            Self::Continued => say::pass_continues(),
             Self::StartAngle => say::pass_start_beside_index(),
         }
     }

@@ -380,7 +380,7 @@ impl ProjectKey {
         }
     }
 
-    /// Returns the table that has a line for the key; `None` for a value with a file of its own.
+    /// Returns the table that has a line for the key; `None` for a value that is stored in a separate file.
     pub fn table(self) -> Option<ProjectTable> {
         match self {
             Self::Format | Self::Model | Self::Setting(_) | Self::Selected => {
@@ -406,7 +406,7 @@ impl ProjectKey {
         }
     }
 
-    /// Returns the name of the line in the file; for a value with a file of its own its path.
+    /// Returns the name of the line in the file; for a value in a separate file its path.
     pub fn name(self) -> String {
         match self {
             Self::Format => "format".to_owned(),

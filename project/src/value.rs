@@ -40,7 +40,7 @@ impl PartialEq for ProjectValue {
     }
 }
 
-/// Formats the value as in its file. A text has a file of its own and is empty here.
+/// Formats the value as in its file. A text is stored in a separate file and is empty here.
 impl core::fmt::Display for ProjectValue {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {

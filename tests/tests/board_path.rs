@@ -1,5 +1,5 @@
 //! Checks that the plotted path ends where the board stopped: the motion that the board has
-//! not made_pulses is not drawn.
+//! not made is not drawn.
 
 #[allow(dead_code, reason = "the whole bench of the link")]
 #[path = "control/bench/board.rs"]
@@ -104,7 +104,7 @@ impl<T: BenchBoard> PlottedLathe<T> {
             x == from[0] && z != from[1],
             "the board is before the corner"
         );
-        assert!(self.position().x < begins.x, "the control is behind it");
+        assert!(self.position().x < begins.x, "the control is ahead of it");
         begins
     }
 }

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! A twin reads no clock: [`advance`](grbl::GrblTwin::advance) advances its virtual time. The
-//! same twin runs in a test, eight hours in seconds, and behind a pseudo terminal in real time.
+//! same twin runs in a test, eight hours in seconds, and on a pseudo terminal in real time.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 

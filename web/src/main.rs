@@ -3,7 +3,7 @@
 
 fn main() {
     #[cfg(target_arch = "wasm32")]
-    page::open();
+    page::open_page();
 }
 
 #[cfg(target_arch = "wasm32")]
@@ -14,21 +14,21 @@ mod page {
     use gsk_messages::Language;
 
     /// Opens the window on the page, with the options in its link.
-    pub fn open() {
-        platform::begin(|asked| {
-            let lang = match asked.language.as_deref() {
+    pub fn open_page() {
+        platform::begin(|options| {
+            let lang = match options.language.as_deref() {
                 Some("en") => Some(Language::En),
                 Some("zh") => Some(Language::Zh),
                 _ => None,
             };
-            let first_start = match asked.first_start.as_deref() {
+            let first_start = match options.first_start.as_deref() {
                 Some("on") => Some(true),
                 Some("off") => Some(false),
                 _ => None,
             };
             let args = WindowArgs {
                 first_start,
-                program: asked.program,
+                program: options.program,
                 ..WindowArgs::default()
             };
             let opened = window::open(args, lang, None);

@@ -23,7 +23,7 @@ pub enum LinkCommand {
     Test(LinkTestArgs),
     /// Open a board and print everything said, with the time in seconds
     Monitor(LinkMonitorArgs),
-    /// Play a board behind a pseudo terminal or a network address; its name is printed first
+    /// Simulate a board on a pseudo terminal or a network address; its name is printed first
     Twin(LinkTwinArgs),
 }
 
@@ -43,7 +43,7 @@ pub struct LinkTestArgs {
     /// Write settings that differ into the board
     #[arg(long)]
     pub write_settings: bool,
-    /// MOVES Z there and back by so many mm, with ten holds; drives unpowered, or the way clear
+    /// MOVES Z by this distance in mm and back, with ten feed holds; drives unpowered, or the way clear
     #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = setup_args::parse_distance)]
     pub travel: Option<f64>,
     /// Feed of that move, mm/min
@@ -56,7 +56,7 @@ pub struct LinkTestArgs {
 /// `link monitor`.
 #[derive(Args, Debug)]
 pub struct LinkMonitorArgs {
-    /// Stop after so many seconds
+    /// Stop after this number of seconds
     #[arg(long, value_name = "S")]
     pub seconds: Option<u64>,
     #[command(flatten)]
@@ -78,22 +78,22 @@ pub struct LinkTwinArgs {
     /// Lose every Nth byte from the PC to the board
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub lose_every: Option<u64>,
-    /// Hold all bytes to the board up by so many ms
+    /// Delay all bytes to the board by this time, ms
     #[arg(long, default_value_t = 0, value_name = "MS")]
     pub delay_ms: u64,
     /// Speed of its spindle at full output, turns a minute
     #[arg(long, default_value_t = 9999.0, value_name = "RPM", value_parser = setup_args::parse_number)]
     pub spindle_top: f64,
-    /// Klipper: the speed of its spindle goes up and down by so many per cent
+    /// Klipper: ripple of the spindle speed, percent
     #[arg(long, default_value_t = 0.0, value_name = "PERCENT", value_parser = setup_args::parse_number)]
     pub ripple: f64,
-    /// Klipper: so often a second
+    /// Klipper: frequency of the ripple, Hz
     #[arg(long, default_value_t = 0.5, value_name = "HZ", value_parser = setup_args::parse_number)]
     pub ripple_hz: f64,
-    /// Klipper: the index of its spindle stays away after so many seconds
+    /// Klipper: the spindle index fails after this number of seconds
     #[arg(long, value_name = "S")]
     pub lose_index: Option<u64>,
-    /// Stop after so many seconds
+    /// Stop after this number of seconds
     #[arg(long, value_name = "S")]
     pub seconds: Option<u64>,
 }

@@ -83,9 +83,9 @@ pub struct CommandLine {
     /// in the window, into `log` of the data folder; off for commands, else on standard error]
     #[arg(long, global = true, value_name = "LEVEL", value_parser = crate::log::parse_level)]
     pub log: Option<LevelFilter>,
-    /// Language of what is said; the panel itself is always as printed [default: zh on a Chinese
-    /// system, else English with the Chinese texts of the screen; the window as it was, `lsp` as
-    /// the editor says]
+    /// Language of messages; the panel itself is always as printed [default: zh on a Chinese
+    /// system, else English with the Chinese texts of the screen; the window as it was, `lsp`
+    /// as the editor says]
     #[arg(long, global = true, value_parser = language_parser(), value_name = "LANG")]
     pub lang: Option<Language>,
     /// Options of the window.
@@ -115,8 +115,8 @@ pub struct WindowArgs {
     pub ladder: Option<PathBuf>,
     /// What sends programs in DNC mode: a file, a serial port, or `-` for standard input [default: transfer/DNC.CNC in the data folder]
     ///
-    /// Unless there is a ladder of its own, the one with keys for DNC and teach-in
-    /// runs: 自动 pressed twice is DNC.
+    /// Unless --ladder is given, the ladder with keys for DNC and teach-in runs: 自动 pressed
+    /// twice is DNC.
     #[arg(long, value_name = "SOURCE")]
     pub dnc: Option<PathBuf>,
     #[command(flatten)]
@@ -128,8 +128,8 @@ pub struct WindowArgs {
     /// folder keeps it [default: as it was, off at first]
     #[arg(long, value_name = "on|off", value_parser = setup_args::parse_switch)]
     pub macro_b: Option<bool>,
-    /// The control model; each has a memory of its own in the data folder, which keeps the choice
-    /// [default: as it was, gsk980td at first]
+    /// The control model; each has a separate memory in the data folder, which keeps the
+    /// choice [default: as it was, gsk980td at first]
     #[arg(long, value_name = "MODEL", value_parser = setup_args::model_parser())]
     pub model: Option<ModelId>,
     /// A pulse board at this port moves the slides: REAL MOTION [default: the port in the machine file, if it names one]
@@ -149,9 +149,9 @@ pub enum CliCommand {
     Run(DeferredArgs<RunArgs>),
     /// Check programs without executing them: alarms, path, tools, time
     ///
-    /// Interprets every block as the control does, without running the machine. Behind
-    /// the alarm that the control would stop with further ones are listed, as far as
-    /// the program can be followed. Each file is checked for itself; subprograms are found in its folder.
+    /// Interprets every block as the control does, without running the machine. After the
+    /// alarm that stops the control, further ones are listed, as far as the program can be
+    /// followed. Each file is checked for itself; subprograms are found in its folder.
     Check(DeferredArgs<CheckArgs>),
     /// Draw the toolpath of a program as a picture (PNG or SVG)
     ///

@@ -15,10 +15,10 @@ pub struct PictureArgs {
     /// Write the number of each block where it ends: its N word, or its line where it has none; numbers that would cover others are left out
     #[arg(long)]
     pub labels: bool,
-    /// Write the dimensions of the part: diameters, radii, angles, pitches, and where its shoulders lie; with the part behind the path
+    /// Write the dimensions of the part: diameters, radii, angles, pitches, and the positions of its shoulders; draws the part under the path
     #[arg(long)]
     pub dimensions: bool,
-    /// Draw each tool where it cut last; with the part behind the path
+    /// Draw each tool at its last cut; draws the part under the path
     #[arg(long)]
     pub tools: bool,
 }

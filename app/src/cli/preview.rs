@@ -14,13 +14,13 @@ use crate::work_limit::WorkLimit;
 /// Limits at which `check` and `plot` cancel a preview.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct LimitArgs {
-    /// Give a program up after so many moves
+    /// Give a program up after this number of moves
     #[arg(long, default_value_t = WorkBudget::FULL.moves, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub most_moves: u64,
-    /// Give a program up after so many blocks; those of loops and subprograms count each time
+    /// Give a program up after this number of blocks; those of loops and subprograms count each time
     #[arg(long, default_value_t = WorkBudget::FULL.work, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub most_blocks: u64,
-    /// Give a program up after so much time of this computer as well, for instance 90s, 10m [default: no limit]
+    /// Give a program up after this time as well, for instance 90s, 10m [default: no limit]
     #[arg(long, value_name = "TIME", value_parser = setup_args::parse_duration_ms)]
     pub give_up: Option<u64>,
 }
@@ -42,9 +42,9 @@ impl LimitArgs {
 pub struct LookArgs {
     /// Where the work zero lies in machine coordinates: X (diameter), Z in mm; --start is then counted from it [default: at the machine zero]
     ///
-    /// G28 goes to the machine zero: with this option it is drawn, and the program
-    /// goes on, where it truly lies. A program that begins with G50 needs --start as
-    /// well: where its tool stands there.
+    /// G28 goes to the machine zero: with this option it is drawn, and so is the rest of the
+    /// program, at its true position. A program that begins with G50 needs --start as well:
+    /// the position of its tool at the start.
     #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = setup_args::parse_xz)]
     pub work_zero: Option<(f64, f64)>,
     #[command(flatten)]

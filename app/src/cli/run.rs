@@ -30,10 +30,10 @@ pub struct RunArgs {
     /// Both axes of the real machine make their machine zero return first, X then Z: they MOVE
     #[arg(long, requires = "link")]
     pub home: bool,
-    /// Stop after so many parts (M30, or M99 in the main program)
+    /// Stop after this number of parts (M30, or M99 in the main program)
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub parts: u32,
-    /// Stop after so much machine time, for instance 90s, 30m, 2h
+    /// Stop after this machine time, for instance 90s, 30m, 2h
     #[arg(long, default_value = "24h", value_name = "TIME", value_parser = setup_args::parse_duration_ms)]
     pub limit: u64,
     /// Say what each block leaves in force, what each move does, and why each pass of a cycle is where it is

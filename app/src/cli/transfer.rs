@@ -10,7 +10,7 @@ use crate::setup_args::{OptionValueError, SetupArgs};
 /// Options of the control's serial port.
 #[derive(Args, Clone, Debug, Default)]
 pub struct SerialArgs {
-    /// The control's serial port is this port, at the speed of parameter 044: a device, `tcp:HOST:PORT`, `listen:HOST:PORT`, or `pty` for a new pseudo terminal, whose name is said
+    /// The control's serial port is this port, at the speed of parameter 044: a device, `tcp:HOST:PORT`, `listen:HOST:PORT`, or `pty` for a new pseudo terminal, whose name is printed
     #[arg(long, value_name = "PORT")]
     pub serial: Option<String>,
     /// Programs go through it as plain text between `%`, their lines ending so, as DNC programs read them [default: frames for `gsk980td transfer`; a text that comes in is taken all the same]
@@ -91,7 +91,7 @@ pub struct TransferPortArgs {
 /// Policy for a file whose name is already used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ExistingFile {
-    /// Somebody at the terminal is asked
+    /// Ask at the terminal
     Ask,
     /// It is replaced
     Overwrite,
@@ -134,7 +134,7 @@ pub struct TransferSendArgs {
     /// USER, USER1 or USER2
     #[arg(long, default_value = "USER", value_parser = parse_partition)]
     pub partition: Partition,
-    /// What becomes of a file whose name the control has already
+    /// What to do with a file whose name the control already has
     #[arg(long, value_enum, default_value_t = ExistingFile::Ask)]
     pub on_existing: ExistingFile,
 }
@@ -208,7 +208,7 @@ pub struct TransferRestoreArgs {
     /// The folder with the files
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
-    /// What becomes of a file whose name the control has already
+    /// What to do with a file whose name the control already has
     #[arg(long, value_enum, default_value_t = ExistingFile::Overwrite)]
     pub on_existing: ExistingFile,
 }
@@ -221,10 +221,10 @@ pub struct TransferWaitArgs {
     /// The folder the files come into
     #[arg(value_name = "FOLDER")]
     pub folder: PathBuf,
-    /// Replace files of the folder [default: the new file gets a number behind its name]
+    /// Replace files of the folder [default: the new file gets a number after its name]
     #[arg(long)]
     pub overwrite: bool,
-    /// End after so many files
+    /// End after this number of files
     #[arg(long, value_name = "N")]
     pub files: Option<usize>,
 }
@@ -240,7 +240,7 @@ pub struct TransferSendTextArgs {
     /// How lines end on the wire
     #[arg(long, value_enum, default_value_t = TextEnd::Crlf)]
     pub line_end: TextEnd,
-    /// Give up when the other end holds the line (DC3) for so many seconds
+    /// Give up when the other end holds the line (DC3) for this number of seconds
     #[arg(long, default_value_t = 120, value_name = "S")]
     pub wait: u64,
 }
@@ -256,7 +256,7 @@ pub struct TransferReceiveTextArgs {
     /// Replace files of the folder
     #[arg(long)]
     pub overwrite: bool,
-    /// Give up when nothing has come for so many seconds
+    /// Give up when nothing has been received for this number of seconds
     #[arg(long, default_value_t = 120, value_name = "S")]
     pub wait: u64,
 }
@@ -276,7 +276,7 @@ pub struct TransferControlArgs {
     /// Load this program and send it by the key OUT
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// So many seconds after the port is open: who takes text listens before
+    /// Delay after the port is open, s: a text receiver must be listening by then
     #[arg(long, default_value_t = 3, value_name = "S", requires = "out", value_parser = clap::value_parser!(u64).range(..=3600))]
     pub out_after: u64,
     #[command(flatten)]

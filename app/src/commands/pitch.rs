@@ -119,7 +119,7 @@ fn describe_fit(readings: usize, runs: usize, fit: &ScrewFit) -> Message {
         Some(play) => say::commission_play(play.0),
         None => say::commission_play_unknown(),
     };
-    say::pitch_fit_said(
+    say::pitch_fit_summary(
         readings,
         runs,
         fit.residual.0.0,

@@ -302,11 +302,11 @@ impl DataDir {
                 Err(reason),
                 Some(FileDamage {
                     file_name: name,
-                    message: said,
+                    message,
                 }),
             ) => LoadedFile::Damaged(FileDamage {
                 file_name: name,
-                message: say::file_copy_unusable(said, reason),
+                message: say::file_copy_unusable(message, reason),
             }),
         }
     }

@@ -139,7 +139,7 @@ impl FilesError {
                 second,
             } => say::transfer_twice(name, path(first), path(second)),
             Self::Exists(file) => say::transfer_file_there(path(file)),
-            Self::NoTerminal(name) => say::transfer_nobody_to_ask(name),
+            Self::NoTerminal(name) => say::transfer_no_terminal(name),
             Self::NoFreeName(name) => say::transfer_no_free_name(name),
             Self::Empty(folder) => say::transfer_folder_empty(path(folder)),
             Self::NotText { file, error } => say::subject_reason(path(file), error.message()),

@@ -124,7 +124,7 @@ mod tests {
         let tip = |key, x, z| {
             let direction = axis_direction(key, KeysReversed { x, z });
             direction
-                .map(|said| said.text(Language::En))
+                .map(|direction| direction.text(Language::En))
                 .unwrap_or_default()
         };
         assert!(tip(Key::XUp, false, false).starts_with("X-"));

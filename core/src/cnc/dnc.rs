@@ -55,7 +55,7 @@ impl Cnc {
         let was_disconnected = self.dnc.is_connected && !is_connected;
         self.dnc.is_connected = is_connected;
         if was_disconnected {
-            self.fail_dnc(say::serial_nobody_any_more());
+            self.fail_dnc(say::serial_partner_gone());
         }
     }
 
@@ -110,7 +110,7 @@ impl Cnc {
             return refused(say::baud_rate_too_low(MIN_BAUD));
         }
         if !self.dnc.is_connected {
-            return refused(say::serial_nobody());
+            return refused(say::serial_no_partner());
         }
         self.dnc = DncLine {
             is_connected: true,

@@ -191,7 +191,7 @@ impl ProgramRun<'_> {
             match self.show_question(&stop) {
                 true => {}
                 // The operator held it at the machine, and continues it there.
-                false if hold => self.watcher.show(&say::run_goes_on_at_machine(stop)),
+                false if hold => self.watcher.show(&say::run_continues_at_machine(stop)),
                 false => self.pending_end = Some(ExecutionEnd::Stop(say::run_start_at(stop))),
             }
             return;

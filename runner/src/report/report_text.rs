@@ -83,7 +83,7 @@ impl ProgramReport {
             RunEnd::Alarm => say::report_alarm(),
             RunEnd::Refused => say::report_refused(),
             RunEnd::Stop => say::report_stopped(),
-            RunEnd::Requested => say::report_asked(),
+            RunEnd::Requested => say::report_ended_by_signal(),
             RunEnd::Collision => say::report_ended_by_collision(),
             RunEnd::Limit => say::report_given_up(say::report_limit()),
             RunEnd::M30 | RunEnd::M02 | RunEnd::M99 | RunEnd::Text => {

@@ -5,7 +5,7 @@
 //! the plane in which the tools move, and points to the viewer.
 //!
 //! ```text
-//!   post behind the spindle      post in front of it
+//!   rear tool post               front tool post
 //!        X                            Y
 //!        |                            |
 //!        +---Z                        +---Z

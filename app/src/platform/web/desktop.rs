@@ -1,7 +1,7 @@
 //! What a window needs of the desktop, in a browser.
 
 /// Returns true: a browser always has a file dialog.
-pub const fn file_dialog_answers() -> bool {
+pub const fn has_file_dialog() -> bool {
     true
 }
 
@@ -11,4 +11,4 @@ pub const fn has_display() -> bool {
 }
 
 /// Does nothing: a page has no console.
-pub const fn leave_console() {}
+pub const fn close_own_console() {}

@@ -1,4 +1,4 @@
-//! Files of a page: the browser's storage keeps those under [`KEPT`], the others exist
+//! Files of a page: the browser's storage keeps those under [`STORAGE_FOLDER`], the others exist
 //! while the page is open. A file that the program writes for its user becomes a download.
 
 use std::cell::{Cell, RefCell};
@@ -10,19 +10,19 @@ use gsk_messages::say;
 use web_sys::Storage;
 use web_time::{Duration, Instant};
 
-use super::super::Facts;
+use super::super::PathFacts;
 use super::download::download;
 
 /// The folder that the browser's storage keeps.
-pub const KEPT: &str = "/data";
+pub const STORAGE_FOLDER: &str = "/data";
 /// The folder of files that the user opens and downloads.
-pub const HANDED: &str = "/files";
+pub const USER_FOLDER: &str = "/files";
 /// Prefix of each file name in the storage.
-const OWN: &str = "gsk980td:";
+const KEY_PREFIX: &str = "gsk980td:";
 /// A page that has not renewed its lock for this time is gone.
 const LEASE: Duration = Duration::from_secs(5);
 /// Time between two renewals of the lock.
-const BETWEEN: Duration = Duration::from_secs(1);
+const RENEW_INTERVAL: Duration = Duration::from_secs(1);
 
 #[derive(Default)]
 struct Disk {
@@ -33,11 +33,11 @@ struct Disk {
 thread_local! {
     static DISK: RefCell<Option<Disk>> = const { RefCell::new(None) };
     /// Random number that identifies this page among the open ones.
-    static NAME: Cell<f64> = const { Cell::new(0.0) };
+    static PAGE_ID: Cell<f64> = const { Cell::new(0.0) };
     /// The lock that this page holds, and when it renewed it last.
-    static LOCKED: RefCell<Option<(PathBuf, Instant)>> = const { RefCell::new(None) };
+    static HELD_LOCK: RefCell<Option<(PathBuf, Instant)>> = const { RefCell::new(None) };
     /// Another page has taken the lock: this page writes nothing any more.
-    static LOST: Cell<bool> = const { Cell::new(false) };
+    static LOCK_LOST: Cell<bool> = const { Cell::new(false) };
 }
 
 fn storage() -> Option<Storage> {
@@ -50,7 +50,7 @@ pub const fn has_folders() -> bool {
 }
 
 /// Whether the browser keeps files after the page is closed.
-pub fn is_kept() -> bool {
+pub fn has_storage() -> bool {
     storage().is_some()
 }
 
@@ -59,12 +59,12 @@ fn key(path: &Path) -> String {
 }
 
 /// Encodes bytes for the storage, one character each.
-fn packed(bytes: &[u8]) -> String {
+fn encode(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| char::from(*byte)).collect()
 }
 
 /// Decodes a text from the storage; `None` if it is not of that form.
-fn unpacked(text: &str) -> Option<Vec<u8>> {
+fn decode(text: &str) -> Option<Vec<u8>> {
     let bytes = text
         .chars()
         .map(|character| u8::try_from(u32::from(character)).ok());
@@ -72,7 +72,7 @@ fn unpacked(text: &str) -> Option<Vec<u8>> {
 }
 
 /// Passes the files to a closure; reads the storage before the first call.
-fn with<T>(does: impl FnOnce(&mut Disk) -> T) -> T {
+fn with_disk<T>(does: impl FnOnce(&mut Disk) -> T) -> T {
     DISK.with_borrow_mut(|disk| does(disk.get_or_insert_with(Disk::read)))
 }
 
@@ -84,11 +84,11 @@ impl Disk {
         for index in 0..count {
             let Some(storage) = &storage else { break };
             let key = storage.key(index).ok().flatten().unwrap_or_default();
-            let Some(path) = key.strip_prefix(OWN) else {
+            let Some(path) = key.strip_prefix(KEY_PREFIX) else {
                 continue;
             };
             let text = storage.get_item(&key).ok().flatten().unwrap_or_default();
-            if let Some(bytes) = unpacked(&text) {
+            if let Some(bytes) = decode(&text) {
                 disk.put(Path::new(path), bytes);
             }
         }
@@ -102,12 +102,12 @@ impl Disk {
     }
 }
 
-/// Writes a file of [`KEPT`] to the storage; `None` removes it there.
-fn keep(path: &Path, bytes: Option<&[u8]>) -> io::Result<()> {
-    if !path.starts_with(KEPT) {
+/// Writes a file of [`STORAGE_FOLDER`] to the storage; `None` removes it there.
+fn update_storage(path: &Path, bytes: Option<&[u8]>) -> io::Result<()> {
+    if !path.starts_with(STORAGE_FOLDER) {
         return Ok(());
     }
-    if LOST.get() {
+    if LOCK_LOST.get() {
         let lost = say::page_open_elsewhere().to_string();
         return Err(io::Error::new(ErrorKind::WouldBlock, lost));
     }
@@ -116,7 +116,7 @@ fn keep(path: &Path, bytes: Option<&[u8]>) -> io::Result<()> {
         return Ok(());
     };
     let done = match bytes {
-        Some(bytes) => storage.set_item(&key(path), &packed(bytes)),
+        Some(bytes) => storage.set_item(&key(path), &encode(bytes)),
         None => storage.remove_item(&key(path)),
     };
     done.map_err(|_| ErrorKind::StorageFull.into())
@@ -126,14 +126,14 @@ fn keep(path: &Path, bytes: Option<&[u8]>) -> io::Result<()> {
 ///
 /// # Errors
 /// Nothing exists there.
-pub fn facts(path: &Path) -> io::Result<Facts> {
-    with(|disk| {
+pub fn path_facts(path: &Path) -> io::Result<PathFacts> {
+    with_disk(|disk| {
         let file = disk.files.get(path);
         let is_folder = disk.folders.contains(path);
         if file.is_none() && !is_folder {
             return Err(ErrorKind::NotFound.into());
         }
-        Ok(Facts {
+        Ok(PathFacts {
             is_file: file.is_some(),
             is_folder,
             length: file.map_or(0, |bytes| bytes.len() as u64),
@@ -143,7 +143,7 @@ pub fn facts(path: &Path) -> io::Result<Facts> {
 
 /// Whether something exists at a path.
 pub fn is_taken(path: &Path) -> bool {
-    facts(path).is_ok()
+    path_facts(path).is_ok()
 }
 
 /// Returns false: a page has no links.
@@ -156,7 +156,7 @@ pub const fn is_link(_path: &Path) -> bool {
 /// # Errors
 /// The file does not exist.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    with(|disk| {
+    with_disk(|disk| {
         let bytes = disk.files.get(path).ok_or(ErrorKind::NotFound)?;
         let most = usize::try_from(most).unwrap_or(usize::MAX);
         Ok(bytes[..bytes.len().min(most)].to_vec())
@@ -168,7 +168,7 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 /// # Errors
 /// The folder does not exist.
 pub fn list(folder: &Path) -> io::Result<Vec<PathBuf>> {
-    with(|disk| {
+    with_disk(|disk| {
         if !disk.folders.contains(folder) {
             return Err(ErrorKind::NotFound.into());
         }
@@ -184,7 +184,7 @@ pub fn list(folder: &Path) -> io::Result<Vec<PathBuf>> {
 /// Never.
 pub fn make_folder(path: &Path) -> io::Result<()> {
     let folders = path.ancestors().map(Path::to_owned);
-    with(|disk| disk.folders.extend(folders));
+    with_disk(|disk| disk.folders.extend(folders));
     Ok(())
 }
 
@@ -193,9 +193,9 @@ pub fn make_folder(path: &Path) -> io::Result<()> {
 /// # Errors
 /// The file does not exist.
 pub fn remove(path: &Path) -> io::Result<()> {
-    let found = with(|disk| disk.files.remove(path));
+    let found = with_disk(|disk| disk.files.remove(path));
     found.ok_or(ErrorKind::NotFound)?;
-    keep(path, None)
+    update_storage(path, None)
 }
 
 /// Removes a folder with its content.
@@ -203,7 +203,7 @@ pub fn remove(path: &Path) -> io::Result<()> {
 /// # Errors
 /// The folder does not exist, or the storage does not remove it.
 pub fn remove_folder(path: &Path) -> io::Result<()> {
-    let files = with(|disk| {
+    let files = with_disk(|disk| {
         if !disk.folders.contains(path) {
             return Err(ErrorKind::NotFound);
         }
@@ -214,22 +214,22 @@ pub fn remove_folder(path: &Path) -> io::Result<()> {
     files.iter().try_for_each(|file| remove(file))
 }
 
-/// Renames a file; replaces a file of the new name. A file in [`HANDED`] becomes a
+/// Renames a file; replaces a file of the new name. A file in [`USER_FOLDER`] becomes a
 /// download.
 ///
 /// # Errors
 /// The file does not exist, or the storage is full.
 pub fn rename(from: &Path, to: &Path) -> io::Result<()> {
-    let bytes = with(|disk| disk.files.get(from).cloned()).ok_or(ErrorKind::NotFound)?;
-    keep(to, Some(&bytes))?;
-    with(|disk| {
+    let bytes = with_disk(|disk| disk.files.get(from).cloned()).ok_or(ErrorKind::NotFound)?;
+    update_storage(to, Some(&bytes))?;
+    with_disk(|disk| {
         disk.files.remove(from);
         disk.put(to, bytes.clone());
     });
-    if to.starts_with(HANDED) {
+    if to.starts_with(USER_FOLDER) {
         download(to, &bytes);
     }
-    keep(from, None)
+    update_storage(from, None)
 }
 
 /// Writes a file. The storage keeps it once it has its final name (see [`rename`]): a
@@ -238,7 +238,7 @@ pub fn rename(from: &Path, to: &Path) -> io::Result<()> {
 /// # Errors
 /// Never.
 pub fn write_new(path: &Path, bytes: &[u8], _owner_alone: bool) -> io::Result<()> {
-    with(|disk| disk.put(path, bytes.to_vec()));
+    with_disk(|disk| disk.put(path, bytes.to_vec()));
     Ok(())
 }
 
@@ -246,16 +246,16 @@ pub fn write_new(path: &Path, bytes: &[u8], _owner_alone: bool) -> io::Result<()
 pub const fn sync_folder(_folder: &Path) {}
 
 /// Whether a file still exists when the page is opened again.
-pub fn lasts(path: &Path) -> bool {
-    path.starts_with(KEPT)
+pub fn is_persistent(path: &Path) -> bool {
+    path.starts_with(STORAGE_FOLDER)
 }
 
 /// Puts files into the folder of the user's files and returns the path of the first
 /// program, or of the first file.
-pub fn hand_in(files: Vec<(String, Vec<u8>)>) -> Option<PathBuf> {
+pub fn add_user_files(files: Vec<(String, Vec<u8>)>) -> Option<PathBuf> {
     let paths = files.into_iter().map(|(name, bytes)| {
-        let path = Path::new(HANDED).join(name);
-        with(|disk| disk.put(&path, bytes));
+        let path = Path::new(USER_FOLDER).join(name);
+        with_disk(|disk| disk.put(&path, bytes));
         path
     });
     let paths: Vec<PathBuf> = paths.collect();
@@ -273,16 +273,16 @@ impl Lock {
     ///
     /// # Errors
     /// [`ErrorKind::WouldBlock`]: another page holds it.
-    pub fn alone(path: &Path) -> io::Result<Self> {
-        NAME.set(js_sys::Math::random());
-        if holder(path).is_some_and(|(_, age)| age < LEASE.as_secs_f64() * 1e3) {
+    pub fn exclusive(path: &Path) -> io::Result<Self> {
+        PAGE_ID.set(js_sys::Math::random());
+        if lock_holder(path).is_some_and(|(_, age)| age < LEASE.as_secs_f64() * 1e3) {
             let lost = say::page_open_elsewhere().to_string();
             return Err(io::Error::new(ErrorKind::WouldBlock, lost));
         }
         // A page holds one lock at a time.
-        let_lock_go();
-        hold(path);
-        LOCKED.set(Some((path.to_owned(), Instant::now())));
+        release_lock();
+        renew_lock(path);
+        HELD_LOCK.set(Some((path.to_owned(), Instant::now())));
         Ok(Self)
     }
 
@@ -290,46 +290,46 @@ impl Lock {
     ///
     /// # Errors
     /// The file does not exist.
-    pub fn beside_readers(path: &Path) -> io::Result<Self> {
-        facts(path).map(|_| Self)
+    pub fn shared(path: &Path) -> io::Result<Self> {
+        path_facts(path).map(|_| Self)
     }
 }
 
 /// Returns the page that holds a lock, and the age of its last renewal, ms.
-fn holder(path: &Path) -> Option<(f64, f64)> {
+fn lock_holder(path: &Path) -> Option<(f64, f64)> {
     let text = storage()?.get_item(&key(path)).ok()??;
-    let (name, said) = text.split_once(' ')?;
-    let said: f64 = said.parse().ok()?;
-    Some((name.parse().ok()?, js_sys::Date::now() - said))
+    let (name, renewed) = text.split_once(' ')?;
+    let renewed_ms: f64 = renewed.parse().ok()?;
+    Some((name.parse().ok()?, js_sys::Date::now() - renewed_ms))
 }
 
 /// Records that this page holds a lock.
-fn hold(path: &Path) {
-    let said = format!("{} {}", NAME.get(), js_sys::Date::now());
+fn renew_lock(path: &Path) {
+    let entry = format!("{} {}", PAGE_ID.get(), js_sys::Date::now());
     if let Some(storage) = storage() {
         // Without a storage no page can take a lock.
-        let _ = storage.set_item(&key(path), &said);
+        let _ = storage.set_item(&key(path), &entry);
     }
 }
 
 /// Renews the lock from time to time, unless another page has taken it meanwhile.
-pub fn keep_lock() {
-    let Some((path, said)) = LOCKED.take() else {
+pub fn maintain_lock() {
+    let Some((path, renewed)) = HELD_LOCK.take() else {
         return;
     };
-    if said.elapsed() < BETWEEN {
-        return LOCKED.set(Some((path, said)));
+    if renewed.elapsed() < RENEW_INTERVAL {
+        return HELD_LOCK.set(Some((path, renewed)));
     }
-    if holder(&path).is_some_and(|(name, _)| name.total_cmp(&NAME.get()).is_ne()) {
-        return LOST.set(true);
+    if lock_holder(&path).is_some_and(|(name, _)| name.total_cmp(&PAGE_ID.get()).is_ne()) {
+        return LOCK_LOST.set(true);
     }
-    hold(&path);
-    LOCKED.set(Some((path, Instant::now())));
+    renew_lock(&path);
+    HELD_LOCK.set(Some((path, Instant::now())));
 }
 
 /// Releases the lock when the page is left: another page may take it.
-pub fn let_lock_go() {
-    if let Some((path, _)) = LOCKED.take()
+pub fn release_lock() {
+    if let Some((path, _)) = HELD_LOCK.take()
         && let Some(storage) = storage()
     {
         let _ = storage.remove_item(&key(&path));

@@ -28,7 +28,7 @@ pub fn watch_display(
     _gone: impl FnOnce() + 'static,
 ) -> io::Result<()> {
     let mut next = Instant::now();
-    turns::turn("display", move || {
+    turns::start_task("display", move || {
         let now = Instant::now();
         if now >= next && watch.needs_query() {
             next = now + QUERY_INTERVAL;

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 /// Whether two names are the same file.
-pub fn same_file(one: &Path, other: &Path) -> bool {
-    one == other
+pub fn same_file(take_turn: &Path, other: &Path) -> bool {
+    take_turn == other
 }
 
 /// Returns false: a page has no serial ports.

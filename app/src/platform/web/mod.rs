@@ -16,23 +16,26 @@ mod turns;
 mod view;
 
 pub use clock::{shared_time, time_with_sleep};
-pub use desktop::{file_dialog_answers, has_display, leave_console};
+pub use desktop::{close_own_console, has_display, has_file_dialog};
 pub use disk::{
-    Lock, facts, has_folders, is_link, is_taken, lasts, list, make_folder, read, remove,
-    remove_folder, rename, sync_folder, write_new,
+    Lock, has_folders, is_link, is_persistent, is_taken, list, make_folder, path_facts, read,
+    remove, remove_folder, rename, sync_folder, write_new,
 };
 pub use display::{DisplayServer, display_server, watch_display};
 pub use files::{is_device, is_serial_port, same_file};
 pub use log_file::{LogFile, LogGuard, log_file};
-pub use page::{Asked, begin};
+pub use page::{PageParameters, open_page};
 pub use process::{
-    before_panic, hear_ending, name_process, outlive_ending, own_program, processor_time,
+    before_panic, ignore_termination, own_executable, processor_time, register_termination_flag,
+    set_process_name,
 };
-pub use serial::{PULLED, Serial, has_ports, pseudo_terminal, unchanging_names};
+pub use serial::{Serial, UNPLUGGED_ERRORS, has_ports, persistent_names, pseudo_terminal};
 pub use sound::{Player, has_sound};
-pub use tie::{ToHolder, ToProgram};
-pub use turns::{LARGEST_LOOK, Turning, answer, beside, receive, turn};
+pub use tie::{HolderConnection, ProgramConnection};
+pub use turns::{
+    LARGEST_PREVIEW, TaskHandle, receive, run_in_background, start_task, wait_for_answer,
+};
 pub use view::{
-    choose_file, data_folder, first_word, home_folder, in_use, leave_refusal, open_window,
-    sent_folder, take_dropped, tell_screen,
+    choose_file, close_error_dialog, data_folder, data_folder_in_use, home_folder, open_window,
+    publish_screen_text, sent_folder, startup_message, take_dropped,
 };

@@ -10,11 +10,11 @@ use wasm_bindgen_futures::{JsFuture, spawn_local};
 use web_sys::{Response, UrlSearchParams, Window};
 
 use super::disk;
-use super::view::{show, tell};
+use super::view::{show_message, show_text};
 
 /// The parameters in the page's address.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Asked {
+pub struct PageParameters {
     /// The word of a language.
     pub language: Option<String>,
     /// Whether the first start shows its questions: `on` or `off`.
@@ -25,26 +25,26 @@ pub struct Asked {
 
 /// Fetches the files that the address names and opens the window with them; shows an error
 /// in place of the window.
-pub fn begin(open: impl FnOnce(Asked) -> Result<(), Message> + 'static) {
+pub fn open_page(open: impl FnOnce(PageParameters) -> Result<(), Message> + 'static) {
     panic::set_hook(Box::new(|panic| {
         let panic = panic.to_string();
         web_sys::console::error_1(&panic.as_str().into());
-        show(&panic);
+        show_text(&panic);
     }));
     spawn_local(async move {
-        let opened = match asked().await {
-            Ok(asked) => open(asked),
-            Err(said) => Err(said),
+        let opened = match read_parameters().await {
+            Ok(parameters) => open(parameters),
+            Err(message) => Err(message),
         };
-        if let Err(said) = opened {
-            tell(&said);
+        if let Err(message) = opened {
+            show_message(&message);
         }
     });
 }
 
-async fn asked() -> Result<Asked, Message> {
+async fn read_parameters() -> Result<PageParameters, Message> {
     let Some(window) = web_sys::window() else {
-        return Ok(Asked::default());
+        return Ok(PageParameters::default());
     };
     let words = window.location().search().unwrap_or_default();
     let words = UrlSearchParams::new_with_str(&words).ok();
@@ -52,7 +52,7 @@ async fn asked() -> Result<Asked, Message> {
     let mut files = Vec::new();
     for address in all.iter().flat_map(js_sys::Array::iter) {
         let address = address.as_string().unwrap_or_default();
-        let bytes = fetched(&window, &address).await;
+        let bytes = fetch_file(&window, &address).await;
         let name = address.rsplit('/').next().unwrap_or(&address).to_owned();
         files.push((
             name,
@@ -60,21 +60,25 @@ async fn asked() -> Result<Asked, Message> {
         ));
     }
     let word = |name: &str| words.as_ref().and_then(|words| words.get(name));
-    Ok(Asked {
+    Ok(PageParameters {
         language: word("lang"),
         first_start: word("first-start"),
-        program: disk::hand_in(files),
+        program: disk::add_user_files(files),
     })
 }
 
 /// Fetches a file from the server of the page, or from another one that permits it.
-async fn fetched(window: &Window, address: &str) -> Result<Vec<u8>, String> {
+async fn fetch_file(window: &Window, address: &str) -> Result<Vec<u8>, String> {
     let wrong = |error: JsValue| format!("{error:?}");
-    let answer = JsFuture::from(window.fetch_with_str(address)).await;
-    let answer: Response = answer.map_err(wrong)?.unchecked_into();
-    if !answer.ok() {
-        return Err(format!("{} {}", answer.status(), answer.status_text()));
+    let wait_for_answer = JsFuture::from(window.fetch_with_str(address)).await;
+    let wait_for_answer: Response = wait_for_answer.map_err(wrong)?.unchecked_into();
+    if !wait_for_answer.ok() {
+        return Err(format!(
+            "{} {}",
+            wait_for_answer.status(),
+            wait_for_answer.status_text()
+        ));
     }
-    let bytes = JsFuture::from(answer.array_buffer().map_err(wrong)?).await;
+    let bytes = JsFuture::from(wait_for_answer.array_buffer().map_err(wrong)?).await;
     Ok(Uint8Array::new(&bytes.map_err(wrong)?).to_vec())
 }

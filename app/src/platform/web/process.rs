@@ -9,20 +9,20 @@ use std::sync::atomic::AtomicBool;
 ///
 /// # Errors
 /// Never.
-pub const fn hear_ending(_asked: &Arc<AtomicBool>, _code: u8) -> io::Result<()> {
+pub const fn register_termination_flag(_requested: &Arc<AtomicBool>, _code: u8) -> io::Result<()> {
     Ok(())
 }
 
 /// Does nothing: a page gets no termination signals.
-pub const fn outlive_ending() {}
+pub const fn ignore_termination() {}
 
 /// Returns an empty path: a page has no program file.
-pub const fn own_program() -> PathBuf {
+pub const fn own_executable() -> PathBuf {
     PathBuf::new()
 }
 
 /// Does nothing: a page is in no list of processes.
-pub const fn name_process(_name: &str) {}
+pub const fn set_process_name(_name: &str) {}
 
 /// Returns `None`: the browser does not report it.
 pub const fn processor_time(_process: u32) -> Option<f64> {

@@ -8,7 +8,7 @@ use std::time::Duration;
 use serialport::{Error, ErrorKind, SerialPortBuilder};
 
 /// Error numbers of a pulled port; a page has none.
-pub const PULLED: [i32; 0] = [];
+pub const UNPLUGGED_ERRORS: [i32; 0] = [];
 
 /// An open port; it never exists on a page.
 pub enum Serial {}
@@ -35,12 +35,12 @@ impl Serial {
     ///
     /// # Errors
     /// The port refuses it.
-    pub fn wait_so_long(&mut self, _wait: Duration) -> serialport::Result<()> {
+    pub fn set_timeout(&mut self, _wait: Duration) -> serialport::Result<()> {
         match *self {}
     }
 
     /// Discards the bytes that have arrived and were not read.
-    pub fn forget_arrived(&self) {
+    pub fn discard_received(&self) {
         match *self {}
     }
 
@@ -72,7 +72,7 @@ pub const fn pseudo_terminal() -> Option<serialport::Result<(Serial, Serial)>> {
 }
 
 /// Returns no names: a page has no ports.
-pub const fn unchanging_names() -> BTreeMap<PathBuf, PathBuf> {
+pub const fn persistent_names() -> BTreeMap<PathBuf, PathBuf> {
     BTreeMap::new()
 }
 

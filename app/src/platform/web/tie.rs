@@ -5,9 +5,9 @@ use std::process::{Child, Command};
 use std::time::Duration;
 
 /// The program's end of the connection; it never exists on a page.
-pub enum ToHolder {}
+pub enum HolderConnection {}
 
-impl ToHolder {
+impl HolderConnection {
     /// Refuses to start a holder.
     ///
     /// # Errors
@@ -20,7 +20,7 @@ impl ToHolder {
     ///
     /// # Errors
     /// The holder is gone.
-    pub fn hear(&mut self, _within: Duration) -> io::Result<Vec<u8>> {
+    pub fn receive(&mut self, _within: Duration) -> io::Result<Vec<u8>> {
         match *self {}
     }
 
@@ -28,25 +28,25 @@ impl ToHolder {
     ///
     /// # Errors
     /// The holder is gone.
-    pub fn say(&mut self, _bytes: &[u8]) -> io::Result<usize> {
+    pub fn send(&mut self, _bytes: &[u8]) -> io::Result<usize> {
         match *self {}
     }
 
     /// Ends sending.
-    pub fn hang_up(&mut self) {
+    pub fn end_sending(&mut self) {
         match *self {}
     }
 }
 
 /// The holder's end of the connection; it never exists on a page.
-pub enum ToProgram {}
+pub enum ProgramConnection {}
 
-impl ToProgram {
+impl ProgramConnection {
     /// Refuses: a page has no standard input.
     ///
     /// # Errors
     /// Always.
-    pub fn at_standard_input() -> io::Result<Self> {
+    pub fn from_standard_input() -> io::Result<Self> {
         Err(ErrorKind::Unsupported.into())
     }
 
@@ -62,7 +62,7 @@ impl ToProgram {
     ///
     /// # Errors
     /// An error of the system.
-    pub fn has_said_within(&self, _time: Duration) -> io::Result<bool> {
+    pub fn has_bytes_within(&self, _time: Duration) -> io::Result<bool> {
         match *self {}
     }
 
@@ -72,13 +72,13 @@ impl ToProgram {
     }
 }
 
-impl Read for ToProgram {
+impl Read for ProgramConnection {
     fn read(&mut self, _buffer: &mut [u8]) -> io::Result<usize> {
         match *self {}
     }
 }
 
-impl Write for ToProgram {
+impl Write for ProgramConnection {
     fn write(&mut self, _bytes: &[u8]) -> io::Result<usize> {
         match *self {}
     }

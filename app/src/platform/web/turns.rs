@@ -12,7 +12,7 @@ use web_time::{Duration, Instant};
 use super::disk;
 
 /// Limit of a preview: it blocks the page, and this takes a second or two.
-pub const LARGEST_LOOK: WorkBudget = WorkBudget {
+pub const LARGEST_PREVIEW: WorkBudget = WorkBudget {
     moves: 500_000,
     work: 2_000_000,
     motionless: 500_000,
@@ -21,39 +21,39 @@ pub const LARGEST_LOOK: WorkBudget = WorkBudget {
 const KERNEL: &str = "kernel";
 
 /// One turn; returns `false` after its last one.
-type Turn = Box<dyn FnMut() -> bool>;
+type TaskTurn = Box<dyn FnMut() -> bool>;
 /// Work that runs once.
-type Job = Box<dyn FnOnce()>;
+type OneTimeJob = Box<dyn FnOnce()>;
 
 /// A task that takes turns.
-struct Actor {
+struct TurnTask {
     name: String,
-    turn: RefCell<Turn>,
-    over: Cell<bool>,
+    start_task: RefCell<TaskTurn>,
+    has_ended: Cell<bool>,
     /// The task waits for work, at most until then.
     waits_until: Cell<Option<Instant>>,
 }
 
 thread_local! {
-    static ACTORS: RefCell<Vec<Rc<Actor>>> = const { RefCell::new(Vec::new()) };
-    static JOBS: RefCell<Vec<Job>> = const { RefCell::new(Vec::new()) };
+    static ACTORS: RefCell<Vec<Rc<TurnTask>>> = const { RefCell::new(Vec::new()) };
+    static JOBS: RefCell<Vec<OneTimeJob>> = const { RefCell::new(Vec::new()) };
     /// Stack of the tasks in their turns, the innermost last.
-    static ACTIVE: RefCell<Vec<Rc<Actor>>> = const { RefCell::new(Vec::new()) };
+    static ACTIVE: RefCell<Vec<Rc<TurnTask>>> = const { RefCell::new(Vec::new()) };
 }
 
 /// Handle of a task that takes turns.
-pub struct Turning(Rc<Actor>);
+pub struct TaskHandle(Rc<TurnTask>);
 
-impl core::fmt::Debug for Turning {
+impl core::fmt::Debug for TaskHandle {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_tuple("Turning").field(&self.0.name).finish()
     }
 }
 
-impl Turning {
+impl TaskHandle {
     /// Whether the task has turns left.
-    pub fn goes_on(&self) -> bool {
-        !self.0.over.get()
+    pub fn is_running(&self) -> bool {
+        !self.0.has_ended.get()
     }
 
     /// Gives the task its remaining turns; returns whether it has ended.
@@ -61,7 +61,7 @@ impl Turning {
         /// Limit of the turns; no more work ever waits.
         const MOST: u32 = 10_000;
         for _ in 0..MOST {
-            if self.0.over.get() {
+            if self.0.has_ended.get() {
                 return true;
             }
             self.0.take_turn();
@@ -70,17 +70,17 @@ impl Turning {
     }
 }
 
-impl Actor {
+impl TurnTask {
     fn take_turn(self: &Rc<Self>) {
         // A task that waits for an answer within its turn gets no second turn.
-        let Ok(mut turn) = self.turn.try_borrow_mut() else {
+        let Ok(mut start_task) = self.start_task.try_borrow_mut() else {
             return;
         };
         self.waits_until.set(None);
         ACTIVE.with_borrow_mut(|active| active.push(Rc::clone(self)));
-        let goes_on = turn();
+        let has_more_turns = start_task();
         ACTIVE.with_borrow_mut(Vec::pop);
-        self.over.set(!goes_on);
+        self.has_ended.set(!has_more_turns);
     }
 
     fn is_due(&self) -> bool {
@@ -93,22 +93,22 @@ impl Actor {
 ///
 /// # Errors
 /// Never.
-pub fn turn(name: &str, one: impl FnMut() -> bool + 'static) -> io::Result<Turning> {
-    let actor = Rc::new(Actor {
+pub fn start_task(name: &str, take_turn: impl FnMut() -> bool + 'static) -> io::Result<TaskHandle> {
+    let actor = Rc::new(TurnTask {
         name: name.to_owned(),
-        turn: RefCell::new(Box::new(one)),
-        over: Cell::new(false),
+        start_task: RefCell::new(Box::new(take_turn)),
+        has_ended: Cell::new(false),
         waits_until: Cell::new(None),
     });
     ACTORS.with_borrow_mut(|actors| actors.push(Rc::clone(&actor)));
-    Ok(Turning(actor))
+    Ok(TaskHandle(actor))
 }
 
 /// Runs a job once, soon.
 ///
 /// # Errors
 /// Never.
-pub fn beside(_name: &str, job: impl FnOnce() + 'static) -> io::Result<()> {
+pub fn run_in_background(_name: &str, job: impl FnOnce() + 'static) -> io::Result<()> {
     JOBS.with_borrow_mut(|jobs| jobs.push(Box::new(job)));
     Ok(())
 }
@@ -133,7 +133,7 @@ pub fn receive<T>(from: &Receiver<T>, until: Option<Instant>) -> Result<T, RecvT
 }
 
 /// Gives the kernel a turn and returns its answer.
-pub fn answer<T>(from: &Receiver<T>, _longest: Duration) -> Option<T> {
+pub fn wait_for_answer<T>(from: &Receiver<T>, _timeout: Duration) -> Option<T> {
     for actor in actors().iter().filter(|actor| actor.name == KERNEL) {
         actor.take_turn();
     }
@@ -141,20 +141,20 @@ pub fn answer<T>(from: &Receiver<T>, _longest: Duration) -> Option<T> {
 }
 
 /// Handles a tick of the timer: gives each task that is due a turn, and runs one job.
-pub fn ring() {
-    disk::keep_lock();
+pub fn run_due_tasks() {
+    disk::maintain_lock();
     for actor in actors() {
         if actor.is_due() {
             actor.take_turn();
         }
     }
-    ACTORS.with_borrow_mut(|actors| actors.retain(|actor| !actor.over.get()));
+    ACTORS.with_borrow_mut(|actors| actors.retain(|actor| !actor.has_ended.get()));
     let job = JOBS.with_borrow_mut(|jobs| (!jobs.is_empty()).then(|| jobs.remove(0)));
     if let Some(job) = job {
         job();
     }
 }
 
-fn actors() -> Vec<Rc<Actor>> {
+fn actors() -> Vec<Rc<TurnTask>> {
     ACTORS.with_borrow(Vec::clone)
 }

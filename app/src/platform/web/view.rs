@@ -19,9 +19,9 @@ use super::{disk, turns};
 /// Elements of the page: the canvas, the text of the LCD, and the text of an error.
 const CANVAS: &str = "panel";
 const LCD: &str = "lcd";
-const SAID: &str = "said";
+const MESSAGE: &str = "said";
 /// Time between two ticks of the timer, ms.
-const RING: i32 = 8;
+const TIMER_INTERVAL_MS: i32 = 8;
 
 /// Opens the window on the canvas of the page and returns at once.
 ///
@@ -44,16 +44,16 @@ pub fn open_window(
     spawn_local(async move {
         match runner.start(canvas, options, application).await {
             Ok(()) => {
-                show("");
+                show_text("");
                 start_clock(move || match runner.panic_summary() {
-                    None => turns::ring(),
-                    Some(panic) => show(&panic.message()),
+                    None => turns::run_due_tasks(),
+                    Some(panic) => show_text(&panic.message()),
                 });
-                leave_well();
+                release_on_leave();
             }
             Err(error) => {
                 let text = error.as_string().unwrap_or_else(|| format!("{error:?}"));
-                tell(&say::page_not_opened(text));
+                show_message(&say::page_not_opened(text));
             }
         }
     });
@@ -64,12 +64,12 @@ pub fn open_window(
 /// painting smooths edges, and nothing is transparent. A computer without a graphics card
 /// then draws twice as many frames.
 fn plain_context(canvas: &HtmlCanvasElement) {
-    let wishes = Object::new();
+    let attributes = Object::new();
     for name in ["antialias", "alpha"] {
-        let _ = Reflect::set(&wishes, &name.into(), &false.into());
+        let _ = Reflect::set(&attributes, &name.into(), &false.into());
     }
     // Without WebGL 2 the library requests less.
-    let _ = canvas.get_context_with_context_options("webgl2", &wishes);
+    let _ = canvas.get_context_with_context_options("webgl2", &attributes);
 }
 
 fn window() -> Option<Window> {
@@ -85,22 +85,22 @@ fn element(id: &str) -> Option<web_sys::Element> {
 }
 
 /// Shows a message in place of the window, in both languages.
-pub fn tell(said: &Message) {
-    let texts = [Language::Zh, Language::En].map(|language| said.text(language));
-    show(&texts.join("\n"));
+pub fn show_message(message: &Message) {
+    let texts = [Language::Zh, Language::En].map(|language| message.text(language));
+    show_text(&texts.join("\n"));
 }
 
 /// Shows a text in place of the window; an empty one when the window is open.
-pub fn show(text: &str) {
-    if let Some(element) = element(SAID) {
+pub fn show_text(text: &str) {
+    if let Some(element) = element(MESSAGE) {
         element.set_text_content(Some(text));
     }
 }
 
 /// Starts the timer. The timer of a worker continues while the page is hidden, the page's
 /// own stops.
-fn start_clock(mut ring: impl FnMut() + 'static) {
-    let ringing = Closure::<dyn FnMut(MessageEvent)>::new(move |_| ring());
+fn start_clock(mut run_due_tasks: impl FnMut() + 'static) {
+    let ringing = Closure::<dyn FnMut(MessageEvent)>::new(move |_| run_due_tasks());
     let listener = ringing.as_ref().unchecked_ref();
     match worker() {
         Ok(worker) => {
@@ -110,8 +110,10 @@ fn start_clock(mut ring: impl FnMut() + 'static) {
         }
         Err(_) => {
             if let Some(window) = window() {
-                let _ =
-                    window.set_interval_with_callback_and_timeout_and_arguments_0(listener, RING);
+                let _ = window.set_interval_with_callback_and_timeout_and_arguments_0(
+                    listener,
+                    TIMER_INTERVAL_MS,
+                );
             }
         }
     }
@@ -127,10 +129,10 @@ fn worker() -> Result<Worker, JsValue> {
 
 /// Releases the memory for other pages when the page is left. A page that the browser
 /// restores reloads.
-fn leave_well() {
+fn release_on_leave() {
     let leave = Closure::<dyn FnMut()>::new(|| {
-        turns::ring();
-        disk::let_lock_go();
+        turns::run_due_tasks();
+        disk::release_lock();
     });
     let back = Closure::<dyn FnMut(web_sys::PageTransitionEvent)>::new(
         |event: web_sys::PageTransitionEvent| {
@@ -155,34 +157,34 @@ fn reload() {
 
 /// Returns the folder that the browser's storage keeps.
 pub fn data_folder(_name: &str) -> Option<PathBuf> {
-    Some(PathBuf::from(disk::KEPT))
+    Some(PathBuf::from(disk::STORAGE_FOLDER))
 }
 
 /// Returns the message for a data folder that another page holds.
-pub fn in_use(_path: &Path) -> Message {
+pub fn data_folder_in_use(_path: &Path) -> Message {
     say::page_open_elsewhere()
 }
 
 /// Returns a message to show first: the browser keeps no files.
-pub fn first_word() -> Option<Message> {
-    (!disk::is_kept()).then(say::page_keeps_nothing)
+pub fn startup_message() -> Option<Message> {
+    (!disk::has_storage()).then(say::page_keeps_nothing)
 }
 
 /// Returns the folder of the user's files.
 pub fn home_folder() -> Option<PathBuf> {
-    Some(PathBuf::from(disk::HANDED))
+    Some(PathBuf::from(disk::USER_FOLDER))
 }
 
 /// Returns the folder for files that the control sends: they become downloads.
 pub fn sent_folder(_data: &Path, _name: &str) -> PathBuf {
-    PathBuf::from(disk::HANDED)
+    PathBuf::from(disk::USER_FOLDER)
 }
 
 /// Lets the user choose files. `then` gets the first program; the other files are next to
 /// it. A file to write becomes a download under its suggested name.
 pub fn choose_file(dialog: FileDialog, then: impl FnOnce(PathBuf) + 'static) {
     match dialog {
-        FileDialog::Save { name, .. } => then(Path::new(disk::HANDED).join(name)),
+        FileDialog::Save { name, .. } => then(Path::new(disk::USER_FOLDER).join(name)),
         // A page has no folders.
         FileDialog::Folder => {}
         FileDialog::Open { .. } => drop(pick(then)),
@@ -194,10 +196,10 @@ fn pick(then: impl FnOnce(PathBuf) + 'static) -> Option<()> {
     let input = input.dyn_into::<HtmlInputElement>().ok()?;
     input.set_type("file");
     input.set_multiple(true);
-    let chosen = input.clone();
+    let chosen_path = input.clone();
     let mut then = Some(then);
-    let change = Closure::<dyn FnMut()>::new(move || {
-        let files = chosen.files();
+    let update = Closure::<dyn FnMut()>::new(move || {
+        let files = chosen_path.files();
         let files: Vec<File> = (0..files.as_ref().map_or(0, web_sys::FileList::length))
             .filter_map(|index| files.as_ref()?.get(index))
             .collect();
@@ -209,14 +211,14 @@ fn pick(then: impl FnOnce(PathBuf) + 'static) -> Option<()> {
                         read.push((file.name(), Uint8Array::new(&bytes).to_vec()));
                     }
                 }
-                if let Some(path) = disk::hand_in(read) {
+                if let Some(path) = disk::add_user_files(read) {
                     then(path);
                 }
             });
         }
     });
-    input.set_onchange(Some(change.as_ref().unchecked_ref()));
-    change.forget();
+    input.set_onchange(Some(update.as_ref().unchecked_ref()));
+    update.forget();
     input.click();
     Some(())
 }
@@ -232,19 +234,19 @@ pub fn take_dropped(files: &[DroppedFileHandle], then: impl FnOnce(PathBuf) + 's
                 read.push((name, bytes));
             }
         }
-        if let Some(path) = disk::hand_in(read) {
+        if let Some(path) = disk::add_user_files(read) {
             then(path);
         }
     });
 }
 
 /// Reloads the page when its error dialog is closed.
-pub fn leave_refusal(_context: &Context) {
+pub fn close_error_dialog(_context: &Context) {
     reload();
 }
 
 /// Writes the text of the LCD to an element of the page, for screen readers.
-pub fn tell_screen(text: impl FnOnce() -> String) {
+pub fn publish_screen_text(text: impl FnOnce() -> String) {
     if let Some(element) = element(LCD) {
         element.set_text_content(Some(&text()));
     }

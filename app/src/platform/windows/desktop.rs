@@ -3,7 +3,7 @@
 use win32console::console::WinConsole;
 
 /// Returns true: Windows always has a file dialog.
-pub const fn file_dialog_answers() -> bool {
+pub const fn has_file_dialog() -> bool {
     true
 }
 
@@ -14,7 +14,7 @@ pub const fn has_display() -> bool {
 
 /// Closes the console that Windows opens when the program is started with a double click.
 /// A console that other processes share belongs to the user and stays open.
-pub fn leave_console() {
+pub fn close_own_console() {
     // Windows pads the list with zeros.
     let processes = WinConsole::get_process_list().unwrap_or_default();
     if processes.iter().filter(|process| **process != 0).count() == 1 {

@@ -4,8 +4,10 @@ use std::fs::OpenOptions;
 use std::path::Path;
 
 /// Whether two names, links followed, are the same plain file.
-pub fn same_file(one: &Path, other: &Path) -> bool {
-    one.is_file() && other.is_file() && same_file::is_same_file(one, other).unwrap_or(false)
+pub fn same_file(take_turn: &Path, other: &Path) -> bool {
+    take_turn.is_file()
+        && other.is_file()
+        && same_file::is_same_file(take_turn, other).unwrap_or(false)
 }
 
 /// Does nothing: only the owner can read a user's data folder on Windows.

@@ -10,10 +10,12 @@ mod sound;
 mod tie;
 
 pub use clock::{shared_time, time_with_sleep};
-pub use desktop::{file_dialog_answers, has_display, leave_console};
+pub use desktop::{close_own_console, has_display, has_file_dialog};
 pub use display::{DisplayServer, display_server, watch_display};
 pub use files::{for_owner_alone, is_device, is_serial_port, same_file};
-pub use process::{hear_ending, name_process, outlive_ending, own_program, processor_time};
-pub use serial::{PULLED, Serial, has_ports, pseudo_terminal, unchanging_names};
+pub use process::{
+    ignore_termination, own_executable, processor_time, register_termination_flag, set_process_name,
+};
+pub use serial::{Serial, UNPLUGGED_ERRORS, has_ports, persistent_names, pseudo_terminal};
 pub use sound::{Player, has_sound};
-pub use tie::{ToHolder, ToProgram};
+pub use tie::{HolderConnection, ProgramConnection};

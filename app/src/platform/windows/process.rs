@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// The flags that a console event sets.
-static HEARERS: Mutex<Vec<Arc<AtomicBool>>> = Mutex::new(Vec::new());
+static FLAGS: Mutex<Vec<Arc<AtomicBool>>> = Mutex::new(Vec::new());
 
 /// Registers a flag: Ctrl-C and Ctrl-Break set it. If it is already set, they end the
 /// program with this exit code. When the console is closed or the session ends, Windows
@@ -14,37 +14,37 @@ static HEARERS: Mutex<Vec<Arc<AtomicBool>>> = Mutex::new(Vec::new());
 ///
 /// # Errors
 /// The system refuses the handler.
-pub fn hear_ending(asked: &Arc<AtomicBool>, code: u8) -> io::Result<()> {
-    let mut hearers = HEARERS.lock().unwrap_or_else(PoisonError::into_inner);
-    hearers.push(Arc::clone(asked));
-    if hearers.len() > 1 {
+pub fn register_termination_flag(requested: &Arc<AtomicBool>, code: u8) -> io::Result<()> {
+    let mut flags = FLAGS.lock().unwrap_or_else(PoisonError::into_inner);
+    flags.push(Arc::clone(requested));
+    if flags.len() > 1 {
         return Ok(());
     }
-    let tell = move || {
-        let hearers = HEARERS.lock().unwrap_or_else(PoisonError::into_inner);
+    let set_flags = move || {
+        let flags = FLAGS.lock().unwrap_or_else(PoisonError::into_inner);
         // All flags are set, also after the first event.
-        let told = hearers
+        let already_set = flags
             .iter()
-            .filter(|asked| asked.swap(true, Ordering::Relaxed));
-        if told.count() > 0 {
+            .filter(|requested| requested.swap(true, Ordering::Relaxed));
+        if already_set.count() > 0 {
             std::process::exit(i32::from(code));
         }
     };
-    ctrlc::set_handler(tell).map_err(io::Error::other)
+    ctrlc::set_handler(set_flags).map_err(io::Error::other)
 }
 
 /// Ignores these events from now on.
-pub fn outlive_ending() {
+pub fn ignore_termination() {
     let _ = ctrlc::set_handler(|| {});
 }
 
 /// Returns the file of this program; Windows prevents its replacement while it runs.
-pub fn own_program() -> PathBuf {
+pub fn own_executable() -> PathBuf {
     std::env::current_exe().unwrap_or_else(|_| "gsk980td.exe".into())
 }
 
 /// Does nothing: Windows names a process after its file.
-pub const fn name_process(_name: &str) {}
+pub const fn set_process_name(_name: &str) {}
 
 /// Returns `None`: the processor time of a process is not read on Windows.
 pub const fn processor_time(_process: u32) -> Option<f64> {

@@ -10,10 +10,10 @@ use serialport::{COMPort, ClearBuffer, SerialPort, SerialPortBuilder};
 
 /// Error numbers of a port whose device was unplugged: access denied, bad command, general
 /// failure, no such device, operation aborted, device not connected.
-pub const PULLED: [i32; 6] = [5, 22, 31, 433, 995, 1167];
+pub const UNPLUGGED_ERRORS: [i32; 6] = [5, 22, 31, 433, 995, 1167];
 
 /// Time between two checks for arrived bytes.
-const LOOK: Duration = Duration::from_millis(1);
+const POLL_INTERVAL: Duration = Duration::from_millis(1);
 
 /// An open port; closed when dropped.
 ///
@@ -50,13 +50,13 @@ impl Serial {
     ///
     /// # Errors
     /// Never.
-    pub fn wait_so_long(&mut self, wait: Duration) -> serialport::Result<()> {
+    pub fn set_timeout(&mut self, wait: Duration) -> serialport::Result<()> {
         self.wait = wait;
         Ok(())
     }
 
     /// Discards the bytes that have arrived and were not read; a failure is ignored.
-    pub fn forget_arrived(&self) {
+    pub fn discard_received(&self) {
         let _ = self.port.clear(ClearBuffer::Input);
     }
 
@@ -75,7 +75,7 @@ impl Read for Serial {
             if begun.elapsed() >= self.wait {
                 return Err(ErrorKind::TimedOut.into());
             }
-            thread::sleep(LOOK);
+            thread::sleep(POLL_INTERVAL);
         }
         self.port.read(buffer)
     }
@@ -102,6 +102,6 @@ pub const fn pseudo_terminal() -> Option<serialport::Result<(Serial, Serial)>> {
 }
 
 /// Returns no names: a port keeps its number on Windows.
-pub const fn unchanging_names() -> BTreeMap<PathBuf, PathBuf> {
+pub const fn persistent_names() -> BTreeMap<PathBuf, PathBuf> {
     BTreeMap::new()
 }

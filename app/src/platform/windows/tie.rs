@@ -14,28 +14,28 @@ use std::time::Duration;
 use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 
 /// Size of a read, bytes.
-const AT_ONCE: usize = 4096;
+const READ_BYTES: usize = 4096;
 /// Limit of the bytes that wait for the pipe.
-const MOST_WAITING: usize = 16 * AT_ONCE;
+const MAX_WAITING_BYTES: usize = 16 * READ_BYTES;
 /// A process without a visible console; the program's Ctrl-C does not reach it.
 const CREATE_NO_WINDOW: u32 = 0x0800_0000;
 
 /// The program's end of the connection.
-pub struct ToHolder {
-    /// `None` after [`ToHolder::hang_up`].
+pub struct HolderConnection {
+    /// `None` after [`HolderConnection::end_sending`].
     outward: Option<Sender<Vec<u8>>>,
     /// Number of bytes that wait in `outward`.
     waiting: Arc<AtomicUsize>,
     inward: Receiver<Vec<u8>>,
 }
 
-impl ToHolder {
+impl HolderConnection {
     /// Starts the holder, separate from the program's console.
     ///
     /// # Errors
     /// An error of the system.
-    pub fn start(mut holder: Command) -> io::Result<(Child, Self)> {
-        let mut child = holder
+    pub fn start(mut lock_holder: Command) -> io::Result<(Child, Self)> {
+        let mut child = lock_holder
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
@@ -44,12 +44,13 @@ impl ToHolder {
         let none = || io::Error::from(ErrorKind::BrokenPipe);
         let stdin = child.stdin.take().ok_or_else(none)?;
         let stdout = child.stdout.take().ok_or_else(none)?;
-        let (outward, say) = unbounded();
-        let (heard, inward) = unbounded();
+        let (outward, outgoing) = unbounded();
+        let (incoming, inward) = unbounded();
         let waiting = Arc::new(AtomicUsize::new(0));
-        let said = Arc::clone(&waiting);
-        thread::Builder::new().spawn(move || write_all(stdin, &say, &said))?;
-        thread::Builder::new().spawn(move || read_all(stdout, |bytes| drop(heard.send(bytes))))?;
+        let waiting_count = Arc::clone(&waiting);
+        thread::Builder::new().spawn(move || write_all(stdin, &outgoing, &waiting_count))?;
+        thread::Builder::new()
+            .spawn(move || read_all(stdout, |bytes| drop(incoming.send(bytes))))?;
         let tie = Self {
             outward: Some(outward),
             waiting,
@@ -62,7 +63,7 @@ impl ToHolder {
     ///
     /// # Errors
     /// The holder is gone.
-    pub fn hear(&mut self, within: Duration) -> io::Result<Vec<u8>> {
+    pub fn receive(&mut self, within: Duration) -> io::Result<Vec<u8>> {
         match self.inward.recv_timeout(within) {
             Ok(bytes) => Ok(bytes),
             Err(RecvTimeoutError::Timeout) => Ok(Vec::new()),
@@ -74,8 +75,8 @@ impl ToHolder {
     ///
     /// # Errors
     /// The holder is gone.
-    pub fn say(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let room = MOST_WAITING.saturating_sub(self.waiting.load(Ordering::Acquire));
+    pub fn send(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let room = MAX_WAITING_BYTES.saturating_sub(self.waiting.load(Ordering::Acquire));
         let count = bytes.len().min(room);
         if count == 0 {
             return Ok(0);
@@ -88,14 +89,14 @@ impl ToHolder {
     }
 
     /// Ends sending: the waiting bytes are written, then the pipe is closed.
-    pub fn hang_up(&mut self) {
+    pub fn end_sending(&mut self) {
         self.outward = None;
     }
 }
 
 /// Writes bytes until the sender is gone, or the reader of the pipe is.
-fn write_all(mut pipe: ChildStdin, said: &Receiver<Vec<u8>>, waiting: &AtomicUsize) {
-    for bytes in said {
+fn write_all(mut pipe: ChildStdin, outgoing: &Receiver<Vec<u8>>, waiting: &AtomicUsize) {
+    for bytes in outgoing {
         if pipe.write_all(&bytes).is_err() {
             return;
         }
@@ -104,12 +105,12 @@ fn write_all(mut pipe: ChildStdin, said: &Receiver<Vec<u8>>, waiting: &AtomicUsi
 }
 
 /// Reads until the other end is closed.
-fn read_all(mut pipe: impl Read, mut heard: impl FnMut(Vec<u8>)) {
-    let mut buffer = [0; AT_ONCE];
+fn read_all(mut pipe: impl Read, mut on_bytes: impl FnMut(Vec<u8>)) {
+    let mut buffer = [0; READ_BYTES];
     loop {
         match pipe.read(&mut buffer) {
             Ok(0) => return,
-            Ok(count) => heard(buffer[..count].to_vec()),
+            Ok(count) => on_bytes(buffer[..count].to_vec()),
             Err(error) if error.kind() == ErrorKind::Interrupted => {}
             Err(_) => return,
         }
@@ -118,49 +119,49 @@ fn read_all(mut pipe: impl Read, mut heard: impl FnMut(Vec<u8>)) {
 
 /// Bytes of the program, and whether it is gone.
 #[derive(Default)]
-struct Said {
+struct ProgramBytes {
     bytes: VecDeque<u8>,
     gone: bool,
 }
 
 /// Shared bytes, with a signal for a waiting reader.
 #[derive(Default)]
-struct Inward {
-    said: Mutex<Said>,
+struct SharedProgramBytes {
+    bytes: Mutex<ProgramBytes>,
     more: Condvar,
 }
 
-impl Inward {
-    fn said(&self) -> MutexGuard<'_, Said> {
-        self.said.lock().unwrap_or_else(PoisonError::into_inner)
+impl SharedProgramBytes {
+    fn lock(&self) -> MutexGuard<'_, ProgramBytes> {
+        self.bytes.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Changes the bytes and wakes the reader.
-    fn change(&self, change: impl FnOnce(&mut Said)) {
-        change(&mut self.said());
+    fn update(&self, update: impl FnOnce(&mut ProgramBytes)) {
+        update(&mut self.lock());
         self.more.notify_all();
     }
 }
 
 /// The holder's end of the connection.
-pub struct ToProgram(Arc<Inward>);
+pub struct ProgramConnection(Arc<SharedProgramBytes>);
 
-impl ToProgram {
+impl ProgramConnection {
     /// Connects to the program that has started this process.
     ///
     /// # Errors
     /// Standard input is not connected to the program.
-    pub fn at_standard_input() -> io::Result<Self> {
+    pub fn from_standard_input() -> io::Result<Self> {
         if io::IsTerminal::is_terminal(&io::stdin()) {
             return Err(ErrorKind::NotConnected.into());
         }
-        let inward = Arc::new(Inward::default());
-        let heard = Arc::clone(&inward);
+        let inward = Arc::new(SharedProgramBytes::default());
+        let shared = Arc::clone(&inward);
         let read = move || {
             read_all(io::stdin().lock(), |bytes| {
-                heard.change(|said| said.bytes.extend(bytes));
+                shared.update(|received| received.bytes.extend(bytes));
             });
-            heard.change(|said| said.gone = true);
+            shared.update(|received| received.gone = true);
         };
         thread::Builder::new().spawn(read)?;
         Ok(Self(inward))
@@ -178,29 +179,29 @@ impl ToProgram {
     ///
     /// # Errors
     /// Never.
-    pub fn has_said_within(&self, time: Duration) -> io::Result<bool> {
-        let nothing = |said: &mut Said| said.bytes.is_empty() && !said.gone;
-        let waited = self.0.more.wait_timeout_while(self.0.said(), time, nothing);
+    pub fn has_bytes_within(&self, time: Duration) -> io::Result<bool> {
+        let nothing = |received: &mut ProgramBytes| received.bytes.is_empty() && !received.gone;
+        let waited = self.0.more.wait_timeout_while(self.0.lock(), time, nothing);
         let (_, waited) = waited.unwrap_or_else(PoisonError::into_inner);
         Ok(!waited.timed_out())
     }
 
     /// Whether the program is gone, even if some of its bytes are unread.
     pub fn is_gone(&self) -> bool {
-        self.0.said().gone
+        self.0.lock().gone
     }
 }
 
-impl Read for ToProgram {
+impl Read for ProgramConnection {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let nothing = |said: &mut Said| said.bytes.is_empty() && !said.gone;
-        let waited = self.0.more.wait_while(self.0.said(), nothing);
-        let mut said = waited.unwrap_or_else(PoisonError::into_inner);
-        said.bytes.read(buffer)
+        let nothing = |received: &mut ProgramBytes| received.bytes.is_empty() && !received.gone;
+        let waited = self.0.more.wait_while(self.0.lock(), nothing);
+        let mut received = waited.unwrap_or_else(PoisonError::into_inner);
+        received.bytes.read(buffer)
     }
 }
 
-impl Write for ToProgram {
+impl Write for ProgramConnection {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let mut out = io::stdout().lock();
         let count = out.write(bytes)?;

@@ -80,10 +80,10 @@ impl Cnc {
                     self.alarms.remove(number);
                 }
             }
-            BoardReport::ReferenceLost { raise_alarm: told } => {
+            BoardReport::ReferenceLost { raise_alarm } => {
                 let referenced = self.coordinates.referenced;
                 self.drives.board_alarms.reference_dropped |=
-                    *told && (referenced.x || referenced.z);
+                    *raise_alarm && (referenced.x || referenced.z);
                 self.drop_reference();
             }
             BoardReport::SwitchReached(axis) => self.handle_switch_reached(*axis),

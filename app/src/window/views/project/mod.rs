@@ -257,7 +257,7 @@ impl ProjectView {
             .into_iter()
             .map(|place| {
                 let name = match place.name {
-                    NodeName::Text(said) => said.text(language),
+                    NodeName::Text(text) => text.text(language),
                     NodeName::Program(name) => name,
                 };
                 let count = self
