@@ -252,7 +252,7 @@ impl PreviewWatch {
     pub fn update_progress(&mut self, progress: &PreviewProgress) -> bool {
         if self.progress_from.is_some_and(|from| Instant::now() > from) {
             self.progress_from = None;
-            self.bar = Some(self::create_progress_bar(self.line_count));
+            self.bar = Some(create_progress_bar(self.line_count));
         }
         if let Some(bar) = &self.bar {
             bar.set_position(u64::from(progress.line));

@@ -15,7 +15,7 @@ mod page {
 
     /// Opens the window on the page, with the options in its link.
     pub fn open_page() {
-        platform::begin(|options| {
+        platform::open_page(|options| {
             let lang = match options.language.as_deref() {
                 Some("en") => Some(Language::En),
                 Some("zh") => Some(Language::Zh),

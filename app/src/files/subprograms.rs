@@ -99,7 +99,7 @@ pub fn find_in_index(
         let Some(text) = read(path) else {
             continue;
         };
-        push_calls(&mut pending, self::find_calls(&text, model));
+        push_calls(&mut pending, find_calls(&text, model));
         found.push(FoundSubprogram {
             number,
             path: path.clone(),

@@ -97,7 +97,7 @@ fn prompt_choice(name: &FileName) -> Result<ConflictChoice, CommandError> {
             _ => continue,
         }
         loop {
-            let new = self::prompt_line(&say::transfer_rename_ask(name))?;
+            let new = prompt_line(&say::transfer_rename_ask(name))?;
             if new.is_empty() {
                 return Ok(ConflictChoice::Skip);
             }

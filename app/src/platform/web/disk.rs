@@ -55,7 +55,7 @@ pub fn has_storage() -> bool {
 }
 
 fn key(path: &Path) -> String {
-    format!("{OWN}{}", path.display())
+    format!("{KEY_PREFIX}{}", path.display())
 }
 
 /// Encodes bytes for the storage, one character each.

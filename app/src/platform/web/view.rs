@@ -121,7 +121,7 @@ fn start_clock(mut run_due_tasks: impl FnMut() + 'static) {
 }
 
 fn worker() -> Result<Worker, JsValue> {
-    let text = format!("setInterval(() => postMessage(0), {RING})");
+    let text = format!("setInterval(() => postMessage(0), {TIMER_INTERVAL_MS})");
     let blob = Blob::new_with_str_sequence(&Array::of1(&text.into()))?;
     let address = Url::create_object_url_with_blob(&blob)?;
     Worker::new(&address)

@@ -117,7 +117,7 @@ fn show_form(ui: &mut Ui, form: &mut Form, language: Language) {
             show_value(ui, &say::stock_word_bore(), &mut bore.0, language);
         }
         Form::Contour { corners, bore } => {
-            self::show_corners(ui, corners, language);
+            show_corners(ui, corners, language);
             show_value(ui, &say::stock_word_bore(), &mut bore.0, language);
         }
     });
@@ -280,7 +280,7 @@ pub fn show_zero(ui: &mut Ui, zero: &mut Option<DiameterPoint>, language: Langua
         *zero = is_set.then(DiameterPoint::default);
     }
     if let Some(point) = zero {
-        self::show_point(ui, "zero", point, language);
+        show_point(ui, "zero", point, language);
     }
 }
 
@@ -302,7 +302,7 @@ pub fn show_length(
         }
     }
     if let Some(point) = lengths.get_mut(&number) {
-        self::show_point(ui, "length", point, language);
+        show_point(ui, "length", point, language);
     }
 }
 
