@@ -198,7 +198,7 @@ fn the_fault_bench_sets_and_clears_faults() {
     let address = "X0.5".parse().unwrap();
     assert_eq!(lathe(&bench).forced_input(address), Some(false));
 
-    bench.harness.get_by_label("Mend all").click();
+    bench.harness.get_by_label("Clear all").click();
     bench.run(100);
     bench.run(100);
     assert!(!lathe(&bench).has_fault(LatheFault::DriveZ));
