@@ -170,14 +170,14 @@ fn likely_mistakes_raise_warnings() {
     let (code, out, _) = run_gsk(&["check", program.path()]);
     assert_eq!(code, 0, "{out}");
     for mistake in [
-        "line 3: G98 is in force",
-        "line 3: a cut while the spindle",
-        "line 3: a cut without a tool offset",
+        "line 3: G98 is active",
+        "line 3: a cut while the spindle is stopped",
+        "line 3: a tool was called, but the cut has no tool offset",
     ] {
         assert_eq!(out.matches(mistake).count(), 1, "{mistake} {out}");
     }
     let (_, out, _) = run_gsk(&["check", program.path(), "--spindle", "500"]);
-    assert!(!out.contains("spindle stands"), "{out}");
+    assert!(!out.contains("spindle is stopped"), "{out}");
 }
 
 #[test]

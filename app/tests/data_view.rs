@@ -132,12 +132,12 @@ fn parameters_are_found_by_words_and_by_function_and_kept_in_their_range() {
     assert_eq!(*cnc(&bench).parameters(), previous);
     assert!(cnc(&bench).alarms().iter().all(|alarm| alarm.number != 43));
     fill(&mut bench, "Value of 022", "fast");
-    assert!(is_shown(&bench, "fast is no value"));
+    assert!(is_shown(&bench, "fast is not a valid value"));
     press(&mut bench, "Write 1");
     let count_errors = |bench: &WindowBench| {
         let all = bench
             .harness
-            .query_all_by_label_contains("fast is no value");
+            .query_all_by_label_contains("fast is not a valid value");
         all.count()
     };
     assert_eq!(count_errors(&bench), 2, "beside the field and in the bar");
@@ -226,7 +226,7 @@ fn variables_are_written_in_mdi() {
     allow_writing(&mut bench);
     fill(&mut bench, "variable #201", "1.5");
     press(&mut bench, "Write 1");
-    assert!(is_shown(&bench, "is no whole number"));
+    assert!(is_shown(&bench, "is not a whole number"));
     fill(&mut bench, "variable #201", "-77");
     press(&mut bench, "Write 1");
     assert_eq!(cnc(&bench).variables().get(201), Some(-77));

@@ -79,7 +79,7 @@ fn a_lesson_cannot_start_while_a_program_runs() {
     assert_eq!(current_step(&bench), None);
     let message = bench
         .harness
-        .query_by_label_contains("when no program runs");
+        .query_by_label_contains("A lesson cannot begin");
     assert!(message.is_some());
 }
 

@@ -64,7 +64,7 @@ impl Drop for OverwriteFolder {
     }
 }
 
-const READ: &str = "is read by this command";
+const READ: &str = "this command reads";
 
 #[test]
 fn named_input_files_are_not_overwritten() {
@@ -85,15 +85,15 @@ fn subprograms_are_not_overwritten() {
         ("groove.txt", "O0005\nG00 X20\nM99\n"),
     ];
     let folder = OverwriteFolder::new("subprograms", &files);
-    let number = "would be read as the subprogram O9001 beside main.CNC";
+    let number = "would be read as subprogram O9001 of main.CNC";
     for command in ["run", "check"] {
         folder.assert_refused(&format!("{command} main.CNC --moves 9001.CNC"), 2, number);
         let command_line = format!("{command} main.CNC --moves groove.txt");
-        folder.assert_refused(&command_line, 2, "the subprogram O0005");
+        folder.assert_refused(&command_line, 2, "as subprogram O0005");
     }
     // The file does not exist yet, but the next run would read it.
     let new = "run main.CNC --positions O0007.nc";
-    folder.assert_refused(new, 2, "the subprogram O0007");
+    folder.assert_refused(new, 2, "as subprogram O0007");
     let (code, errors) = folder.run("run main.CNC --moves moves.txt");
     assert_eq!(code, Some(0), "{errors}");
     assert!(
@@ -118,7 +118,7 @@ fn files_that_a_script_loads_are_not_overwritten() {
     folder.assert_refused("operate load.txt", 2, READ);
     folder.assert_refused("operate receive.txt --record data.par", 2, READ);
     folder.assert_refused("operate dnc.txt --record line.CNC", 2, READ);
-    let twice = "is to be written twice";
+    let twice = "two outputs go to the same file";
     folder.assert_refused("operate shot.txt --record new.png", 2, twice);
 }
 

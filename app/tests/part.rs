@@ -196,7 +196,7 @@ fn an_invalid_job_is_reported_with_line_and_rule() {
     );
     let idle = folder.write("idle.CNC", "O0001\nG00 X10\nM30\n");
     let (code, _, err) = run_gsk(&["check", "--part", &idle]);
-    assert!(code == 2 && err.contains("no stock to guess"), "{err}");
+    assert!(code == 2 && err.contains("cannot be guessed"), "{err}");
 }
 
 #[test]

@@ -38,7 +38,7 @@ fn a_measurement_is_imported_with_a_backup_and_exported() {
     folder.write("z.ren", &ren);
     let (code, out, _) = folder.run_pitch("import z.ren --axis z --into data --clear");
     assert_eq!(code, 0);
-    assert!(out.contains("the values stand there already"), "{out}");
+    assert!(out.contains("already have these values"), "{out}");
     // Added to the stored values, they double.
     let (code, out, _) = folder.run_pitch("import z.ren --axis z --into data --dry-run --json");
     assert_eq!(code, 0);

@@ -270,7 +270,7 @@ fn other_folders_are_left_alone_and_an_unfinished_project_is_refused() {
         2,
         "neither a project nor a data directory",
     );
-    folder.assert_refused("export out --data nowhere", 2, "no data directory");
+    folder.assert_refused("export out --data nowhere", 2, "not a data directory yet");
     folder.run_successfully("export out --data data");
     folder.assert_refused("new out", 2, "holds other files");
     // Other files of the owner in the folder stay.

@@ -242,7 +242,7 @@ pub fn options_for_simulation_only_are_refused_before_the_port_is_opened() {
     let folder = part_folder("run-refused", "grbl", PART);
     let part = folder.path("part.CNC");
     let refusals: [(&[&str], &str); 3] = [
-        (&["--parts", "2"], "somebody has to allow each part"),
+        (&["--parts", "2"], "the operator confirms each part"),
         (&["--spindle", "800"], "M03 or a key of the panel"),
         (&["--start", "100,50"], "where they stand"),
     ];

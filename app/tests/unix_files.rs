@@ -42,7 +42,7 @@ fn reading_a_pipe_does_not_block() {
     assert!(status.unwrap().success());
     let found = MirroredFiles::open(&folder, false).read("a", 1000);
     let message = found.damage.unwrap().message.to_string();
-    assert!(message.contains("no plain file"), "{message}");
+    assert!(message.contains("not a regular file"), "{message}");
     assert_eq!(found.contents.as_deref(), Some(b"1".as_slice()));
     fs::remove_dir_all(folder).unwrap();
 }

@@ -198,7 +198,7 @@ fn the_fault_bench_sets_and_clears_faults() {
     let address = "X0.5".parse().unwrap();
     assert_eq!(lathe(&bench).forced_input(address), Some(false));
 
-    bench.harness.get_by_label("Mend all").click();
+    bench.harness.get_by_label("Clear all").click();
     bench.run(100);
     bench.run(100);
     assert!(!lathe(&bench).has_fault(LatheFault::DriveZ));
@@ -317,7 +317,7 @@ fn a_row_of_a_ladder_table_selects_its_rung() {
 #[test]
 fn a_ladder_is_saved_only_when_the_control_allows_it() {
     let mut bench = WindowBench::new();
-    let requirement = "saving wants edit mode";
+    let requirement = "saving needs edit mode: press [编辑]";
     for allowed in [false, true] {
         if allowed {
             allow_ladder(&mut bench);

@@ -75,7 +75,7 @@ fn keys_of_the_machine_are_refused_where_the_ladder_refuses_them() {
         }
         match mode {
             OperatingMode::Step => acts(&mut emulator, Key::Increment10),
-            _ => refused(&mut emulator, Key::Increment10, "the size of a step"),
+            _ => refused(&mut emulator, Key::Increment10, "the step size"),
         }
         refused(&mut emulator, Key::WheelY, "no Y axis");
     }
@@ -143,7 +143,7 @@ fn an_override_at_its_limit_has_a_reason() {
         let at_end = (0..20).find_map(|_| pressed(&mut emulator, key));
         let reason = at_end.unwrap_or_default();
         assert!(
-            reason.contains(last) && reason.contains("no further"),
+            reason.contains(last) && reason.contains("at its limit"),
             "{reason}"
         );
         acts(&mut emulator, other);
@@ -160,7 +160,7 @@ fn a_hold_without_motion_has_a_reason() {
         .unwrap();
     acts(&mut emulator, Key::CycleStart);
     acts(&mut emulator, Key::FeedHold);
-    refused(&mut emulator, Key::FeedHold, "held already");
+    refused(&mut emulator, Key::FeedHold, "already held");
     acts(&mut emulator, Key::CycleStart);
     acts(&mut emulator, Key::FeedHold);
 }
@@ -189,7 +189,7 @@ fn keys_of_text_and_data_name_page_mode_and_switch() {
     let mut emulator = awake(Setup::default());
     emulator.load_program("o7.nc", "G0 X100\nM30\n").unwrap();
     acts(&mut emulator, Key::Jog);
-    refused(&mut emulator, Key::X, "nothing is keyed in on this page");
+    refused(&mut emulator, Key::X, "this page takes no input");
     acts(&mut emulator, Key::Program);
     refused(&mut emulator, Key::G, "EDIT mode");
     acts(&mut emulator, Key::Edit);
@@ -215,6 +215,6 @@ fn keys_of_text_and_data_name_page_mode_and_switch() {
     refused(&mut emulator, Key::Input, "parameter switch is off");
     acts(&mut emulator, Key::Offset);
     acts(&mut emulator, Key::Digit5);
-    refused(&mut emulator, Key::Input, "no value for this place");
+    refused(&mut emulator, Key::Input, "not a valid value here");
     refused(&mut emulator, Key::Output, "004.2");
 }

@@ -41,7 +41,7 @@ fn check_reports_in_chinese_and_english() {
     for line in [
         "P/S 010 G code cannot be used, line 3: G54\n  G54 is not a code",
         "also P/S 019 M code error, line 5: M77\n",
-        "warning: line 2: a cut while the spindle stands\n",
+        "warning: line 2: a cut while the spindle is stopped\n",
     ] {
         assert!(english.contains(line), "{line}\n{english}");
     }

@@ -33,7 +33,7 @@ fn errors_in_a_lesson_file_name_their_position() {
     assert_eq!(code, 1);
     assert!(output.contains("step 1: done"), "{output}");
     assert!(
-        output.contains("step 2: does not come true: lamp SBK on: "),
+        output.contains("step 2: its condition is not met: lamp SBK on: "),
         "{output}"
     );
     let wrong = TempFile::new(

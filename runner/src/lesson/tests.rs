@@ -64,11 +64,11 @@ fn errors_name_file_step_field_and_rule() {
         ),
         (
             "until: [\"alarm none\"], solution: [\"power off\"]",
-            "is not done by hand",
+            "is not a manual action",
         ),
         (
             "until: [\"alarm none\"], solution: []",
-            "step 1, solution: nothing stands there",
+            "step 1, solution: the field is empty",
         ),
         (
             "until: [\"page nowhere\"], solution: [\"press CS\"]",
@@ -99,13 +99,13 @@ fn errors_name_file_step_field_and_rule() {
         ("picture: true", ""),
         (
             "picture: true, before: [\"press MDI\"]",
-            "nothing is done before",
+            "no action is possible before",
         ),
-        ("params: [\"1.3\"]", "begins: \"1.3\" is not read"),
+        ("params: [\"1.3\"]", "begins: \"1.3\" is not understood"),
         ("offsets: [\"99=1\"]", "begins: 99=1: "),
-        ("slides: (9999, 0)", "beyond their ends"),
+        ("slides: (9999, 0)", "beyond their travel"),
         ("absolute: (NaN, 0)", "NaN is not a finite number"),
-        ("offsets: [\"1=NaN\"]", "\"1=NaN\" is not read"),
+        ("offsets: [\"1=NaN\"]", "\"1=NaN\" is not understood"),
         ("programs: [\"G00 X1;\"]", "begins with its number"),
         ("before: [\"load a.nc\"]", "needs a file"),
     ] {

@@ -255,7 +255,7 @@ fn a_board_that_is_silent_after_its_banner_is_reset_once_and_called_silent() {
     };
     let (number, text, state) = opening_alarm(answers, "\r\nGrbl 1.1h ['$' for help]\r\n");
     assert_eq!((number, state), (601, LinkState::Lost), "{text}");
-    assert!(text.contains("says nothing"), "{text}");
+    assert!(text.contains("sends nothing"), "{text}");
     assert_eq!(resets.get(), 1);
 }
 
@@ -273,7 +273,7 @@ fn a_setting_that_is_never_answered_is_named() {
         let events = run_ms(&mut link, &mut twin, 3000);
         let (number, text) = alarms(&events)[0].clone();
         assert_eq!((number, link.state()), (602, LinkState::Fault), "{text}");
-        assert!(text.contains("$") && text.contains("was written"), "{text}");
+        assert!(text.contains("$") && text.contains("was sent"), "{text}");
         assert_eq!(text.contains("8689918"), hint, "{text}");
     }
 }

@@ -111,7 +111,7 @@ fn tapping_explains_its_travel() {
             Some(1),
             None,
             25.0,
-            "Z5.000 -> Z-20.000 and back, a lead a revolution".into()
+            "Z5.000 -> Z-20.000 and back, one lead per revolution".into()
         )]
     );
 }

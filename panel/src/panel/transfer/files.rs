@@ -244,13 +244,13 @@ mod tests {
     fn bad_lines_are_named() {
         for (name, text, words) in [
             ("a.ofs", "001=1,2,3,4\n033=0,0,0,0\n", "line 2: "),
-            ("a.ofs", "1=1,2,3\n", "line 1: 1,2,3 is no value here"),
+            ("a.ofs", "1=1,2,3\n", "line 1: 1,2,3 is not a valid value"),
             ("a.ofs", "1=1,2,nan,0\n", "line 1: "),
             ("a.ofs", "1=10000,2,0,0\n", "line 1: "),
             ("a.wmp", "\n1=256,0\n", "line 2: "),
             ("a.wmp", "256=0,0\n", "line 1: "),
-            ("a.par", "001=2\n", "line 1: 2 is no value here"),
-            ("a.par", "X=2\n", "begins with no number"),
+            ("a.par", "001=2\n", "line 1: 2 is not a valid value"),
+            ("a.par", "X=2\n", "does not begin with a number"),
             ("a.par", "22\n", "NUMBER=VALUE"),
         ] {
             let read = read(&file(name, text));

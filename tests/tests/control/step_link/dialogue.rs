@@ -88,11 +88,11 @@ fn refusals(change: impl Fn(&mut LinkConfig)) -> Vec<(u16, String)> {
 #[test]
 fn a_configuration_that_shuts_the_board_down_is_refused_with_its_message() {
     let alarms = refusals(|wrong| wrong.io.spindle_pwm = "PB6".into());
-    let text = "the board does not take its configuration: Can not use timer1 for PWM; timer1 \
+    let text = "the board rejects its configuration: Can not use timer1 for PWM; timer1 \
                 is used for timers (link.io.spindle_pwm: PB6)";
     assert_eq!(alarms, [(603, text.to_owned())]);
     let alarms = refusals(|wrong| wrong.io.spindle_pwm = "PA5".into());
-    let text = "the board does not take its configuration: Not a valid PWM pin \
+    let text = "the board rejects its configuration: Not a valid PWM pin \
                 (link.io.spindle_pwm: PA5)";
     assert_eq!(alarms, [(603, text.to_owned())]);
 }
@@ -100,7 +100,7 @@ fn a_configuration_that_shuts_the_board_down_is_refused_with_its_message() {
 #[test]
 fn a_pin_that_the_board_needs_for_itself_is_named() {
     let alarms = refusals(|wrong| wrong.io.coolant = "PE1".into());
-    let text = "link.io.coolant: the board needs PE1 for itself (serial)";
+    let text = "link.io.coolant: the board uses PE1 itself (serial); choose another pin";
     assert_eq!(alarms, [(603, text.to_owned())]);
 }
 
