@@ -174,7 +174,7 @@ fn new_stock_clears_the_collision_message() {
     bench.click("Automatic mode");
     bench.click("Cycle start");
     let is_shown = |bench: &WindowBench| {
-        let mut all = bench.harness.query_all_by_label_contains("COLLISION: ");
+        let mut all = bench.harness.query_all_by_label_contains("CRASH: ");
         all.next().is_some()
     };
     for _ in 0..100 {

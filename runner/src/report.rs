@@ -170,7 +170,7 @@ impl FinalPositions {
     }
 }
 
-/// The result of `run` and `check_program`.
+/// The result of the commands `run` and `check`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ProgramReport {
     /// Name of the program file.
@@ -213,7 +213,7 @@ pub struct ProgramReport {
     /// Probable mistakes that raise no alarm.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<WarningReport>,
-    /// Results of `check_program` alone; `None` from `run`.
+    /// Results of the command `check` alone; `None` from `run`.
     #[serde(flatten)]
     pub path: Option<PathReport>,
     /// The machined part, if the program ran on a part.

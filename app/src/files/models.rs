@@ -82,7 +82,7 @@ mod tests {
         assert!(memory_folder(&directory, ModelId::Ncb08).ends_with("models/ncb08"));
         for model in ModelId::ALL {
             assert_eq!(
-                super::data_directory(&memory_folder(&directory, model), model),
+                data_directory(&memory_folder(&directory, model), model),
                 *directory
             );
         }

@@ -325,7 +325,7 @@ mod tests {
         use crate::window::layout::LAYOUTS;
         use crate::window::view::VIEWS;
         let keys =
-            (VIEWS.iter().filter_map(|row| row.key)).chain(LAYOUTS.iter().map(|row| row.key));
+            (VIEWS.iter().filter_map(|row| row.key)).chain(LAYOUTS.iter().filter_map(|row| row.key));
         for key in keys {
             assert!(
                 !matches!(key, PcKey::F10 | PcKey::F12 | PcKey::Escape),

@@ -188,7 +188,7 @@ mod tests {
     #[test]
     fn every_view_key_is_unique() {
         let views = VIEWS.iter().filter_map(|row| row.key);
-        let layouts = LAYOUTS.iter().map(|row| row.key);
+        let layouts = LAYOUTS.iter().filter_map(|row| row.key);
         let mut seen = Vec::new();
         for key in views.chain(layouts) {
             let name = key_name(key);

@@ -1,6 +1,6 @@
 //! Exchange between the control and the pulse board that makes its motion, tick by tick:
-//! the board's part of [`Inputs`](crate::machine::Inputs) and
-//! [`Outputs`](crate::machine::Outputs).
+//! the board's part of [`MachineInputs`](crate::machine::MachineInputs) and
+//! [`MachineOutputs`](crate::machine::MachineOutputs).
 
 mod checked;
 mod orders;

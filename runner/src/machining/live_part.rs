@@ -113,8 +113,12 @@ impl LivePart {
             ..last
         });
         self.last_tick = Some(now);
+        let is_located =
+            conditions.source.is_some() || self.machining.mounting().is_part_located(tool);
         match before {
-            Some(before) if before.slide != slide => self.add_tick(conditions, before, now),
+            Some(before) if before.slide != slide && is_located => {
+                self.add_tick(conditions, before, now);
+            }
             // At standstill the pending motion shows at once.
             _ => self.cut_pending(),
         }

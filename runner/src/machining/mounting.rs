@@ -42,6 +42,13 @@ impl Mounting {
         self.zero.unwrap_or(zero) + length.unwrap_or(frame.offset)
     }
 
+    /// Whether the position of the part relative to the tool is known: the job gives the zero,
+    /// or the tool has cut. Otherwise the work zero of the control is an assumption, which
+    /// holds only while a program runs.
+    pub(super) fn is_part_located(&self, tool: u8) -> bool {
+        self.zero.is_some() || self.fixed_zeros.contains_key(&tool)
+    }
+
     /// Tip of a tool in part coordinates, with the slide at machine position `machine`.
     pub fn tip_in_part(&self, tool: u8, machine: Point, frame: &Frame) -> Point {
         machine - self.slide_at_part_zero(tool, frame)

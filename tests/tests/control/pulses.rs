@@ -1,5 +1,5 @@
 //! Compares pulses with commanded positions over very many moves: gear, backlash and pitch
-//! errors. `PULSE_MOVES=10000000 cargo test -p gsk980td-core --test pulses` makes them all.
+//! errors. `PULSE_MOVES=10000000 cargo test -p gsk980td-tests --test control pulses` makes them all.
 
 use std::fmt::Write as _;
 

@@ -1,4 +1,4 @@
-//! `link run_twin`: simulates a pulse board in real time on a pseudo terminal or a network
+//! `link twin`: simulates a pulse board in real time on a pseudo terminal or a network
 //! address.
 
 use crate::commands::CommandError;

@@ -1,4 +1,4 @@
-//! `transfer run_control`: a control without a window at the other end of the line.
+//! `transfer control`: a control without a window at the other end of the line.
 
 use std::path::Path;
 use std::sync::Arc;

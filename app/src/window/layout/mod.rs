@@ -58,8 +58,8 @@ pub enum WindowLayout {
 pub struct LayoutRow {
     pub layout: WindowLayout,
     pub name: fn() -> Message,
-    /// The key that chooses the layout, pressed with Shift.
-    pub key: Key,
+    /// The key that chooses the layout, pressed with Shift. `None`: the menu alone.
+    pub key: Option<Key>,
     /// The docked views until the operator changes them.
     default_docked: &'static [ViewId],
     proportions: Proportions,
@@ -70,21 +70,21 @@ pub static LAYOUTS: [LayoutRow; 5] = [
     LayoutRow {
         layout: WindowLayout::Panel,
         name: say::window_layout_panel,
-        key: Key::F6,
+        key: Some(Key::F6),
         default_docked: &[],
         proportions: LARGE_PANEL,
     },
     LayoutRow {
         layout: WindowLayout::Machine,
         name: say::window_layout_machine,
-        key: Key::F7,
+        key: Some(Key::F7),
         default_docked: &[ViewId::Machine],
         proportions: LARGE_PANEL,
     },
     LayoutRow {
         layout: WindowLayout::Programmer,
         name: say::window_layout_programmer,
-        key: Key::F8,
+        key: Some(Key::F8),
         default_docked: &[ViewId::Program, ViewId::Machine],
         proportions: Proportions {
             max_panel_share: 0.5,
@@ -95,7 +95,7 @@ pub static LAYOUTS: [LayoutRow; 5] = [
     LayoutRow {
         layout: WindowLayout::Instructor,
         name: say::window_layout_instructor,
-        key: Key::F9,
+        key: Some(Key::F9),
         default_docked: &[ViewId::Machine, ViewId::Scope, ViewId::Bench],
         proportions: Proportions {
             max_panel_share: 0.5,
@@ -106,7 +106,7 @@ pub static LAYOUTS: [LayoutRow; 5] = [
     LayoutRow {
         layout: WindowLayout::Learner,
         name: say::window_layout_learner,
-        key: Key::F12,
+        key: None,
         default_docked: &[ViewId::Machine, ViewId::Lesson],
         proportions: Proportions {
             max_panel_share: 0.58,
@@ -135,7 +135,7 @@ impl WindowLayout {
 pub fn layout_of_pressed_key(events: &[Event]) -> Option<WindowLayout> {
     let row = LAYOUTS
         .iter()
-        .find(|row| is_pressed_with_shift(events, row.key));
+        .find(|row| row.key.is_some_and(|key| is_pressed_with_shift(events, key)));
     row.map(|row| row.layout)
 }
 

@@ -84,8 +84,10 @@ pub fn show_appearance(
     let layout = settings.layouts.current();
     for row in &LAYOUTS {
         let chosen = row.layout == layout;
-        let entry = egui::Button::selectable(chosen, (row.name)().text(language))
-            .shortcut_text(key_name(row.key));
+        let mut entry = egui::Button::selectable(chosen, (row.name)().text(language));
+        if let Some(key) = row.key {
+            entry = entry.shortcut_text(key_name(key));
+        }
         if ui.add(entry).clicked() {
             request = Some(TopBarRequest::Layout(row.layout));
             ui.close();
