@@ -9,6 +9,31 @@ use crate::repository;
 /// The packages whose tests a table may name.
 const TESTED_PACKAGES: [&str; 6] = ["core", "milling", "panel", "app", "twins", "tests"];
 
+/// The folders of the packages of the workspace, sorted.
+pub fn packages() -> Vec<String> {
+    let entries = fs::read_dir(repository()).into_iter().flatten().flatten();
+    let packages = entries.filter(|entry| entry.path().join("Cargo.toml").is_file());
+    let names = packages.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    names
+}
+
+/// The Rust files in a folder and its subfolders, sorted.
+pub fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            files.extend(rust_files(&path));
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+    files.sort();
+    files
+}
+
 /// Whether a Rust test function with this name exists.
 pub fn has_test(name: &str) -> bool {
     let wanted = format!("fn {name}()");

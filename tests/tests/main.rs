@@ -35,5 +35,6 @@ mod protections;
 mod runner;
 mod samples;
 mod signal_facts;
+mod type_names;
 mod vocabulary;
 mod window_texts;

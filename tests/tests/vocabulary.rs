@@ -2,21 +2,10 @@
 //! `tests/vocabulary.tsv`, which lists a better one for each.
 
 use std::fs;
-use std::path::{Path, PathBuf};
 
 use gsk_tests::repository;
 use gsk_tests::rust_text::{RustToken, split_tokens, split_words};
-
-/// The packages that are held to the list; the others still have to be rewritten.
-const REWRITTEN: [&str; 7] = [
-    "help",
-    "language",
-    "link",
-    "milling",
-    "panel",
-    "workpiece",
-    "xtask",
-];
+use gsk_tests::sources::{packages, rust_files};
 
 /// A word or phrase that the sources avoid.
 struct VocabularyEntry {
@@ -42,17 +31,6 @@ fn read_vocabulary() -> Vec<VocabularyEntry> {
         }
     });
     rows.collect()
-}
-
-fn collect_rust_files(folder: &Path, files: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let path = entry.path();
-        if path.is_dir() {
-            collect_rust_files(&path, files);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            files.push(path);
-        }
-    }
 }
 
 /// The words of a comment in lower case, without quoted code and marks.
@@ -113,11 +91,9 @@ fn find_forbidden_words(vocabulary: &[VocabularyEntry], source: &str) -> Vec<(us
 fn sources_use_the_words_of_the_field() {
     let vocabulary = read_vocabulary();
     let mut all = Vec::new();
-    for package in REWRITTEN {
-        let mut files = Vec::new();
-        collect_rust_files(&repository().join(package), &mut files);
+    for package in packages() {
+        let files = rust_files(&repository().join(&package));
         assert!(!files.is_empty(), "{package} has sources");
-        files.sort();
         for path in files {
             let source = fs::read_to_string(&path).expect("a source");
             let name = path.strip_prefix(repository()).expect("in the repository");

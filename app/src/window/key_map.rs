@@ -45,9 +45,7 @@ pub fn show(context: &Context, language: Language, placed: &[PlacedArea]) -> boo
             .iter()
             .filter(|row| row.view.is_available())
             .filter_map(|row| Some((row.key?, row.name)));
-        let layouts = LAYOUTS
-            .iter()
-            .filter_map(|row| Some((row.key?, row.name)));
+        let layouts = LAYOUTS.iter().filter_map(|row| Some((row.key?, row.name)));
         let views = views
             .chain(layouts)
             .map(|(key, name)| format!("{}  {}", key_name(key), name().text(language)));

@@ -324,8 +324,8 @@ mod tests {
     fn views_and_layouts_use_no_stop_key() {
         use crate::window::layout::LAYOUTS;
         use crate::window::view::VIEWS;
-        let keys =
-            (VIEWS.iter().filter_map(|row| row.key)).chain(LAYOUTS.iter().filter_map(|row| row.key));
+        let keys = (VIEWS.iter().filter_map(|row| row.key))
+            .chain(LAYOUTS.iter().filter_map(|row| row.key));
         for key in keys {
             assert!(
                 !matches!(key, PcKey::F10 | PcKey::F12 | PcKey::Escape),

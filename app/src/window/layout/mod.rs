@@ -133,9 +133,10 @@ impl WindowLayout {
 
 /// The layout whose key is pressed in `events`, if any.
 pub fn layout_of_pressed_key(events: &[Event]) -> Option<WindowLayout> {
-    let row = LAYOUTS
-        .iter()
-        .find(|row| row.key.is_some_and(|key| is_pressed_with_shift(events, key)));
+    let row = LAYOUTS.iter().find(|row| {
+        row.key
+            .is_some_and(|key| is_pressed_with_shift(events, key))
+    });
     row.map(|row| row.layout)
 }
 
