@@ -16,7 +16,7 @@ use gsk_runner::curves::RapidRates;
 use gsk_runner::machining::{CollisionFinding, Machining};
 use gsk_workpiece::collision::{Obstacle, TouchingPart};
 use gsk_workpiece::job::Job;
-use gsk_workpiece::stock::{Form, Stock, Tailstock};
+use gsk_workpiece::stock::{Stock, StockForm, Tailstock};
 use gsk_workpiece::tool::{BodyPart, Holder, Tool};
 
 const TURRET: TouchingPart = TouchingPart::Body(BodyPart::Turret);
@@ -42,7 +42,7 @@ fn job() -> Job {
 /// The same with a bore of 20, and with a tailstock.
 fn tube_job() -> Job {
     let mut job = job();
-    job.stock.form = Form::Tube {
+    job.stock.form = StockForm::Tube {
         diameter: Diameter(50.0),
         bore: Diameter(20.0),
     };
@@ -52,7 +52,7 @@ fn tube_job() -> Job {
 /// A bore in which the bar touches the opposite wall.
 fn narrow_bore_job() -> Job {
     let mut job = tube_job();
-    job.stock.form = Form::Tube {
+    job.stock.form = StockForm::Tube {
         diameter: Diameter(50.0),
         bore: Diameter(12.0),
     };

@@ -10,7 +10,7 @@ use crate::program_text::{
 };
 use crate::transfer_fault::TransferFault;
 use crate::transfer_file::TransferFile;
-use crate::{HostTime, MIN_FRAME_BAUD};
+use crate::{MIN_FRAME_BAUD, PortTime};
 
 /// Protocol that the control sends with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -90,7 +90,7 @@ impl ControlPort {
     }
 
     /// Takes received bytes.
-    pub fn receive(&mut self, bytes: &[u8], now: HostTime) {
+    pub fn receive(&mut self, bytes: &[u8], now: PortTime) {
         if let Some((_, writer)) = &mut self.writer {
             writer.receive(bytes);
         } else if self.framing == Framing::Text || self.reader.is_busy() {
@@ -104,7 +104,7 @@ impl ControlPort {
 
     /// Selects the protocol by the first bytes of a new peer: after leader bytes, `%` begins a
     /// text.
-    fn receive_first(&mut self, bytes: &[u8], now: HostTime) {
+    fn receive_first(&mut self, bytes: &[u8], now: PortTime) {
         let is_leader =
             |byte: &&u8| matches!(**byte & 0x7F, 0 | 0x7F | 0x11..=0x14 | b'\r' | b'\n');
         let skipped = bytes.iter().take_while(is_leader).count();
@@ -117,7 +117,7 @@ impl ControlPort {
     }
 
     /// Passes waiting bytes to `port`, which returns how many it has taken.
-    pub fn write(&mut self, now: HostTime, mut port: impl FnMut(&[u8]) -> usize) {
+    pub fn write(&mut self, now: PortTime, mut port: impl FnMut(&[u8]) -> usize) {
         self.flow_control.extend(self.reader.take_flow_control());
         if !self.flow_control.is_empty() {
             let taken = port(&self.flow_control);
@@ -144,7 +144,7 @@ impl ControlPort {
     }
 
     /// Returns the transfer status for the LCD.
-    pub fn status(&self, now: HostTime) -> PortStatus {
+    pub fn status(&self, now: PortTime) -> PortStatus {
         if self.writer.is_some() || !self.text_queue.is_empty() {
             PortStatus::Sending
         } else if self.reader.is_in_text() {
@@ -155,7 +155,7 @@ impl ControlPort {
     }
 
     /// Processes received bytes, timeouts and waiting files up to `now`.
-    pub fn advance(&mut self, now: HostTime, store: &mut dyn FileStore) {
+    pub fn advance(&mut self, now: PortTime, store: &mut dyn FileStore) {
         self.frames.advance(now, store);
         while let Some(event) = self.reader.advance(now) {
             match event {
@@ -196,7 +196,7 @@ impl ControlPort {
     }
 
     /// Completes a sent text and starts the next one.
-    fn advance_writer(&mut self, now: HostTime) {
+    fn advance_writer(&mut self, now: PortTime) {
         if let Some((name, writer)) = &self.writer {
             if !writer.is_finished(now) {
                 return;

@@ -3,7 +3,7 @@
 
 use std::collections::VecDeque;
 
-use crate::HostTime;
+use crate::PortTime;
 use crate::file_name::{FileName, Partition};
 use crate::frame::{PutRequest, RemotePath, TransferRequest, VERSION};
 use crate::program_text::InvalidCharacter;
@@ -14,7 +14,7 @@ use crate::transfer_file::{
 };
 
 /// Shortest display time of 输入 after a request.
-const STATUS_HOLD_TIME: HostTime = HostTime::from_millis(300);
+const STATUS_HOLD_TIME: PortTime = PortTime::from_millis(300);
 /// Bytes without a frame after which the peer uses another rate or protocol.
 const MIN_NOISE_BYTES: u64 = 24;
 
@@ -103,7 +103,7 @@ pub struct ControlSide {
     /// The control has already reconnected for the outgoing file.
     has_reconnected: bool,
     is_listing: bool,
-    receiving_until: HostTime,
+    receiving_until: PortTime,
     /// Noise count at the last frame.
     noise: u64,
     events: VecDeque<ControlEvent>,
@@ -120,7 +120,7 @@ impl ControlSide {
             to_send: VecDeque::new(),
             has_reconnected: false,
             is_listing: false,
-            receiving_until: HostTime::ZERO,
+            receiving_until: PortTime::ZERO,
             noise: 0,
             events: VecDeque::new(),
         }
@@ -159,12 +159,12 @@ impl ControlSide {
     }
 
     /// Takes received bytes.
-    pub fn receive(&mut self, bytes: &[u8], now: HostTime) {
+    pub fn receive(&mut self, bytes: &[u8], now: PortTime) {
         self.station.receive(bytes, now);
     }
 
     /// Returns the bytes to send now; [`Self::mark_sent`] confirms how many the port has taken.
-    pub fn pending_bytes(&self, now: HostTime) -> &[u8] {
+    pub fn pending_bytes(&self, now: PortTime) -> &[u8] {
         self.station.pending_bytes(now)
     }
 
@@ -179,7 +179,7 @@ impl ControlSide {
     }
 
     /// Returns the transfer status for the LCD.
-    pub fn status(&self, now: HostTime) -> PortStatus {
+    pub fn status(&self, now: PortTime) -> PortStatus {
         if !self.to_send.is_empty() || (self.outgoing.is_some() && !self.is_outgoing_requested) {
             PortStatus::Sending
         } else if self.incoming.is_some() || self.outgoing.is_some() || now < self.receiving_until {
@@ -190,7 +190,7 @@ impl ControlSide {
     }
 
     /// Processes received frames, timeouts and waiting files up to `now`.
-    pub fn advance(&mut self, now: HostTime, store: &mut dyn FileStore) {
+    pub fn advance(&mut self, now: PortTime, store: &mut dyn FileStore) {
         while let Some(event) = self.station.next_event(now) {
             self.noise = self.station.noise();
             match event {

@@ -40,7 +40,7 @@ pub use transfer_file::{DirectoryEntry, TransferFile, TransferProgress};
 pub use wire_time::WireTime;
 
 /// Monotonic time of the host.
-pub type HostTime = Duration;
+pub type PortTime = Duration;
 
 /// Lowest rate for frames, bits per second. Below it the control exchanges plain text only (manual
 /// III-9.3).

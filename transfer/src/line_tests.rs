@@ -9,7 +9,7 @@
     reason = "tests fail by panicking"
 )]
 
-use gsk_twins::wire::Wire;
+use gsk_twins::wire::TwinWire;
 
 use super::*;
 
@@ -93,7 +93,7 @@ struct Line {
     control: ControlPort,
     memory: Memory,
     /// Towards the control, and towards the PC.
-    wires: [Wire; 2],
+    wires: [TwinWire; 2],
     now_ns: u64,
     events: Vec<ControlEvent>,
     statuses: Vec<PortStatus>,
@@ -106,7 +106,7 @@ impl Line {
             pc: PcSide::new(baud),
             control: ControlPort::new(baud, Framing::Frames, TextLineEnd::CrLf),
             memory: Memory::default(),
-            wires: [Wire::new(baud), Wire::new(baud)],
+            wires: [TwinWire::new(baud), TwinWire::new(baud)],
             now_ns: 0,
             events: Vec::new(),
             statuses: Vec::new(),
@@ -114,8 +114,8 @@ impl Line {
         }
     }
 
-    fn now(&self) -> HostTime {
-        HostTime::from_nanos(self.now_ns)
+    fn now(&self) -> PortTime {
+        PortTime::from_nanos(self.now_ns)
     }
 
     fn take_arrived(&mut self, wire: usize) -> Vec<u8> {
@@ -375,7 +375,7 @@ fn two_controls_send_to_each_other() {
     let mut controls =
         [(); 2].map(|()| ControlPort::new(115_200, Framing::Frames, TextLineEnd::CrLf));
     let mut memories = [Memory::default(), Memory::default()];
-    let mut wires = [Wire::new(115_200), Wire::new(115_200)];
+    let mut wires = [TwinWire::new(115_200), TwinWire::new(115_200)];
     controls[0].send(vec![file("O1.CNC", &bytes, false)]);
     let mut events = Vec::new();
     for ms in 1..20_000_u64 {
@@ -383,7 +383,7 @@ fn two_controls_send_to_each_other() {
         if ms == 5000 {
             controls[1].send(vec![file("O2.CNC", &bytes, false)]);
         }
-        let now = HostTime::from_millis(ms);
+        let now = PortTime::from_millis(ms);
         for at in 0..2 {
             let received: Vec<u8> =
                 core::iter::from_fn(|| wires[at].receive(ms * STEP_NS)).collect();
@@ -453,7 +453,7 @@ fn text_is_received_beside_frames_and_sent_in_text_mode() {
     let mut reader = TextReader::new(1200);
     let (mut read, mut events) = (Vec::new(), Vec::new());
     for ms in 1..3000 {
-        let now = HostTime::from_millis(ms);
+        let now = PortTime::from_millis(ms);
         slow.advance(now, &mut line.memory);
         slow.write(now, |bytes| {
             reader.receive(bytes, now);

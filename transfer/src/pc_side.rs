@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use gsk_messages::{Message, say};
 
-use crate::HostTime;
+use crate::PortTime;
 use crate::file_name::{FileName, Partition};
 use crate::frame::{RemotePath, TransferRequest, VERSION};
 use crate::station::{Station, StationEvent};
@@ -151,12 +151,12 @@ impl PcSide {
     }
 
     /// Takes received bytes.
-    pub fn receive(&mut self, bytes: &[u8], now: HostTime) {
+    pub fn receive(&mut self, bytes: &[u8], now: PortTime) {
         self.station.receive(bytes, now);
     }
 
     /// Returns the bytes to send now; [`Self::mark_sent`] confirms how many the port has taken.
-    pub fn pending_bytes(&self, now: HostTime) -> &[u8] {
+    pub fn pending_bytes(&self, now: PortTime) -> &[u8] {
         self.station.pending_bytes(now)
     }
 
@@ -186,7 +186,7 @@ impl PcSide {
 
     /// Processes received frames and timeouts up to `now`. Returns the result of the command, or a
     /// file that the control has sent.
-    pub fn advance(&mut self, now: HostTime) -> Option<TransferOutcome> {
+    pub fn advance(&mut self, now: PortTime) -> Option<TransferOutcome> {
         while let Some(event) = self.station.next_event(now) {
             match event {
                 StationEvent::Request(request) => {
@@ -207,7 +207,7 @@ impl PcSide {
     }
 
     /// Gives up waiting for frames of a control that is silent.
-    fn check_timeout(&mut self, now: HostTime) {
+    fn check_timeout(&mut self, now: PortTime) {
         let expects_frames = self.incoming.is_some()
             || matches!(self.activity, Activity::Listing(_) | Activity::Getting(_));
         if expects_frames
@@ -229,7 +229,7 @@ impl PcSide {
         self.outcomes.push_back(outcome);
     }
 
-    fn handle_lost(&mut self, now: HostTime) {
+    fn handle_lost(&mut self, now: PortTime) {
         self.incoming = None;
         let is_connecting = matches!(self.activity, Activity::AwaitingReply)
             && self.station.has_received_no_frame();

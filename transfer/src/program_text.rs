@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use gsk_messages::{Message, say};
 
-use crate::HostTime;
+use crate::PortTime;
 use crate::wire_time::WireTime;
 
 /// DC1: the sender may continue.
@@ -20,9 +20,9 @@ const MAX_BACKLOG_CHARS: usize = 65_536;
 /// Largest text, more than the program memory holds.
 const MAX_TEXT_BYTES: usize = 1 << 22;
 /// Pause after which a text is incomplete.
-const SILENCE_TIMEOUT: HostTime = HostTime::from_secs(15);
+const SILENCE_TIMEOUT: PortTime = PortTime::from_secs(15);
 /// Longest time that the reader catches up.
-const MAX_CATCH_UP_TIME: HostTime = HostTime::from_millis(100);
+const MAX_CATCH_UP_TIME: PortTime = PortTime::from_millis(100);
 /// A shorter text before an error is noise.
 const MIN_TEXT_CHARS: usize = 16;
 
@@ -87,8 +87,8 @@ pub struct TextReader {
     wire: WireTime,
     backlog: VecDeque<u8>,
     /// Time up to which received bytes are processed.
-    read_until: HostTime,
-    last_byte_at: HostTime,
+    read_until: PortTime,
+    last_byte_at: PortTime,
     /// XOFF was sent.
     is_stopped: bool,
     /// XON and XOFF to send.
@@ -105,8 +105,8 @@ impl TextReader {
         Self {
             wire: WireTime::new(baud),
             backlog: VecDeque::new(),
-            read_until: HostTime::ZERO,
-            last_byte_at: HostTime::ZERO,
+            read_until: PortTime::ZERO,
+            last_byte_at: PortTime::ZERO,
             is_stopped: false,
             flow_control: Vec::new(),
             text: None,
@@ -130,7 +130,7 @@ impl TextReader {
     }
 
     /// Takes received bytes.
-    pub fn receive(&mut self, bytes: &[u8], now: HostTime) {
+    pub fn receive(&mut self, bytes: &[u8], now: PortTime) {
         if bytes.is_empty() {
             return;
         }
@@ -157,7 +157,7 @@ impl TextReader {
     }
 
     /// Processes received bytes up to `now`.
-    pub fn advance(&mut self, now: HostTime) -> Option<TextEvent> {
+    pub fn advance(&mut self, now: PortTime) -> Option<TextEvent> {
         if self.backlog.len() > MAX_BACKLOG_CHARS {
             return Some(self.interrupt());
         }
@@ -356,7 +356,7 @@ impl TextWriter {
     }
 
     /// Returns the bytes to send now; [`Self::mark_sent`] confirms how many the port has taken.
-    pub fn pending_bytes(&self, now: HostTime) -> &[u8] {
+    pub fn pending_bytes(&self, now: PortTime) -> &[u8] {
         let rest = &self.bytes[self.sent_bytes..];
         if self.is_stopped {
             return &[];
@@ -365,13 +365,13 @@ impl TextWriter {
     }
 
     /// Counts bytes that the port has taken.
-    pub fn mark_sent(&mut self, count: usize, now: HostTime) {
+    pub fn mark_sent(&mut self, count: usize, now: PortTime) {
         self.sent_bytes += count;
         self.wire.queue(count, now);
     }
 
     /// Whether the last bit has left the line.
-    pub fn is_finished(&self, now: HostTime) -> bool {
+    pub fn is_finished(&self, now: PortTime) -> bool {
         self.sent_bytes == self.bytes.len() && self.wire.idle_at() <= now
     }
 }

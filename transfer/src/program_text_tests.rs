@@ -8,16 +8,16 @@ const BAUD: u32 = 9600;
 fn read(bytes: &[u8]) -> Vec<TextEvent> {
     let mut reader = TextReader::new(BAUD);
     let mut events = Vec::new();
-    let mut now = HostTime::ZERO;
+    let mut now = PortTime::ZERO;
     for chunk in bytes.chunks(7) {
         reader.receive(chunk, now);
-        now += HostTime::from_millis(10);
+        now += PortTime::from_millis(10);
         while let Some(event) = reader.advance(now) {
             events.push(event);
         }
     }
     for _ in 0..2000 {
-        now += HostTime::from_millis(10);
+        now += PortTime::from_millis(10);
         while let Some(event) = reader.advance(now) {
             events.push(event);
         }
@@ -85,10 +85,10 @@ fn fast_sender_is_stopped_without_loss() {
     let mut writer = TextWriter::new(&text, TextLineEnd::CrLf, 115_200).unwrap();
     let mut reader = TextReader::new(BAUD);
     let (mut stops, mut found) = (0, None);
-    let mut now = HostTime::ZERO;
+    let mut now = PortTime::ZERO;
     while found.is_none() {
-        now += HostTime::from_millis(1);
-        assert!(now < HostTime::from_secs(120));
+        now += PortTime::from_millis(1);
+        assert!(now < PortTime::from_secs(120));
         let due = writer.pending_bytes(now).to_vec();
         writer.mark_sent(due.len(), now);
         reader.receive(&due, now);
@@ -103,7 +103,7 @@ fn fast_sender_is_stopped_without_loss() {
     assert!(stops > 10, "{stops}");
     // A sender that ignores XOFF is reported.
     reader.receive(&b"%\nG00\n".repeat(20_000), now);
-    let last_event = core::iter::from_fn(|| reader.advance(now + HostTime::from_secs(1))).last();
+    let last_event = core::iter::from_fn(|| reader.advance(now + PortTime::from_secs(1))).last();
     assert!(
         matches!(last_event, Some(TextEvent::Noise | TextEvent::Interrupted)),
         "{last_event:?}"

@@ -9,7 +9,7 @@
 
 use std::collections::VecDeque;
 
-use crate::HostTime;
+use crate::PortTime;
 use crate::frame::{
     FrameReader, MAX_FRAME_BYTES, ReaderOutput, TransferFrame, TransferRequest, VERSION,
     encode_reply,
@@ -18,14 +18,14 @@ use crate::transfer_fault::TransferFault;
 use crate::wire_time::{PORT_LOOKAHEAD, WireTime};
 
 /// Longest time for a reply.
-const REPLY_TIMEOUT: HostTime = HostTime::from_secs(1);
+const REPLY_TIMEOUT: PortTime = PortTime::from_secs(1);
 const MAX_RETRANSMISSIONS: u8 = 5;
 /// Pending blocks of a file or entries of a list.
 const WINDOW: usize = 2;
 /// A pause within a frame after which it is incomplete.
-const FRAME_GAP_TIMEOUT: HostTime = HostTime::from_millis(200);
+const FRAME_GAP_TIMEOUT: PortTime = PortTime::from_millis(200);
 /// Shortest time between two requests for a missing frame.
-const NAK_INTERVAL: HostTime = HostTime::from_millis(50);
+const NAK_INTERVAL: PortTime = PortTime::from_millis(50);
 /// Replies that are kept for repeated frames.
 const KEPT_REPLIES: usize = 4;
 /// Sequence numbers of the connect frame and of the first frame after it.
@@ -52,9 +52,9 @@ struct PendingFrame {
     request: TransferRequest,
     retransmission_count: u8,
     /// Time at which the last bit leaves.
-    transmitted_at: HostTime,
+    transmitted_at: PortTime,
     /// Time at which the reply is due.
-    reply_due_at: HostTime,
+    reply_due_at: PortTime,
     /// The reply is of no interest any more.
     is_abandoned: bool,
 }
@@ -76,9 +76,9 @@ pub(crate) struct Station {
     recent_replies: VecDeque<(u8, Result<(), TransferFault>)>,
     events: VecDeque<StationEvent>,
     /// Times of the last received byte and the last received frame.
-    last_byte_at: HostTime,
-    last_frame_at: HostTime,
-    last_nak_at: Option<HostTime>,
+    last_byte_at: PortTime,
+    last_frame_at: PortTime,
+    last_nak_at: Option<PortTime>,
     retransmissions: u64,
 }
 
@@ -96,8 +96,8 @@ impl Station {
             unanswered_seq: None,
             recent_replies: VecDeque::new(),
             events: VecDeque::new(),
-            last_byte_at: HostTime::ZERO,
-            last_frame_at: HostTime::ZERO,
+            last_byte_at: PortTime::ZERO,
+            last_frame_at: PortTime::ZERO,
             last_nak_at: None,
             retransmissions: 0,
         }
@@ -161,12 +161,12 @@ impl Station {
 
     /// Returns the longest time for a reply at this rate. The reply may wait for a frame of the
     /// peer and for a frame of this side.
-    pub(crate) fn reply_timeout(&self) -> HostTime {
+    pub(crate) fn reply_timeout(&self) -> PortTime {
         REPLY_TIMEOUT + self.wire.transmission_time(2 * MAX_FRAME_BYTES)
     }
 
     /// Returns a time longer than the peer waits before it gives up.
-    pub(crate) fn abandon_after(&self) -> HostTime {
+    pub(crate) fn abandon_after(&self) -> PortTime {
         self.reply_timeout() * (u32::from(MAX_RETRANSMISSIONS) + 2)
     }
 
@@ -176,17 +176,17 @@ impl Station {
     }
 
     /// Returns the time since the last frame.
-    pub(crate) fn time_since_frame(&self, now: HostTime) -> HostTime {
+    pub(crate) fn time_since_frame(&self, now: PortTime) -> PortTime {
         now.saturating_sub(self.last_frame_at)
     }
 
     /// Returns the time since the last byte.
-    pub(crate) fn time_since_byte(&self, now: HostTime) -> HostTime {
+    pub(crate) fn time_since_byte(&self, now: PortTime) -> PortTime {
         now.saturating_sub(self.last_byte_at)
     }
 
     /// Returns the bytes that the port may take now.
-    pub(crate) fn pending_bytes(&self, now: HostTime) -> &[u8] {
+    pub(crate) fn pending_bytes(&self, now: PortTime) -> &[u8] {
         &self.output[..self.wire.sendable(self.output.len(), now)]
     }
 
@@ -196,7 +196,7 @@ impl Station {
     }
 
     /// Takes received bytes.
-    pub(crate) fn receive(&mut self, bytes: &[u8], now: HostTime) {
+    pub(crate) fn receive(&mut self, bytes: &[u8], now: PortTime) {
         if !bytes.is_empty() {
             self.last_byte_at = now;
             self.reader.push_bytes(bytes);
@@ -204,7 +204,7 @@ impl Station {
     }
 
     /// Returns the next event. A request must be replied to before the next event is read.
-    pub(crate) fn next_event(&mut self, now: HostTime) -> Option<StationEvent> {
+    pub(crate) fn next_event(&mut self, now: PortTime) -> Option<StationEvent> {
         self.retransmit_overdue(now);
         loop {
             if let Some(event) = self.events.pop_front() {
@@ -237,7 +237,7 @@ impl Station {
     }
 
     /// Replies to the last request.
-    pub(crate) fn reply(&mut self, result: Result<(), TransferFault>, now: HostTime) {
+    pub(crate) fn reply(&mut self, result: Result<(), TransferFault>, now: PortTime) {
         let Some(seq) = self.unanswered_seq.take() else {
             return;
         };
@@ -256,13 +256,13 @@ impl Station {
         self.unanswered_seq = None;
     }
 
-    fn queue_bytes(&mut self, bytes: &[u8], now: HostTime) -> HostTime {
+    fn queue_bytes(&mut self, bytes: &[u8], now: PortTime) -> PortTime {
         self.output.extend_from_slice(bytes);
         self.wire.queue(bytes.len(), now)
     }
 
     /// Sends waiting frames as far as the window allows.
-    pub(crate) fn send_waiting(&mut self, now: HostTime) {
+    pub(crate) fn send_waiting(&mut self, now: PortTime) {
         while let Some(request) = self.waiting.front() {
             let is_block = |request: &TransferRequest| {
                 matches!(
@@ -297,7 +297,7 @@ impl Station {
     }
 
     /// Retransmits the first pending frame and those after it if its reply is overdue.
-    fn retransmit_overdue(&mut self, now: HostTime) {
+    fn retransmit_overdue(&mut self, now: PortTime) {
         if self
             .pending
             .front()
@@ -308,7 +308,7 @@ impl Station {
     }
 
     /// Retransmits the pending frames from one on.
-    fn retransmit(&mut self, from: usize, now: HostTime) {
+    fn retransmit(&mut self, from: usize, now: PortTime) {
         if self.pending[from].retransmission_count >= MAX_RETRANSMISSIONS {
             self.clear_queues();
             self.expected_seq = None;
@@ -333,7 +333,7 @@ impl Station {
         }
     }
 
-    fn handle_reply(&mut self, seq: u8, result: Result<(), TransferFault>, now: HostTime) {
+    fn handle_reply(&mut self, seq: u8, result: Result<(), TransferFault>, now: PortTime) {
         let Some(at) = self.pending.iter().position(|frame| frame.seq == seq) else {
             return;
         };
@@ -371,7 +371,7 @@ impl Station {
         &mut self,
         seq: u8,
         request: Result<TransferRequest, TransferFault>,
-        now: HostTime,
+        now: PortTime,
     ) {
         if matches!(request, Ok(TransferRequest::Connect { .. })) {
             self.restart_session();
@@ -410,14 +410,14 @@ impl Station {
         self.next_seq = FIRST_SEQ;
     }
 
-    fn repeat_reply(&mut self, seq: u8, now: HostTime) {
+    fn repeat_reply(&mut self, seq: u8, now: PortTime) {
         let known = self.recent_replies.iter().find(|(known, _)| *known == seq);
         let result = known.map_or(Ok(()), |(_, result)| *result);
         self.queue_bytes(&encode_reply(seq, result), now);
     }
 
     /// Requests the frame that is missing or damaged.
-    fn request_missing_frame(&mut self, now: HostTime) {
+    fn request_missing_frame(&mut self, now: PortTime) {
         let Some(expected) = self.expected_seq else {
             return;
         };

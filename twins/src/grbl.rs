@@ -19,14 +19,14 @@ mod spindle;
 
 use std::collections::VecDeque;
 
-use crate::wire::Wire;
+use crate::wire::TwinWire;
 use block::{Modal, ParsedBlock};
 use fluid::FluidState;
 use homing::GrblHoming;
 pub use pins::GrblPins;
 use planner::Planner;
 pub use settings::GrblSettings;
-use spindle::ThreadPass;
+use spindle::TwinThreadPass;
 pub use spindle::{GrblSpindle, PassTrace};
 
 /// Step of virtual time, ns.
@@ -131,9 +131,9 @@ pub struct GrblTwin {
     variant: Variant,
     now: u64,
     /// Serial line from the host to the board.
-    pub to_board: Wire,
+    pub to_board: TwinWire,
     /// Serial line from the board to the host.
-    pub to_host: Wire,
+    pub to_host: TwinWire,
     /// Input pins, in addition to the limit switches of [`GrblTwin::place_switches`].
     pub pins: GrblPins,
     /// Positions of the limit switches of X and Z relative to the slides at power-on, mm.
@@ -176,7 +176,7 @@ pub struct GrblTwin {
     spindle_code: u8,
     coolant: bool,
     spindle: GrblSpindle,
-    pass: Option<ThreadPass>,
+    pass: Option<TwinThreadPass>,
     passes: Vec<PassTrace>,
     /// A feed hold during a thread pass, which acts at its end.
     hold_pending: bool,
@@ -199,8 +199,8 @@ impl GrblTwin {
         let mut twin = Self {
             variant,
             now: 0,
-            to_board: Wire::new(115_200),
-            to_host: Wire::new(115_200),
+            to_board: TwinWire::new(115_200),
+            to_host: TwinWire::new(115_200),
             pins: GrblPins::default(),
             switches: [20.0, 40.0],
             switch_pulses: [0; 2],

@@ -18,11 +18,11 @@ mod timers;
 
 use std::collections::{BTreeMap, VecDeque};
 
-use crate::wire::Wire;
+use crate::wire::TwinWire;
 use block::BufferFront;
 pub use block::encode_block;
 use dictionary::{Response, response_id};
-use objects::{EdgeCounter, Endstop, Output, Trsync};
+use objects::{EdgeCounter, Endstop, Trsync, TwinOutput};
 use spindle::KlipperSpindle;
 pub use spindle::SpindleWiring;
 use stepper::Stepper;
@@ -107,9 +107,9 @@ impl TravelSwitch {
 pub struct KlipperTwin {
     now: u64,
     /// Serial line from the host to the board.
-    pub to_board: Wire,
+    pub to_board: TwinWire,
     /// Serial line from the board to the host.
-    pub to_host: Wire,
+    pub to_host: TwinWire,
     /// Real clock ticks in 1000 s.
     ticks_per_1000_s: u64,
     /// Time at which the clock was 0, ns.
@@ -180,7 +180,7 @@ enum ConfigObject {
     Stepper(Stepper),
     Endstop(Endstop),
     Trsync(Trsync),
-    Output(Output, u32),
+    Output(TwinOutput, u32),
     EdgeCounter(EdgeCounter),
 }
 
@@ -192,8 +192,8 @@ impl KlipperTwin {
         .unsigned_abs();
         let mut twin = Self {
             now: 0,
-            to_board: Wire::new(make.baud),
-            to_host: Wire::new(make.baud),
+            to_board: TwinWire::new(make.baud),
+            to_host: TwinWire::new(make.baud),
             ticks_per_1000_s,
             clock_zero_ns: 0,
             boots_at: None,

@@ -25,7 +25,7 @@ pub enum Damage {
 
 /// One direction of a serial line.
 #[derive(Clone, Debug)]
-pub struct Wire {
+pub struct TwinWire {
     byte_ns: u64,
     /// Bytes in transit, each with its time of arrival, ns.
     in_transit: VecDeque<(u64, u8)>,
@@ -38,7 +38,7 @@ pub struct Wire {
     damage: VecDeque<(u64, Damage)>,
 }
 
-impl Wire {
+impl TwinWire {
     /// Creates a line without faults. `baud` is its rate in bits/s.
     pub const fn new(baud: u32) -> Self {
         let baud = if baud == 0 { 1 } else { baud };
@@ -124,13 +124,13 @@ impl Wire {
 mod tests {
     use super::*;
 
-    fn arrived(wire: &mut Wire, now: u64) -> Vec<u8> {
+    fn arrived(wire: &mut TwinWire, now: u64) -> Vec<u8> {
         core::iter::from_fn(|| wire.receive(now)).collect()
     }
 
     #[test]
     fn bytes_arrive_after_their_transmission_time() {
-        let mut wire = Wire::new(115_200);
+        let mut wire = TwinWire::new(115_200);
         wire.send(b"ab", 1_000_000);
         assert_eq!(arrived(&mut wire, 1_086_000), b"");
         assert_eq!(arrived(&mut wire, 1_087_000), b"a");
@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn damage_hits_only_its_byte() {
-        let mut wire = Wire::new(1_000_000);
+        let mut wire = TwinWire::new(1_000_000);
         wire.damage(4, Damage::Cut);
         wire.damage(0, Damage::Lost);
         wire.damage(1, Damage::Changed(0b11));
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn stall_delays_only_until_the_line_is_idle() {
-        let mut wire = Wire::new(1_000_000);
+        let mut wire = TwinWire::new(1_000_000);
         wire.damage(1, Damage::Stalled(5_000_000));
         wire.send(b"abc", 0);
         assert_eq!(arrived(&mut wire, 5_019_000), b"a");

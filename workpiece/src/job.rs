@@ -95,7 +95,7 @@ impl Job {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stock::Form;
+    use crate::stock::StockForm;
 
     const FILE: &str = "(
         stock: (
@@ -113,7 +113,7 @@ mod tests {
     fn a_job_survives_a_round_trip_through_its_file() {
         let job: Job = ron::from_str(FILE).unwrap();
         job.check().unwrap();
-        assert!(matches!(job.stock.form, Form::Bar { diameter } if diameter.0 == 54.0));
+        assert!(matches!(job.stock.form, StockForm::Bar { diameter } if diameter.0 == 54.0));
         assert_eq!(job.tools[&1], Tool::turning());
         assert_eq!(job.lengths[&3].point(), Point::new(2.0, -1.5));
         let text = ron::to_string(&job).unwrap();

@@ -122,7 +122,7 @@ pub enum SectionSide {
 
 /// A line or an arc of the outline.
 #[derive(Clone, Copy, Debug)]
-struct Segment {
+struct OutlineSegment {
     from: Point,
     to: Point,
     /// Indices of both ends in the outline.
@@ -131,7 +131,7 @@ struct Segment {
     arc: Option<(Point, bool)>,
 }
 
-impl Segment {
+impl OutlineSegment {
     fn feature(&self) -> Feature {
         let (from, to) = (self.from, self.to);
         let diameters = (from.diameter(), to.diameter());
@@ -206,7 +206,7 @@ fn outline(section: &Region, side: SectionSide) -> Vec<Point> {
 }
 
 /// Fits the fewest lines and arcs through the points that are within the tolerance.
-fn fit_segments(points: &[Point]) -> Vec<Segment> {
+fn fit_segments(points: &[Point]) -> Vec<OutlineSegment> {
     let mut segments = Vec::new();
     let mut begin = 0;
     while begin + 1 < points.len() {
@@ -214,7 +214,7 @@ fn fit_segments(points: &[Point]) -> Vec<Segment> {
         let arc = last_fitting(points, begin, |points| fit_arc(points).is_some());
         let is_arc = arc + 1 - begin >= MIN_ARC_POINTS && arc > line;
         let end = if is_arc { arc } else { line };
-        segments.push(Segment {
+        segments.push(OutlineSegment {
             from: points[begin],
             to: points[end],
             points: (begin, end),
@@ -286,7 +286,7 @@ fn fit_arc(points: &[Point]) -> Option<(Point, bool)> {
 
 /// Recognizes a thread at the start of the segments. Returns it with the number of its
 /// segments.
-fn find_thread(segments: &[Segment]) -> Option<(Feature, usize)> {
+fn find_thread(segments: &[OutlineSegment]) -> Option<(Feature, usize)> {
     let mut roots: Vec<Point> = Vec::new();
     let mut crest = f64::NEG_INFINITY;
     let mut used = 0;
@@ -330,15 +330,15 @@ fn find_thread(segments: &[Segment]) -> Option<(Feature, usize)> {
 const MIN_FLANK_SLOPE: f64 = 0.25;
 
 /// Whether a segment is a flank that leads towards the axis, seen from the front.
-fn is_falling_flank(segment: &Segment) -> bool {
+fn is_falling_flank(segment: &OutlineSegment) -> bool {
     let (from, to) = (segment.from, segment.to);
     segment.arc.is_none() && from.x - to.x > MIN_FLANK_SLOPE * (from.z - to.z).abs()
 }
 
 /// Whether one of the next two segments is a flank that leads away from the axis: at most
 /// one segment lies between the flanks.
-fn has_rising_flank(segments: &[Segment]) -> bool {
-    let rises = |segment: &Segment| {
+fn has_rising_flank(segments: &[OutlineSegment]) -> bool {
+    let rises = |segment: &OutlineSegment| {
         let (from, to) = (segment.from, segment.to);
         segment.arc.is_none() && to.x - from.x > MIN_FLANK_SLOPE * (from.z - to.z).abs()
     };
@@ -347,7 +347,7 @@ fn has_rising_flank(segments: &[Segment]) -> bool {
 
 /// The lowest point of a groove whose first segment is its falling flank. Z is the middle
 /// between both flanks.
-fn groove_root(segments: &[Segment]) -> Point {
+fn groove_root(segments: &[OutlineSegment]) -> Point {
     let Some(falling) = segments.first() else {
         return Point::default();
     };
@@ -514,7 +514,7 @@ mod tests {
     #[test]
     fn a_bore_is_measured_from_the_inside() {
         let stock = Stock {
-            form: crate::stock::Form::Tube {
+            form: crate::stock::StockForm::Tube {
                 diameter: Diameter(50.0),
                 bore: Diameter(20.0),
             },

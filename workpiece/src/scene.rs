@@ -382,7 +382,7 @@ mod tests {
     #[test]
     fn a_boring_bar_too_thick_for_the_bore_collides() {
         let stock = Stock {
-            form: crate::stock::Form::Tube {
+            form: crate::stock::StockForm::Tube {
                 diameter: gsk_units::Diameter(50.0),
                 bore: gsk_units::Diameter(14.0),
             },

@@ -18,7 +18,7 @@ const MAX_DIAMETER_MM: f64 = 2000.0;
 #[serde(deny_unknown_fields)]
 pub struct Stock {
     /// The form: bar, tube or a turned contour.
-    pub form: Form,
+    pub form: StockForm,
     /// The facing allowance in front of the zero, mm.
     #[serde(default)]
     pub face: f64,
@@ -36,7 +36,7 @@ pub struct Stock {
 
 /// The form of the stock.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Form {
+pub enum StockForm {
     /// A round bar.
     Bar {
         /// The diameter, mm.
@@ -99,7 +99,7 @@ impl Stock {
     pub fn bar(diameter: f64, face: f64, overhang: f64) -> Self {
         let chuck = Chuck::default();
         Self {
-            form: Form::Bar {
+            form: StockForm::Bar {
                 diameter: Diameter(diameter),
             },
             face,
@@ -120,9 +120,9 @@ impl Stock {
         check_range(self.overhang, 1.0, self.length, say::stock_word_overhang())?;
         check_range(self.face, 0.0, self.overhang, say::stock_word_face())?;
         let (outside, bore) = match &self.form {
-            Form::Bar { diameter } => (*diameter, Diameter(0.0)),
-            Form::Tube { diameter, bore } => (*diameter, *bore),
-            Form::Contour { corners, bore } => {
+            StockForm::Bar { diameter } => (*diameter, Diameter(0.0)),
+            StockForm::Tube { diameter, bore } => (*diameter, *bore),
+            StockForm::Contour { corners, bore } => {
                 if corners.len() < 2 {
                     return Err(say::stock_few_corners());
                 }
@@ -149,8 +149,8 @@ impl Stock {
     /// The greatest radius, mm.
     pub fn radius(&self) -> f64 {
         match &self.form {
-            Form::Bar { diameter } | Form::Tube { diameter, .. } => diameter.radius(),
-            Form::Contour { corners, .. } => corners
+            StockForm::Bar { diameter } | StockForm::Tube { diameter, .. } => diameter.radius(),
+            StockForm::Contour { corners, .. } => corners
                 .iter()
                 .map(|corner| corner.0.radius())
                 .fold(0.0, f64::max),
@@ -175,9 +175,9 @@ impl Stock {
     /// The half section of the stock.
     pub fn section(&self) -> Region {
         let (outside, bore): (Region, Diameter) = match &self.form {
-            Form::Bar { diameter } => (self.cylinder(*diameter), Diameter(0.0)),
-            Form::Tube { diameter, bore } => (self.cylinder(*diameter), *bore),
-            Form::Contour { corners, bore } => {
+            StockForm::Bar { diameter } => (self.cylinder(*diameter), Diameter(0.0)),
+            StockForm::Tube { diameter, bore } => (self.cylinder(*diameter), *bore),
+            StockForm::Contour { corners, bore } => {
                 let mut contour: GridContour = corners
                     .iter()
                     .map(|(diameter, z)| to_grid(Point::from_diameter(*diameter, *z)))
@@ -275,7 +275,7 @@ mod tests {
         bar.check().unwrap();
         assert!((bar.section().volume() / (pi * 625.0 * 120.0) - 1.0).abs() < 1e-12);
         let tube = Stock {
-            form: Form::Tube {
+            form: StockForm::Tube {
                 diameter: Diameter(60.0),
                 bore: Diameter(20.0),
             },
@@ -283,7 +283,7 @@ mod tests {
         };
         assert!((tube.section().volume() / (pi * 800.0 * 120.0) - 1.0).abs() < 1e-12);
         let cone = Stock {
-            form: Form::Contour {
+            form: StockForm::Contour {
                 corners: vec![(Diameter(0.0), 0.0), (Diameter(40.0), -30.0)],
                 bore: Diameter(0.0),
             },

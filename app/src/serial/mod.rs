@@ -9,7 +9,7 @@ use gsk_panel::emulator::Emulator;
 use gsk_panel::pages::Communication;
 use gsk_panel::panel::SerialFile;
 use gsk_transfer::{
-    ControlEvent, ControlPort, FileName, Framing, HostTime, Partition, PortStatus, RemotePath,
+    ControlEvent, ControlPort, FileName, Framing, Partition, PortStatus, PortTime, RemotePath,
     TextLineEnd, TransferFault, TransferFile,
 };
 use web_time::{Duration, Instant};
@@ -67,7 +67,7 @@ struct OpenControlPort {
     /// Start of a difference between the rate and parameter 044.
     outdated_since: Option<Instant>,
     /// When bytes were last sent.
-    last_sent: HostTime,
+    last_sent: PortTime,
 }
 
 impl SerialLine {
@@ -173,7 +173,7 @@ impl SerialLine {
             baud,
             shown_status: PortStatus::Idle,
             outdated_since: None,
-            last_sent: HostTime::ZERO,
+            last_sent: PortTime::ZERO,
         });
         self.wire.set_rate(baud);
         // A pseudo terminal stays open at every rate.
@@ -192,7 +192,7 @@ impl SerialLine {
     fn handle_event(
         &mut self,
         event: SerialPortEvent,
-        now: HostTime,
+        now: PortTime,
         emulator: &mut Emulator,
         messages: &mut Vec<Message>,
     ) {

@@ -67,7 +67,7 @@ pub(super) enum OpeningAction {
 
 /// The dialogue that opens a link.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Opening {
+pub(super) struct LineOpening {
     step: OpeningStep,
     since: HostTime,
     opened: HostTime,
@@ -91,7 +91,7 @@ pub(super) struct Opening {
     reset: bool,
 }
 
-impl Opening {
+impl LineOpening {
     pub(super) fn new(now: HostTime) -> Self {
         Self {
             step: OpeningStep::Greeting,

@@ -10,7 +10,7 @@ const LONGEST: RunTime = RunTime::from_millis(500);
 
 /// A straight segment of motion.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Segment {
+pub(super) struct StreamedSegment {
     /// The line for the board, with its line end.
     pub(super) line: String,
     /// Duration of the segment.
@@ -75,7 +75,7 @@ impl Segments {
         &mut self,
         sample: Sample,
         offset: PerAxis<Pulses>,
-    ) -> Result<Option<Segment>, MotionRefused> {
+    ) -> Result<Option<StreamedSegment>, MotionRefused> {
         if self.newest.is_some_and(|before| self.turns(before, sample)) {
             let turning = self.cut(offset)?;
             self.newest = Some(sample);
@@ -110,7 +110,7 @@ impl Segments {
     pub(super) fn finish(
         &mut self,
         offset: PerAxis<Pulses>,
-    ) -> Result<Option<Segment>, MotionRefused> {
+    ) -> Result<Option<StreamedSegment>, MotionRefused> {
         match self.newest {
             Some(sample) if sample.pulses != self.at => self.cut(offset),
             Some(sample) => {
@@ -123,7 +123,7 @@ impl Segments {
         }
     }
 
-    fn cut(&mut self, offset: PerAxis<Pulses>) -> Result<Option<Segment>, MotionRefused> {
+    fn cut(&mut self, offset: PerAxis<Pulses>) -> Result<Option<StreamedSegment>, MotionRefused> {
         let Some(sample) = self.newest.take() else {
             return Ok(None);
         };
@@ -173,7 +173,7 @@ impl Segments {
         let _ = writeln!(line, "F{feed:.decimals$}");
         self.from = sample.end;
         self.at = sample.pulses;
-        Ok(Some(Segment {
+        Ok(Some(StreamedSegment {
             line,
             duration,
             end: sample.end,

@@ -14,7 +14,7 @@ mod wire;
 
 use core::time::Duration;
 
-use super::opening::Opening;
+use super::opening::LineOpening;
 use super::required::RequiredSettings;
 use super::response::{BoardState, StatusReport};
 use super::segments::Segments;
@@ -24,12 +24,12 @@ use crate::session::LinkSession;
 use crate::{HostTime, LinkConfig, LinkState};
 use homing::Homing;
 use motion::LineMotion;
-use outputs::Outputs;
+use outputs::LineOutputs;
 use pass::PassTracker;
 use reports::Reports;
 use startup::Startup;
-use stops::{Halt, Stopping};
-use wire::Wire;
+use stops::{Halt, LineStop};
+use wire::LineWire;
 
 /// Greatest time for an answer of a board that is not lost.
 const ANSWER_TIME: Duration = Duration::from_millis(100);
@@ -42,16 +42,16 @@ pub struct LineLink {
     config: LinkConfig,
     required: RequiredSettings,
     session: LinkSession,
-    opening: Opening,
-    wire: Wire,
+    opening: LineOpening,
+    wire: LineWire,
     reports: Reports,
     motion: LineMotion,
     limits: Limits,
-    stopping: Stopping,
+    stopping: LineStop,
     startup: Startup,
     homing: Option<Homing>,
     thread: PassTracker,
-    outputs: Outputs,
+    outputs: LineOutputs,
 }
 
 impl LineLink {
@@ -65,16 +65,16 @@ impl LineLink {
             config,
             required,
             session: LinkSession::new(now),
-            opening: Opening::new(now),
-            wire: Wire::default(),
+            opening: LineOpening::new(now),
+            wire: LineWire::default(),
             reports: Reports::new(now),
             motion: LineMotion::new(segments, pulses_per_mm, now),
             limits: Limits::new(pulses_per_mm),
-            stopping: Stopping::none(),
+            stopping: LineStop::none(),
             startup: Startup::default(),
             homing: None,
             thread: PassTracker::default(),
-            outputs: Outputs::default(),
+            outputs: LineOutputs::default(),
         }
     }
 

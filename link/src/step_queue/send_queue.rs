@@ -33,7 +33,7 @@ const SILENCE: Duration = Duration::from_millis(500);
 
 /// A message with its delivery requirements.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Message {
+pub(super) struct QueuedMessage {
     pub(super) bytes: Vec<u8>,
     /// Board clock before which the message must arrive.
     pub(super) due: Option<u64>,
@@ -47,7 +47,7 @@ pub(super) struct Message {
     pub(super) mark: Option<Mark>,
 }
 
-impl Message {
+impl QueuedMessage {
     /// A message without requirements.
     pub(super) const fn plain(bytes: Vec<u8>) -> Self {
         Self {
@@ -108,7 +108,7 @@ pub(super) enum SendError {
 
 #[derive(Clone, Debug)]
 struct Sent {
-    messages: Vec<Message>,
+    messages: Vec<QueuedMessage>,
     bytes: usize,
     /// Time of the first transmission.
     first: HostTime,
@@ -120,8 +120,8 @@ struct Sent {
 #[derive(Clone, Debug)]
 pub(super) struct SendQueue {
     window: usize,
-    urgent: VecDeque<Message>,
-    waiting: VecDeque<Message>,
+    urgent: VecDeque<QueuedMessage>,
+    waiting: VecDeque<QueuedMessage>,
     /// Unconfirmed blocks, the oldest first.
     in_flight: VecDeque<Sent>,
     sequence: Sequence,
@@ -257,7 +257,7 @@ impl SendQueue {
         self.waiting.iter().map(|message| message.bytes.len()).sum()
     }
 
-    pub(super) fn push(&mut self, message: Message) {
+    pub(super) fn push(&mut self, message: QueuedMessage) {
         if message.axis.is_some() {
             // A new motion begins.
             self.dropped_steps = [None; 2];
@@ -266,7 +266,7 @@ impl SendQueue {
     }
 
     /// Adds a message before all waiting ones.
-    pub(super) fn push_urgent(&mut self, message: Message) {
+    pub(super) fn push_urgent(&mut self, message: QueuedMessage) {
         self.urgent.push_back(message);
     }
 
@@ -484,7 +484,7 @@ impl SendQueue {
 }
 
 /// Clocks of the first step of each axis in messages.
-fn first_steps<'a>(messages: impl IntoIterator<Item = &'a Message>) -> [Option<u64>; 2] {
+fn first_steps<'a>(messages: impl IntoIterator<Item = &'a QueuedMessage>) -> [Option<u64>; 2] {
     let mut first: [Option<u64>; 2] = [None; 2];
     for message in messages {
         if let (Some(axis), Some(due)) = (message.axis, message.due) {

@@ -30,11 +30,11 @@ use group::Group;
 use gsk_messages::{Message, say};
 use gsk_units::{PerAxis, Pulses, alarm};
 use motion::StepMotion;
-use opening::Opening;
+use opening::StepQueueOpening;
 use periodic::Periodic;
 use spindle::Spindle;
-use stops::Stopping;
-use wire::Wire;
+use stops::StepQueueStop;
+use wire::StepQueueWire;
 
 /// Least time between sending a step and its execution.
 const LATEST: Duration = Duration::from_millis(20);
@@ -83,13 +83,13 @@ pub struct StepLink {
     config: LinkConfig,
     pulses_per_mm: [f64; 2],
     session: LinkSession,
-    opening: Opening,
+    opening: StepQueueOpening,
     wiring: Option<Wiring>,
-    wire: Wire,
+    wire: StepQueueWire,
     clock: ClockSync,
     motion: StepMotion,
     group: Group,
-    stopping: Option<Stopping>,
+    stopping: Option<StepQueueStop>,
     query: PositionQueries,
     periodic: Periodic,
     spindle: Spindle,
@@ -102,9 +102,9 @@ impl StepLink {
             config,
             pulses_per_mm: drives.pulses_per_mm(),
             session: LinkSession::new(now),
-            opening: Opening::new(now),
+            opening: StepQueueOpening::new(now),
             wiring: None,
-            wire: Wire::new(),
+            wire: StepQueueWire::new(),
             clock: ClockSync::new(1.0),
             motion: StepMotion::new(drives.pulses_per_mm()),
             group: Group::default(),

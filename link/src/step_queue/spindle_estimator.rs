@@ -47,7 +47,7 @@ pub(super) struct IndexPulse {
 
 /// A line of turns over the board clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Line {
+struct AngleLine {
     turn: f64,
     clock: f64,
     /// Turns per tick.
@@ -66,7 +66,7 @@ pub(super) struct SpindleEstimator {
     /// Clock of the newest edge of either direction.
     alive: Ticks,
     index_pulses: VecDeque<IndexPulse>,
-    line: Option<Line>,
+    line: Option<AngleLine>,
     variation: Option<f64>,
 }
 
@@ -143,7 +143,7 @@ impl SpindleEstimator {
     }
 
     /// Fits the line through the last turns.
-    fn fit_line(&self) -> Option<Line> {
+    fn fit_line(&self) -> Option<AngleLine> {
         let newest = *self.index_pulses.back()?;
         let time = self.ticks(LINE_TIME);
         let used = |pulse: &&IndexPulse| {
@@ -174,7 +174,7 @@ impl SpindleEstimator {
             under += (turns - turn) * (at - clock);
         }
         // Minimize the errors of the clocks: the turns are exact.
-        (under > 0.0).then(|| Line {
+        (under > 0.0).then(|| AngleLine {
             turn: newest.turn as f64 + turn,
             clock: newest.clock as f64 + clock,
             rate: over / under,

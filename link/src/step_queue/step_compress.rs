@@ -12,13 +12,13 @@ const HORIZONS: [usize; 12] = [2, 3, 4, 6, 8, 12, 16, 32, 64, 128, 256, 1024];
 
 /// The steps of one `queue_step` command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Run {
+pub(super) struct StepRun {
     pub(super) interval: u32,
     pub(super) count: u16,
     pub(super) add: i16,
 }
 
-impl Run {
+impl StepRun {
     /// Time of the k-th step after the last step before the run, ticks.
     pub(super) const fn step(self, k: Ticks) -> Ticks {
         self.interval as Ticks * k + self.add as Ticks * (k * (k - 1) / 2)
@@ -41,9 +41,9 @@ pub(super) struct Tolerance {
 /// Finds the longest run for the first of the due steps within the tolerance. `last` is the
 /// time of the step before. The due steps are at least [`Tolerance::min_interval`] apart.
 /// The first step may be late if the tolerance requires it.
-pub(super) fn longest_run(last: Ticks, due: &[Ticks], tolerance: Tolerance) -> Option<Run> {
+pub(super) fn longest_run(last: Ticks, due: &[Ticks], tolerance: Tolerance) -> Option<StepRun> {
     let first = due.first()? - last;
-    let mut best = Run {
+    let mut best = StepRun {
         interval: u32::try_from(first.max(tolerance.min_first_interval).max(1)).ok()?,
         count: 1,
         add: 0,
@@ -88,7 +88,7 @@ fn longest_run_with_add(
     due: &[Ticks],
     tolerance: Tolerance,
     add: Ticks,
-) -> Option<Run> {
+) -> Option<StepRun> {
     // Bounds of the interval; each step narrows them.
     let mut least = tolerance.min_first_interval;
     let mut most = Ticks::from(u32::MAX >> 1);
@@ -112,7 +112,7 @@ fn longest_run_with_add(
         found = Some((k, least + (most - least) / 2));
     }
     let (count, interval) = found?;
-    Some(Run {
+    Some(StepRun {
         interval: u32::try_from(interval).ok()?,
         count: u16::try_from(count).ok()?,
         add: i16::try_from(add).ok()?,

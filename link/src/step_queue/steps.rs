@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::super::FINE;
-use super::step_compress::{Run, Ticks, Tolerance, longest_run};
+use super::step_compress::{StepRun, Ticks, Tolerance, longest_run};
 
 /// Time without steps after which the board's step clock may be set, s.
 const SETTLED: f64 = 0.008;
@@ -20,19 +20,19 @@ struct Due {
 
 /// The commands for a run of steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Entry {
+pub(super) struct QueuedStepRun {
     /// The value to which the step clock is set before the run, if any.
     pub(super) from: Option<Ticks>,
     /// The direction that is set before the run, if any.
     pub(super) up: Option<bool>,
-    pub(super) run: Run,
+    pub(super) run: StepRun,
     /// Clock of the first step.
     pub(super) first: Ticks,
     /// Clock of the last step.
     pub(super) last: Ticks,
 }
 
-impl Entry {
+impl QueuedStepRun {
     /// The number of messages.
     pub(super) fn messages(&self) -> u32 {
         1 + u32::from(self.from.is_some()) + u32::from(self.up.is_some())
@@ -143,7 +143,7 @@ impl Steps {
 
     /// Compresses all due steps into runs. `now` is the board's clock or slightly earlier.
     /// Steps may have `coarse` times the usual time error.
-    pub(super) fn compress(&mut self, now: Ticks, coarse: Ticks, entries: &mut Vec<Entry>) {
+    pub(super) fn compress(&mut self, now: Ticks, coarse: Ticks, entries: &mut Vec<QueuedStepRun>) {
         let due: Vec<Due> = self.due.drain(..).collect();
         for same in due.chunk_by(|a, b| a.up == b.up) {
             let times: Vec<Ticks> = same.iter().map(|due| due.at).collect();
@@ -179,7 +179,7 @@ impl Steps {
                     return;
                 };
                 let end = last + run.step(run.count.into());
-                entries.push(Entry {
+                entries.push(QueuedStepRun {
                     from,
                     up: (self.up != Some(up)).then_some(up),
                     run,

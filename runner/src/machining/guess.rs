@@ -25,7 +25,7 @@ use gsk_workpiece::job::{DiameterPoint, Job};
 use gsk_workpiece::motion::MotionKind;
 use gsk_workpiece::region::{GridBounds, Region};
 use gsk_workpiece::scene::{LatheScene, SceneTool};
-use gsk_workpiece::stock::{Form, Stock};
+use gsk_workpiece::stock::{Stock, StockForm};
 use gsk_workpiece::tool::{Tool, ToolShape};
 
 use crate::curves::RapidRates;
@@ -275,7 +275,7 @@ impl JobGuess<'_> {
         );
         stock.chuck.diameter.0 = stock.chuck.diameter.0.max(radius * CHUCK_TO_STOCK_RATIO);
         if let Some(bore) = self.bore_radius().filter(|bore| *bore < radius) {
-            stock.form = Form::Tube {
+            stock.form = StockForm::Tube {
                 diameter: Diameter(radius * 2.0),
                 bore: Diameter(bore * 2.0),
             };

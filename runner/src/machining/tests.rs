@@ -10,7 +10,7 @@ use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
 use gsk_workpiece::collision::{Obstacle, TouchingPart};
-use gsk_workpiece::stock::{Form, Stock};
+use gsk_workpiece::stock::{Stock, StockForm};
 use gsk_workpiece::tool::{Insert, Tool};
 
 use super::guess::{self, guess_job};
@@ -82,7 +82,7 @@ fn what_a_program_does_with_a_tool_shows_what_it_is() {
     let job = guess_setup_job(&setup(&[BUSHING]));
     assert!(job.tools[&3].is_internal());
     assert!(!job.tools[&1].is_internal());
-    assert!(matches!(job.stock.form, Form::Tube { bore, .. } if bore.0 == 18.0));
+    assert!(matches!(job.stock.form, StockForm::Tube { bore, .. } if bore.0 == 18.0));
     let job = guess_setup_job(&setup(&[PIN, GROOVE]));
     assert!(matches!(job.tools[&3].insert, Insert::Grooving { .. }));
     let thread = "G50 X60 Z20\nG97 M03 S500\nT0101\nG00 X32 Z3\nG92 X29 Z-20 F1.5\nX28.4\nM30\n";

@@ -60,7 +60,7 @@ impl PlannedBlock {
 
 /// A segment of motion prepared for the pulse timer.
 #[derive(Clone, Copy, Debug)]
-struct Segment {
+struct PlannerSegment {
     seconds: f64,
     pulses: [i64; 3],
     speed: f64,
@@ -74,7 +74,7 @@ pub(super) struct Planner {
     /// Durations, s, of the motion to be prepared in advance and of that prepared now.
     prepare_ahead_s: f64,
     prepared_s: f64,
-    segments: VecDeque<Segment>,
+    segments: VecDeque<PlannerSegment>,
     /// Prepared distance of the first block, mm.
     front_distance_mm: f64,
     /// Prepared pulses of the first block.
@@ -189,7 +189,7 @@ impl Planner {
             if made <= 0.0 {
                 break;
             }
-            self.segments.push_back(Segment {
+            self.segments.push_back(PlannerSegment {
                 seconds: made,
                 pulses,
                 speed: self.speed,

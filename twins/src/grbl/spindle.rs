@@ -75,7 +75,7 @@ pub struct PassTrace(pub Vec<([i64; 2], f64)>);
 
 /// The current thread pass.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ThreadPass {
+pub(super) struct TwinThreadPass {
     block: ParsedBlock,
     target: [f64; 3],
     /// Speed along the path, mm/s.
@@ -85,7 +85,7 @@ pub(super) struct ThreadPass {
     waits_for_index: Option<(f64, u64)>,
 }
 
-impl ThreadPass {
+impl TwinThreadPass {
     pub(super) const fn is_waiting_for_index(&self) -> bool {
         self.waits_for_index.is_some()
     }
@@ -128,7 +128,7 @@ impl GrblTwin {
         }
         let gain = 1.0 + SPEED_ERROR_PER_GAIN * self.settings.value(90);
         let index = self.spindle.turns.abs().floor() + INDEX_SIGNALS_BEFORE_START;
-        self.pass = Some(ThreadPass {
+        self.pass = Some(TwinThreadPass {
             block,
             target,
             speed: rpm * lead / 60.0 * gain,

@@ -2,7 +2,7 @@
 
 use super::block;
 use super::dictionary::{self, Command, Response, response_id};
-use super::objects::{EdgeCounter, Endstop, Output, Trsync};
+use super::objects::{EdgeCounter, Endstop, Trsync, TwinOutput};
 use super::stepper::{QueueResult, Stepper};
 use super::{CLOCK_HZ, ConfigObject, KlipperTwin, MOVE_QUEUE_SIZE, pins};
 
@@ -221,12 +221,12 @@ impl KlipperTwin {
             _ => {}
         }
         let output = |max_duration: u32, value: u32, default: u32, pulse_width| {
-            let output = Output {
+            let output = TwinOutput {
                 pin: parameters[1],
                 default,
                 max_duration: max_duration.into(),
                 pulse_width,
-                ..Output::default()
+                ..TwinOutput::default()
             };
             ConfigObject::Output(output, value)
         };

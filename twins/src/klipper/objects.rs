@@ -54,7 +54,7 @@ pub(super) struct Trsync {
 
 /// A digital or PWM output.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Output {
+pub(super) struct TwinOutput {
     pub(super) pin: u32,
     pub(super) default: u32,
     pub(super) max_duration: i64,
@@ -64,7 +64,7 @@ pub(super) struct Output {
     pub(super) pulse_width: bool,
 }
 
-impl Output {
+impl TwinOutput {
     pub(super) const fn missed_reason(&self) -> &'static str {
         if self.pulse_width {
             "Missed scheduling of next hard pwm event"

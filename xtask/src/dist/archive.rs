@@ -14,7 +14,7 @@ use super::with_path;
 use crate::error::TaskError;
 
 /// A file in an archive: its name there and its path on disk.
-pub type Entry = (String, PathBuf);
+pub type ArchiveEntry = (String, PathBuf);
 
 /// A file of an archive for Linux, held in memory.
 #[derive(Debug)]
@@ -108,7 +108,7 @@ pub fn ar(members: &[(&str, Vec<u8>)], time: u64) -> Vec<u8> {
 
 /// Lists the files of a path with their names below `root`; a folder is listed recursively,
 /// sorted by name.
-pub fn entries(root: &Path, path: &str) -> Result<Vec<Entry>, TaskError> {
+pub fn entries(root: &Path, path: &str) -> Result<Vec<ArchiveEntry>, TaskError> {
     let at = root.join(path);
     if !at.is_dir() {
         return Ok(vec![(path.to_owned(), at)]);
@@ -139,7 +139,12 @@ pub enum Effort {
 }
 
 /// Writes a .zip in which every file has the time 1980-01-01.
-pub fn zip(path: &Path, folder: &str, entries: &[Entry], effort: Effort) -> Result<(), TaskError> {
+pub fn zip(
+    path: &Path,
+    folder: &str,
+    entries: &[ArchiveEntry],
+    effort: Effort,
+) -> Result<(), TaskError> {
     let failed = |error| TaskError::Archive {
         path: path.to_owned(),
         error,

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::archive::{self, Entry};
+use super::archive::{self, ArchiveEntry};
 use super::debian::{self, CARGO, PATH, RUSTC};
 use super::{VERSION, dist_folder, remap_flags, stdout_of, target, with_path, write_checksums};
 use crate::error::TaskError;
@@ -157,7 +157,7 @@ fn locked_version(root: &Path, package: &str) -> Result<String, TaskError> {
 /// Writes the archive and its checksum, and prints the size of the page.
 fn pack(root: &Path, page: &Path) -> Result<(), TaskError> {
     let name = format!("gsk980td-{VERSION}-web");
-    let mut files: Vec<Entry> = Vec::new();
+    let mut files: Vec<ArchiveEntry> = Vec::new();
     for file in [
         "gsk980td.js",
         "gsk980td_bg.wasm",

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::archive::{self, Entry};
+use super::archive::{self, ArchiveEntry};
 use super::debian::{self, CARGO, PATH, RUSTC};
 use super::{BUNDLED, VERSION, dist_folder, remap_flags, target, with_path, write_checksums};
 use crate::error::TaskError;
@@ -93,7 +93,7 @@ fn build(root: &Path, resources: &Path) -> Result<PathBuf, TaskError> {
 /// Writes the archive and its checksum.
 fn pack(root: &Path, folder: &Path, program: &Path) -> Result<(), TaskError> {
     let name = format!("gsk980td-{VERSION}-windows-x86_64");
-    let mut files: Vec<Entry> = vec![("gsk980td.exe".to_owned(), program.to_owned())];
+    let mut files: Vec<ArchiveEntry> = vec![("gsk980td.exe".to_owned(), program.to_owned())];
     for bundled in BUNDLED {
         files.extend(archive::entries(root, bundled)?);
     }

@@ -6,7 +6,7 @@ use crate::commands::CommandError;
 use gsk_messages::{Message, say};
 use gsk_twins::grbl::{GrblSettings, GrblState, GrblTwin, Variant};
 use gsk_twins::klipper::{self, KlipperTwin, SpindleWiring, TravelSwitch};
-use gsk_twins::wire::{Damage, Wire};
+use gsk_twins::wire::{Damage, TwinWire};
 use web_time::{Duration, Instant};
 
 use super::super::{EXIT_OK, output};
@@ -94,7 +94,7 @@ impl SimulatedBoard {
         }
     }
 
-    fn wire(&mut self) -> &mut Wire {
+    fn wire(&mut self) -> &mut TwinWire {
         match self {
             Self::Grbl(board) => &mut board.to_board,
             Self::Klipper(board) => &mut board.to_board,

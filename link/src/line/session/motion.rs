@@ -10,7 +10,7 @@ use core::time::Duration;
 use std::collections::VecDeque;
 
 use crate::line::response::StatusReport;
-use crate::line::segments::{Segment, Segments};
+use crate::line::segments::{Segments, StreamedSegment};
 use crate::{HostTime, RunTime};
 use gsk_units::{PerAxis, Point, Pulses};
 
@@ -35,7 +35,7 @@ pub(super) struct Queued {
 pub(super) struct LineMotion {
     pulses_per_mm: [f64; 2],
     pub(super) segments: Segments,
-    pub(super) backlog: VecDeque<Segment>,
+    pub(super) backlog: VecDeque<StreamedSegment>,
     pub(super) queued: VecDeque<Queued>,
     /// Segments in the board's pulse timer, with the time by which they are executed.
     handed: VecDeque<(HostTime, Queued)>,
@@ -138,7 +138,11 @@ impl LineMotion {
     }
 
     /// Takes the next waiting segment if its line fits into `free_bytes`.
-    pub(super) fn next_segment(&mut self, free_bytes: usize, now: HostTime) -> Option<Segment> {
+    pub(super) fn next_segment(
+        &mut self,
+        free_bytes: usize,
+        now: HostTime,
+    ) -> Option<StreamedSegment> {
         let segment = self
             .backlog
             .pop_front_if(|segment| segment.line.len() <= free_bytes)?;

@@ -8,12 +8,12 @@ use crate::{BoardOutputs, SpindleDirection};
 
 /// The wanted outputs and those sent to the board.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Outputs {
+pub(super) struct LineOutputs {
     pub(super) wanted: BoardOutputs,
     pub(super) switched: BoardOutputs,
 }
 
-impl Outputs {
+impl LineOutputs {
     /// Whether the wanted outputs were sent.
     pub(super) fn are_switched(&self) -> bool {
         self.wanted == self.switched

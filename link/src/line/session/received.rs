@@ -8,7 +8,7 @@ use core::time::Duration;
 
 use super::{Halt, LineLink};
 use crate::line::FirmwareFamily;
-use crate::line::opening::{Opening, OpeningAction};
+use crate::line::opening::{LineOpening, OpeningAction};
 use crate::line::realtime::STATUS_QUERY;
 use crate::line::response::{BoardState, LineResponse, StatusReport};
 use crate::{HostTime, LinkEvent, LinkState, Uncertainty};
@@ -169,7 +169,7 @@ impl LineLink {
         self.stopping.limit = None;
         self.reports.freeze_count();
         self.startup.begin_anew();
-        self.opening = Opening::again(self.session.now);
+        self.opening = LineOpening::again(self.session.now);
         self.enter(LinkState::Opening);
     }
 

@@ -13,7 +13,7 @@ const STEADY: Duration = Duration::from_millis(150);
 
 /// The position by the board's last count, in the kernel's pulses.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Count {
+enum ReportedPosition {
     /// The counts of board and kernel are not aligned.
     Unknown,
     /// The counts are aligned.
@@ -34,7 +34,7 @@ pub(super) struct Reports {
     /// The last reported switches; a restart does not change them.
     pub(super) pins: Pins,
     still_since: Option<HostTime>,
-    count: Count,
+    count: ReportedPosition,
     /// When the count last changed.
     changed: HostTime,
 }
@@ -48,7 +48,7 @@ impl Reports {
             status: None,
             pins: Pins::default(),
             still_since: None,
-            count: Count::Unknown,
+            count: ReportedPosition::Unknown,
             changed: now,
         }
     }
@@ -135,41 +135,41 @@ impl Reports {
     /// The position by the last count; `None` if the counts were never aligned.
     pub(super) const fn position(&self) -> Option<PerAxis<Pulses>> {
         match self.count {
-            Count::Unknown => None,
-            Count::Live(position) | Count::Stale(position) => Some(position),
+            ReportedPosition::Unknown => None,
+            ReportedPosition::Live(position) | ReportedPosition::Stale(position) => Some(position),
         }
     }
 
     /// Aligns the counts of board and kernel.
     pub(super) const fn align(&mut self, kernel: PerAxis<Pulses>) {
-        self.count = Count::Live(kernel);
+        self.count = ReportedPosition::Live(kernel);
     }
 
     /// Whether the counts are aligned.
     pub(super) const fn counts(&self) -> bool {
-        matches!(self.count, Count::Live(_))
+        matches!(self.count, ReportedPosition::Live(_))
     }
 
     /// Takes the board's count in the kernel's pulses.
     pub(super) fn count(&mut self, kernel: PerAxis<Pulses>, now: HostTime) {
-        if let Count::Live(before) = self.count {
+        if let ReportedPosition::Live(before) = self.count {
             if before != kernel {
                 self.changed = now;
             }
-            self.count = Count::Live(kernel);
+            self.count = ReportedPosition::Live(kernel);
         }
     }
 
     /// Keeps the last count of a board that restarts its count.
     pub(super) const fn freeze_count(&mut self) {
-        if let Count::Live(position) = self.count {
-            self.count = Count::Stale(position);
+        if let ReportedPosition::Live(position) = self.count {
+            self.count = ReportedPosition::Stale(position);
         }
     }
 
     /// Forgets the count.
     pub(super) const fn forget_count(&mut self) {
-        self.count = Count::Unknown;
+        self.count = ReportedPosition::Unknown;
     }
 
     /// Whether the count has changed recently and may still change.

@@ -62,7 +62,7 @@ pub(super) struct Restart {
 
 /// A stop in progress.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stopping {
+pub(super) struct LineStop {
     pub(super) halt: Halt,
     /// Whether the motors may have lost steps.
     pub(super) too_sudden: bool,
@@ -71,7 +71,7 @@ pub(super) struct Stopping {
     pub(super) limit: Option<[Option<i64>; 2]>,
 }
 
-impl Stopping {
+impl LineStop {
     /// No stop.
     pub(super) const fn none() -> Self {
         Self {

@@ -21,7 +21,7 @@ pub(super) struct Unanswered {
 
 /// The serial traffic with a line board.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Wire {
+pub(super) struct LineWire {
     outgoing: Vec<u8>,
     /// The incomplete line received so far.
     line: Vec<u8>,
@@ -29,7 +29,7 @@ pub(super) struct Wire {
     pub(super) traffic: Traffic,
 }
 
-impl Wire {
+impl LineWire {
     /// Sends a line; adds a missing line end.
     pub(super) fn send(&mut self, line: &str, is_segment: bool, now: HostTime) {
         self.outgoing.extend_from_slice(line.as_bytes());

@@ -4,8 +4,8 @@ fn ms(ms: u64) -> HostTime {
     HostTime::from_millis(ms)
 }
 
-fn message(byte: u8, size: usize) -> Message {
-    Message::plain(vec![byte; size])
+fn message(byte: u8, size: usize) -> QueuedMessage {
+    QueuedMessage::plain(vec![byte; size])
 }
 
 /// A synchronized queue; the board expects block 5.
@@ -128,8 +128,8 @@ fn times(now: u64, earliest: u64) -> Option<Times> {
     })
 }
 
-fn step(due: u64) -> Message {
-    Message {
+fn step(due: u64) -> QueuedMessage {
+    QueuedMessage {
         due: Some(due),
         motion: true,
         vital: true,
@@ -217,7 +217,7 @@ fn a_restarted_sequence_is_a_reset() {
 fn an_old_reply_does_not_answer_a_new_question() {
     let mut send_queue = synced();
     assert!(!send_queue.answers(Mark::Position, 21), "no query was sent");
-    send_queue.push(Message {
+    send_queue.push(QueuedMessage {
         mark: Some(Mark::Position),
         ..message(1, 5)
     });

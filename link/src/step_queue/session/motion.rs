@@ -7,7 +7,7 @@ use crate::limits::Limits;
 use crate::step_queue::rates::Rates;
 use crate::step_queue::slowdown::Slowdown;
 use crate::step_queue::step_compress::Ticks;
-use crate::step_queue::steps::{Entry, Steps};
+use crate::step_queue::steps::{QueuedStepRun, Steps};
 use crate::{HostTime, LinkConfig, RunTime};
 use gsk_units::{PerAxis, Pulses};
 
@@ -20,7 +20,7 @@ pub(super) struct Queue {
     pub(super) steps: [Steps; 2],
     pub(super) flush_due: Option<HostTime>,
     pub(super) slowdown: Slowdown,
-    pub(super) backlog: VecDeque<(usize, Entry)>,
+    pub(super) backlog: VecDeque<(usize, QueuedStepRun)>,
     /// Clock of the first step of each run in the board's queue.
     pub(super) queued: VecDeque<Ticks>,
     /// Number of usable slots in the board's queue.
@@ -87,7 +87,7 @@ impl Queue {
     }
 
     /// Takes the next run if the board's queue has a free slot.
-    pub(super) fn next_entry(&mut self) -> Option<(usize, Entry)> {
+    pub(super) fn next_entry(&mut self) -> Option<(usize, QueuedStepRun)> {
         if self.queued.len() >= self.slots {
             return None;
         }
@@ -122,7 +122,7 @@ enum Alignment {
 
 /// The counts of board and kernel.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Count {
+pub(super) struct PulseCounts {
     alignment: Alignment,
     /// Board pulses minus kernel pulses.
     offset: PerAxis<i64>,
@@ -132,7 +132,7 @@ pub(super) struct Count {
     pub(super) commanded: PerAxis<Pulses>,
 }
 
-impl Count {
+impl PulseCounts {
     const fn new() -> Self {
         Self {
             alignment: Alignment::None,
@@ -209,7 +209,7 @@ pub(super) struct StepMotion {
     pub(super) rates: Rates,
     pub(super) queue: Queue,
     pub(super) path: Path,
-    pub(super) count: Count,
+    pub(super) count: PulseCounts,
     pub(super) limits: Limits,
 }
 
@@ -220,7 +220,7 @@ impl StepMotion {
             queue: Queue::new(&rates),
             rates,
             path: Path::new(),
-            count: Count::new(),
+            count: PulseCounts::new(),
             limits: Limits::new(pulses_per_mm),
         }
     }

@@ -60,7 +60,7 @@ pub(super) enum Phase {
 
 /// The opening dialogue and its results.
 #[derive(Clone, Debug)]
-pub(super) struct Opening {
+pub(super) struct StepQueueOpening {
     pub(super) phase: Phase,
     /// When the port was opened, or when the board last sent something new.
     opened: HostTime,
@@ -68,7 +68,7 @@ pub(super) struct Opening {
     pub(super) dictionary_cache: DictionaryCache,
 }
 
-impl Opening {
+impl StepQueueOpening {
     pub(super) fn new(now: HostTime) -> Self {
         Self {
             phase: Phase::Sync,
@@ -343,7 +343,9 @@ impl StepLink {
         } else if configured == 0 && shut_down == 0 {
             let (messages, crc) = (wiring.messages.clone(), wiring.crc);
             for bytes in messages {
-                self.wire.send_queue.push(send_queue::Message::plain(bytes));
+                self.wire
+                    .send_queue
+                    .push(send_queue::QueuedMessage::plain(bytes));
             }
             self.wire.send(Command::FinalizeConfig, &[crc.into()]);
             // The next query follows in the same stream.

@@ -16,7 +16,7 @@ const FULL_MV: i64 = 10_000;
 
 /// The wanted outputs and those sent to the board.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Outputs {
+pub(super) struct StepQueueOutputs {
     /// The state that the kernel wants.
     pub(super) wanted: BoardOutputs,
     /// The state sent to the board.

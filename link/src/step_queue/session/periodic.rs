@@ -3,7 +3,7 @@
 use core::time::Duration;
 
 use super::StepLink;
-use super::outputs::Outputs;
+use super::outputs::StepQueueOutputs;
 use super::switches::Switches;
 use crate::HostTime;
 use crate::step_queue::commands::Command;
@@ -48,7 +48,7 @@ pub(super) struct Periodic {
     config_due: HostTime,
     heartbeat_due: HostTime,
     pub(super) switches: Switches,
-    pub(super) outputs: Outputs,
+    pub(super) outputs: StepQueueOutputs,
 }
 
 impl StepLink {

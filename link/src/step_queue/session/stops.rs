@@ -33,7 +33,7 @@ pub(super) enum StopReason {
 
 /// A stop in progress.
 #[derive(Clone, Debug)]
-pub(super) struct Stopping {
+pub(super) struct StepQueueStop {
     reason: StopReason,
     since: HostTime,
     queried_at: HostTime,
@@ -76,7 +76,7 @@ impl StepLink {
             }
             self.report_trip(reason);
         }
-        self.stopping = Some(Stopping {
+        self.stopping = Some(StepQueueStop {
             reason,
             since: self.session.now,
             queried_at: self.session.now,
@@ -133,7 +133,7 @@ impl StepLink {
         self.session
             .events
             .push(LinkEvent::Halting { reached: false });
-        self.stopping = Some(Stopping {
+        self.stopping = Some(StepQueueStop {
             reason,
             since: self.session.now,
             queried_at: self.session.now,

@@ -4,18 +4,18 @@ use crate::Traffic;
 use crate::step_queue::block::Reader;
 use crate::step_queue::commands::Command;
 use crate::step_queue::dictionary::Dictionary;
-use crate::step_queue::send_queue::{Mark, Message, SendQueue};
+use crate::step_queue::send_queue::{Mark, QueuedMessage, SendQueue};
 
 /// The serial traffic with a board with timed steps.
 #[derive(Clone, Debug)]
-pub(super) struct Wire {
+pub(super) struct StepQueueWire {
     pub(super) dictionary: Dictionary,
     pub(super) reader: Reader,
     pub(super) send_queue: SendQueue,
     pub(super) traffic: Traffic,
 }
 
-impl Wire {
+impl StepQueueWire {
     pub(super) fn new() -> Self {
         Self {
             dictionary: Dictionary::default(),
@@ -53,8 +53,8 @@ impl Wire {
         self.traffic.sent += count as u64;
     }
 
-    fn plain(&self, command: Command, arguments: &[i64]) -> Message {
-        Message::plain(self.dictionary.message(command, arguments))
+    fn plain(&self, command: Command, arguments: &[i64]) -> QueuedMessage {
+        QueuedMessage::plain(self.dictionary.message(command, arguments))
     }
 
     /// Sends a command after the waiting messages.
@@ -72,7 +72,7 @@ impl Wire {
     /// Sends a command before the waiting messages; it is dropped if it would arrive after
     /// `due`.
     pub(super) fn send_urgent_until(&mut self, command: Command, arguments: &[i64], due: u64) {
-        let message = Message {
+        let message = QueuedMessage {
             due: Some(due),
             ..self.plain(command, arguments)
         };
@@ -81,7 +81,7 @@ impl Wire {
 
     /// Sends a query whose reply must not be mistaken for an older one.
     pub(super) fn send_query(&mut self, command: Command, arguments: &[i64], mark: Mark) {
-        let message = Message {
+        let message = QueuedMessage {
             mark: Some(mark),
             ..self.plain(command, arguments)
         };
@@ -90,7 +90,7 @@ impl Wire {
 
     /// Sends a command of the motion that must arrive before `due`.
     pub(super) fn send_timed(&mut self, command: Command, arguments: &[i64], due: u64) {
-        let message = Message {
+        let message = QueuedMessage {
             due: Some(due),
             motion: true,
             vital: true,
@@ -101,7 +101,7 @@ impl Wire {
 
     /// Sends steps of an axis whose first step is at `due`.
     pub(super) fn send_steps(&mut self, axis: usize, arguments: &[i64], due: u64) {
-        let message = Message {
+        let message = QueuedMessage {
             due: Some(due),
             motion: true,
             axis: Some(axis),
@@ -120,7 +120,7 @@ impl Wire {
         due: u64,
         mark: Option<Mark>,
     ) {
-        let message = Message {
+        let message = QueuedMessage {
             due: Some(due),
             vital: true,
             mark,

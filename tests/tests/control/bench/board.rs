@@ -13,7 +13,7 @@ use gsk_core::units::Axis;
 use gsk_link::{LinkConfig, LinkState};
 use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 use gsk_twins::klipper::{self, KlipperHardware, KlipperTwin};
-use gsk_twins::wire::Wire;
+use gsk_twins::wire::TwinWire;
 
 use super::keys::{AUTO, CYCLE_START, MDI, RESET, X_PLUS, Z_PLUS, ZERO};
 
@@ -40,7 +40,7 @@ pub trait BenchBoard: Clone {
     fn press_limit(&mut self, operated: bool);
     fn press_emergency(&mut self, operated: bool);
     /// The wires to the board and to the host.
-    fn wires(&mut self) -> [&mut Wire; 2];
+    fn wires(&mut self) -> [&mut TwinWire; 2];
 }
 
 impl BenchBoard for GrblTwin {
@@ -74,7 +74,7 @@ impl BenchBoard for GrblTwin {
     fn press_emergency(&mut self, operated: bool) {
         self.pins.emergency = operated;
     }
-    fn wires(&mut self) -> [&mut Wire; 2] {
+    fn wires(&mut self) -> [&mut TwinWire; 2] {
         [&mut self.to_board, &mut self.to_host]
     }
 }
@@ -123,7 +123,7 @@ impl BenchBoard for TimedBoard {
     fn press_emergency(&mut self, operated: bool) {
         self.0.set_pin("PC2", !operated);
     }
-    fn wires(&mut self) -> [&mut Wire; 2] {
+    fn wires(&mut self) -> [&mut TwinWire; 2] {
         [&mut self.0.to_board, &mut self.0.to_host]
     }
 }

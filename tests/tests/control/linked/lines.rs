@@ -4,7 +4,7 @@
 use gsk_core::operation::RunState;
 use gsk_link::LinkState;
 use gsk_twins::grbl::{GrblTwin, Variant};
-use gsk_twins::wire::{Damage, Wire};
+use gsk_twins::wire::{Damage, TwinWire};
 
 use super::{SHORT, assert_counts_agree};
 use crate::bench::board::LinkedMachine;
@@ -15,14 +15,14 @@ const MS: u64 = 1_000_000;
 /// A disturbance of the future traffic.
 type LineDisturbance = fn(&mut GrblTwin);
 
-fn repeat_damage(wire: &mut Wire, every: u64, damage: Damage) {
+fn repeat_damage(wire: &mut TwinWire, every: u64, damage: Damage) {
     let from = wire.sent_count();
     for count in 1..400 {
         wire.damage(from + count * every, damage);
     }
 }
 
-fn damage_once(wire: &mut Wire, damage: Damage) {
+fn damage_once(wire: &mut TwinWire, damage: Damage) {
     let byte = wire.sent_count() + 1500;
     wire.damage(byte, damage);
 }

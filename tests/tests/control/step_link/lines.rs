@@ -5,14 +5,14 @@ use core::time::Duration;
 
 use gsk_link::{Backend, LinkState};
 use gsk_twins::klipper::{KlipperHardware, KlipperTwin};
-use gsk_twins::wire::{Damage, Wire};
+use gsk_twins::wire::{Damage, TwinWire};
 
 use super::bench::{MS_IN_NS, StepBench};
 
 /// A disturbance of the future traffic.
 type StepLineDisturbance = fn(&mut KlipperTwin);
 
-fn repeat_damage(wire: &mut Wire, every: u64, damage: Damage) {
+fn repeat_damage(wire: &mut TwinWire, every: u64, damage: Damage) {
     let from = wire.sent_count();
     for count in 1..400 {
         wire.damage(from + count * every, damage);

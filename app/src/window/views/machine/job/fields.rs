@@ -6,7 +6,7 @@ use egui::{DragValue, Grid, Ui};
 use gsk_core::units::{Diameter, tip_direction};
 use gsk_messages::{Language, Message, say};
 use gsk_workpiece::job::DiameterPoint;
-use gsk_workpiece::stock::{Form, Stock, Tailstock};
+use gsk_workpiece::stock::{Stock, StockForm, Tailstock};
 use gsk_workpiece::tool::{Holder, Insert, InsertLetter, Tool};
 
 /// Limit of all fields, mm. The rules of the job are narrower.
@@ -75,48 +75,48 @@ pub fn show_stock(ui: &mut Ui, stock: &mut Stock, language: Language) {
 }
 
 /// Draws the choice of bar, tube or contour, with the fields of the chosen form.
-fn show_form(ui: &mut Ui, form: &mut Form, language: Language) {
+fn show_form(ui: &mut Ui, form: &mut StockForm, language: Language) {
     let (outside, inside) = match form {
-        Form::Bar { diameter } => (*diameter, None),
-        Form::Tube { diameter, bore } => (*diameter, Some(*bore)),
-        Form::Contour { corners, bore } => {
+        StockForm::Bar { diameter } => (*diameter, None),
+        StockForm::Tube { diameter, bore } => (*diameter, Some(*bore)),
+        StockForm::Contour { corners, bore } => {
             let greatest = corners.iter().map(|corner| corner.0.0).fold(0.0, f64::max);
             (Diameter(greatest), Some(*bore))
         }
     };
     ui.horizontal_wrapped(|ui| {
-        let is_bar = matches!(form, Form::Bar { .. });
+        let is_bar = matches!(form, StockForm::Bar { .. });
         if ui.radio(is_bar, say::stock_bar().text(language)).clicked() {
-            *form = Form::Bar { diameter: outside };
+            *form = StockForm::Bar { diameter: outside };
         }
-        let is_tube = matches!(form, Form::Tube { .. });
+        let is_tube = matches!(form, StockForm::Tube { .. });
         if ui
             .radio(is_tube, say::stock_tube().text(language))
             .clicked()
         {
-            *form = Form::Tube {
+            *form = StockForm::Tube {
                 diameter: outside,
                 bore: inside.unwrap_or(Diameter(outside.0 / 2.0)),
             };
         }
-        let is_contour = matches!(form, Form::Contour { .. });
+        let is_contour = matches!(form, StockForm::Contour { .. });
         let contour = ui.radio(is_contour, say::stock_contour().text(language));
         if contour.clicked() && !is_contour {
-            *form = Form::Contour {
+            *form = StockForm::Contour {
                 corners: vec![(outside, 0.0), (outside, -50.0)],
                 bore: inside.unwrap_or_default(),
             };
         }
     });
     show_grid(ui, "form", |ui| match form {
-        Form::Bar { diameter } => {
+        StockForm::Bar { diameter } => {
             show_value(ui, &say::stock_word_diameter(), &mut diameter.0, language);
         }
-        Form::Tube { diameter, bore } => {
+        StockForm::Tube { diameter, bore } => {
             show_value(ui, &say::stock_word_diameter(), &mut diameter.0, language);
             show_value(ui, &say::stock_word_bore(), &mut bore.0, language);
         }
-        Form::Contour { corners, bore } => {
+        StockForm::Contour { corners, bore } => {
             show_corners(ui, corners, language);
             show_value(ui, &say::stock_word_bore(), &mut bore.0, language);
         }
