@@ -318,10 +318,7 @@ impl PortGuard {
             let _ = thread::Builder::new().spawn(stop_board);
             self.orphan = Some(Orphan::BeingStopped(answered));
         }
-        io::Error::new(
-            ErrorKind::ConnectionAborted,
-            "the process that holds the port has ended",
-        )
+        io::Error::new(ErrorKind::ConnectionAborted, "the port guard has ended")
     }
 }
 

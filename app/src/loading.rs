@@ -571,7 +571,7 @@ mod tests {
             Some(Point::new(-50.0, -20.0))
         );
         let refused = start(&at(300.0, 300.0)).expect_err("beyond").to_string();
-        assert!(refused.starts_with("--start: X lies beyond"), "{refused}");
+        assert!(refused.starts_with("--start: X is beyond"), "{refused}");
         assert!(refused.contains("-180 to 26 mm"), "{refused}");
         assert!(
             apply_to_panel_setup(&SetupArgs::default())

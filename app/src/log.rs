@@ -181,6 +181,6 @@ mod tests {
     fn levels_are_words() {
         assert_eq!(parse_level("off"), Ok(LevelFilter::OFF));
         let refused = parse_level("loud").expect_err("no level");
-        assert!(refused.to_string().starts_with("`loud` is no level"));
+        assert!(refused.to_string().starts_with("`loud` is not a log level"));
     }
 }

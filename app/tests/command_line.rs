@@ -395,7 +395,7 @@ fn help_knows_commands_and_symbols() {
         (&["help", "022"][..], "Range: 6..15000 mm/min"),
         (
             &["help", "alarm", "31"],
-            "Way out: select or load the program first",
+            "Remedy: select or load the program first",
         ),
         (&["help", "g71", "--lang", "zh"], "粗车循环"),
         (&["help", "key", "cs"], "Contact: X25.0"),
@@ -483,5 +483,5 @@ fn the_log_goes_to_standard_error_on_request() {
     assert!(log.trim_end().ends_with("ended"), "{log}");
     let (code, _, error) = run_gsk(&["check", path, "--log", "loud"]);
     assert_eq!(code, 2);
-    assert!(error.contains("`loud` is no level of the log"), "{error}");
+    assert!(error.contains("`loud` is not a log level"), "{error}");
 }

@@ -253,7 +253,7 @@ fn a_focused_list_blocks_axis_keys_and_shows_why() {
     hold_with_control(&mut bench, Key::ArrowLeft, 300);
     let after = bench.kernel.emulator().simulation.cnc.position_machine();
     assert_eq!(before, after);
-    let message = "no axis key acts while the cursor keys move in a list";
+    let message = "axis keys do not act while the cursor keys move in a list";
     assert!(bench.harness.query_by_label_contains(message).is_some());
     // The focus has left the list: the next press jogs the axis.
     hold_with_control(&mut bench, Key::ArrowLeft, 300);

@@ -117,7 +117,7 @@ fn a_view_floats_docks_and_closes_by_its_header_buttons() {
         }
     };
     assert!(bench.harness.query_by_label("Scope picture").is_some());
-    click(&mut bench, "Scope in a window of its own");
+    click(&mut bench, "Scope in a separate window");
     assert_eq!(layouts_of(&bench).floating(), [ViewId::Scope]);
     windows.click(&mut bench, "Dock Scope in the window");
     bench.run(10);
@@ -136,7 +136,7 @@ fn a_view_stays_docked_in_a_single_window() {
     let mut bench = WindowBench::new();
     press_with_shift(&mut bench, egui::Key::F2);
     assert_eq!(layouts_of(&bench).docked(), [ViewId::Scope]);
-    let float = "Scope in a window of its own";
+    let float = "Scope in a separate window";
     assert!(bench.harness.query_by_label(float).is_none());
     assert!(bench.harness.query_by_label("Close Scope").is_some());
 }
@@ -260,7 +260,7 @@ fn the_light_theme_is_chosen_in_the_menu_and_stored() {
         fills.next().unwrap()
     };
     assert!(bar_brightness(&bench) < 60);
-    for entry in ["Layout", "Light surroundings"] {
+    for entry in ["Layout", "Light theme"] {
         bench.harness.get_by_label(entry).click();
         bench.run(20);
         bench.run(20);

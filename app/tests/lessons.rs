@@ -228,7 +228,10 @@ fn help_demonstrates_on_a_practice_machine_and_restores_the_learners() {
     assert_eq!(name.as_deref(), Some("shown/page-offset"));
     let done = (0..300).any(|_| {
         bench.run(100);
-        bench.harness.query_by_label("That was all.").is_some()
+        bench
+            .harness
+            .query_by_label("End of the demonstration.")
+            .is_some()
     });
     assert!(done, "{}", bench.lcd());
     bench.assert_lcd_contains("宏变量");

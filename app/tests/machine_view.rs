@@ -257,12 +257,12 @@ fn a_pass_of_a_cycle_is_explained_and_follows_changed_words() {
     // The bar below the picture has become higher.
     bench.run(50);
     fill(&mut bench, "U", "6");
-    assert!(wait_for_text(&mut bench, "Tried out"));
+    assert!(wait_for_text(&mut bench, "Trial: "));
     assert!(
         wait_for_text(&mut bench, "of 4"),
         "the passes have not moved"
     );
-    bench.click("As it was");
+    bench.click("Restore");
     assert!(
         wait_for_text(&mut bench, "of 8"),
         "they have not moved back"

@@ -134,12 +134,16 @@ fn a_picture_replaces_only_a_picture() {
     ];
     let folder = OverwriteFolder::new("picture", &files);
     std::os::unix::fs::symlink("part.CNC", folder.0.join("link.png")).unwrap();
-    let name = "the name of a picture ends in .png";
+    let name = "the name of a picture must end in .png";
     folder.assert_refused("operate name.txt", 1, name);
     folder.assert_refused("operate link.txt", 1, name);
-    folder.assert_refused("operate text.txt", 1, "is there and no picture");
+    folder.assert_refused("operate text.txt", 1, "exists and is not a picture");
     folder.assert_refused("screen pos-abs -o part.CNC", 2, name);
-    folder.assert_refused("plot part.CNC -o text.png", 2, "is there and no picture");
+    folder.assert_refused(
+        "plot part.CNC -o text.png",
+        2,
+        "exists and is not a picture",
+    );
     let (code, errors) = folder.run("operate twice.txt");
     assert_eq!(code, Some(0), "{errors}");
     let picture = folder.read("new.png").unwrap();

@@ -216,6 +216,6 @@ fn a_solid_is_drawn_in_the_requested_size() {
     let lines = folder.0.join("shaft.svg");
     let lines = lines.to_str().unwrap();
     let (code, _, err) = run_gsk(&["plot", "--solid", program, "-o", lines]);
-    assert!(code != 0 && err.contains("ends in .png"), "{err}");
+    assert!(code != 0 && err.contains("must end in .png"), "{err}");
     assert!(!Path::new(lines).exists());
 }

@@ -63,7 +63,7 @@ fn refused_files_name_file_and_line_and_write_nothing() {
         ),
         (
             "import x.ren --axis z --into data",
-            "x.ren: the file says that it is of X",
+            "x.ren: the file is for axis X",
         ),
         (
             "import grid.ren --axis z --into data",
@@ -72,7 +72,7 @@ fn refused_files_name_file_and_line_and_write_nothing() {
         ("import none.csv --axis z --into data", "none.csv"),
         (
             "import x.ren --axis x --interval 5 --into data",
-            "a table has no options",
+            "do not apply to a table",
         ),
         (
             "import laser.csv --axis z --interval -1 --into data",

@@ -104,7 +104,7 @@ fn alarms_are_shown_below_the_text_while_it_is_typed() {
     type_at_end(&mut bench, "O0007\nG00 X40 Z2\nG01 Z-30");
     wait_for_text(&mut bench, "P/S 011 ");
     assert!(is_shown(&bench, "line 3: G01 Z-30"));
-    assert!(is_shown(&bench, "Way out: "));
+    assert!(is_shown(&bench, "Remedy: "));
     type_at_end(&mut bench, " F100\nM30\n");
     wait_for_text(&mut bench, "1 tool, X 40–40, Z -30–2, no alarm");
     assert!(!is_shown(&bench, "P/S 011 "));
@@ -143,13 +143,13 @@ fn unsaved_text_is_discarded_only_after_a_question() {
     let mut bench = open_view();
     type_at_end(&mut bench, "O0007\nM30");
     open_file(&mut bench, &file.0);
-    wait_for_text(&mut bench, "is not saved and would be lost");
-    bench.harness.get_by_label("Go on typing").click();
+    wait_for_text(&mut bench, "are not saved and would be lost");
+    bench.harness.get_by_label("Continue editing").click();
     bench.run(1);
     bench.run(1);
     assert_eq!(editor_text(&bench), "O0007\nM30");
     open_file(&mut bench, &file.0);
-    wait_for_text(&mut bench, "is not saved and would be lost");
+    wait_for_text(&mut bench, "are not saved and would be lost");
     bench.harness.get_by_label("Do not save").click();
     wait_for(&mut bench, "other text", |bench| {
         editor_text(bench) == "O0009\nM30\n"

@@ -107,7 +107,7 @@ fn a_control_is_exported_deleted_and_imported() {
         "ladder: A0001.5: 1014 压力低报警 → 1014 油压低",
         "O0007: added, 4 lines",
         "selected program: none → O0007",
-        "values taken over into one: 9",
+        "values written to one: 9",
     ] {
         assert!(output.contains(line), "{line}\n{output}");
     }
@@ -119,7 +119,7 @@ fn a_control_is_exported_deleted_and_imported() {
     fs::remove_dir_all(folder.0.join("one")).unwrap();
     folder.run_successfully("import out --data one");
     let same = folder.run_successfully("diff out --data one");
-    assert_eq!(same, "nothing differs\n");
+    assert_eq!(same, "no differences\n");
     folder.run_successfully("export again --data one");
     for (path, bytes) in folder.files() {
         if let Ok(name) = path.strip_prefix(folder.0.join("out")) {
@@ -176,10 +176,7 @@ fn single_sections_can_be_imported() {
     folder.write("part/programs/O0002.CNC", b"O0002;\nM30;\n");
     let output =
         folder.run_successfully("import part --data data --only offsets,programs --dry-run");
-    assert!(
-        output.contains("values that would be taken over into data: 3"),
-        "{output}"
-    );
+    assert!(output.contains("values to write to data: 3"), "{output}");
     let output = folder.run_successfully("import part --data data --only offsets,programs");
     assert!(
         !output.contains("No.022") && output.contains("offset 001 Z"),
@@ -258,8 +255,8 @@ fn other_folders_are_left_alone_and_an_unfinished_project_is_refused() {
         setup.memory.programs.store("O0001;\nM30;\n").unwrap();
     });
     folder.write("notes/letter.txt", b"dear");
-    folder.assert_refused("export notes --data data", 2, "holds other files");
-    folder.assert_refused("export data --data data", 2, "holds other files");
+    folder.assert_refused("export notes --data data", 2, "contains other files");
+    folder.assert_refused("export data --data data", 2, "contains other files");
     folder.assert_refused(
         "import notes --data data",
         2,
@@ -272,7 +269,7 @@ fn other_folders_are_left_alone_and_an_unfinished_project_is_refused() {
     );
     folder.assert_refused("export out --data nowhere", 2, "not a data directory yet");
     folder.run_successfully("export out --data data");
-    folder.assert_refused("new out", 2, "holds other files");
+    folder.assert_refused("new out", 2, "contains other files");
     // Other files of the owner in the folder stay.
     folder.write("out/README.md", b"mine");
     folder.write("out/.git/HEAD", b"ref");
@@ -293,7 +290,7 @@ fn other_folders_are_left_alone_and_an_unfinished_project_is_refused() {
         assert_eq!(names.contains_key(&folder.0.join(name)), exists, "{name}");
     }
     folder.write("out/.gsk980td-unfinished", b"");
-    folder.assert_refused("import out --data data", 2, "was broken off");
+    folder.assert_refused("import out --data data", 2, "was interrupted");
     folder.run_successfully("export out --data data");
     folder.run_successfully("diff out data");
 }
@@ -315,7 +312,7 @@ fn a_machine_file_is_exported_and_compared() {
     folder.run_successfully("import one --data data");
     assert_eq!(
         folder.run_successfully("diff one --data data"),
-        "nothing differs\n"
+        "no differences\n"
     );
     folder.run_successfully("new ncb --model ncb08");
     folder.edit("ncb/model-parameters.txt", "017 = 15000", "017 = 9000");
@@ -323,7 +320,7 @@ fn a_machine_file_is_exported_and_compared() {
     assert!(folder.0.join("data/models/ncb08/parameters.ron").exists());
     assert_eq!(
         folder.run_successfully("diff ncb --data data --model ncb08"),
-        "nothing differs\n"
+        "no differences\n"
     );
 }
 
@@ -415,7 +412,7 @@ fn the_view_lists_differences_and_takes_over_the_checked_ones() {
     assert!(bench.harness.query_by_label("5 mm").is_some());
     click(&mut bench, "Differences: 1");
     click(&mut bench, "offset 001 Z: 0 → 5 mm");
-    click(&mut bench, "Switch off, take over 1, switch on");
+    click(&mut bench, "Power off, write 1, power on");
     let selection = bench
         .harness
         .state_mut()
@@ -446,7 +443,7 @@ fn the_view_lists_differences_and_takes_over_the_checked_ones() {
     assert_eq!(taken.differences.len(), 1, "{taken:?}");
     assert!(taken.backup_folder.is_some());
     let (_, output, _) = folder.run_project("diff data part --only offsets");
-    assert_eq!(output, "nothing differs\n");
+    assert_eq!(output, "no differences\n");
     let (_, output, _) = folder.run_project("diff data part --only parameters");
     assert!(output.contains("No.022"), "{output}");
     let other_model = ImportRequest {
@@ -455,7 +452,7 @@ fn the_view_lists_differences_and_takes_over_the_checked_ones() {
     };
     let refused = project::import_project(&other_model, &|_| true).expect_err("another model");
     assert!(
-        refused.to_string().contains("turn this model on first"),
+        refused.to_string().contains("select this model first"),
         "{refused}"
     );
 }
@@ -485,7 +482,7 @@ fn the_view_takes_values_over_into_the_project_and_saves_it() {
     wait_for_text(&mut bench, "the control → the project");
     click(&mut bench, "none");
     click(&mut bench, "O0005: added, 2 lines");
-    click(&mut bench, "Take 1 into the project");
+    click(&mut bench, "Write 1 to the project");
     wait_for_text(&mut bench, "not saved");
     // A thread repeats the comparison.
     let is_gone = (0..1000).any(|_| {
@@ -498,8 +495,8 @@ fn the_view_takes_values_over_into_the_project_and_saves_it() {
     // The control takes over the files of the folder, not unsaved changes.
     let last = bench.harness.get_all_by_label("the control").count() - 1;
     click_nth(&mut bench, last, "the control");
-    wait_for_text(&mut bench, "Switch off, take over");
-    let button = bench.harness.get_by_label_contains("Switch off, take over");
+    wait_for_text(&mut bench, "Power off, write");
+    let button = bench.harness.get_by_label_contains("Power off, write");
     assert!(button.accesskit_node().is_disabled());
     // The view asks before it opens another project.
     let click_entry = |bench: &mut WindowBench, entry: &str| {

@@ -243,8 +243,11 @@ pub fn options_for_simulation_only_are_refused_before_the_port_is_opened() {
     let part = folder.path("part.CNC");
     let refusals: [(&[&str], &str); 3] = [
         (&["--parts", "2"], "the operator confirms each part"),
-        (&["--spindle", "800"], "M03 or a key of the panel"),
-        (&["--start", "100,50"], "where they stand"),
+        (&["--spindle", "800"], "M03 or a panel key"),
+        (
+            &["--start", "100,50"],
+            "the machine determines the position",
+        ),
     ];
     for (arguments, message) in refusals {
         let run = [&["run", &part, "--link", "/nowhere"], arguments].concat();

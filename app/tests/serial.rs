@@ -148,7 +148,7 @@ fn files_are_sent_received_renamed_and_deleted() {
     assert_eq!(conflict.status.code(), Some(2), "{conflict:?}");
 
     control.run_successfully("rename", &["O0008.CNC", "O0009.CNC"]);
-    control.assert_refused("rename", &["O0009.CNC", "O0007.CNC"], "there already");
+    control.assert_refused("rename", &["O0009.CNC", "O0007.CNC"], "already exists");
     control.run_successfully("delete", &["O0009.CNC"]);
     control.assert_refused("delete", &["O0009.CNC"], "no file of this name");
     control.assert_refused("receive", &["ParaW.par", "--into", &into], "switch");

@@ -446,7 +446,7 @@ fn assert_result(round: &FaultRound, plan: &FaultPlan, output: &Output, files: &
     match fault {
         Some(LineFault::WrongBaudRate) => {
             assert_eq!(code, Some(1), "{context}");
-            assert!(errors.contains("speed (044)"), "{context}");
+            assert!(errors.contains("baud rate (044)"), "{context}");
             assert!(*files == round.files_before && !has_received, "{context}");
         }
         Some(LineFault::CableUnplugged | LineFault::PortGone) if code == Some(1) => {

@@ -101,7 +101,7 @@ fn files_are_sent_renamed_on_conflict_and_deleted() {
 
     // The answers are yes, no, cancel. No gives the existing file the proposed name.
     click(&mut bench, "Start");
-    wait_for_text(&mut bench, "The control has a file O0007.CNC already");
+    wait_for_text(&mut bench, "The control already has a file O0007.CNC");
     click(&mut bench, "No");
     wait_for_text(&mut bench, "Rename a file of the control");
     click(&mut bench, "OK");

@@ -174,7 +174,7 @@ fn a_cancelled_job_stores_no_file() {
     worker.cancel();
     let (fates, error, _) = wait_for_end(&worker, &NameConflictChoice::Skip);
     assert_eq!(fates, []);
-    assert_eq!(error.as_deref(), Some("0 of 2 files; broken off"));
+    assert_eq!(error.as_deref(), Some("0 of 2 files; cancelled"));
     let partitions = wait_for_event(&worker, |news| match news {
         PcWorkerEvent::Listed(partitions) => Some(partitions),
         _ => None,

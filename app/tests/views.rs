@@ -288,7 +288,7 @@ fn forced_bits_and_faults_are_shown_while_their_view_is_closed() {
         (0, 1)
     );
     click(&mut bench, "forced 1   faults 1");
-    click(&mut bench, "Mend faults, let inputs go (2)");
+    click(&mut bench, "Clear faults, release forced inputs (2)");
     assert_eq!(imposed(&bench), Default::default());
     assert!(bench.harness.query_by_label_contains("faults 1").is_none());
 }

@@ -587,7 +587,7 @@ fn an_opened_program_is_stored_and_never_overwrites_another() {
 
     // The file is opened again: the edited program is not discarded.
     bench.open("01-stepped-shaft.CNC");
-    let question = "O0001 is in the memory already";
+    let question = "O0001 is already in the memory";
     let is_question_shown = (0..1000).any(|_| {
         std::thread::sleep(std::time::Duration::from_millis(10));
         bench.run(1);
@@ -648,7 +648,7 @@ fn the_remedy_of_an_alarm_is_drawn_over_the_lcd_only() {
     for _ in 0..60 {
         bench.harness.step();
     }
-    let tip = bench.harness.get_by_label_contains("Way out: ").rect();
+    let tip = bench.harness.get_by_label_contains("Remedy: ").rect();
     let lcd = bench.harness.get_by_label("LCD").rect();
     assert!(lcd.expand(1.0).contains_rect(tip), "{tip:?} {lcd:?}");
 }
@@ -668,7 +668,7 @@ fn a_key_without_effect_shows_the_reason_until_a_key_acts() {
             "the axis keys act in",
         ),
         ("MDI mode", "Spindle forward", "manual and zero modes"),
-        ("MDI mode", "Cycle start", "no MDI block is keyed in"),
+        ("MDI mode", "Cycle start", "no MDI block is entered"),
     ] {
         bench.click(mode);
         bench.run(300);

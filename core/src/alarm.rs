@@ -304,7 +304,7 @@ impl fmt::Display for Alarm {
         }
         write!(f, "\ncause: {}", row.cause_en)?;
         if let Some(advice) = row.advice {
-            write!(f, "\nway out: {}", advice.remedy_en)?;
+            write!(f, "\nremedy: {}", advice.remedy_en)?;
         }
         write!(f, "\ncleared by: {}", row.cleared_by_en)
     }
@@ -370,7 +370,7 @@ mod tests {
              原因: G65 中除数为零(包括 tan 90°)\n\
              处理: 运算前先判断除数\n\
              cause: G65 divides by zero, tan 90 degrees included\n\
-             way out: test the divisor before dividing\n\
+             remedy: test the divisor before dividing\n\
              cleared by: the cause is corrected, then RESET"
         );
         assert_eq!(Alarm::new(20).advice(), None);

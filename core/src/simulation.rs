@@ -28,10 +28,10 @@ const KEY_TICKS: u32 = 100;
 /// A [`Cnc`] connected to a simulated lathe.
 ///
 /// ```
-/// use gsk_core::simulation::{Outcome, Simulation, Until};
+/// use gsk_core::simulation::{RunUntilResult, Simulation, StopCondition};
 /// use gsk_core::setup::Setup;
 /// let mut simulation = Simulation::new(Setup::default());
-/// assert_eq!(simulation.run_until(Until::Stopped, 1000), Outcome::Reached);
+/// assert_eq!(simulation.run_until(StopCondition::Stopped, 1000), RunUntilResult::Reached);
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Simulation {

@@ -169,7 +169,7 @@ fn a_hold_without_motion_has_a_reason() {
 fn cycle_start_names_what_holds_it() {
     let mut emulator = awake(Setup::default());
     acts(&mut emulator, Key::Mdi);
-    refused(&mut emulator, Key::CycleStart, "no MDI block is keyed in");
+    refused(&mut emulator, Key::CycleStart, "no MDI block is entered");
     emulator
         .load_program("o7.nc", "G0 X100\nM12\nM30\n")
         .expect("a program");

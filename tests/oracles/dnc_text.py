@@ -96,12 +96,12 @@ def main():
             with Control() as control:
                 with open(control.port, "r+b", buffering=0) as line:
                     ascii_xfr(file, line)
-                    control.says("came in")
+                    control.says("was received")
                 transfer("receive", "O0331.CNC", "--into", folder / name, "--port", control.port, "--baud", BAUD)
             compare(f"ascii-xfr to the control, {name}", (folder / name / "O0331.CNC").read_text())
             with Control() as control:
                 picocom(control.port, source=file)
-                control.says("came in")
+                control.says("was received")
                 transfer("receive", "O0331.CNC", "--into", folder / f"{name}-picocom", "--port", control.port, "--baud", BAUD)
             compare(f"picocom to the control, {name}", (folder / f"{name}-picocom" / "O0331.CNC").read_text())
             # To the PC's side.

@@ -136,43 +136,43 @@ fn impossible_values_are_refused_by_field_and_rule() {
         ("(name: \"\")", "name: must not be empty"),
         (
             "(x: (limits: (minus: 10, plus: -310)))",
-            "x.limits: minus 10 must lie below plus -310",
+            "x.limits: `minus` 10 must be less than `plus` -310",
         ),
         (
             "(z: (start: 20))",
-            "z.start: 20 lies beyond the limit switches -505 to 5",
+            "z.start: 20 is beyond the limit switches -505 to 5",
         ),
         (
             "(z: (dog: (from: -5, to: -30)))",
-            "z.dog: from -5 must lie below to -30",
+            "z.dog: `from` -5 must be less than `to` -30",
         ),
         (
             "(x: (dog: (from: -10, to: 20)))",
-            "x.dog: -10 to 20 does not lie within the limit switches -310 to 10",
+            "x.dog: -10 to 20 is not within the limit switches -310 to 10",
         ),
         (
             "(x: (ends: (minus: -300, plus: 20)))",
-            "x.limits: -310 to 10 do not lie within the ends of the slide -300 to 20",
+            "x.limits: -310 to 10 is not within the ends of the slide -300 to 20",
         ),
         (
             "(z: (ends: (minus: 20, plus: -600)))",
-            "z.ends: minus 20 must lie below plus -600",
+            "z.ends: `minus` 20 must be less than `plus` -600",
         ),
         (
             "(z: (limits: None, start: 30))",
-            "z.start: 30 lies beyond the ends of the slide -515 to 15",
+            "z.start: 30 is beyond the ends of the slide -515 to 15",
         ),
         (
             "(x: (limits: None, dog: (from: -10, to: 40)))",
-            "x.dog: -10 to 40 does not lie within the ends of the slide -330 to 30",
+            "x.dog: -10 to 40 is not within the ends of the slide -330 to 30",
         ),
         (
             "(x: (motor_turn: 0))",
-            "x.motor_turn: 0 is not above 0 and at most 1000 mm",
+            "x.motor_turn: 0 must be above 0 and at most 1000 mm",
         ),
         (
             "(x: (pulse: -0.001))",
-            "x.pulse: -0.001 is not above 0 and at most 1 mm; `reversed` gives the direction",
+            "x.pulse: -0.001 must be above 0 and at most 1 mm; `reversed` sets the direction",
         ),
         (
             "(x: (pitch_errors: [(at: 0, error: 2)]))",
@@ -180,40 +180,40 @@ fn impossible_values_are_refused_by_field_and_rule() {
         ),
         (
             "(z: (pitch_errors: [(at: 0, error: 0), (at: -5, error: 0)]))",
-            "z.pitch_errors: -5 must lie above 0: errors stand from minus to plus",
+            "z.pitch_errors: -5 must be above 0: list the error points from minus to plus",
         ),
         (
             "(z: (pitch_errors: [(at: 0, error: 0), (at: 5, error: 0.1)]))",
-            "z.pitch_errors: 0.1 mm from 0 to 5 is more than 0.01 mm a mm",
+            "z.pitch_errors: 0.1 mm from 0 to 5 is more than 0.01 mm per mm",
         ),
         (
             "(x: (servo: (gain: 0)))",
-            "x.servo.gain: 0 is not from 1 to 1000",
+            "x.servo.gain: 0 is outside 1 to 1000",
         ),
         (
             "(turret: (stations: 12))",
-            "turret.stations: 12 is more than 8: there is a contact T01 to T08 for each station; \
-             `coded: true` and a ladder that reads the code serve 32",
+            "turret.stations: 12 is more than 8: each station has a contact, T01 to T08; for up to 32 set \
+             `coded: true` and use a ladder that reads the code",
         ),
         (
             "(turret: (stations: 33, coded: true))",
-            "turret.stations: 33 is more than 32: 084 counts no more",
+            "turret.stations: 33 is more than 32: parameter 084 allows no more",
         ),
         (
             "(turret: (stations: 4, first: 5))",
-            "turret.first: 5 is no station: they are 1 to 4",
+            "turret.first: 5 is not a station: stations are 1 to 4",
         ),
         (
             "(turret: (window: 0.5))",
-            "turret.window: 0.5 is not between 0 and 0.5 of a pitch",
+            "turret.window: 0.5 must be above 0 and below 0.5 of a pitch",
         ),
         (
             "(spindle: (steps: (1, 2, 3, 1e9)))",
-            "spindle.steps: 1000000000 is not from 0 to 99999 r/min",
+            "spindle.steps: 1000000000 is outside 0 to 99999 r/min",
         ),
         (
             "(spindle: (encoder_lines: 7))",
-            "spindle.encoder_lines: 7 is neither 0 (no encoder) nor 100 to 5000",
+            "spindle.encoder_lines: 7 must be 0 (no encoder) or 100 to 5000",
         ),
         (
             "(link: (baud: 300))",
@@ -221,7 +221,7 @@ fn impossible_values_are_refused_by_field_and_rule() {
         ),
         (
             "(chuck: (travel_ms: 0))",
-            "chuck.travel_ms: 0 ms is not from 1 to 600000 ms",
+            "chuck.travel_ms: 0 ms is outside 1 to 600000 ms",
         ),
     ];
     for (text, expected) in table {

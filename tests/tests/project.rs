@@ -470,7 +470,7 @@ fn every_rule_is_reported_with_file_and_line() {
             "parameters.txt",
             "022 = 3800",
             "021 = 1",
-            format!("parameters.txt:{at}: 021 stands in line {} already", at - 1),
+            format!("parameters.txt:{at}: 021 is already in line {}", at - 1),
         ),
         (
             "parameters.txt",
@@ -518,7 +518,7 @@ fn every_rule_is_reported_with_file_and_line() {
             "variables.txt",
             "#200 = 0",
             "#200 = 0\n#100 = 5",
-            "variables.txt:3: #100 is no variable that outlasts power-off".to_owned(),
+            "variables.txt:3: #100 is not a variable kept at power-off".to_owned(),
         ),
         (
             "project.gpr",
@@ -530,7 +530,7 @@ fn every_rule_is_reported_with_file_and_line() {
             "project.gpr",
             "model = gsk980td",
             "model = gsk980mdi",
-            "project.gpr:3: programs of the GSK980MDi are not carried out".to_owned(),
+            "project.gpr:3: programs of the GSK980MDi cannot be executed".to_owned(),
         ),
         (
             "project.gpr",
@@ -583,7 +583,7 @@ fn every_rule_is_reported_with_file_and_line() {
         (
             "programs/notes.txt",
             "x",
-            "programs/notes.txt: no file of a project belongs here",
+            "programs/notes.txt: not a file of a project",
         ),
         (
             "disks/N1/offsets.txt",
@@ -593,7 +593,7 @@ fn every_rule_is_reported_with_file_and_line() {
         (
             "disks/N5/offsets.txt",
             "",
-            "disks/N5/offsets.txt: no file of a project belongs here",
+            "disks/N5/offsets.txt: not a file of a project",
         ),
     ] {
         let problems = problems_with(name, text);
@@ -677,10 +677,7 @@ fn a_ladder_is_compared_by_meaning() {
         with(".INIT DT4 15000", ".INIT DT4 9000"),
         [".INIT DT0004: 15000 → 9000"]
     );
-    assert_eq!(
-        with("\nEND1", "\n; one\nEND1"),
-        ["only remarks of its text differ"]
-    );
+    assert_eq!(with("\nEND1", "\n; one\nEND1"), ["only comments differ"]);
     let rungs = with("\nEND2", "\nLD R500.0\nOUT R501.0\nEND2");
     assert!(rungs[0].contains("0 rungs become 1"), "{rungs:?}");
 }

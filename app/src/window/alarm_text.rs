@@ -88,7 +88,7 @@ mod tests {
             en.contains("O0012 N0060 line 7  (neither R nor I, K is given)"),
             "{en}"
         );
-        assert!(en.contains("\nWay out: "), "{en}");
+        assert!(en.contains("\nRemedy: "), "{en}");
         assert!(with_remedy(&alarm, Language::Zh).contains("\n处理: "));
     }
 }

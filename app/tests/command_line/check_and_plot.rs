@@ -15,7 +15,7 @@ fn all_alarms_of_a_program_are_listed() {
         "\n  P/S 010 ",
         "\n  also P/S 009 ",
         "\n  also P/S 078 ",
-        "\n  what comes after line 4 was not checked\n",
+        "\n  the program after line 4 was not checked\n",
     ] {
         assert_eq!(out.matches(line).count(), 1, "{line} {out}");
     }
@@ -183,7 +183,7 @@ fn a_start_beyond_the_slide_is_relative_to_the_work_zero() {
     let check = ["check", program.path()];
     let (code, _, err) = run_gsk(&[&check[..], &options].concat());
     assert!(
-        code == 2 && err.contains("--start: X lies beyond"),
+        code == 2 && err.contains("--start: X is beyond"),
         "{code} {err}"
     );
     let zero = ["--work-zero", "-100,-150", "--json"];
@@ -215,8 +215,8 @@ fn errors_in_files_and_options_use_the_requested_language() {
         ),
         (
             vec!["plot", program.path(), "-o", "a.gif"],
-            "a picture's name ends in .png or .svg",
-            "图片的名称以 .png 或 .svg 结尾",
+            "the name of a picture must end in .png or .svg",
+            "图片的名称须以 .png 或 .svg 结尾",
         ),
         (
             vec!["check", program.path(), "--machine", machine.path()],

@@ -113,7 +113,7 @@ fn mill_commands_compute_parameters() {
     let mut words: Vec<&str> = words.split(' ').collect();
     words.push(file.path());
     let (code, _, err) = run_gsk(&words);
-    assert!(code == 2 && err.contains("least number"), "{err}");
+    assert!(code == 2 && err.contains("lowest number"), "{err}");
 }
 
 #[test]

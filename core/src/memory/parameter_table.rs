@@ -226,7 +226,7 @@ mod tests {
     fn bits_agree_with_their_parameter() {
         for row in parameter_rows() {
             let Some(bit) = row.bit else { continue };
-            let whole = super::parameter_row(row.number, None).unwrap();
+            let whole = parameter_row(row.number, None).unwrap();
             for (whole, value) in whole.factory.iter().zip(row.factory) {
                 assert_eq!(whole >> bit & 1, value, "{row:?}");
             }

@@ -67,9 +67,13 @@ fn errors_name_line_and_rule() {
     let all = errors("press AUT\nshow\nhold ZM 2\nhold ZM -1s\nprss CS\nfoo\n");
     assert_eq!(all.len(), 5);
     assert_eq!(all[0], "line 1: unknown key \"AUT\"; near: AUTO OUT");
-    assert!(all[1].starts_with("line 3: \"2\" is no time"), "{}", all[1]);
     assert!(
-        all[2].starts_with("line 4: \"-1s\" is no time"),
+        all[1].starts_with("line 3: \"2\" is not a time"),
+        "{}",
+        all[1]
+    );
+    assert!(
+        all[2].starts_with("line 4: \"-1s\" is not a time"),
         "{}",
         all[2]
     );
@@ -86,30 +90,30 @@ fn what_else_can_be_wrong() {
         ("type", "type is written"),
         ("type 中", "cannot be typed"),
         ("wait", "wait is written"),
-        ("wait \"x\" soon", "is no time"),
+        ("wait \"x\" soon", "is not a time"),
         ("wait \"x", "not closed"),
-        ("wait 1e99s", "is no time"),
-        ("wait 99999999999999999999s", "is no time"),
-        ("set Y0.3 1", "no machine input"),
+        ("wait 1e99s", "is not a time"),
+        ("wait 99999999999999999999s", "is not a time"),
+        ("set Y0.3 1", "not a machine input"),
         ("set X20.1 1", "X0.0 to X3.7"),
         ("set X0.9 1", "X0.9"),
         ("set X0.5 2", "should be 0 or 1"),
         ("fault door on", "there are turret-blocked"),
         ("expect row 15 x", "0 to 14"),
-        ("expect abs 1 nan", "is no coordinate"),
+        ("expect abs 1 nan", "is not a coordinate"),
         ("expect slides 1", "expect is written"),
-        ("expect svc five", "is no voltage"),
+        ("expect svc five", "is not a voltage"),
         ("expect lamp POS on", "has no lamp"),
         ("expect lamp SBL on", "near: SBK"),
         ("expect lamp XYZZY on", "the strip XZERO"),
-        ("expect alarm x", "no alarm number"),
+        ("expect alarm x", "not an alarm number"),
         ("expect mode AUTO", "there are 编辑方式"),
         ("expect Q0.3 1", "Q0.3"),
         ("expect", "expect is written"),
         ("shot --panel", "shot is written"),
-        ("@x press CS", "is no tick"),
+        ("@x press CS", "is not a tick"),
         ("@5", "unknown action"),
-        ("turn a", "no whole number"),
+        ("turn a", "not a whole number"),
         ("power", "power is written"),
     ] {
         let all = errors(text);
@@ -145,7 +149,7 @@ fn a_failure_says_what_was_seen_instead() {
         ("expect row 0 综合", "row 0 reads \"现在位置(相对坐标)"),
         ("expect abs 1 2", "the coordinates are 300.000 300.000"),
         ("expect lamp SBK on", "the lamp SBK is off"),
-        ("expect alarm 011", "no alarm stands"),
+        ("expect alarm 011", "no alarm is active"),
         ("expect Y5.5 0", "Y0005.5 is 1"),
         (
             "wait \"自动方式\" 100ms",
@@ -165,7 +169,7 @@ fn a_failure_says_what_was_seen_instead() {
     let (result, ..) = run_text("wait 100ms\n@50 press CS\n");
     let failure = result.expect_err("too late").to_string();
     assert!(
-        failure.contains("that tick is over: it is 100"),
+        failure.contains("that tick has passed: it is 100"),
         "{failure}"
     );
 }
@@ -218,7 +222,7 @@ fn states_of_control_panel_and_lathe_are_expected() {
     let (result, ..) = run_text(text);
     assert_eq!(result, Ok(()));
     for (line, seen) in [
-        ("expect not alarm none", "it is so"),
+        ("expect not alarm none", "the condition is true"),
         ("expect offset 1 Z 1..2", "001 Z is 0.000"),
         ("expect run hold", "the run is reset"),
         ("expect selected 1", "the program is -"),
@@ -233,10 +237,10 @@ fn states_of_control_panel_and_lathe_are_expected() {
         );
     }
     for (line, wanted) in [
-        ("expect at abs X 3..1", "no value and no range"),
+        ("expect at abs X 3..1", "neither a value nor a range"),
         ("expect page nowhere", "unknown page"),
         ("expect not not alarm none", "is written"),
-        ("expect tool two", "is no whole number"),
+        ("expect tool two", "is not a whole number"),
         ("expect key AUTOO down", "near: AUTO"),
         ("expect param 1.9 1", "1.9"),
         ("expect offset", "| offset 1 X -2.5 |"),

@@ -76,7 +76,7 @@ fn errors_name_file_step_field_and_rule() {
         ),
         (
             "until: [\"at abs X 3..1\"], solution: [\"press CS\"]",
-            "\"3..1\" is no value and no range",
+            "\"3..1\" is neither a value nor a range",
         ),
         (
             "until: [\"offset 1\"], solution: [\"press CS\"]",

@@ -185,7 +185,7 @@ fn a_return_that_begins_on_its_switch_reports_the_direction_off() {
         press(&mut simulation, X_PLUS);
         assert_eq!(
             alarm_detail(&simulation, 90),
-            format!("X stands on its deceleration switch: jog {way} until it is off, then return")
+            format!("X is on its deceleration switch: jog {way} until it is off, then return")
         );
     }
 }
@@ -218,7 +218,7 @@ fn advice_messages(latching: bool, z: f64) -> Vec<String> {
 #[test]
 fn a_return_key_released_too_early_advises_to_hold_it() {
     let text =
-        "the return of Z is broken off: hold its key until the lamp lights, or set 011.2 = 1";
+        "the return of Z was interrupted: hold its key until the lamp lights, or set 011.2 = 1";
     assert_eq!(advice_messages(false, -150.0), [text]);
     // One press is enough; the key of the mode stops it on purpose.
     assert_eq!(advice_messages(true, -150.0), [""; 0]);
@@ -226,7 +226,7 @@ fn a_return_key_released_too_early_advises_to_hold_it() {
 
 #[test]
 fn a_return_interrupted_on_its_switch_advises_to_start_before_it() {
-    let text = "the return of Z is broken off at its deceleration switch: jog Z- until it is \
+    let text = "the return of Z was interrupted at its deceleration switch: jog Z- until it is \
                 clear of the switch, then hold the key until the lamp lights";
     assert_eq!(advice_messages(false, -30.5), [text]);
 }

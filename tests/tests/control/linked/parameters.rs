@@ -10,7 +10,7 @@ use crate::bench::keys::{JOG, RESET, Z_MINUS, Z_PLUS, ZERO};
 #[track_caller]
 fn check_refusal<T: BenchBoard>(machine: &mut LinkedMachine<T>, number: &str) {
     let expected =
-        format!("No.{number} has changed since the board was connected: connect it again");
+        format!("No.{number} was changed after the board was connected: connect it again");
     assert_eq!(machine.alarms(), [603], "No.{number}");
     let detail = machine.simulation.cnc.alarms()[0].detail_en();
     assert_eq!(detail, expected);

@@ -211,7 +211,7 @@ fn passes_that_are_not_straight_are_refused() {
             "run-out",
             true,
         ),
-        ("G32 Z-10 F2\nZ-20", "goes on", false),
+        ("G32 Z-10 F2\nZ-20", "continues", false),
         (
             "G65 H80 P50\nG92 X19.4 Z-20 F2 J0\nN50 G92 X19.4 Z-20 F2",
             "run-out",

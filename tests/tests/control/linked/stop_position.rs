@@ -40,7 +40,7 @@ fn assert_alarm_position<T: BenchBoard>(machine: &LinkedMachine<T>, number: u16,
     let detail = alarm.unwrap().detail_en();
     let at = machine.simulation.cnc.position_machine();
     let source = match certainty {
-        SHUT_DOWN => "by what the board had been told",
+        SHUT_DOWN => "by the motion sent to the board",
         _ => "by the board's count",
     };
     let place = format!(
@@ -88,11 +88,11 @@ fn assert_shows_made_pulses<T: BenchBoard>(
     }
 }
 
-const OFF_PATH: &str = "uncertain: that is not on the commanded path";
+const OFF_PATH: &str = "uncertain: it is not on the commanded path";
 const DEAD_STOP: &str = "uncertain: the motors were stopped dead and may have lost steps";
 const RESTARTED: &str = "uncertain: its last count before it was reset";
-const SHUT_DOWN: &str = "uncertain: as it was when the board shut down, which nobody has read";
-const NOT_RECEIVED: &str = "uncertain: the board may have made more since it was heard last";
+const SHUT_DOWN: &str = "uncertain: estimated from the time the board shut down, not read from it";
+const NOT_RECEIVED: &str = "uncertain: the board may have moved further since its last report";
 const TOO_FAST: &str =
     "uncertain: stopped faster than flush_keep_speed the motors may have lost steps";
 
@@ -123,7 +123,7 @@ fn a_stopped_line_board_is_shown_at_its_position() {
         machine.twin.write(b"G99Q\n");
         machine.run_ms(60);
     };
-    let sure = "uncertain: the board may have misunderstood its orders";
+    let sure = "uncertain: the board may have misread its commands";
     assert_shows_made_pulses(&ready, breaks, (608, 0, sure));
 }
 
@@ -132,7 +132,7 @@ fn a_stopped_line_board_is_shown_at_its_position() {
 #[test]
 fn a_board_that_continues_after_its_reset_is_shown_at_its_position() {
     let ready = LinkedMachine::referenced(Variant::FluidNc);
-    let sure = "uncertain: the board may have misunderstood its orders";
+    let sure = "uncertain: the board may have misread its commands";
     let breaks = |machine: &mut LinkedMachine<GrblTwin>| {
         machine.twin.write(b"G99Q\n");
         machine.run_ms(60);
@@ -230,7 +230,7 @@ fn check_differing_counts<T: BenchBoard>(ready: &LinkedMachine<T>) {
     assert_eq!(machine.alarms(), [611]);
     let made = machine.made_pulses()[1];
     assert_eq!(shown_pulses(&machine), made + 7);
-    let sure = "uncertain: the board counts another place than was commanded";
+    let sure = "uncertain: the board's count differs from the commanded position";
     assert_alarm_position(&machine, 611, sure);
 }
 
@@ -262,7 +262,7 @@ fn check_without_reference<T: BenchBoard>(connected: &LinkedMachine<T>) {
     machine.simulation.cnc.set_panel_key(Z_MINUS, false);
     machine.run_ms(500);
     assert_eq!(machine.alarms(), [622]);
-    let sure = "uncertain: not both axes have made their reference return";
+    let sure = "uncertain: one or both axes have no reference return";
     assert_alarm_position(&machine, 622, sure);
 }
 
@@ -302,7 +302,7 @@ fn after_a_failed_return_the_position_is_unknown() {
         let alarm = alarms.iter().find(|alarm| alarm.number == 609).unwrap();
         let detail = alarm.detail_en();
         assert!(
-            detail.ends_with("; nobody knows where the slides stand"),
+            detail.ends_with("; the slide position is unknown"),
             "{variant:?} {detail}"
         );
     }
@@ -365,7 +365,7 @@ fn check_dropped_reference<T: BenchBoard>(mut machine: LinkedMachine<T>, certain
     assert_eq!(machine.alarms(), [610]);
     let alarm = machine.simulation.cnc.alarms()[0].clone();
     let detail = alarm.detail_en();
-    assert!(detail.starts_with("the reference was dropped"), "{detail}");
+    assert!(detail.starts_with("the reference is lost"), "{detail}");
     assert_counts_agree(&machine);
     assert_alarm_position(&machine, 610, certainty);
     machine.press(RESET);
@@ -388,6 +388,6 @@ fn a_reference_dropped_by_reset_is_reported() {
     // Whether the backlash is made up for at the stop position is unknown.
     let mut machine = LinkedMachine::referenced(Variant::Grbl);
     machine.set_parameter(35, 20);
-    let play = "uncertain: the play of the screws (034, 035) may not be made up for there";
+    let play = "uncertain: the backlash (034, 035) may not be compensated there";
     check_dropped_reference(machine, play);
 }

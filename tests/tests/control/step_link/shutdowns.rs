@@ -7,9 +7,9 @@ use super::bench::StepBench;
 
 /// The message of the firmware, the alarm, and a word of the advice to the operator.
 const SHUTDOWN_TEXTS: [(&str, u16, &str); 12] = [
-    ("Timer too close", 612, "less load"),
-    ("Stepper too far in past", 612, "less load"),
-    ("Rescheduled timer in the past", 612, "less load"),
+    ("Timer too close", 612, "reduce the load"),
+    ("Stepper too far in past", 612, "reduce the load"),
+    ("Rescheduled timer in the past", 612, "reduce the load"),
     ("Move queue overflow", 608, "cable and earth"),
     ("Invalid count parameter", 608, "cable and earth"),
     (
@@ -22,22 +22,22 @@ const SHUTDOWN_TEXTS: [(&str, u16, &str); 12] = [
     (
         "Missed scheduling of next digital out event",
         605,
-        "was silent",
+        "no data from the computer",
     ),
     (
         "Missed scheduling of next hard pwm event",
         605,
-        "was silent",
+        "no data from the computer",
     ),
     (
         "Scheduled digital out event will exceed max_duration",
         607,
-        "by itself",
+        "has a fault",
     ),
     (
         "Scheduled pwm event will exceed max_duration",
         607,
-        "by itself",
+        "has a fault",
     ),
 ];
 

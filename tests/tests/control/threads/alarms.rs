@@ -40,7 +40,7 @@ fn a_run_out_that_is_too_fast_is_refused_before_the_thread() {
     let detail = alarm.detail_en();
     assert_eq!(alarm.source.map(|source| source.line), Some(5));
     assert!(
-        detail.contains("X would need 20000 mm/min at 500 r/min, 3800 are allowed (022)"),
+        detail.contains("X would need 20000 mm/min at 500 r/min, the limit is 3800 (022)"),
         "{detail}"
     );
     // With a separate speed X retracts slowly enough.
