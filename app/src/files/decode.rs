@@ -106,8 +106,18 @@ pub fn decode(mut bytes: Vec<u8>) -> Result<Decoded, DecodeError> {
     }
     match String::from_utf8(bytes) {
         Ok(text) => plain(text, Encoding::Utf8),
-        Err(error) if is_western(error.as_bytes()) => windows_1252(error.as_bytes()),
-        Err(error) => gb18030(error.as_bytes()),
+        Err(error) => {
+            let bytes = error.as_bytes();
+            match western_signs(bytes) {
+                Some((alone, pairs)) if alone > pairs => windows_1252(bytes),
+                // In doubt what GB18030 can read is GB18030.
+                Some((alone, pairs)) if alone == pairs && alone > 0 => match gb18030(bytes) {
+                    Err(DecodeError::Undecodable { .. }) => windows_1252(bytes),
+                    read => read,
+                },
+                _ => gb18030(bytes),
+            }
+        }
     }
 }
 
@@ -128,9 +138,10 @@ fn leave_out_leaders(bytes: &mut Vec<u8>) {
     bytes.drain(..begin);
 }
 
-/// Whether bytes beyond ASCII are rather Windows-1252: they stand alone between ASCII, while
-/// the Chinese characters of a shop floor (GB2312) are pairs of such bytes.
-fn is_western(bytes: &[u8]) -> bool {
+/// Counts bytes beyond ASCII that speak for Windows-1252, and pairs that speak for GB18030:
+/// letters of Windows-1252 are single between ASCII, while the Chinese characters of a shop
+/// floor (GB2312) are pairs of such bytes. None if Windows-1252 leaves a byte undefined.
+fn western_signs(bytes: &[u8]) -> Option<(usize, usize)> {
     /// Lead bytes of the common characters of GB2312.
     const COMMON: core::ops::RangeInclusive<u8> = 0xB0..=0xD7;
     /// Bytes that Windows-1252 leaves undefined.
@@ -141,7 +152,8 @@ fn is_western(bytes: &[u8]) -> bool {
         let common = |pair: &&[u8]| COMMON.contains(&pair[0]) && pair[1] >= 0xA1;
         pairs += run.chunks_exact(2).filter(common).count();
     }
-    alone > pairs && !bytes.iter().any(|byte| UNDEFINED.contains(byte))
+    let undefined = bytes.iter().any(|byte| UNDEFINED.contains(byte));
+    (!undefined).then_some((alone, pairs))
 }
 
 fn windows_1252(bytes: &[u8]) -> Result<Decoded, DecodeError> {
@@ -452,6 +464,7 @@ mod tests {
             "(f\u{FC}r Ma\u{DF} \u{B1}0.1, 45\u{B0})\nG00 X1\n",
             "(Gr\u{F6}\u{DF}e f\u{FC}r pi\u{E8}ce)\n",
             "(\u{20AC} \u{D8})\n",
+            "(\u{D6}\u{C4}NDERUNG \u{E4}\u{F6}\u{FC} \u{E9}\u{E8})\n",
         ] {
             let bytes = encode(text, Encoding::Windows1252);
             let decoded = text_of(&bytes);

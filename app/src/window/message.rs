@@ -1,9 +1,12 @@
 //! What the line of messages says. It is put into words when it is drawn: who changes
 //! the language reads the last message in the new one.
 
+use std::path::Path;
+
 use gsk_core::alarm::Alarm;
 use gsk_core::command::ProgramId;
 use gsk_core::memory::Refusal;
+use gsk_core::preview::End;
 use gsk_panel::keys::Key;
 use gsk_runner::first_look::FirstLook;
 
@@ -55,6 +58,18 @@ impl Message {
                 Self::Looked(file, Some(place), look)
             }
             _ => Self::Looked(file, None, look),
+        }
+    }
+
+    /// Takes the machine time of a newer preview of the program, s: parameters, offsets or
+    /// the start position have changed since it was opened.
+    pub fn update_time(&mut self, opened_file: &Path, time_s: f64) {
+        if let Self::Looked(file, _, look) = self
+            && opened_file.file_name().is_some_and(|name| name == file.as_str())
+            && look.end != End::Limit
+            && !look.has_alarm()
+        {
+            look.time_s = time_s;
         }
     }
 

@@ -70,6 +70,11 @@ impl Window {
                 }
             }
         }
+        if let (Some(message), Some((file, time_s))) =
+            (&mut self.message, self.views.lathe().program_time())
+        {
+            message.update_time(file, time_s);
+        }
         // What is said of the new one has come before its picture.
         self.message
             .take_if(|message| left.is_some_and(|program| message.is_about(program)));

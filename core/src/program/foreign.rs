@@ -141,8 +141,9 @@ fn micrometres(number: &str) -> Option<i64> {
     Some(libm::round(millimetres * 1000.0) as i64)
 }
 
-/// What a block has of other controls besides the word that it is refused for: the first of
-/// its foreign words, in their order. `has_m` says whether there is an M code.
+/// What a block has of other controls besides the word that it is refused for: its first
+/// foreign address, since addresses are read before codes, else its first foreign code.
+/// `has_m` says whether there is an M code.
 pub(crate) fn further_foreign_words(
     text: &str,
     record: &Record,
@@ -151,6 +152,7 @@ pub(crate) fn further_foreign_words(
     let words = loose_words(text);
     let mut seen: Vec<&LooseWord> = Vec::new();
     let mut found = Vec::new();
+    let mut first_address = None;
     for word in &words {
         if seen.contains(&word) {
             continue;
@@ -158,6 +160,7 @@ pub(crate) fn further_foreign_words(
         seen.push(word);
         let message = match (word.letter, word.code()) {
             (letter, _) if !is_address_of(letter, record) => {
+                first_address = first_address.or(Some(found.len()));
                 let rule = say::address_unknown(char::from(letter));
                 advised(rule, dialect::instead_of_address(letter))
             }
@@ -177,8 +180,10 @@ pub(crate) fn further_foreign_words(
             break;
         }
     }
-    // The first one is what the block is refused for.
-    found.into_iter().skip(1).collect()
+    if !found.is_empty() {
+        found.remove(first_address.unwrap_or(0));
+    }
+    found
 }
 
 #[cfg(test)]
@@ -219,6 +224,9 @@ mod tests {
         assert_eq!(found("G21 G17 G40 G80 M06 T0101"), 3);
         assert_eq!(found("G00 X5 Y1 Y2 A5"), 2);
         assert_eq!(found("G21 G21"), 0);
+        let text = "G53 X0 Z0 D1";
+        let also = further_foreign_words(text, record, &|_| true);
+        assert!(also[0].text(Language::En).starts_with("G53"), "{also:?}");
         assert_eq!(found("G01 X5"), 0);
         assert!(found(&"G21 G17 Y1 A1 B1 C1 D1 E1 V1 ".repeat(9)) <= MOST_MESSAGES);
     }

@@ -211,6 +211,14 @@ impl LatheView {
         }
     }
 
+    /// The file of the program and its machine time, s, once the preview is complete.
+    pub fn program_time(&self) -> Option<(&std::path::Path, f64)> {
+        let made = &self.made;
+        let complete = !made.path.partial && made.alarm.is_none() && !made.tried;
+        let file = made.file.as_deref().filter(|_| complete)?;
+        Some((file, made.times.spent().whole()))
+    }
+
     /// Draws it and takes its input.
     pub fn show(&mut self, ui: &mut Ui, language: Language) {
         self.receive(ui);

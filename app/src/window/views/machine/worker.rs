@@ -57,6 +57,8 @@ pub struct Made {
     pub practice: bool,
     /// What is wrong with its job file.
     pub trouble: Option<Message>,
+    /// The file of the program.
+    pub file: Option<PathBuf>,
     /// The tool post is behind the spindle.
     pub rear: bool,
     /// Counts programs: with another one the picture is fitted again.
@@ -284,6 +286,7 @@ impl Work {
         let mut made = Made {
             tried,
             trouble,
+            file: basis.file.clone(),
             rear: setup.lathe.rear_tool_post,
             serial: self.serial,
             ..Made::default()
