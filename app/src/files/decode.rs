@@ -140,20 +140,20 @@ fn leave_out_leaders(bytes: &mut Vec<u8>) {
 
 /// Counts bytes beyond ASCII that speak for Windows-1252, and pairs that speak for GB18030:
 /// letters of Windows-1252 are single between ASCII, while the Chinese characters of a shop
-/// floor (GB2312) are pairs of such bytes. None if Windows-1252 leaves a byte undefined.
+/// floor (GB2312) are pairs of such bytes. None if a byte cannot be a western letter.
 fn western_signs(bytes: &[u8]) -> Option<(usize, usize)> {
     /// Lead bytes of the common characters of GB2312.
     const COMMON: core::ops::RangeInclusive<u8> = 0xB0..=0xD7;
-    /// Bytes that Windows-1252 leaves undefined.
-    const UNDEFINED: [u8; 5] = [0x81, 0x8D, 0x8F, 0x90, 0x9D];
+    /// Bytes that Windows-1252 leaves undefined, and ÿ, which is in no shop's comment.
+    const NO_LETTERS: [u8; 6] = [0x81, 0x8D, 0x8F, 0x90, 0x9D, 0xFF];
     let (mut alone, mut pairs) = (0_usize, 0_usize);
     for run in bytes.split(u8::is_ascii).filter(|run| !run.is_empty()) {
         alone += run.len() % 2;
         let common = |pair: &&[u8]| COMMON.contains(&pair[0]) && pair[1] >= 0xA1;
         pairs += run.chunks_exact(2).filter(common).count();
     }
-    let undefined = bytes.iter().any(|byte| UNDEFINED.contains(byte));
-    (!undefined).then_some((alone, pairs))
+    let foreign = bytes.iter().any(|byte| NO_LETTERS.contains(byte));
+    (!foreign).then_some((alone, pairs))
 }
 
 fn windows_1252(bytes: &[u8]) -> Result<Decoded, DecodeError> {
