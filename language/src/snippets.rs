@@ -111,7 +111,7 @@ const fn of_a_lathe(code: GCode) -> &'static str {
         | GCode::Reference
         | GCode::ReferenceByParameter
         | GCode::ReferenceDirect => "XZUW",
-        GCode::Line => "XZUWFIK",
+        GCode::Line => "XZUWFIKR",
         GCode::ArcClockwise
         | GCode::ArcCounterclockwise
         | GCode::LongArcClockwise
@@ -119,8 +119,9 @@ const fn of_a_lathe(code: GCode) -> &'static str {
         | GCode::DiameterArcClockwise
         | GCode::DiameterArcCounterclockwise => "XZUWRIKF",
         GCode::Dwell | GCode::DwellSecondsFirst => "PXU",
-        GCode::Thread | GCode::VariableThread => "XZUWFIJKQ",
-        GCode::Tapping => "ZWFI",
+        GCode::Thread => "XZUWFIJK",
+        GCode::VariableThread => "XZUWFIJKR",
+        GCode::Tapping => "ZWFIL",
         GCode::Coordinates => "XZUWS",
         GCode::MacroCommand => "HPQR",
         GCode::Finishing => "PQ",
