@@ -82,7 +82,15 @@ fn fate(row: &Row, word: &str) -> Fate {
     }
     // The word itself, or one of the block whose place it takes.
     let is_ignored = |slip: &Slip| matches!(slip, Slip::IgnoredWord(_));
-    if seen.cautions.iter().any(|caution| is_ignored(&caution.slip)) { Fate::Warned } else { Fate::Used }
+    if seen
+        .cautions
+        .iter()
+        .any(|caution| is_ignored(&caution.slip))
+    {
+        Fate::Warned
+    } else {
+        Fate::Used
+    }
 }
 
 #[test]
@@ -106,8 +114,9 @@ fn no_word_is_silently_lost() {
                 false if MODAL.contains(&letter) => found != Fate::Refused,
                 false => found != Fate::Used,
             };
-            // Words of an arithmetic block belong to its operation alone.
-            if !right && !(row.code == "G65" && found == Fate::Refused) {
+            // An arithmetic block refuses all words but those of its operation.
+            let refused = row.code == "G65" && found == Fate::Refused;
+            if !right && !refused {
                 wrong.push(format!("{block} {word}: {found:?}"));
             }
         }

@@ -65,7 +65,9 @@ impl Message {
     /// the start position have changed since it was opened.
     pub fn update_time(&mut self, opened_file: &Path, time_s: f64) {
         if let Self::Looked(file, _, look) = self
-            && opened_file.file_name().is_some_and(|name| name == file.as_str())
+            && opened_file
+                .file_name()
+                .is_some_and(|name| name == file.as_str())
             && look.end != End::Limit
             && !look.has_alarm()
         {
