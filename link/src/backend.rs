@@ -11,9 +11,9 @@ use crate::line::LineLink;
 use crate::position::Positioned;
 use crate::step_queue::StepLink;
 use crate::{
-    Awaited, BoardInfo, BoardOutputs, CannotCut, Event, HostTime, Input, LinkConfig, LinkState,
-    Output, Pass, Pins, Protocol, PulseRates, Refused, RunTime, Sample, SpindleView, Stop,
-    ThreadRights, Traffic, Uncertainty,
+    AwaitedInput, BoardInfo, BoardOutputs, HostTime, Input, LinkConfig, LinkEvent, LinkState,
+    MotionRefused, Output, PassError, Pins, Protocol, PulseRates, RunTime, Sample, SpindleView,
+    Stop, ThreadCapability, ThreadPass, Traffic, Uncertainty,
 };
 use gsk_units::{Axis, PerAxis, Pulses};
 
@@ -61,7 +61,7 @@ impl DerefMut for Link {
 /// What a board cannot do has a body here that says so.
 pub trait Backend: Positioned + Debug {
     /// What boards met before said they understand: [`Event::Learned`].
-    fn know(&mut self, dictionaries: Vec<Vec<u8>>) {
+    fn add_dictionaries(&mut self, dictionaries: Vec<Vec<u8>>) {
         // Most boards are asked a few questions only.
         let _ = dictionaries;
     }
@@ -75,15 +75,15 @@ pub trait Backend: Positioned + Debug {
     fn board(&self) -> &BoardInfo;
 
     /// Which threads it cuts.
-    fn threads(&self) -> ThreadRights;
+    fn threads(&self) -> ThreadCapability;
 
     /// Hands over a pass that the board cuts by itself.
     ///
     /// # Errors
     /// What is not as it must be; nothing was sent.
-    fn cut(&mut self, pass: &Pass) -> Result<(), CannotCut> {
+    fn cut(&mut self, pass: &ThreadPass) -> Result<(), PassError> {
         let _ = pass;
-        Err(CannotCut::NotReady)
+        Err(PassError::NotReady)
     }
 
     /// Pulses per mm of slide travel, X and Z.
@@ -108,13 +108,13 @@ pub trait Backend: Positioned + Debug {
     fn outstanding(&self) -> Duration;
 
     /// How much more motion may be handed over now.
-    fn room(&self) -> Duration;
+    fn free_lookahead(&self) -> Duration;
 
     /// The most pulses a second that can be given.
     fn rates(&self) -> PulseRates;
 
     /// What happened since the last call.
-    fn events(&mut self) -> Vec<Event> {
+    fn events(&mut self) -> Vec<LinkEvent> {
         core::mem::take(&mut self.session_mut().events)
     }
 
@@ -152,7 +152,7 @@ pub trait Backend: Positioned + Debug {
     ///
     /// # Errors
     /// The board moves, is locked, or has not said where it stands.
-    fn set_position(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
+    fn set_position(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), MotionRefused> {
         self.align(kernel, at)?;
         let session = self.session_mut();
         session.confirm_position();
@@ -166,9 +166,9 @@ pub trait Backend: Positioned + Debug {
     /// # Errors
     /// The position is known, the board moves, is locked, or has not said where it
     /// stands.
-    fn release(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
+    fn release(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), MotionRefused> {
         if self.state() != LinkState::Locked {
-            return Err(Refused::NotReady);
+            return Err(MotionRefused::NotReady);
         }
         self.align(kernel, at)?;
         self.session_mut().release();
@@ -249,9 +249,9 @@ pub trait Backend: Positioned + Debug {
     ///
     /// # Errors
     /// The board moves or has not said how it stands, or does not do so.
-    fn home(&mut self, axes: PerAxis<bool>) -> Result<(), Refused> {
+    fn home(&mut self, axes: PerAxis<bool>) -> Result<(), MotionRefused> {
         let _ = axes;
-        Err(Refused::NotReady)
+        Err(MotionRefused::NotReady)
     }
 
     /// What spindle and coolant are to do.
@@ -269,13 +269,13 @@ pub trait Backend: Positioned + Debug {
     ///
     /// # Errors
     /// The state takes no motion, or the board could not follow; nothing was sent.
-    fn push(&mut self, sample: Sample) -> Result<(), Refused>;
+    fn push(&mut self, sample: Sample) -> Result<(), MotionRefused>;
 
     /// The kernel stands: what is left of the motion goes out.
     ///
     /// # Errors
     /// The board could not follow the rest.
-    fn finish(&mut self) -> Result<(), Refused>;
+    fn finish(&mut self) -> Result<(), MotionRefused>;
 
     /// Stops the board at once.
     fn stop(&mut self, stop: Stop);
@@ -290,13 +290,13 @@ pub trait Backend: Positioned + Debug {
     ///
     /// # Errors
     /// No motion is taken, or the board has no such input.
-    fn arm(&mut self, awaited: Awaited) -> Result<(), Refused> {
+    fn arm(&mut self, awaited: AwaitedInput) -> Result<(), MotionRefused> {
         let _ = awaited;
-        Err(Refused::NotWired)
+        Err(MotionRefused::NotWired)
     }
 
     /// What is waited for at an axis.
-    fn awaited(&self, axis: Axis) -> Option<Awaited> {
+    fn awaited(&self, axis: Axis) -> Option<AwaitedInput> {
         let _ = axis;
         None
     }
@@ -317,9 +317,9 @@ pub trait Backend: Positioned + Debug {
     ///
     /// # Errors
     /// Something else stopped them, or the position is not known.
-    fn retreat(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
+    fn retreat(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), MotionRefused> {
         let _ = (kernel, at);
-        Err(Refused::NotReady)
+        Err(MotionRefused::NotReady)
     }
 
     /// Whether axes that have made their reference return stand where the kernel
@@ -332,9 +332,9 @@ pub trait Backend: Positioned + Debug {
     ///
     /// # Errors
     /// The board is not ready, or has no such output.
-    fn output(&mut self, at: RunTime, output: Output, value: i32) -> Result<(), Refused> {
+    fn output(&mut self, at: RunTime, output: Output, value: i32) -> Result<(), MotionRefused> {
         let _ = (at, output, value);
-        Err(Refused::NotWired)
+        Err(MotionRefused::NotWired)
     }
 
     /// Whether a switch at the board is operated; `None`: not wired, or not reported yet.
@@ -342,8 +342,8 @@ pub trait Backend: Positioned + Debug {
 
     /// The spindle in the kernel's next tick; once before each. `give`: the axes follow
     /// it, and it may be corrected by so much, turns.
-    fn spindle(&mut self, give: Option<f64>) -> Option<SpindleView> {
-        let _ = give;
+    fn spindle(&mut self, max_correction: Option<f64>) -> Option<SpindleView> {
+        let _ = max_correction;
         None
     }
 

@@ -31,9 +31,9 @@ pub struct PulseRates {
 
 /// Which threads the drives behind a board cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ThreadRights {
+pub enum ThreadCapability {
     /// None: what is lacking.
-    None(Lacks),
+    None(MissingForThreads),
     /// The control follows the spindle as the board measures it: every thread.
     Followed,
     /// The board follows its spindle by itself, one straight pass of one lead at a
@@ -41,7 +41,7 @@ pub enum ThreadRights {
     Passes,
 }
 
-impl ThreadRights {
+impl ThreadCapability {
     /// What it cuts, or what it lacks, in words.
     pub fn text(self) -> Message {
         match self {
@@ -52,15 +52,15 @@ impl ThreadRights {
     }
 }
 
-impl Default for ThreadRights {
+impl Default for ThreadCapability {
     fn default() -> Self {
-        Self::None(Lacks::default())
+        Self::None(MissingForThreads::default())
     }
 }
 
 /// What a board lacks for threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Lacks {
+pub struct MissingForThreads {
     /// Its firmware synchronises nothing with the spindle.
     pub sync: bool,
     /// The owner has not cut the proof thread.
@@ -75,7 +75,7 @@ pub struct Lacks {
     pub index: bool,
 }
 
-impl Lacks {
+impl MissingForThreads {
     /// All that is lacking, in words.
     pub fn text(self) -> Message {
         let lacks = [

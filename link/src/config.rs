@@ -285,7 +285,7 @@ impl FaultyLinkConfig {
             Self::OutputPullUp => say::link_output_pull_up(),
             Self::IndexTurnedOver => say::link_index_turned_over(),
             Self::Twice(other) => say::link_pin_twice(other),
-            Self::Place => say::link_place_wrong(MOST_PLACE),
+            Self::Place => say::link_place_wrong(MAX_HOME_MM),
         }
     }
 }
@@ -298,7 +298,7 @@ impl LinkConfigError {
 }
 
 /// The greatest coordinate of the control, mm.
-const MOST_PLACE: f64 = 9999.999;
+const MAX_HOME_MM: f64 = 9999.999;
 
 impl LinkConfig {
     /// Contacts of the control that are wired to inputs of the board.
@@ -362,7 +362,7 @@ impl LinkConfig {
             });
         }
         for (field, place) in [("x.home_at", self.x.home_at), ("z.home_at", self.z.home_at)] {
-            if !(-MOST_PLACE..=MOST_PLACE).contains(&place) {
+            if !(-MAX_HOME_MM..=MAX_HOME_MM).contains(&place) {
                 let fault = FaultyLinkConfig::Place;
                 return Err(LinkConfigError { field, fault });
             }

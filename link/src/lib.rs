@@ -29,8 +29,8 @@ use gsk_units::{Axis, PerAxis, Pulses, alarm};
 
 pub use backend::{Backend, Link};
 pub use board::{
-    BoardInfo, BoardOutputs, Lacks, Pins, PulseRates, SpindleDirection, SpindleView, ThreadRights,
-    Traffic,
+    BoardInfo, BoardOutputs, MissingForThreads, Pins, PulseRates, SpindleDirection, SpindleView,
+    ThreadCapability, Traffic,
 };
 pub use config::{
     FaultyLinkConfig, HomeConfig, LineConfig, LinkAxis, LinkConfig, LinkConfigError, LinkIo,
@@ -175,7 +175,7 @@ impl Input {
 
 /// What an input has to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Until {
+pub enum InputCondition {
     /// Be operated.
     Operated,
     /// Be free.
@@ -186,11 +186,11 @@ pub enum Until {
 
 /// What stops both axes in the board, as soon as the board sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Awaited {
+pub struct AwaitedInput {
     /// The input; it is one of an axis.
     pub input: Input,
     /// What it has to do.
-    pub until: Until,
+    pub until: InputCondition,
     /// Pulses a second at which it is sought: no pulse more is made.
     pub rate: f64,
 }
@@ -212,7 +212,7 @@ pub enum Output {
 
 /// Something the kernel must hear about.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Event {
+pub enum LinkEvent {
     /// The state changed.
     State(LinkState),
     /// All motion handed over has been made, and the board's count agrees.
@@ -245,12 +245,12 @@ pub enum Event {
         packed: Vec<u8>,
     },
     /// A setting of the board is not what it has to be.
-    Differs(Difference),
+    Differs(SettingDifference),
 }
 
 /// A setting of the board that is not what it has to be.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Difference {
+pub struct SettingDifference {
     /// Its number among the settings of Grbl, also where the board calls it otherwise;
     /// from 1000 on what no number of Grbl stands for.
     pub number: u16,
@@ -264,7 +264,7 @@ pub struct Difference {
 
 /// A straight cut of one lead that a board makes by itself behind its spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pass {
+pub struct ThreadPass {
     /// Where it begins: where the axes stand.
     pub from: PerAxis<Pulses>,
     /// Where it ends.
@@ -275,7 +275,7 @@ pub struct Pass {
 
 /// Why a pass is not taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum CannotCut {
+pub enum PassError {
     /// The axes do not stand yet.
     NotReady,
     /// The board does not report the speed of its spindle.
@@ -309,9 +309,9 @@ pub enum CannotCut {
     },
 }
 
-impl CannotCut {
+impl PassError {
     /// Alarm, cause, and how long it is waited whether it goes.
-    pub fn judged(self) -> (u16, Message, Duration) {
+    pub fn to_alarm(self) -> (u16, Message, Duration) {
         let (number, text, seconds) = match self {
             Self::NotReady => (alarm::LINK_PROTOCOL, say::pass_board_moves(), 20),
             Self::Unseen => (alarm::BOARD_CANNOT, say::pass_spindle_unseen(), 2),
@@ -340,7 +340,7 @@ const fn limit_alarm(axis: Axis) -> u16 {
 
 /// Why motion was not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refused {
+pub enum MotionRefused {
     /// The state does not allow it.
     NotReady,
     /// The axis would need more pulses a second than the board makes.
@@ -349,18 +349,18 @@ pub enum Refused {
     TowardLimit(Axis),
     /// The limit switch of the axis is operated, nobody knows on which end, and the piece
     /// is made after which somebody has to look.
-    UponLimit(Axis),
+    OnLimit(Axis),
     /// The board has no such input or output.
     NotWired,
 }
 
-impl Refused {
+impl MotionRefused {
     /// Alarm and cause.
-    pub fn judged(self) -> (u16, Message) {
+    pub fn to_alarm(self) -> (u16, Message) {
         match self {
             Self::TooFast => (alarm::BOARD_CANNOT, say::board_pulses_too_many()),
             Self::TowardLimit(axis) => (limit_alarm(axis), say::limit_switch_ahead()),
-            Self::UponLimit(axis) => (limit_alarm(axis), say::limit_switch_of_unknown_end()),
+            Self::OnLimit(axis) => (limit_alarm(axis), say::limit_switch_of_unknown_end()),
             Self::NotReady | Self::NotWired => (alarm::LINK_PROTOCOL, say::board_takes_no_motion()),
         }
     }

@@ -3,24 +3,24 @@
 
 use gsk_messages::{Message, say};
 
-use crate::session::Session;
-use crate::{Refused, RunTime};
+use crate::session::LinkSession;
+use crate::{MotionRefused, RunTime};
 use gsk_units::{PerAxis, Pulses};
 
 /// What a back end needs so that its position can be confirmed, doubted and forgotten; no
 /// business of who uses it.
 pub trait Positioned {
     /// State, time and events.
-    fn session(&self) -> &Session;
+    fn session(&self) -> &LinkSession;
 
     /// The same, to be changed.
-    fn session_mut(&mut self) -> &mut Session;
+    fn session_mut(&mut self) -> &mut LinkSession;
 
     /// From here on the board's count and the kernel's go together.
     ///
     /// # Errors
     /// The board moves, is locked or shut down, or has not said where it stands.
-    fn align(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused>;
+    fn align(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), MotionRefused>;
 
     /// Nobody knows any more where the slides stand.
     fn lose_position(&mut self, uncertainty: Uncertainty) {

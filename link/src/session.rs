@@ -3,7 +3,7 @@
 
 use gsk_messages::Message;
 
-use crate::{Event, HostTime, LinkState, Uncertainty};
+use crate::{HostTime, LinkEvent, LinkState, Uncertainty};
 
 /// How far the position of the slides can be relied on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,16 +16,16 @@ enum Position {
 
 /// State, time and events of a link.
 #[derive(Clone, Debug)]
-pub struct Session {
+pub struct LinkSession {
     pub(crate) state: LinkState,
     pub(crate) now: HostTime,
     position: Position,
     /// Motion is taken in a state that takes none: the operator moves the axes by hand.
     pub(crate) released: bool,
-    pub(crate) events: Vec<Event>,
+    pub(crate) events: Vec<LinkEvent>,
 }
 
-impl Session {
+impl LinkSession {
     /// A link whose port has just been opened.
     pub(crate) const fn new(now: HostTime) -> Self {
         Self {
@@ -43,7 +43,7 @@ impl Session {
     }
 
     /// Whether the port is closed or the board lost: nothing more happens by itself.
-    pub(crate) const fn is_over(&self) -> bool {
+    pub(crate) const fn is_closed(&self) -> bool {
         matches!(self.state, LinkState::Off | LinkState::Lost)
     }
 
@@ -51,13 +51,13 @@ impl Session {
     pub(crate) fn enter(&mut self, state: LinkState) {
         if self.state != state {
             self.state = state;
-            self.events.push(Event::State(state));
+            self.events.push(LinkEvent::State(state));
         }
     }
 
     /// An alarm of the table, with its cause.
     pub(crate) fn alarm(&mut self, number: u16, detail: Message) {
-        self.events.push(Event::Alarm { number, detail });
+        self.events.push(LinkEvent::Alarm { number, detail });
     }
 
     /// Whether the slides stand where the kernel says.

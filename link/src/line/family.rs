@@ -2,7 +2,7 @@
 
 /// A firmware.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Family {
+pub enum FirmwareFamily {
     /// Grbl 1.1f and later.
     #[default]
     Grbl,
@@ -14,7 +14,7 @@ pub enum Family {
 
 /// Why a board has stopped by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Cause {
+pub(super) enum StopCause {
     /// A limit input.
     Limit,
     /// It was reset while it moved.
@@ -33,7 +33,7 @@ pub(super) enum Cause {
     Locked,
 }
 
-impl Family {
+impl FirmwareFamily {
     /// What a board is asked at the opening, one question after the other; first of all who
     /// it is.
     pub(super) const fn questions(self) -> &'static [&'static str] {
@@ -44,24 +44,24 @@ impl Family {
     }
 
     /// The meaning of `ALARM:number`.
-    pub(super) const fn cause(self, number: u16) -> Cause {
+    pub(super) const fn cause(self, number: u16) -> StopCause {
         match number {
-            1 => Cause::Limit,
-            2 | 4 | 5 => Cause::Order,
-            3 => Cause::Reset,
-            6..=9 => Cause::Homing,
+            1 => StopCause::Limit,
+            2 | 4 | 5 => StopCause::Order,
+            3 => StopCause::Reset,
+            6..=9 => StopCause::Homing,
             _ if matches!(self, Self::FluidNc) => match number {
-                10 | 11 | 16..=18 => Cause::Order,
-                12 => Cause::Homing,
-                13 => Cause::EmergencyStop,
-                _ => Cause::Locked,
+                10 | 11 | 16..=18 => StopCause::Order,
+                12 => StopCause::Homing,
+                13 => StopCause::EmergencyStop,
+                _ => StopCause::Locked,
             },
-            10 => Cause::EmergencyStop,
-            11 | 15 | 18 => Cause::Homing,
-            12 | 13 | 22 => Cause::Order,
-            14 => Cause::Spindle,
-            17 => Cause::Motor,
-            _ => Cause::Locked,
+            10 => StopCause::EmergencyStop,
+            11 | 15 | 18 => StopCause::Homing,
+            12 | 13 | 22 => StopCause::Order,
+            14 => StopCause::Spindle,
+            17 => StopCause::Motor,
+            _ => StopCause::Locked,
         }
     }
 

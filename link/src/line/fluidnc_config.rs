@@ -1,12 +1,12 @@
 //! The settings of FluidNC: named items in a tree, told as one text (`$CD`), written one
 //! by one for as long as the board has power (`$/axes/x/steps_per_mm=400`).
 
-use super::super::Difference;
-use super::required::{Deviation, Setting, figure};
+use super::super::SettingDifference;
+use super::required::{Setting, SettingDeviation, figure};
 
 /// What lies beyond is not kept: no board tells so many items, nor nests them so deep.
-const MOST_ITEMS: usize = 2000;
-const DEEPEST: usize = 12;
+const MAX_ITEMS: usize = 2000;
+const MAX_DEPTH: usize = 12;
 /// What no number of Grbl stands for: motion that the board makes by itself, and how its
 /// axes hang together.
 const OWN_MOTION: u16 = 1000;
@@ -14,7 +14,7 @@ const KINEMATICS: u16 = 1001;
 
 /// How an item follows from the setting of the same meaning.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
+enum ItemKind {
     /// The same figure.
     Figure,
     /// `true` for all figures but 0.
@@ -35,19 +35,19 @@ enum Kind {
 
 /// When an item acts that is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Acts {
+enum EffectTime {
     AtOnce,
     /// When the board starts; by then it has read its own file again.
     AtStart,
 }
 
-use Acts::{AtOnce, AtStart};
-use Kind::{Empty, Figure, NotBit, Pin, Scale, Section, Switch, Unwired};
+use EffectTime::{AtOnce, AtStart};
+use ItemKind::{Empty, Figure, NotBit, Pin, Scale, Section, Switch, Unwired};
 
 /// Setting of the same meaning and path: `?` is one axis after the other, `*` any name.
 /// Not here are the levels of enable outputs and limit inputs ($4, $5): they follow from
 /// the circuits of the board, which its owner has described.
-const ITEMS: [(u16, &str, Kind, Acts); 33] = [
+const ITEMS: [(u16, &str, ItemKind, EffectTime); 33] = [
     (0, "stepping/pulse_us", Figure, AtStart),
     (1, "stepping/idle_ms", Figure, AtOnce),
     (2, "axes/?/motor0/*/step_pin", Pin, AtStart),
@@ -90,7 +90,7 @@ const AXES: [(&str, u16); 2] = [("x", 0), ("z", 2)];
 /// What a board has reported of its items.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct FluidNcConfig {
-    told: Vec<(String, String)>,
+    items: Vec<(String, String)>,
     /// Names of the sections around the next line.
     sections: Vec<String>,
 }
@@ -103,14 +103,14 @@ impl FluidNcConfig {
             return;
         };
         let depth = indented / 2;
-        let fits = depth <= self.sections.len() && depth < DEEPEST;
-        if indented % 2 == 1 || !fits || self.told.len() >= MOST_ITEMS {
+        let fits = depth <= self.sections.len() && depth < MAX_DEPTH;
+        if indented % 2 == 1 || !fits || self.items.len() >= MAX_ITEMS {
             return;
         }
         self.sections.truncate(depth);
         self.sections.push(name.to_owned());
         let value = value.trim().trim_matches('\'').to_owned();
-        self.told.push((self.sections.join("/"), value));
+        self.items.push((self.sections.join("/"), value));
     }
 
     /// The value of an item; empty for a section.
@@ -119,12 +119,12 @@ impl FluidNcConfig {
     }
 
     fn find(&self, path: &str) -> Option<(&str, &str)> {
-        let found = self.told.iter().find(|(told, _)| fits(told, path))?;
+        let found = self.items.iter().find(|(item, _)| fits(item, path))?;
         Some((&found.0, &found.1))
     }
 
     /// What is not as it must be.
-    pub(super) fn deviations(&self, settings: &[Setting]) -> Vec<Deviation> {
+    pub(super) fn deviations(&self, settings: &[Setting]) -> Vec<SettingDeviation> {
         let mut deviations = Vec::new();
         for (number, path, kind, acts) in ITEMS {
             let axes = if path.contains('?') {
@@ -139,7 +139,7 @@ impl FluidNcConfig {
                 let path = path.replace('?', letter);
                 let deviation = self.deviation(number, &path, kind, wanted, *index);
                 deviations.extend(deviation.map(|difference| {
-                    Deviation {
+                    SettingDeviation {
                         line: (acts == AtOnce)
                             .then(|| format!("$/{}={}", difference.name, difference.wanted)),
                         difference,
@@ -154,22 +154,22 @@ impl FluidNcConfig {
         &self,
         number: u16,
         path: &str,
-        kind: Kind,
+        kind: ItemKind,
         wanted: f64,
         bit: u16,
-    ) -> Option<Difference> {
-        let told = self.find(path);
+    ) -> Option<SettingDifference> {
+        let item = self.find(path);
         let is_set = wanted as u32 >> bit & 1 == 1;
-        let value = told.map(|(_, value)| value);
+        let value = item.map(|(_, value)| value);
         let (is_met, wanted) = match kind {
             Figure => {
-                let told = value.and_then(|value| value.parse().ok());
+                let reported = value.and_then(|value| value.parse().ok());
                 let setting = Setting {
                     number,
                     value: wanted,
                 };
                 (
-                    told.is_some_and(|told| setting.is_met_by(told)),
+                    reported.is_some_and(|reported| setting.is_met_by(reported)),
                     figure(wanted),
                 )
             }
@@ -187,7 +187,7 @@ impl FluidNcConfig {
             Pin => {
                 let low = value.is_some_and(|pin| pin.to_lowercase().contains(":low"));
                 let wanted = if is_set { ":low" } else { "not :low" };
-                (told.is_some() && low == is_set, wanted.to_owned())
+                (item.is_some() && low == is_set, wanted.to_owned())
             }
             Scale => {
                 let last = value
@@ -203,11 +203,11 @@ impl FluidNcConfig {
             }
             Empty => (value.is_none_or(str::is_empty), "(empty)".to_owned()),
             Unwired => (value.is_none_or(|pin| pin == "NO_PIN"), "NO_PIN".to_owned()),
-            Section => (told.is_some(), "there".to_owned()),
+            Section => (item.is_some(), "there".to_owned()),
         };
-        (!is_met).then(|| Difference {
+        (!is_met).then(|| SettingDifference {
             number,
-            name: told.map_or(path, |(path, _)| path).to_owned(),
+            name: item.map_or(path, |(path, _)| path).to_owned(),
             board: value.map(str::to_owned),
             wanted,
         })
@@ -229,12 +229,12 @@ mod tests {
     use super::*;
     use crate::LinkConfig;
     use crate::drives::{AxisRates, Drives};
-    use crate::line::Required;
+    use crate::line::RequiredSettings;
     use gsk_units::PerAxis;
 
     /// As `$CD` writes it: two blanks a level, quotes around a colon, a blank line behind
     /// some sections.
-    const TOLD: &str = "\
+    const CONFIG_DUMP: &str = "\
 board: None
 name: lathe
 stepping: 
@@ -273,7 +273,7 @@ macros:
 planner_blocks: 16
 ";
 
-    fn told(text: &str) -> FluidNcConfig {
+    fn parsed(text: &str) -> FluidNcConfig {
         let mut items = FluidNcConfig::default();
         text.lines().for_each(|line| items.take(line));
         items
@@ -281,7 +281,7 @@ planner_blocks: 16
 
     #[test]
     fn items_are_found_by_their_path() {
-        let items = told(TOLD);
+        let items = parsed(CONFIG_DUMP);
         for (path, value) in [
             ("board", "None"),
             ("stepping/pulse_us", "10"),
@@ -317,11 +317,11 @@ planner_blocks: 16
             " steps_per_mm: 400",
             "steps_per_mm 400",
         ] {
-            let items = told(&format!("axes: \n{line}\n"));
-            assert_eq!(items.told.len(), 1, "{line}: {items:?}");
+            let items = parsed(&format!("axes: \n{line}\n"));
+            assert_eq!(items.items.len(), 1, "{line}: {items:?}");
         }
-        let endless = "  ".repeat(DEEPEST + 3) + "a: 1";
-        assert_eq!(told(&endless), FluidNcConfig::default());
+        let endless = "  ".repeat(MAX_DEPTH + 3) + "a: 1";
+        assert_eq!(parsed(&endless), FluidNcConfig::default());
     }
 
     #[test]
@@ -335,13 +335,13 @@ planner_blocks: 16
             ),
         };
         let config: LinkConfig = ron::from_str("(x: (invert_direction: true))").unwrap();
-        let required = Required::new(&drives, &config);
-        let deviations = told(TOLD).deviations(&required.settings);
+        let required = RequiredSettings::new(&drives, &config);
+        let deviations = parsed(CONFIG_DUMP).deviations(&required.settings);
         let of = |name: &str| {
             let mut all = deviations.iter();
             let found = all.find(|one| one.difference.name == name);
             found.map(|one| {
-                let Difference { board, wanted, .. } = one.difference.clone();
+                let SettingDifference { board, wanted, .. } = one.difference.clone();
                 (board.unwrap_or_default(), wanted, one.line.clone())
             })
         };

@@ -16,7 +16,7 @@ mod response;
 mod segments;
 mod session;
 
-pub use family::Family;
-pub use required::{Required, Setting};
-pub use response::{BoardState, Response, Status};
+pub use family::FirmwareFamily;
+pub use required::{RequiredSettings, Setting};
+pub use response::{BoardState, LineResponse, StatusReport};
 pub use session::LineLink;

@@ -48,8 +48,9 @@ pub(super) struct Reported {
 impl Reported {
     /// A setting as it was last reported.
     pub(super) fn setting(&self, number: u16) -> Option<f64> {
-        let mut told = self.settings.iter().rev();
-        told.find(|(told, _)| *told == number)
+        let mut newest_first = self.settings.iter().rev();
+        newest_first
+            .find(|(reported, _)| *reported == number)
             .map(|(_, value)| *value)
     }
 

@@ -1,9 +1,9 @@
 //! What the settings of the board have to be for the kernel's motion to come out
 //! as it was made.
 
-use super::Family;
+use super::FirmwareFamily;
 use crate::drives::Drives;
-use crate::{Difference, LinkConfig};
+use crate::{LinkConfig, SettingDifference};
 
 /// Homing cycle; bit 0 turns it on.
 const HOMING: u16 = 22;
@@ -28,8 +28,8 @@ pub struct Setting {
 
 impl Setting {
     /// The same for a board of this family.
-    pub(super) fn of(self, family: Family) -> Self {
-        if self.number == REPORT && family == Family::GrblHal {
+    pub(super) fn of(self, family: FirmwareFamily) -> Self {
+        if self.number == REPORT && family == FirmwareFamily::GrblHal {
             return Self {
                 value: ALL_FIELDS,
                 ..self
@@ -56,8 +56,8 @@ impl Setting {
 /// A setting that is not as it must be, and the line that mends it; none where only the
 /// owner can, in the board's own file.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Deviation {
-    pub(super) difference: Difference,
+pub(super) struct SettingDeviation {
+    pub(super) difference: SettingDifference,
     pub(super) line: Option<String>,
 }
 
@@ -72,14 +72,14 @@ pub(super) fn figure(value: f64) -> String {
 
 /// Everything the board must be set to.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Required {
+pub struct RequiredSettings {
     /// The settings, by number.
     pub settings: Vec<Setting>,
     /// Pulses per mm of slide travel, X and Z.
     pub pulses_per_mm: [f64; 2],
 }
 
-impl Required {
+impl RequiredSettings {
     /// From the drives and the machine file.
     pub fn new(drives: &Drives, config: &LinkConfig) -> Self {
         let weights = [drives.pulse_weight.x, drives.pulse_weight.z];

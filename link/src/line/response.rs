@@ -3,11 +3,11 @@
 use crate::Pins;
 
 /// No board counts farther, mm: its counter has 32 bits.
-const FARTHEST: f64 = 1e6;
+const MAX_POSITION_MM: f64 = 1e6;
 
 /// One line from the board.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Response {
+pub enum LineResponse {
     /// The oldest unanswered line was read.
     Ok,
     /// The oldest unanswered line was refused.
@@ -15,7 +15,7 @@ pub enum Response {
     /// The board stopped by itself.
     Alarm(u16),
     /// Response to `?`.
-    Status(Status),
+    StatusReport(StatusReport),
     /// The board has just started.
     Banner(String),
     /// The chip of an ESP32 board starts; its firmware greets later.
@@ -63,7 +63,7 @@ pub enum BoardState {
 
 /// A report.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Status {
+pub struct StatusReport {
     /// What the board is doing.
     pub state: BoardState,
     /// Machine position X and Z, mm.
@@ -78,7 +78,7 @@ pub struct Status {
     pub pins: Pins,
 }
 
-impl Response {
+impl LineResponse {
     /// Reads a line without its end.
     pub fn parse(line: &str) -> Self {
         let line = line.trim();
@@ -98,7 +98,7 @@ impl Response {
             .strip_prefix('<')
             .and_then(|rest| rest.strip_suffix('>'))
         {
-            return status(report).map_or(Self::Garbage, Self::Status);
+            return status(report).map_or(Self::Garbage, Self::StatusReport);
         }
         if let Some(text) = line
             .strip_prefix('[')
@@ -127,37 +127,37 @@ impl Response {
     }
 }
 
-fn information(text: &str) -> Response {
+fn information(text: &str) -> LineResponse {
     let Some((name, value)) = text.split_once(':') else {
-        return Response::Information;
+        return LineResponse::Information;
     };
     match name {
-        "VER" => Response::Version(value.trim_end_matches(':').to_owned()),
+        "VER" => LineResponse::Version(value.trim_end_matches(':').to_owned()),
         "OPT" => {
             let mut fields = value.split(',').skip(1);
             let mut next = || fields.next().and_then(|field| field.parse().ok());
             match (next(), next()) {
-                (Some(blocks), Some(bytes)) => Response::Options(blocks, bytes),
+                (Some(blocks), Some(bytes)) => LineResponse::Options(blocks, bytes),
                 // FluidNC does not tell them there.
-                _ if !value.contains(',') => Response::Information,
-                _ => Response::Garbage,
+                _ if !value.contains(',') => LineResponse::Information,
+                _ => LineResponse::Garbage,
             }
         }
-        "AXS" => Response::Axes(value.rsplit(':').next().unwrap_or_default().to_owned()),
-        "FIRMWARE" => Response::Firmware(value.to_owned()),
+        "AXS" => LineResponse::Axes(value.rsplit(':').next().unwrap_or_default().to_owned()),
+        "FIRMWARE" => LineResponse::Firmware(value.to_owned()),
         "G54" | "G92" | "TLO" => {
             let figures: Result<Vec<f64>, _> = value.split(',').map(str::parse).collect();
-            figures.map_or(Response::Garbage, |figures| {
-                Response::Offset(figures.iter().any(|figure| *figure != 0.0))
+            figures.map_or(LineResponse::Garbage, |figures| {
+                LineResponse::Offset(figures.iter().any(|figure| *figure != 0.0))
             })
         }
-        "MSG" => Response::Message(value.to_owned()),
-        "NEWOPT" => Response::NewOptions(value.to_owned()),
-        _ => Response::Information,
+        "MSG" => LineResponse::Message(value.to_owned()),
+        "NEWOPT" => LineResponse::NewOptions(value.to_owned()),
+        _ => LineResponse::Information,
     }
 }
 
-fn status(report: &str) -> Option<Status> {
+fn status(report: &str) -> Option<StatusReport> {
     let mut fields = report.split('|');
     let state = match fields.next()? {
         "Idle" => BoardState::Idle,
@@ -170,7 +170,7 @@ fn status(report: &str) -> Option<Status> {
         state if state.starts_with(|letter: char| letter.is_ascii_uppercase()) => BoardState::Other,
         _ => return None,
     };
-    let mut status = Status {
+    let mut status = StatusReport {
         state,
         position: None,
         free_blocks: None,
@@ -184,7 +184,7 @@ fn status(report: &str) -> Option<Status> {
             "MPos" => {
                 let mut numbers = value.split(',').map(|number| number.parse::<f64>().ok());
                 let (x, z) = (numbers.next()??, numbers.nth(1)??);
-                let countable = |place: &f64| place.abs() <= FARTHEST;
+                let countable = |place: &f64| place.abs() <= MAX_POSITION_MM;
                 if ![x, z].iter().all(countable) {
                     return None;
                 }
@@ -231,7 +231,7 @@ mod tests {
     fn a_place_no_board_can_count_is_garbage() {
         for place in ["99999999999999999999", "-1000001", "inf", "nan"] {
             let line = format!("<Idle|MPos:0.000,0.000,{place}|Bf:15,128|FS:0,0>");
-            assert_eq!(Response::parse(&line), Response::Garbage, "{line}");
+            assert_eq!(LineResponse::parse(&line), LineResponse::Garbage, "{line}");
         }
     }
 
@@ -239,7 +239,7 @@ mod tests {
     fn reports_are_read() {
         let line =
             "<Run|MPos:-1.005,0.000,12.340|Bf:3,101|FS:600,0|Pn:XZPHS|WCO:0.000,0.000,0.000>";
-        let Response::Status(status) = Response::parse(line) else {
+        let LineResponse::StatusReport(status) = LineResponse::parse(line) else {
             panic!("{line}")
         };
         assert_eq!(status.state, BoardState::Run);
@@ -250,7 +250,7 @@ mod tests {
         assert!(!pins.door && !pins.emergency);
         assert_eq!((status.feed, status.spindle), (Some(600.0), None));
         let line = "<Run:1|MPos:0.000,0.000,0.000|FS:600,500,498>";
-        let Response::Status(status) = Response::parse(line) else {
+        let LineResponse::StatusReport(status) = LineResponse::parse(line) else {
             panic!("{line}")
         };
         assert_eq!(
@@ -262,21 +262,24 @@ mod tests {
     #[test]
     fn identity_of_either_firmware_is_read() {
         assert_eq!(
-            Response::parse("[VER:1.1h.20190825:]"),
-            Response::Version("1.1h.20190825".into())
+            LineResponse::parse("[VER:1.1h.20190825:]"),
+            LineResponse::Version("1.1h.20190825".into())
         );
         assert_eq!(
-            Response::parse("[OPT:V,15,128]"),
-            Response::Options(15, 128)
+            LineResponse::parse("[OPT:V,15,128]"),
+            LineResponse::Options(15, 128)
         );
         assert_eq!(
-            Response::parse("[OPT:VNMSL,100,1024,3,0]"),
-            Response::Options(100, 1024)
+            LineResponse::parse("[OPT:VNMSL,100,1024,3,0]"),
+            LineResponse::Options(100, 1024)
         );
-        assert_eq!(Response::parse("[AXS:3:XYZ]"), Response::Axes("XYZ".into()));
         assert_eq!(
-            Response::parse("$110=500.000"),
-            Response::Setting(110, 500.0)
+            LineResponse::parse("[AXS:3:XYZ]"),
+            LineResponse::Axes("XYZ".into())
+        );
+        assert_eq!(
+            LineResponse::parse("$110=500.000"),
+            LineResponse::Setting(110, 500.0)
         );
     }
 
@@ -295,7 +298,7 @@ mod tests {
             "$1=",
             "\u{fffd}",
         ] {
-            assert_eq!(Response::parse(line), Response::Garbage, "{line}");
+            assert_eq!(LineResponse::parse(line), LineResponse::Garbage, "{line}");
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use core::fmt::Write;
 
-use super::super::{Refused, RunTime, Sample};
+use super::super::{MotionRefused, RunTime, Sample};
 use gsk_units::{PerAxis, Pulses};
 
 /// Standstill longer than this is not carried into the next segment.
@@ -75,7 +75,7 @@ impl Segments {
         &mut self,
         sample: Sample,
         offset: PerAxis<Pulses>,
-    ) -> Result<Option<Segment>, Refused> {
+    ) -> Result<Option<Segment>, MotionRefused> {
         if self.newest.is_some_and(|before| self.turns(before, sample)) {
             let turning = self.cut(offset)?;
             self.newest = Some(sample);
@@ -107,7 +107,10 @@ impl Segments {
     }
 
     /// The rest, however short: the kernel stands.
-    pub(super) fn finish(&mut self, offset: PerAxis<Pulses>) -> Result<Option<Segment>, Refused> {
+    pub(super) fn finish(
+        &mut self,
+        offset: PerAxis<Pulses>,
+    ) -> Result<Option<Segment>, MotionRefused> {
         match self.newest {
             Some(sample) if sample.pulses != self.at => self.cut(offset),
             Some(sample) => {
@@ -120,7 +123,7 @@ impl Segments {
         }
     }
 
-    fn cut(&mut self, offset: PerAxis<Pulses>) -> Result<Option<Segment>, Refused> {
+    fn cut(&mut self, offset: PerAxis<Pulses>) -> Result<Option<Segment>, MotionRefused> {
         let Some(sample) = self.newest.take() else {
             return Ok(None);
         };
@@ -136,7 +139,7 @@ impl Segments {
         if steps.iter().any(|count| {
             count.unsigned_abs().saturating_sub(whole) as f64 / seconds > self.max_rate
         }) {
-            return Err(Refused::TooFast);
+            return Err(MotionRefused::TooFast);
         }
         // Machine coordinates: whatever work offset another program has left in the board.
         let mut line = String::from("G53");
@@ -242,7 +245,7 @@ mod tests {
         let offset = PerAxis::default();
         assert_eq!(
             segments.push(sample(10, 301, 0), offset),
-            Err(Refused::TooFast)
+            Err(MotionRefused::TooFast)
         );
     }
 

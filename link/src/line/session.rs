@@ -15,24 +15,24 @@ mod wire;
 use core::time::Duration;
 
 use super::opening::Opening;
-use super::required::Required;
-use super::response::{BoardState, Status};
+use super::required::RequiredSettings;
+use super::response::{BoardState, StatusReport};
 use super::segments::Segments;
 use crate::drives::Drives;
 use crate::limits::Limits;
-use crate::session::Session;
+use crate::session::LinkSession;
 use crate::{HostTime, LinkConfig, LinkState};
 use homing::Homing;
-use motion::Motion;
+use motion::LineMotion;
 use outputs::Outputs;
-use pass::ThreadPass;
+use pass::PassTracker;
 use reports::Reports;
 use startup::Startup;
 use stops::{Halt, Stopping};
 use wire::Wire;
 
 /// A board that answers does so within this.
-const HEARD: Duration = Duration::from_millis(100);
+const ANSWER_TIME: Duration = Duration::from_millis(100);
 /// Modal words of all motion.
 /// A code of motion wants its F here, way or not.
 const MODES: [&str; 2] = ["G21G18G90", "G1G94F60"];
@@ -41,51 +41,51 @@ const MODES: [&str; 2] = ["G21G18G90", "G1G94F60"];
 #[derive(Clone, Debug)]
 pub struct LineLink {
     config: LinkConfig,
-    required: Required,
-    session: Session,
+    required: RequiredSettings,
+    session: LinkSession,
     opening: Opening,
     wire: Wire,
     reports: Reports,
-    motion: Motion,
+    motion: LineMotion,
     limits: Limits,
     stopping: Stopping,
     startup: Startup,
     homing: Option<Homing>,
-    thread: ThreadPass,
+    thread: PassTracker,
     outputs: Outputs,
 }
 
 impl LineLink {
     /// A link whose port has just been opened.
     pub fn open(config: LinkConfig, drives: &Drives, now: HostTime) -> Self {
-        let required = Required::new(drives, &config);
+        let required = RequiredSettings::new(drives, &config);
         let pulses_per_mm = required.pulses_per_mm;
         let period = Duration::from_millis(config.line.period_ms.into());
         let segments = Segments::new(period, config.line.max_rate, pulses_per_mm);
         Self {
             config,
             required,
-            session: Session::new(now),
+            session: LinkSession::new(now),
             opening: Opening::new(now),
             wire: Wire::default(),
             reports: Reports::new(now),
-            motion: Motion::new(segments, pulses_per_mm, now),
+            motion: LineMotion::new(segments, pulses_per_mm, now),
             limits: Limits::new(pulses_per_mm),
             stopping: Stopping::none(),
             startup: Startup::default(),
             homing: None,
-            thread: ThreadPass::default(),
+            thread: PassTracker::default(),
             outputs: Outputs::default(),
         }
     }
 
     /// What the board has to be set to.
-    pub const fn required(&self) -> &Required {
+    pub const fn required(&self) -> &RequiredSettings {
         &self.required
     }
 
     /// The newest report.
-    pub const fn status(&self) -> Option<Status> {
+    pub const fn status(&self) -> Option<StatusReport> {
         self.reports.status
     }
 

@@ -61,9 +61,9 @@ pub(super) fn decode_vlq(bytes: &mut &[u8]) -> Option<u32> {
         if last & 0x80 == 0 {
             break;
         }
-        let (&next, behind) = rest.split_first()?;
+        let (&next, remaining) = rest.split_first()?;
         value = value << 7 | u32::from(next & 0x7F);
-        (last, rest) = (next, behind);
+        (last, rest) = (next, remaining);
     }
     if last & 0x80 != 0 {
         return None;
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn behind_a_bad_block_the_next_is_found() {
+    fn the_block_after_a_bad_one_is_found() {
         let mut reader = Reader::default();
         let mut bad = encode_block(1, &[1, 2, 3]);
         bad[3] ^= 0x40;

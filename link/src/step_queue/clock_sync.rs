@@ -65,11 +65,11 @@ impl ClockSync {
     }
 
     /// The board said its clock.
-    pub(super) fn add_answer(&mut self, asked: HostTime, now: HostTime, clock: u64) {
-        let (asked, now) = (asked.as_secs_f64(), now.as_secs_f64());
+    pub(super) fn add_answer(&mut self, queried_at: HostTime, now: HostTime, clock: u64) {
+        let (queried_at, now) = (queried_at.as_secs_f64(), now.as_secs_f64());
         let answer = Answer {
-            at: (asked + now) / 2.0,
-            round_trip: now - asked,
+            at: (queried_at + now) / 2.0,
+            round_trip: now - queried_at,
             clock: clock as f64,
         };
         if self.is_ready() && self.contradicts(&answer) {
@@ -173,7 +173,7 @@ mod tests {
             let mut clock = ClockSync::new(16e6);
             let mut slow = 1_u64;
             for count in 0..40_u64 {
-                let asked = Duration::from_millis(count * 500);
+                let queried_at = Duration::from_millis(count * 500);
                 // Now and then an answer is held up.
                 slow = slow
                     .wrapping_mul(6_364_136_223_846_793_005)
@@ -182,9 +182,9 @@ mod tests {
                 let there = Duration::from_micros(900);
                 let back = Duration::from_micros(1100) + extra;
                 clock.add_answer(
-                    asked,
-                    asked + there + back,
-                    board((asked + there).as_secs_f64()),
+                    queried_at,
+                    queried_at + there + back,
+                    board((queried_at + there).as_secs_f64()),
                 );
             }
             assert!(clock.is_ready());
@@ -203,7 +203,7 @@ mod tests {
         let board = |seconds: f64| (5e9 + rate * seconds) as u64;
         let mut clock = ClockSync::new(16e6);
         for count in 0..120_u64 {
-            let asked = Duration::from_millis(count * 500);
+            let queried_at = Duration::from_millis(count * 500);
             let there = Duration::from_micros(900);
             let slow = if count >= 40 {
                 100_000
@@ -211,8 +211,8 @@ mod tests {
                 200 * (count % 5)
             };
             let back = Duration::from_micros(1100 + slow);
-            let now = asked + there + back;
-            clock.add_answer(asked, now, board((asked + there).as_secs_f64()));
+            let now = queried_at + there + back;
+            clock.add_answer(queried_at, now, board((queried_at + there).as_secs_f64()));
             if count >= 20 {
                 let now = now.as_secs_f64();
                 let off = clock.at(Duration::from_secs_f64(now)).abs_diff(board(now));
@@ -220,11 +220,15 @@ mod tests {
             }
         }
         // The computer slept: the clocks go together no more.
-        let asked = Duration::from_secs(90);
-        clock.add_answer(asked, asked + Duration::from_millis(2), board(60.001));
+        let queried_at = Duration::from_secs(90);
+        clock.add_answer(
+            queried_at,
+            queried_at + Duration::from_millis(2),
+            board(60.001),
+        );
         assert!(
             clock
-                .at(asked + Duration::from_millis(1))
+                .at(queried_at + Duration::from_millis(1))
                 .abs_diff(board(60.001))
                 < 16
         );

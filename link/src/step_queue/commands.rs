@@ -2,7 +2,7 @@
 
 /// When a board must know a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Need {
+pub(super) enum Requirement {
     /// Always.
     Always,
     /// One of these is enough.
@@ -20,8 +20,8 @@ macro_rules! commands {
         pub(super) enum Command { $($name),* }
 
         /// Every command: when it is needed, and its text, which is compared to the letter.
-        pub(super) const COMMANDS: &[(Command, Need, &str)] =
-            &[$((Command::$name, Need::$need, $text)),*];
+        pub(super) const COMMANDS: &[(Command, Requirement, &str)] =
+            &[$((Command::$name, Requirement::$need, $text)),*];
     };
 }
 
@@ -57,55 +57,59 @@ commands! {
 }
 
 /// Replies that are read, and whether the board must have them.
-pub(super) const REPLIES: [(Kind, Need, &str); 10] = [
+pub(super) const REPLIES: [(ReplyKind, Requirement, &str); 10] = [
     (
-        Kind::Identify,
-        Need::Always,
+        ReplyKind::Identify,
+        Requirement::Always,
         "identify_response offset=%u data=%.*s",
     ),
     (
-        Kind::Config,
-        Need::Always,
+        ReplyKind::Config,
+        Requirement::Always,
         "config is_config=%c crc=%u is_shutdown=%c move_count=%hu",
     ),
-    (Kind::Uptime, Need::Always, "uptime high=%u clock=%u"),
     (
-        Kind::Position,
-        Need::Always,
+        ReplyKind::Uptime,
+        Requirement::Always,
+        "uptime high=%u clock=%u",
+    ),
+    (
+        ReplyKind::Position,
+        Requirement::Always,
         "stepper_position oid=%c pos=%i",
     ),
     (
-        Kind::Group,
-        Need::Always,
+        ReplyKind::Group,
+        Requirement::Always,
         "trsync_state oid=%c can_trigger=%c trigger_reason=%c clock=%u",
     ),
     (
-        Kind::Endstop,
-        Need::Always,
+        ReplyKind::Endstop,
+        Requirement::Always,
         "endstop_state oid=%c homing=%c next_clock=%u pin_value=%c",
     ),
     (
-        Kind::Shutdown,
-        Need::Always,
+        ReplyKind::Shutdown,
+        Requirement::Always,
         "shutdown clock=%u static_string_id=%hu",
     ),
     (
-        Kind::IsShutdown,
-        Need::Always,
+        ReplyKind::IsShutdown,
+        Requirement::Always,
         "is_shutdown static_string_id=%hu",
     ),
     (
-        Kind::Counter,
-        Need::Index,
+        ReplyKind::Counter,
+        Requirement::Index,
         "counter_state oid=%c next_clock=%u count=%u count_clock=%u",
     ),
     // Not in every version: told by boards that have just started.
-    (Kind::Starting, Need::Restart, "starting"),
+    (ReplyKind::Starting, Requirement::Restart, "starting"),
 ];
 
 /// What a reply is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum ReplyKind {
     Identify,
     Config,
     Uptime,
@@ -121,7 +125,7 @@ pub(super) enum Kind {
 /// A reply of the board, the numbers as they stand in its text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Reply {
-    pub(super) kind: Kind,
+    pub(super) kind: ReplyKind,
     pub(super) numbers: [u32; 4],
     pub(super) data: Vec<u8>,
 }

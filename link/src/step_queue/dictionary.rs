@@ -9,7 +9,7 @@ use serde_json::Value;
 use thiserror::Error;
 
 use super::block;
-use super::commands::{COMMANDS, Command, Kind, Need, REPLIES, Reply};
+use super::commands::{COMMANDS, Command, REPLIES, Reply, ReplyKind, Requirement};
 
 /// No dictionary is longer, packed and unpacked.
 pub(super) const LONGEST_PACKED: usize = 1 << 17;
@@ -27,7 +27,7 @@ enum Parameter {
 
 #[derive(Clone, Debug, PartialEq)]
 struct Form {
-    kind: Option<Kind>,
+    kind: Option<ReplyKind>,
     parameters: Vec<Parameter>,
 }
 
@@ -66,7 +66,7 @@ impl Default for Dictionary {
             .iter()
             .map(|(command, ..)| (*command == Command::Identify).then_some(IDENTIFY));
         let response = Form {
-            kind: Some(Kind::Identify),
+            kind: Some(ReplyKind::Identify),
             parameters: vec![Parameter::Number, Parameter::Bytes],
         };
         Self {
@@ -158,11 +158,11 @@ impl Dictionary {
 
     /// The first message that is needed and missing.
     pub(super) fn missing(&self, speed: bool, index: bool) -> Option<&'static str> {
-        let wanted = |need: &Need| match need {
-            Need::Always => true,
-            Need::Speed => speed,
-            Need::Index => index,
-            Need::Restart => false,
+        let wanted = |need: &Requirement| match need {
+            Requirement::Always => true,
+            Requirement::Speed => speed,
+            Requirement::Index => index,
+            Requirement::Restart => false,
         };
         let has = |text: &str| {
             let known = REPLIES.iter().find(|(.., known)| *known == text);
@@ -227,9 +227,9 @@ impl Dictionary {
                         }
                     }
                     Parameter::Bytes => {
-                        let (&count, behind) = content.split_first()?;
-                        data = behind.get(..usize::from(count))?.to_vec();
-                        content = &behind[usize::from(count)..];
+                        let (&count, rest) = content.split_first()?;
+                        data = rest.get(..usize::from(count))?.to_vec();
+                        content = &rest[usize::from(count)..];
                     }
                 }
             }
@@ -373,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_told() {
+    fn invalid_dictionaries_are_refused() {
         for text in [
             "{",
             r#"{"responses": {"stats x=%q": 1}}"#,
@@ -386,19 +386,22 @@ mod tests {
     }
 
     #[test]
-    fn replies_are_told_from_each_other() {
+    fn replies_are_distinguished() {
         let board = Dictionary::read(all_commands(-5).as_bytes()).unwrap();
         let mut content = Vec::new();
         for number in [-5 - 2, 1, 99, -5 - 9, -5 - 3, 0, -7] {
             block::encode_vlq(&mut content, number);
         }
-        let kinds: Vec<Kind> = board
+        let kinds: Vec<ReplyKind> = board
             .replies(&content)
             .unwrap()
             .iter()
             .map(|reply| reply.kind)
             .collect();
-        assert_eq!(kinds, [Kind::Uptime, Kind::Starting, Kind::Position]);
+        assert_eq!(
+            kinds,
+            [ReplyKind::Uptime, ReplyKind::Starting, ReplyKind::Position]
+        );
         assert_eq!(board.replies(&content).unwrap()[2].numbers[1] as i32, -7);
         assert_eq!(board.replies(&content[..2]), None);
     }

@@ -1,6 +1,6 @@
 //! How many steps a second a board makes.
 
-use super::super::{LinkConfig, PulseRates, Refused};
+use super::super::{LinkConfig, MotionRefused, PulseRates};
 use super::compression::Ticks;
 use super::steps::Timing;
 
@@ -79,7 +79,7 @@ impl Rates {
     }
 
     /// Whether so many pulses in so many seconds can be made.
-    pub(super) fn allow(&self, moves: [i64; 2], seconds: f64) -> Result<(), Refused> {
+    pub(super) fn allow(&self, moves: [i64; 2], seconds: f64) -> Result<(), MotionRefused> {
         let counts = moves.map(|count| count.unsigned_abs() as f64);
         let too_fast = |count: f64, rate: f64| count > rate * seconds + 1.0;
         let PulseRates { each, both } = self.most;
@@ -87,7 +87,7 @@ impl Rates {
             || too_fast(counts[1], each[1])
             || too_fast(counts[0] + counts[1] - 1.0, both)
         {
-            return Err(Refused::TooFast);
+            return Err(MotionRefused::TooFast);
         }
         Ok(())
     }
@@ -102,11 +102,11 @@ mod tests {
         let config = LinkConfig::default();
         let avr = Rates::new(&config, "atmega2560", 16e6);
         assert_eq!(avr.allow([33, 33], 1e-3), Ok(()));
-        assert_eq!(avr.allow([34, 0], 1e-3), Err(Refused::TooFast));
+        assert_eq!(avr.allow([34, 0], 1e-3), Err(MotionRefused::TooFast));
         assert_eq!((avr.timing[0].off, avr.timing[0].apart), (80, 500));
         let arm = Rates::new(&config, "rp2040", 12e6);
         assert_eq!(arm.allow([600, 600], 1e-3), Ok(()));
-        assert_eq!(arm.allow([700, 600], 1e-3), Err(Refused::TooFast));
+        assert_eq!(arm.allow([700, 600], 1e-3), Err(MotionRefused::TooFast));
         assert_eq!(arm.timing[0].off, 24);
     }
 }

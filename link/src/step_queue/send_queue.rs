@@ -200,7 +200,7 @@ impl SendQueue {
     }
 
     /// The host was away for so long: what came meanwhile is heard only now.
-    pub(super) fn was_away(&mut self, gap: Duration) {
+    pub(super) fn skip_absence(&mut self, gap: Duration) {
         for sent in &mut self.in_flight {
             sent.first += gap;
         }
@@ -342,7 +342,7 @@ impl SendQueue {
     pub(super) fn send(&mut self, now: HostTime, times: Option<Times>) -> Result<(), SendError> {
         self.rate_limit.refill(now);
         if !self.is_synced() {
-            if self.sequence.ask_again(now) {
+            if self.sequence.is_resync_due(now) {
                 self.outgoing.extend(block::encode_block(0, &[]));
             }
             return Ok(());
@@ -382,10 +382,10 @@ impl SendQueue {
                 vital.filter_map(|message| message.due).min()
             };
             // Longer than that no confirmation takes.
-            let patience = 2 * self.round_trip.usual() + USUAL_TRIP;
+            let timeout = 2 * self.round_trip.usual() + USUAL_TRIP;
             let missed = |sent: &Sent| {
                 due_in(sent).is_some_and(|due| due < times.now)
-                    && now.saturating_sub(sent.first) >= patience
+                    && now.saturating_sub(sent.first) >= timeout
             };
             if self.in_flight.iter().any(missed) {
                 return Err(SendError::Late);

@@ -48,7 +48,7 @@ impl Sequence {
     }
 
     /// Whether it is to be asked now.
-    pub(super) fn ask_again(&mut self, now: HostTime) -> bool {
+    pub(super) fn is_resync_due(&mut self, now: HostTime) -> bool {
         let tries = self.tries();
         let due = self
             .resync

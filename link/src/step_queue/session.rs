@@ -19,17 +19,17 @@ use crate::position::Positioned;
 use core::time::Duration;
 
 use super::clock_sync::{ClockSync, near};
-use super::commands::{Command, Kind, Reply};
+use super::commands::{Command, Reply, ReplyKind};
 use super::send_queue::{Mark, SendError, Times};
 use super::shutdown;
 use super::wiring::Wiring;
 use crate::drives::Drives;
-use crate::session::Session;
+use crate::session::LinkSession;
 use crate::{HostTime, Input, LinkConfig, LinkState, Stop, Uncertainty};
 use group::Group;
 use gsk_messages::{Message, say};
 use gsk_units::{PerAxis, Pulses, alarm};
-use motion::Motion;
+use motion::StepMotion;
 use opening::Opening;
 use periodic::Periodic;
 use spindle::Spindle;
@@ -48,13 +48,13 @@ const GIVE_UP: Duration = Duration::from_millis(600);
 
 /// What the position of the axes is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Purpose {
+enum QueryPurpose {
     /// The dialogue begins.
     Opening,
     /// All motion is made: does the count agree?
     Verify,
     /// Does it still agree? Told when somebody wants to know.
-    Look { asked: bool },
+    Look { requested: bool },
     /// The axes were stopped.
     Stopped,
 }
@@ -62,9 +62,9 @@ enum Purpose {
 /// The position of the axes, asked and not answered.
 #[derive(Clone, Copy, Debug)]
 struct PositionQuery {
-    purpose: Purpose,
+    purpose: QueryPurpose,
     since: HostTime,
-    asked: HostTime,
+    queried_at: HostTime,
     got: [Option<u32>; 2],
 }
 
@@ -81,12 +81,12 @@ struct PositionQueries {
 pub struct StepLink {
     config: LinkConfig,
     pulses_per_mm: [f64; 2],
-    session: Session,
+    session: LinkSession,
     opening: Opening,
     wiring: Option<Wiring>,
     wire: Wire,
     clock: ClockSync,
-    motion: Motion,
+    motion: StepMotion,
     group: Group,
     stopping: Option<Stopping>,
     query: PositionQueries,
@@ -100,12 +100,12 @@ impl StepLink {
         let mut link = Self {
             config,
             pulses_per_mm: drives.pulses_per_mm(),
-            session: Session::new(now),
+            session: LinkSession::new(now),
             opening: Opening::new(now),
             wiring: None,
             wire: Wire::new(),
             clock: ClockSync::new(1.0),
-            motion: Motion::new(drives.pulses_per_mm()),
+            motion: StepMotion::new(drives.pulses_per_mm()),
             group: Group::default(),
             stopping: None,
             query: PositionQueries::default(),
@@ -122,25 +122,29 @@ impl StepLink {
             .then_some(self.motion.count.commanded)
     }
 
-    fn pass(&mut self, now: HostTime) {
+    fn advance_time(&mut self, now: HostTime) {
         let gap = now.saturating_sub(self.session.now);
         self.session.now += gap;
         if gap >= AWAY {
-            self.wire.send_queue.was_away(gap);
+            self.wire.send_queue.skip_absence(gap);
         }
     }
 
     /// A board that counts its blocks anew may say why.
     fn unexpected_sequence(&mut self, content: &[u8]) {
         let replies = self.wire.dictionary.replies(content).unwrap_or_default();
-        if self.is_opened() && replies.iter().any(|reply| reply.kind == Kind::Starting) {
+        if self.is_opened()
+            && replies
+                .iter()
+                .any(|reply| reply.kind == ReplyKind::Starting)
+        {
             self.board_restarted();
         }
     }
 
     /// The port failed, or the board answers no more.
     pub(super) fn lose_board(&mut self, cause: Message) {
-        if self.session.is_over() {
+        if self.session.is_closed() {
             return;
         }
         self.estimate_position(self.wire.send_queue.progressed());
@@ -180,7 +184,7 @@ impl StepLink {
 
     /// The operator pressed RESET.
     pub(super) fn reset_faults(&mut self) {
-        self.motion.limits.look();
+        self.motion.limits.confirm_position_checked();
         let still = |input| self.input(input) == Some(true);
         match self.session.state {
             LinkState::Moving => self.flush(),
@@ -245,7 +249,7 @@ impl StepLink {
     }
 
     /// A question is asked again after this.
-    fn patience(&self) -> Duration {
+    fn query_timeout(&self) -> Duration {
         ASK_AGAIN + 2 * self.wire.send_queue.slowness_now(self.session.now)
     }
 
@@ -258,35 +262,35 @@ impl StepLink {
     fn take(&mut self, reply: &Reply, expects: u64) {
         let numbers = reply.numbers;
         match reply.kind {
-            Kind::Identify => self.identify_reply(numbers[0], &reply.data),
-            Kind::Config if self.wire.send_queue.answers(Mark::Config, expects) => {
+            ReplyKind::Identify => self.identify_reply(numbers[0], &reply.data),
+            ReplyKind::Config if self.wire.send_queue.answers(Mark::Config, expects) => {
                 self.config_reply(numbers);
             }
-            Kind::Uptime if self.wire.send_queue.answers(Mark::Uptime, expects) => {
+            ReplyKind::Uptime if self.wire.send_queue.answers(Mark::Uptime, expects) => {
                 self.uptime_reply(numbers);
             }
-            Kind::Position if self.wire.send_queue.answers(Mark::Position, expects) => {
+            ReplyKind::Position if self.wire.send_queue.answers(Mark::Position, expects) => {
                 self.position_reply(i64::from(numbers[0]), numbers[1]);
             }
-            Kind::Group if self.wire.send_queue.answers(Mark::Group, expects) => {
+            ReplyKind::Group if self.wire.send_queue.answers(Mark::Group, expects) => {
                 self.trsync_report(numbers);
             }
-            Kind::Endstop => {
-                let told = self.wiring.as_ref();
+            ReplyKind::Endstop => {
+                let wiring = self.wiring.as_ref();
                 self.periodic
                     .switches
-                    .report(told, i64::from(numbers[0]), numbers[3]);
+                    .report(wiring, i64::from(numbers[0]), numbers[3]);
                 if self.wire.send_queue.answers(Mark::Switch, expects) {
                     self.level_reply(numbers[0].into(), numbers[3].into());
                 }
             }
-            Kind::Counter => self.counter_report(numbers[2], numbers[3]),
-            Kind::Shutdown => {
+            ReplyKind::Counter => self.counter_report(numbers[2], numbers[3]),
+            ReplyKind::Shutdown => {
                 let clock = near(numbers[0], self.clock.at(self.session.now));
                 self.shut_down(numbers[1], self.clock.moment(clock));
             }
-            Kind::IsShutdown => self.shut_down(numbers[0], self.wire.send_queue.progressed()),
-            Kind::Starting if self.is_opened() => self.board_restarted(),
+            ReplyKind::IsShutdown => self.shut_down(numbers[0], self.wire.send_queue.progressed()),
+            ReplyKind::Starting if self.is_opened() => self.board_restarted(),
             _ => {}
         }
     }

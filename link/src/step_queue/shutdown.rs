@@ -5,7 +5,7 @@ use gsk_units::alarm;
 
 /// Whose fault it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Cause {
+enum ShutdownCause {
     /// Steps came too late.
     Hurried,
     /// What the board was told was damaged on the way.
@@ -16,9 +16,9 @@ enum Cause {
     Broken,
 }
 
-impl Cause {
+impl ShutdownCause {
     /// The alarm, and what helps against it.
-    fn judged(self) -> (u16, Message) {
+    fn to_alarm(self) -> (u16, Message) {
         match self {
             Self::Hurried => (alarm::STEPS_TOO_LATE, say::shutdown_steps_late()),
             Self::Confused => (alarm::LINK_PROTOCOL, say::shutdown_wire_failed()),
@@ -29,29 +29,32 @@ impl Cause {
 }
 
 /// Texts by their beginning.
-const TEXTS: [(&str, Cause); 9] = [
-    ("Timer too close", Cause::Hurried),
-    ("Stepper too far in past", Cause::Hurried),
-    ("Rescheduled timer in the past", Cause::Hurried),
-    ("Move queue overflow", Cause::Confused),
-    ("Invalid count parameter", Cause::Confused),
-    ("Can't reset time when stepper active", Cause::Confused),
-    ("Command parser error", Cause::Confused),
-    ("Invalid command", Cause::Confused),
+const TEXTS: [(&str, ShutdownCause); 9] = [
+    ("Timer too close", ShutdownCause::Hurried),
+    ("Stepper too far in past", ShutdownCause::Hurried),
+    ("Rescheduled timer in the past", ShutdownCause::Hurried),
+    ("Move queue overflow", ShutdownCause::Confused),
+    ("Invalid count parameter", ShutdownCause::Confused),
+    (
+        "Can't reset time when stepper active",
+        ShutdownCause::Confused,
+    ),
+    ("Command parser error", ShutdownCause::Confused),
+    ("Invalid command", ShutdownCause::Confused),
     // "digital out event", "pwm event", "hard pwm event".
-    ("Missed scheduling of next", Cause::LeftAlone),
+    ("Missed scheduling of next", ShutdownCause::LeftAlone),
 ];
 /// What our own emergency stop is called.
-const ASKED_FOR: &str = "Command request";
+const OWN_STOP: &str = "Command request";
 
 /// The alarm of a shutdown and what helps; none: it was asked for.
 pub(super) fn alarm(text: &str) -> Option<(u16, Message)> {
-    if text == ASKED_FOR {
+    if text == OWN_STOP {
         return None;
     }
     let known = TEXTS.iter().find(|(begin, _)| text.starts_with(begin));
-    let cause = known.map_or(Cause::Broken, |(_, cause)| *cause);
-    Some(cause.judged())
+    let cause = known.map_or(ShutdownCause::Broken, |(_, cause)| *cause);
+    Some(cause.to_alarm())
 }
 
 #[cfg(test)]

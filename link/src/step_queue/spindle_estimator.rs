@@ -99,7 +99,7 @@ impl SpindleEstimator {
             self.count = count.is_multiple_of(2).then_some(count);
             return None;
         }
-        let over = self.is_over(clock as Ticks);
+        let over = self.is_closed(clock as Ticks);
         self.alive = clock as Ticks;
         if !count.is_multiple_of(2) {
             return None;
@@ -206,7 +206,7 @@ impl SpindleEstimator {
         Some(past as f64 * self.line?.rate)
     }
 
-    fn is_over(&self, now: Ticks) -> bool {
+    fn is_closed(&self, now: Ticks) -> bool {
         let slow = now - self.alive > self.ticks(SLOWEST);
         slow || self.age(now).is_some_and(|age| age > STANDS)
     }
@@ -216,7 +216,7 @@ impl SpindleEstimator {
         let (Some(line), Some(age)) = (self.line, self.age(now)) else {
             return 0.0;
         };
-        if self.is_over(now) {
+        if self.is_closed(now) {
             0.0
         } else if age > UNCERTAIN {
             // It has not made its turn: it is no faster than this.
@@ -337,8 +337,8 @@ mod tests {
         let stopped = 29 * 18_000_000_u64;
         for seconds in 0..60 {
             let now = stopped + seconds * 180_000_000;
-            let told = super::super::clock_sync::near(stopped as u32, now);
-            turns.counter_report(58, told);
+            let clock = super::super::clock_sync::near(stopped as u32, now);
+            turns.counter_report(58, clock);
             let speed = turns.speed(now as Ticks);
             assert!(seconds == 0 || speed == 0.0, "{speed} after {seconds} s");
         }

@@ -3,9 +3,9 @@
 use core::time::Duration;
 
 use super::LineLink;
-use crate::line::Family;
+use crate::line::FirmwareFamily;
 use crate::line::response::BoardState;
-use crate::{Event, HostTime, LinkState, Refused, Uncertainty};
+use crate::{HostTime, LinkEvent, LinkState, MotionRefused, Uncertainty};
 use gsk_messages::{Message, say};
 use gsk_units::{Axis, PerAxis, alarm};
 
@@ -28,9 +28,9 @@ impl LineLink {
     }
 
     /// Begins the reference return of these axes, of all where the board knows no other.
-    pub(super) fn begin_homing(&mut self, axes: PerAxis<bool>) -> Result<(), Refused> {
+    pub(super) fn begin_homing(&mut self, axes: PerAxis<bool>) -> Result<(), MotionRefused> {
         if !self.stands_in(&[BoardState::Idle, BoardState::Alarm]) || !(axes.x || axes.z) {
-            return Err(Refused::NotReady);
+            return Err(MotionRefused::NotReady);
         }
         let all = PerAxis::new(true, true);
         let (line, axes) = match (self.opening.alone, axes.x, axes.z) {
@@ -41,10 +41,10 @@ impl LineLink {
         if let Some(axis) = self.stands_beyond(axes) {
             self.session
                 .alarm(alarm::BOARD_ZERO_RETURN, say::limit_switch_off_return(axis));
-            return Err(Refused::TowardLimit(axis));
+            return Err(MotionRefused::TowardLimit(axis));
         }
         self.limits.forget();
-        self.motion.forget_ways();
+        self.motion.forget_directions();
         self.session.lose_position(Uncertainty::Unreferenced);
         // It counts anew from its switches.
         self.reports.forget_count();
@@ -69,7 +69,7 @@ impl LineLink {
         .into_iter()
         .find_map(|(axis, negative, operated)| {
             let away = if negative { 1 } else { -1 };
-            let beyond = operated && self.limits.met(axis as usize) == Some(away);
+            let beyond = operated && self.limits.operated_direction(axis as usize) == Some(away);
             (*axes.get(axis) && beyond).then_some(axis)
         })
     }
@@ -81,13 +81,13 @@ impl LineLink {
         };
         // A report that was under way when the return began gives the old position.
         self.reports.forget();
-        let names = self.opening.family == Family::FluidNc;
+        let names = self.opening.family == FirmwareFamily::FluidNc;
         let why = match error {
             Some(number) => say::board_refuses_return(number),
             // It answers so whatever came of it.
             None if names && homing.named != homing.axes => say::board_return_not_confirmed(),
             None => {
-                self.session.events.push(Event::Homed(homing.axes));
+                self.session.events.push(LinkEvent::Homed(homing.axes));
                 self.enter(LinkState::Locked);
                 self.startup.unlocks = names;
                 return;

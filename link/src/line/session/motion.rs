@@ -9,7 +9,7 @@
 use core::time::Duration;
 use std::collections::VecDeque;
 
-use crate::line::response::Status;
+use crate::line::response::StatusReport;
 use crate::line::segments::{Segment, Segments};
 use crate::{HostTime, RunTime};
 use gsk_units::{PerAxis, Point, Pulses};
@@ -33,7 +33,7 @@ pub(super) struct Queued {
 
 /// Motion handed over, and how far the board has come in it.
 #[derive(Clone, Debug)]
-pub(super) struct Motion {
+pub(super) struct LineMotion {
     pulses_per_mm: [f64; 2],
     pub(super) segments: Segments,
     pub(super) backlog: VecDeque<Segment>,
@@ -44,7 +44,7 @@ pub(super) struct Motion {
     past: VecDeque<(HostTime, PerAxis<Pulses>)>,
     /// When the report was asked for that has not come: what was made since then is kept,
     /// however long it takes.
-    asked: Option<HostTime>,
+    queried_at: Option<HostTime>,
     /// Kernel pulses of the last sample taken.
     pub(super) commanded: PerAxis<Pulses>,
     /// Board pulses minus kernel pulses.
@@ -60,7 +60,7 @@ pub(super) struct Motion {
     pub(super) resumes: bool,
 }
 
-impl Motion {
+impl LineMotion {
     pub(super) fn new(segments: Segments, pulses_per_mm: [f64; 2], now: HostTime) -> Self {
         Self {
             pulses_per_mm,
@@ -69,7 +69,7 @@ impl Motion {
             queued: VecDeque::new(),
             handed: VecDeque::new(),
             past: VecDeque::new(),
-            asked: None,
+            queried_at: None,
             commanded: PerAxis::default(),
             offset: PerAxis::default(),
             executed: RunTime::ZERO,
@@ -103,7 +103,7 @@ impl Motion {
         self.queued.clear();
         self.handed.clear();
         self.past.clear();
-        self.asked = None;
+        self.queried_at = None;
         self.resumes = false;
         self.segments.begin(self.commanded, self.executed);
     }
@@ -115,7 +115,7 @@ impl Motion {
     }
 
     /// Which way the axes went of late says nothing any more.
-    pub(super) const fn forget_ways(&mut self) {
+    pub(super) const fn forget_directions(&mut self) {
         self.moved = [[None; 2]; 2];
     }
 
@@ -137,10 +137,10 @@ impl Motion {
     }
 
     /// Takes the next segment that waits, if its characters find room.
-    pub(super) fn next_segment(&mut self, room: usize, now: HostTime) -> Option<Segment> {
+    pub(super) fn next_segment(&mut self, free_bytes: usize, now: HostTime) -> Option<Segment> {
         let segment = self
             .backlog
-            .pop_front_if(|segment| segment.line.len() <= room)?;
+            .pop_front_if(|segment| segment.line.len() <= free_bytes)?;
         if self.queued.is_empty() {
             self.progressed = now;
         }
@@ -180,13 +180,13 @@ impl Motion {
     }
 
     /// A report is asked for: it is going to show the board on the motion from here on.
-    pub(super) const fn report_asked(&mut self, now: HostTime) {
-        self.asked = Some(now);
+    pub(super) const fn report_requested(&mut self, now: HostTime) {
+        self.queried_at = Some(now);
     }
 
     /// The report has come, and was compared.
-    pub(super) const fn report_came(&mut self) {
-        self.asked = None;
+    pub(super) const fn report_received(&mut self) {
+        self.queried_at = None;
     }
 
     /// Counts as made what the pulse timer was handed so long ago; all of it when the
@@ -196,7 +196,7 @@ impl Motion {
             .handed
             .pop_front_if(|(made_by, _)| stands || *made_by <= now)
         {
-            for (axis, way) in way_between(self.made, segment.pulses)
+            for (axis, way) in directions_between(self.made, segment.pulses)
                 .into_iter()
                 .enumerate()
             {
@@ -211,7 +211,9 @@ impl Motion {
             self.made = segment.pulses;
         }
         let oldest = now.saturating_sub(LATE_REPORT);
-        let oldest = self.asked.map_or(oldest, |asked| oldest.min(asked));
+        let oldest = self
+            .queried_at
+            .map_or(oldest, |queried_at| oldest.min(queried_at));
         while self.past.pop_front_if(|(at, _)| *at < oldest).is_some() {}
     }
 
@@ -237,7 +239,10 @@ impl Motion {
         let mut seen = self.moved.map(|ways| ways.map(recent));
         let mut from = self.made;
         for segment in self.unmade() {
-            for (axis, way) in way_between(from, segment.pulses).into_iter().enumerate() {
+            for (axis, way) in directions_between(from, segment.pulses)
+                .into_iter()
+                .enumerate()
+            {
                 seen[axis][0] |= way > 0;
                 seen[axis][1] |= way < 0;
             }
@@ -316,7 +321,7 @@ impl Motion {
     }
 
     /// The board's count by a report that names its position.
-    pub(super) fn board_count(&self, status: Status) -> Option<PerAxis<Pulses>> {
+    pub(super) fn board_count(&self, status: StatusReport) -> Option<PerAxis<Pulses>> {
         let [x, z] = status.position?;
         let [per_x, per_z] = self.pulses_per_mm;
         Some(PerAxis::new(
@@ -326,13 +331,13 @@ impl Motion {
     }
 
     /// The same as the kernel counts.
-    pub(super) fn kernel_count(&self, status: Status) -> Option<PerAxis<Pulses>> {
+    pub(super) fn kernel_count(&self, status: StatusReport) -> Option<PerAxis<Pulses>> {
         self.board_count(status).map(|board| self.to_kernel(board))
     }
 }
 
 /// The ways on which the axes go from one position to another.
-const fn way_between(from: PerAxis<Pulses>, to: PerAxis<Pulses>) -> [i64; 2] {
+const fn directions_between(from: PerAxis<Pulses>, to: PerAxis<Pulses>) -> [i64; 2] {
     [(to.x.0 - from.x.0).signum(), (to.z.0 - from.z.0).signum()]
 }
 

@@ -16,18 +16,18 @@ pub(super) struct Outputs {
 
 impl Outputs {
     /// Whether the board has been told what is wanted.
-    pub(super) fn are_as_wanted(&self) -> bool {
+    pub(super) fn are_switched(&self) -> bool {
         self.wanted == self.switched
     }
 
     /// A board that starts has everything switched off.
-    pub(super) fn are_off(&mut self) {
+    pub(super) fn reset_to_off(&mut self) {
         self.switched = BoardOutputs::default();
     }
 
     /// The line that switches what is wanted; none: that is switched already.
     fn next_line(&mut self) -> Option<String> {
-        if self.are_as_wanted() {
+        if self.are_switched() {
             return None;
         }
         self.switched = self.wanted;

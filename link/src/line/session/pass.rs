@@ -14,9 +14,10 @@ use core::time::Duration;
 
 use super::motion::Queued;
 use super::{LineLink, MODES};
-use crate::line::response::{BoardState, Status};
+use crate::line::response::{BoardState, StatusReport};
 use crate::{
-    CannotCut, HostTime, Lacks, LinkState, Pass, Refused, RunTime, ThreadRights, Uncertainty,
+    HostTime, LinkState, MissingForThreads, MotionRefused, PassError, RunTime, ThreadCapability,
+    ThreadPass, Uncertainty,
 };
 use gsk_messages::say;
 use gsk_units::{Axis, Point, alarm};
@@ -26,7 +27,7 @@ const INDEX_WAIT: Duration = Duration::from_secs(5);
 /// Time for what the board does besides.
 const MARGIN: Duration = Duration::from_secs(2);
 /// A board that has not begun may be silent for so long.
-const PATIENCE: Duration = INDEX_WAIT.saturating_add(MARGIN);
+const START_TIMEOUT: Duration = INDEX_WAIT.saturating_add(MARGIN);
 /// A pass may take so much longer than at the speed measured before it.
 const SLOWER: f64 = 1.5;
 /// Two turns within [`INDEX_WAIT`], with some to spare, r/min.
@@ -44,7 +45,7 @@ const ROUNDING_RPM: f64 = 1.5;
 /// A pass handed over.
 #[derive(Clone, Copy, Debug)]
 struct Cutting {
-    pass: Pass,
+    pass: ThreadPass,
     /// It is over by then.
     until: HostTime,
     /// Speed along it, mm/min, and where that is not kept at either end, mm.
@@ -65,13 +66,13 @@ struct Turning {
 
 /// A thread that the board cuts by itself, and the spindle before it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct ThreadPass {
+pub(super) struct PassTracker {
     pass: Option<Cutting>,
     /// None: the board does not report its spindle.
     spindle: Option<Turning>,
 }
 
-impl ThreadPass {
+impl PassTracker {
     /// The board reports the speed of its spindle, r/min.
     fn follow(&mut self, reported: Option<f64>, now: HostTime) {
         self.spindle = reported.map(|rpm| match self.spindle {
@@ -90,17 +91,17 @@ impl ThreadPass {
     }
 
     /// Speed of a spindle that turns steadily and fast enough for a pass, r/min.
-    fn steady_rpm(&self, now: HostTime) -> Result<f64, CannotCut> {
-        let turning = self.spindle.ok_or(CannotCut::Unseen)?;
+    fn steady_rpm(&self, now: HostTime) -> Result<f64, PassError> {
+        let turning = self.spindle.ok_or(PassError::Unseen)?;
         if now.saturating_sub(turning.since) < STEADY_FOR {
-            return Err(CannotCut::Unsteady);
+            return Err(PassError::Unsteady);
         }
         let rpm = turning.latest;
         if rpm < 1.0 {
-            return Err(CannotCut::Standing);
+            return Err(PassError::Standing);
         }
         if rpm < LEAST_RPM {
-            return Err(CannotCut::Slow {
+            return Err(PassError::Slow {
                 rpm,
                 least: LEAST_RPM,
             });
@@ -119,16 +120,16 @@ impl ThreadPass {
     }
 
     /// While the computer was away nobody waited for the board.
-    pub(super) fn was_away(&mut self, gap: Duration) {
+    pub(super) fn skip_absence(&mut self, gap: Duration) {
         if let Some(cutting) = &mut self.pass {
             cutting.until += gap;
         }
     }
 
     /// How long the board may be silent now.
-    pub(super) const fn patience(&self, usual: Duration) -> Duration {
+    pub(super) const fn report_timeout(&self, usual: Duration) -> Duration {
         match self.pass {
-            Some(Cutting { begun: false, .. }) => PATIENCE,
+            Some(Cutting { begun: false, .. }) => START_TIMEOUT,
             _ => usual,
         }
     }
@@ -136,34 +137,34 @@ impl ThreadPass {
 
 impl LineLink {
     /// Hands over a pass; the link must be drained and the spindle turn steadily.
-    pub(super) fn begin_pass(&mut self, pass: &Pass) -> Result<(), CannotCut> {
+    pub(super) fn begin_pass(&mut self, pass: &ThreadPass) -> Result<(), PassError> {
         let stands = self.stands_in(&[BoardState::Idle])
             && self.session.state == LinkState::Ready
-            && self.outputs.are_as_wanted()
+            && self.outputs.are_switched()
             && self.motion.segments.pending() == RunTime::ZERO;
         if !stands || self.thread.pass.is_some() {
-            return Err(CannotCut::NotReady);
+            return Err(PassError::NotReady);
         }
         let rpm = self.thread.steady_rpm(self.session.now)?;
         let way = self.motion.between(self.motion.commanded, pass.end);
         let (length, speed) = (way.length(), rpm * pass.lead);
         let most = f64::from(self.config.flush_keep_speed);
         if speed > most {
-            return Err(CannotCut::Fast { speed, most });
+            return Err(PassError::Fast { speed, most });
         }
         let ramps = speed / 60.0 * (speed / 60.0) / self.acceleration(way);
         if ramps >= length {
-            return Err(CannotCut::Short { length, ramps });
+            return Err(PassError::Short { length, ramps });
         }
         let moves = [
             pass.end.x.0 - self.motion.commanded.x.0,
             pass.end.z.0 - self.motion.commanded.z.0,
         ];
         let operated = [Some(self.reports.pins.x), Some(self.reports.pins.z)];
-        if let Err(Refused::TowardLimit(axis) | Refused::UponLimit(axis)) =
+        if let Err(MotionRefused::TowardLimit(axis) | MotionRefused::OnLimit(axis)) =
             self.limits.allow(moves, operated)
         {
-            return Err(CannotCut::Limit(axis));
+            return Err(PassError::Limit(axis));
         }
         let cutting = Duration::from_secs_f64(SLOWER * length / pass.lead / rpm * 60.0);
         self.send(&self.pass_line(pass), false);
@@ -186,21 +187,21 @@ impl LineLink {
     }
 
     /// Which threads the board cuts.
-    pub(super) fn thread_rights(&self) -> ThreadRights {
+    pub(super) fn thread_rights(&self) -> ThreadCapability {
         let sync = self.board().spindle_sync;
-        let told = |number| self.opening.setting(number) != 0.0;
-        let lacks = Lacks {
+        let is_set = |number| self.opening.setting(number) != 0.0;
+        let lacks = MissingForThreads {
             sync: !sync,
             proof: !self.config.line.thread_proved,
-            encoder: sync && !told(38),
-            gains: sync && [90, 91, 92].into_iter().any(told),
+            encoder: sync && !is_set(38),
+            gains: sync && [90, 91, 92].into_iter().any(is_set),
             offset: sync && self.opening.offset,
             index: false,
         };
-        if lacks == Lacks::default() {
-            return ThreadRights::Passes;
+        if lacks == MissingForThreads::default() {
+            return ThreadCapability::Passes;
         }
-        ThreadRights::None(lacks)
+        ThreadCapability::None(lacks)
     }
 
     /// The board's acceleration along a way, mm/s².
@@ -214,7 +215,7 @@ impl LineLink {
     }
 
     /// K counts along the path.
-    fn pass_line(&self, pass: &Pass) -> String {
+    fn pass_line(&self, pass: &ThreadPass) -> String {
         let [per_x, per_z] = self.required.pulses_per_mm;
         let mut line = String::from("G33");
         let axes = [
@@ -272,7 +273,7 @@ impl LineLink {
     }
 
     /// A report while a pass is under way, or of the spindle before it.
-    pub(super) fn follow_spindle(&mut self, status: &Status) {
+    pub(super) fn follow_spindle(&mut self, status: &StatusReport) {
         self.thread.follow(status.spindle, self.session.now);
         let at = self.motion.kernel_count(*status);
         let from = self.motion.commanded;

@@ -7,11 +7,11 @@ use gsk_units::alarm;
 use core::time::Duration;
 
 use super::{Halt, LineLink};
-use crate::line::Family;
-use crate::line::opening::{Opening, Outcome};
+use crate::line::FirmwareFamily;
+use crate::line::opening::{Opening, OpeningAction};
 use crate::line::realtime::STATUS_QUERY;
-use crate::line::response::{BoardState, Response, Status};
-use crate::{Event, HostTime, LinkState, Uncertainty};
+use crate::line::response::{BoardState, LineResponse, StatusReport};
+use crate::{HostTime, LinkEvent, LinkState, Uncertainty};
 
 /// Between two reports, standing and moving: the longer, the farther a figure that was
 /// damaged on the wire takes the slides.
@@ -21,42 +21,42 @@ const STATUS_MOVING: Duration = Duration::from_millis(20);
 const AWAY: Duration = Duration::from_millis(100);
 
 impl LineLink {
-    pub(super) fn take(&mut self, answer: &Response) {
-        if self.session.is_over() {
+    pub(super) fn take(&mut self, answer: &LineResponse) {
+        if self.session.is_closed() {
             // It is for the operator to bring it back; it may say why it was silent.
-            if matches!(answer, Response::Banner(_)) && self.opening.is_done() {
+            if matches!(answer, LineResponse::Banner(_)) && self.opening.is_done() {
                 self.board_restarted();
             }
             return;
         }
         if !self.opening.is_done() {
             let expected = self.opening.expects_banner();
-            if matches!(answer, Response::Banner(_)) && !expected {
+            if matches!(answer, LineResponse::Banner(_)) && !expected {
                 self.board_restarted();
                 return;
             }
-            if matches!(answer, Response::Ok | Response::Error(_)) {
+            if matches!(answer, LineResponse::Ok | LineResponse::Error(_)) {
                 self.wire.answered();
             }
-            let outcome = self.opening.take(answer, &self.required, self.session.now);
-            self.open_further(outcome);
+            let action = self.opening.take(answer, &self.required, self.session.now);
+            self.open_further(action);
             return;
         }
         match answer {
-            Response::Ok => self.line_done(None),
-            Response::Error(number) => self.line_done(Some(*number)),
-            Response::Alarm(number) => self.board_alarm(*number),
-            Response::Message(text) => self.board_message(text),
-            Response::Status(status) => self.report(*status),
-            Response::Banner(_) if self.stopping.restarts() => self.banner_came(),
-            Response::Banner(_) if !self.startup.expects_banner(self.session.now) => {
+            LineResponse::Ok => self.line_done(None),
+            LineResponse::Error(number) => self.line_done(Some(*number)),
+            LineResponse::Alarm(number) => self.board_alarm(*number),
+            LineResponse::Message(text) => self.board_message(text),
+            LineResponse::StatusReport(status) => self.report(*status),
+            LineResponse::Banner(_) if self.stopping.restarts() => self.banner_came(),
+            LineResponse::Banner(_) if !self.startup.expects_banner(self.session.now) => {
                 self.board_restarted();
             }
-            Response::Starts => {
+            LineResponse::Starts => {
                 self.startup.has_begun();
                 self.board_restarted();
             }
-            Response::Garbage => {
+            LineResponse::Garbage => {
                 self.wire.traffic.garbage += 1;
                 if self.session.state == LinkState::Moving {
                     self.protocol_error(say::line_makes_no_sense());
@@ -66,7 +66,7 @@ impl LineLink {
         }
     }
 
-    fn report(&mut self, status: Status) {
+    fn report(&mut self, status: StatusReport) {
         let now = self.session.now;
         if self.is_stale_report() {
             return;
@@ -100,7 +100,7 @@ impl LineLink {
                 return;
             }
         }
-        self.motion.report_came();
+        self.motion.report_received();
         if let Some(free) = status.free_blocks {
             let held = self.board().blocks.saturating_sub(free);
             self.retire(held);
@@ -139,10 +139,10 @@ impl LineLink {
     }
 
     /// Asks for a report when one is due.
-    pub(super) fn ask(&mut self) {
+    pub(super) fn query_status_if_due(&mut self) {
         // A board that seeks its switches does not answer.
         let restarts = self.stopping.restarts();
-        if restarts && self.opening.family == Family::FluidNc {
+        if restarts && self.opening.family == FirmwareFamily::FluidNc {
             // It takes a second for that, and answers meanwhile, mostly.
             self.reports.give_up_question(self.session.now);
         } else if restarts || self.homing.is_some() {
@@ -155,8 +155,8 @@ impl LineLink {
         };
         if self.reports.is_due(interval, self.session.now) {
             self.wire.send_realtime(STATUS_QUERY);
-            self.reports.ask(self.session.now);
-            self.motion.report_asked(self.session.now);
+            self.reports.query_status_if_due(self.session.now);
+            self.motion.report_requested(self.session.now);
         }
     }
 
@@ -173,20 +173,20 @@ impl LineLink {
     }
 
     /// The next step of the dialogue that opens the link.
-    pub(super) fn open_further(&mut self, outcome: Outcome) {
-        match outcome {
-            Outcome::Waits => {}
-            Outcome::Send(line) => {
+    pub(super) fn open_further(&mut self, action: OpeningAction) {
+        match action {
+            OpeningAction::Waits => {}
+            OpeningAction::Send(line) => {
                 if line == "$I" {
                     self.enter(LinkState::Identify);
                 }
                 self.send(&line, false);
             }
-            Outcome::Configures(line) => {
+            OpeningAction::Configures(line) => {
                 self.enter(LinkState::Configure);
                 self.send(&line, false);
             }
-            Outcome::Done => {
+            OpeningAction::Done => {
                 self.wire.forget_unanswered();
                 self.enter(LinkState::Locked);
                 if core::mem::take(&mut self.startup.unlocks) {
@@ -194,14 +194,14 @@ impl LineLink {
                     self.send("$X", false);
                 }
             }
-            Outcome::Differs(differences) => {
+            OpeningAction::Differs(differences) => {
                 let text = say::board_settings_differ(differences.len());
                 self.session
                     .events
-                    .extend(differences.into_iter().map(Event::Differs));
+                    .extend(differences.into_iter().map(LinkEvent::Differs));
                 self.session.alarm(alarm::BOARD_SETTINGS, text);
             }
-            Outcome::Fails(number, text) => {
+            OpeningAction::Fails(number, text) => {
                 self.session.alarm(number, text);
                 self.enter(if number == alarm::BOARD_SILENT {
                     LinkState::Lost
@@ -213,19 +213,19 @@ impl LineLink {
     }
 
     /// Takes the time over. While the computer was away nobody waited for the board.
-    pub(super) fn passes(&mut self, now: HostTime) {
+    pub(super) fn advance_time(&mut self, now: HostTime) {
         let gap = now.saturating_sub(self.session.now);
         self.session.now = self.session.now.max(now);
         if gap < AWAY {
             return;
         }
         self.motion.progressed += gap;
-        self.thread.was_away(gap);
-        self.wire.was_away(gap);
-        if let Some(asked) = &mut self.reports.asked {
-            *asked += gap;
+        self.thread.skip_absence(gap);
+        self.wire.skip_absence(gap);
+        if let Some(queried_at) = &mut self.reports.queried_at {
+            *queried_at += gap;
         }
-        self.stopping.was_away(gap);
+        self.stopping.skip_absence(gap);
         if gap >= self.config.lookahead() {
             self.wake();
         }

@@ -2,8 +2,8 @@
 
 use core::time::Duration;
 
-use super::HEARD;
-use crate::line::response::{BoardState, Status};
+use super::ANSWER_TIME;
+use crate::line::response::{BoardState, StatusReport};
 use crate::{HostTime, Pins};
 use gsk_units::{PerAxis, Pulses};
 
@@ -26,11 +26,11 @@ enum Count {
 #[derive(Clone, Debug)]
 pub(super) struct Reports {
     /// When a report was asked for that has not come.
-    pub(super) asked: Option<HostTime>,
-    last_asked: HostTime,
+    pub(super) queried_at: Option<HostTime>,
+    last_query: HostTime,
     /// When the newest question was asked that was answered.
     answered: HostTime,
-    pub(super) status: Option<Status>,
+    pub(super) status: Option<StatusReport>,
     /// Switches as last reported; a restart says nothing about them.
     pub(super) pins: Pins,
     still_since: Option<HostTime>,
@@ -42,8 +42,8 @@ pub(super) struct Reports {
 impl Reports {
     pub(super) fn new(now: HostTime) -> Self {
         Self {
-            asked: None,
-            last_asked: now,
+            queried_at: None,
+            last_query: now,
             answered: now,
             status: None,
             pins: Pins::default(),
@@ -64,12 +64,12 @@ impl Reports {
     }
 
     /// Takes a report; how long it was waited for, if it was asked for.
-    pub(super) fn take(&mut self, status: Status, now: HostTime) -> Option<Duration> {
-        let asked = self.asked.take();
-        self.answered = asked.unwrap_or(self.answered);
+    pub(super) fn take(&mut self, status: StatusReport, now: HostTime) -> Option<Duration> {
+        let queried_at = self.queried_at.take();
+        self.answered = queried_at.unwrap_or(self.answered);
         self.status = Some(status);
         self.pins = status.pins;
-        asked.map(|asked| now.saturating_sub(asked))
+        queried_at.map(|queried_at| now.saturating_sub(queried_at))
     }
 
     /// The board stands, or does not.
@@ -89,7 +89,7 @@ impl Reports {
     /// What was reported holds no more, and no report is on its way.
     pub(super) const fn invalidate(&mut self) {
         self.status = None;
-        self.asked = None;
+        self.queried_at = None;
     }
 
     /// The same, of a standstill too.
@@ -100,24 +100,24 @@ impl Reports {
 
     /// Whether a report is due.
     pub(super) fn is_due(&self, interval: Duration, now: HostTime) -> bool {
-        self.asked.is_none() && now.saturating_sub(self.last_asked) >= interval
+        self.queried_at.is_none() && now.saturating_sub(self.last_query) >= interval
     }
 
     /// A report is asked for now.
-    pub(super) const fn ask(&mut self, now: HostTime) {
-        self.asked = Some(now);
-        self.last_asked = now;
+    pub(super) const fn query_status_if_due(&mut self, now: HostTime) {
+        self.queried_at = Some(now);
+        self.last_query = now;
     }
 
     /// The next report is due at once.
     pub(super) const fn hurry(&mut self) {
-        self.last_asked = HostTime::ZERO;
+        self.last_query = HostTime::ZERO;
     }
 
     /// A question without an answer is given up, so that it is asked again.
     pub(super) fn give_up_question(&mut self, now: HostTime) {
         if !self.is_responding(now) {
-            self.asked = None;
+            self.queried_at = None;
         }
     }
 
@@ -128,8 +128,8 @@ impl Reports {
 
     /// Whether the board answers what it is asked.
     fn is_responding(&self, now: HostTime) -> bool {
-        self.asked
-            .is_none_or(|asked| now.saturating_sub(asked) < HEARD)
+        self.queried_at
+            .is_none_or(|queried_at| now.saturating_sub(queried_at) < ANSWER_TIME)
     }
 
     /// Where the board was by its last count.

@@ -5,7 +5,7 @@ use crate::Backend;
 use core::time::Duration;
 
 use super::LineLink;
-use crate::{Event, LinkState, Refused, RunTime, Sample, Uncertainty};
+use crate::{LinkEvent, LinkState, MotionRefused, RunTime, Sample, Uncertainty};
 use gsk_messages::say;
 use gsk_units::alarm;
 
@@ -16,9 +16,9 @@ const SETTLED: Duration = Duration::from_millis(50);
 
 impl LineLink {
     /// The axes are to be here at the end of a tick.
-    pub(super) fn take_sample(&mut self, sample: Sample) -> Result<(), Refused> {
+    pub(super) fn take_sample(&mut self, sample: Sample) -> Result<(), MotionRefused> {
         if !self.is_prepared() {
-            return Err(Refused::NotReady);
+            return Err(MotionRefused::NotReady);
         }
         let moves = [
             sample.pulses.x.0 - self.motion.commanded.x.0,
@@ -48,7 +48,7 @@ impl LineLink {
     }
 
     /// What is left of the last segment goes out.
-    pub(super) fn take_rest(&mut self) -> Result<(), Refused> {
+    pub(super) fn take_rest(&mut self) -> Result<(), MotionRefused> {
         if !self.is_prepared() {
             return Ok(());
         }
@@ -63,8 +63,8 @@ impl LineLink {
         let space = usize::from(self.board().receive_bytes).saturating_sub(1);
         let now = self.session.now;
         loop {
-            let room = space.saturating_sub(self.wire.characters());
-            let Some(segment) = self.motion.next_segment(room, now) else {
+            let free_bytes = space.saturating_sub(self.wire.characters());
+            let Some(segment) = self.motion.next_segment(free_bytes, now) else {
                 return;
             };
             self.send(&segment.line, true);
@@ -123,7 +123,7 @@ impl LineLink {
             if core::mem::take(&mut self.stopping.too_sudden) {
                 self.session.lose_position(Uncertainty::TooFast);
             }
-            self.session.events.push(Event::Position(kernel));
+            self.session.events.push(LinkEvent::Position(kernel));
             self.stand();
             return;
         }
@@ -131,8 +131,8 @@ impl LineLink {
             if stands {
                 return;
             }
-            self.session.events.push(Event::Position(kernel));
-            self.session.events.push(Event::Drained);
+            self.session.events.push(LinkEvent::Position(kernel));
+            self.session.events.push(LinkEvent::Drained);
             self.stand();
             return;
         }

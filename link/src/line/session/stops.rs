@@ -5,12 +5,12 @@ use gsk_units::alarm;
 
 use core::time::Duration;
 
-use super::{HEARD, LineLink, MODES};
-use crate::line::Family;
-use crate::line::family::Cause;
+use super::{ANSWER_TIME, LineLink, MODES};
+use crate::line::FirmwareFamily;
+use crate::line::family::StopCause;
 use crate::line::realtime::{FEED_HOLD, SOFT_RESET};
 use crate::line::response::BoardState;
-use crate::{Event, HostTime, LinkState, Pins, Stop, Uncertainty};
+use crate::{HostTime, LinkEvent, LinkState, Pins, Stop, Uncertainty};
 
 /// A board that was asked and is silent for so long is lost.
 const SILENCE: Duration = Duration::from_millis(500);
@@ -92,7 +92,7 @@ impl Stopping {
     }
 
     /// While the computer was away nobody waited for the board.
-    pub(super) fn was_away(&mut self, gap: Duration) {
+    pub(super) fn skip_absence(&mut self, gap: Duration) {
         match &mut self.halt {
             Halt::None => {}
             Halt::Draining(since) | Halt::Braking(since) => *since += gap,
@@ -108,17 +108,16 @@ impl Stopping {
 impl LineLink {
     pub(super) fn watch_silence(&mut self) {
         let silent = !self.stopping.restarts()
-            && self
-                .reports
-                .asked
-                .is_some_and(|asked| self.session.since(asked) >= self.thread.patience(SILENCE));
+            && self.reports.queried_at.is_some_and(|queried_at| {
+                self.session.since(queried_at) >= self.thread.report_timeout(SILENCE)
+            });
         let unanswered = self
             .wire
             .oldest()
             .is_some_and(|line| self.session.since(line.sent) >= ANSWER_WAIT);
         if silent {
             self.lose_board(say::board_not_answering(
-                self.thread.patience(SILENCE).as_millis(),
+                self.thread.report_timeout(SILENCE).as_millis(),
             ));
         } else if self.thread.is_cutting() {
             // A pass has a patience of its own.
@@ -174,14 +173,16 @@ impl LineLink {
         }
         self.stopping.halt = Halt::Waking(Waking {
             since: self.session.now,
-            stale: self.reports.asked.is_some(),
+            stale: self.reports.queried_at.is_some(),
             cut_off: self.wire.withdraw(),
             raised: false,
         });
-        self.reports.asked = None;
+        self.reports.queried_at = None;
         self.reports.hurry();
         self.motion.drop_unsent();
-        self.session.events.push(Event::Halting { reached: false });
+        self.session
+            .events
+            .push(LinkEvent::Halting { reached: false });
     }
 
     /// Whether a report says nothing of the time after an absence; it is asked for again.
@@ -191,7 +192,7 @@ impl LineLink {
         };
         let stale = core::mem::take(&mut waking.stale);
         if stale {
-            self.reports.asked = None;
+            self.reports.queried_at = None;
             self.reports.hurry();
         } else if !core::mem::replace(&mut waking.raised, true) {
             self.session
@@ -235,7 +236,7 @@ impl LineLink {
         if self.stopping.is_none() {
             self.stopping.too_sudden =
                 self.motion.fastest() > f64::from(self.config.flush_keep_speed);
-            if self.opening.family == Family::FluidNc && !self.wire.is_answered() {
+            if self.opening.family == FirmwareFamily::FluidNc && !self.wire.is_answered() {
                 self.stopping.halt = Halt::Draining(self.session.now);
                 // Their answers are what is waited for.
                 self.drop_motion();
@@ -249,7 +250,7 @@ impl LineLink {
     fn brake(&mut self) {
         self.wire.send_realtime(FEED_HOLD);
         self.stopping.halt = Halt::Braking(self.session.now);
-        self.reports.asked = None;
+        self.reports.queried_at = None;
         self.reports.hurry();
     }
 
@@ -258,7 +259,7 @@ impl LineLink {
     fn watch_draining(&mut self, since: HostTime) {
         if self.wire.is_answered() {
             self.brake();
-        } else if self.session.since(since) >= HEARD {
+        } else if self.session.since(since) >= ANSWER_TIME {
             // While it moves a reset locks it, and a locked board carries nothing out.
             self.session.lose_position(Uncertainty::StoppedDead);
             self.forget_motion();
@@ -298,7 +299,7 @@ impl LineLink {
         self.forget_motion();
         self.reports.forget();
         self.reports.hurry();
-        self.outputs.are_off();
+        self.outputs.reset_to_off();
         if core::mem::take(&mut self.startup.unlocks) {
             self.send("$X", false);
         }
@@ -331,7 +332,7 @@ impl LineLink {
         self.homing = None;
         // What was asked before is never answered.
         self.reports.invalidate();
-        self.outputs.are_off();
+        self.outputs.reset_to_off();
         self.session.alarm(alarm::BOARD_RESET, say::board_reset());
         self.enter(LinkState::Fault);
     }
@@ -354,7 +355,7 @@ impl LineLink {
         self.forget_motion();
         self.session.lose_position(Uncertainty::StoppedDead);
         match family.cause(number) {
-            Cause::Limit => {
+            StopCause::Limit => {
                 let Pins {
                     x: on_x, z: on_z, ..
                 } = self.reports.pins;
@@ -364,15 +365,15 @@ impl LineLink {
                 self.restart();
                 self.enter(LinkState::Tripped);
             }
-            Cause::Reset => {
+            StopCause::Reset => {
                 self.startup.has_restarted();
                 self.session
                     .alarm(alarm::BOARD_RESET, say::board_reset_in_motion());
                 self.enter(LinkState::Fault);
             }
-            Cause::Homing => {
+            StopCause::Homing => {
                 self.homing = None;
-                if family == Family::FluidNc {
+                if family == FirmwareFamily::FluidNc {
                     // It plans from the position before the return until it is reset.
                     self.restart();
                 }
@@ -381,37 +382,37 @@ impl LineLink {
                     .alarm(alarm::BOARD_ZERO_RETURN, say::board_alarm(number));
                 self.enter(LinkState::Locked);
             }
-            Cause::EmergencyStop => {
+            StopCause::EmergencyStop => {
                 self.session
                     .alarm(alarm::EMERGENCY_STOP, say::board_emergency_input());
-                if family == Family::FluidNc {
+                if family == FirmwareFamily::FluidNc {
                     // Without it an unlock would do nothing.
                     self.restart();
                 }
                 self.enter(LinkState::Tripped);
             }
-            Cause::Spindle => {
+            StopCause::Spindle => {
                 self.session
                     .alarm(alarm::THREAD_SPEED, say::thread_spindle_does_not_turn());
                 // It waits for ever for the motion it has not begun.
                 self.restart();
                 self.enter(LinkState::Fault);
             }
-            Cause::Motor => {
+            StopCause::Motor => {
                 for (number, axis) in [(alarm::X_DRIVE_ALARM, 'X'), (alarm::Z_DRIVE_ALARM, 'Z')] {
                     self.session.alarm(number, say::board_motor_fault(axis));
                 }
                 self.restart();
                 self.enter(LinkState::Tripped);
             }
-            Cause::Order => {
+            StopCause::Order => {
                 self.session
                     .alarm(alarm::LINK_PROTOCOL, say::board_alarm(number));
                 // Whatever it still holds it shall not carry out after an unlock.
                 self.restart();
                 self.enter(LinkState::Fault);
             }
-            Cause::Locked => {
+            StopCause::Locked => {
                 self.session.alarm(alarm::BOARD_FAULT, say::board_locked());
                 self.restart();
                 self.enter(LinkState::Fault);
@@ -438,15 +439,15 @@ impl LineLink {
 
     /// The port failed, or the board answers no more.
     pub(super) fn lose_board(&mut self, cause: Message) {
-        if self.session.is_over() {
+        if self.session.is_closed() {
             return;
         }
         self.forget_motion();
         self.session.lose_position(Uncertainty::Unheard);
         self.reports.status = None;
-        let never_heard = self.session.state == LinkState::Opening;
+        let never_received = self.session.state == LinkState::Opening;
         self.session.alarm(
-            if never_heard {
+            if never_received {
                 alarm::BOARD_SILENT
             } else {
                 alarm::LINK_LOST
@@ -458,7 +459,7 @@ impl LineLink {
 
     /// Stops the board at once.
     pub(super) fn stop_at_once(&mut self, stop: Stop) {
-        if !self.opening.is_done() || self.session.is_over() {
+        if !self.opening.is_done() || self.session.is_closed() {
             return;
         }
         match stop {
@@ -476,7 +477,7 @@ impl LineLink {
 
     /// The operator pressed RESET.
     pub(super) fn reset_faults(&mut self) {
-        self.limits.look();
+        self.limits.confirm_position_checked();
         match self.session.state {
             LinkState::Fault if self.startup.is_restarted() || !self.opening.is_done() => {
                 self.open_again();
@@ -493,7 +494,7 @@ impl LineLink {
             }
             // FluidNC may be locked so that an unlock alone does nothing.
             LinkState::Locked
-                if self.opening.family == Family::FluidNc
+                if self.opening.family == FirmwareFamily::FluidNc
                     && (self.board_is_locked() || self.reports.status.is_none()) =>
             {
                 self.startup.unlocks = true;

@@ -128,7 +128,7 @@ impl Wire {
     }
 
     /// While the computer was away nobody waited for answers.
-    pub(super) fn was_away(&mut self, gap: HostTime) {
+    pub(super) fn skip_absence(&mut self, gap: HostTime) {
         for line in &mut self.unanswered {
             line.sent += gap;
         }

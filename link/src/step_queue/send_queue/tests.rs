@@ -84,7 +84,7 @@ fn a_complaint_sends_again_once() {
 }
 
 #[test]
-fn an_acknowledgement_behind_its_reply_is_no_complaint() {
+fn an_acknowledgement_after_its_reply_is_not_a_nak() {
     let mut send_queue = synced();
     send_queue.set_window(Some(192));
     send_queue.push(message(1, 50));

@@ -8,7 +8,7 @@ use super::StepLink;
 use crate::step_queue::commands::Command;
 use crate::step_queue::send_queue::Mark;
 use crate::step_queue::wiring::{Switch, Wiring};
-use crate::{Awaited, HostTime, Input, LinkState, Refused, Until};
+use crate::{AwaitedInput, HostTime, Input, InputCondition, LinkState, MotionRefused};
 use gsk_units::Axis;
 
 /// Reasons of the group.
@@ -68,9 +68,9 @@ pub(super) struct Group {
 /// An input that is waited for.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wait {
-    pub(super) awaited: Awaited,
+    pub(super) awaited: AwaitedInput,
     /// When the board was asked for its level, which it has not reported yet.
-    asked: Option<HostTime>,
+    queried_at: Option<HostTime>,
     /// Level of the pin that stops the axes, and from when on it does.
     pub(super) level: i64,
     from: u64,
@@ -89,7 +89,7 @@ impl Group {
     }
 
     /// What is waited for at an axis.
-    pub(super) fn awaited(&self, axis: Axis) -> Option<Awaited> {
+    pub(super) fn awaited(&self, axis: Axis) -> Option<AwaitedInput> {
         self.waits[axis as usize].map(|wait| wait.awaited)
     }
 
@@ -97,7 +97,7 @@ impl Group {
     pub(super) fn watches(&self, axis: Axis, now: u64) -> bool {
         self.is_armed()
             && self.waits[axis as usize]
-                .is_some_and(|wait| wait.asked.is_none() && now >= wait.from)
+                .is_some_and(|wait| wait.queried_at.is_none() && now >= wait.from)
     }
 
     /// Its number in the board.
@@ -205,7 +205,7 @@ impl StepLink {
         };
         let operated = self.input(switch.input) == Some(true);
         let (reason, level, look) = match (self.group.wait_for(switch.input), stops) {
-            (Some((axis, wait)), _) if wait.asked.is_none() => {
+            (Some((axis, wait)), _) if wait.queried_at.is_none() => {
                 let between = Duration::from_secs_f64(1.0 / (LOOKS * wait.awaited.rate.max(1.0)));
                 let reason = [REACHED, REACHED_Z][axis];
                 (reason, wait.level, between.clamp(OFTEN, LOOK))
@@ -241,25 +241,25 @@ impl StepLink {
     }
 
     /// From now on this input stops the axes as soon as it does what is awaited.
-    pub(super) fn arm_input(&mut self, awaited: Awaited) -> Result<(), Refused> {
+    pub(super) fn arm_input(&mut self, awaited: AwaitedInput) -> Result<(), MotionRefused> {
         let (Some(switch), Some(axis)) = (self.switch_at(awaited.input), awaited.input.axis())
         else {
-            return Err(Refused::NotWired);
+            return Err(MotionRefused::NotWired);
         };
         if !self.takes_motion() || !self.group.is_armed() {
-            return Err(Refused::NotReady);
+            return Err(MotionRefused::NotReady);
         }
         self.disarm_input(axis);
         let level = match awaited.until {
-            Until::Operated => Some(switch.level),
-            Until::Free => Some(1 - switch.level),
+            InputCondition::Operated => Some(switch.level),
+            InputCondition::Free => Some(1 - switch.level),
             // Across a stop that another input has made, it is the same edge.
-            Until::Changed => self.group.edges[axis as usize],
+            InputCondition::Changed => self.group.edges[axis as usize],
         };
         let from = self.soon();
         self.group.waits[axis as usize] = Some(Wait {
             awaited,
-            asked: level.is_none().then_some(self.session.now),
+            queried_at: level.is_none().then_some(self.session.now),
             level: level.unwrap_or_default(),
             from,
         });
@@ -277,7 +277,7 @@ impl StepLink {
         let Some(wait) = self.group.waits[axis as usize].take() else {
             return;
         };
-        if wait.awaited.until != Until::Changed {
+        if wait.awaited.until != InputCondition::Changed {
             self.group.edges[axis as usize] = None;
         }
         if let Some(switch) = self.switch_at(wait.awaited.input)
@@ -302,16 +302,16 @@ impl StepLink {
                 continue;
             };
             let input = wait.awaited.input;
-            let asked = wait.asked.is_some();
+            let queried_at = wait.queried_at.is_some();
             let Some(switch) = self
                 .switch_at(input)
-                .filter(|switch| asked && switch.oid == oid)
+                .filter(|switch| queried_at && switch.oid == oid)
             else {
                 continue;
             };
             let from = self.soon();
             if let Some(wait) = &mut self.group.waits[axis] {
-                wait.asked = None;
+                wait.queried_at = None;
                 wait.level = 1 - level;
                 wait.from = from;
             }
@@ -321,14 +321,14 @@ impl StepLink {
     }
 
     /// A question for a level whose answer was lost is asked again.
-    pub(super) fn ask_levels_again(&mut self) {
-        let patience = self.patience();
+    pub(super) fn repeat_level_queries(&mut self) {
+        let query_timeout = self.query_timeout();
         for axis in 0..2 {
             if let Some(wait) = &mut self.group.waits[axis]
-                && let Some(asked) = wait.asked
-                && self.session.since(asked) >= patience
+                && let Some(queried_at) = wait.queried_at
+                && self.session.since(queried_at) >= query_timeout
             {
-                wait.asked = Some(self.session.now);
+                wait.queried_at = Some(self.session.now);
                 let input = wait.awaited.input;
                 if let Some(switch) = self.switch_at(input) {
                     self.wire

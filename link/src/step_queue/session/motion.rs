@@ -166,7 +166,7 @@ impl Count {
     }
 
     /// Steps may have been lost.
-    pub(super) const fn becomes_stale(&mut self) {
+    pub(super) const fn mark_stale(&mut self) {
         if self.is_exact() {
             self.alignment = Alignment::Stale;
         }
@@ -203,7 +203,7 @@ pub(super) struct Stopped {
 
 /// Motion handed over.
 #[derive(Clone, Debug)]
-pub(super) struct Motion {
+pub(super) struct StepMotion {
     pub(super) rates: Rates,
     pub(super) queue: Queue,
     pub(super) path: Path,
@@ -211,7 +211,7 @@ pub(super) struct Motion {
     pub(super) limits: Limits,
 }
 
-impl Motion {
+impl StepMotion {
     pub(super) fn new(pulses_per_mm: [f64; 2]) -> Self {
         let rates = Rates::unknown();
         Self {

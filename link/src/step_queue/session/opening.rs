@@ -6,7 +6,7 @@ use gsk_units::alarm;
 
 use core::time::Duration;
 
-use super::super::super::{BoardInfo, Event, HostTime, LinkState, Uncertainty};
+use super::super::super::{BoardInfo, HostTime, LinkEvent, LinkState, Uncertainty};
 use super::super::clock_sync::ClockSync;
 use super::super::commands::Command;
 use super::super::dictionary::{Dictionary, LONGEST_PACKED};
@@ -15,7 +15,7 @@ use super::super::send_queue::{self, Mark};
 use super::super::wiring::Wiring;
 use super::group::Group;
 use super::periodic::Periodic;
-use super::{ASK_AGAIN, Purpose, StepLink};
+use super::{ASK_AGAIN, QueryPurpose, StepLink};
 
 /// By then the board must be known.
 const SILENCE: Duration = Duration::from_secs(5);
@@ -35,15 +35,15 @@ pub(super) enum Phase {
     Identify {
         packed: Vec<u8>,
         known: Option<usize>,
-        asked: HostTime,
+        queried_at: HostTime,
     },
     /// It is asked how it is set up; how often it was reset, and whether it has
     /// been told; why it gave up behind that.
     Ask {
-        asked: HostTime,
+        queried_at: HostTime,
         restarts: u32,
-        told: bool,
-        why: Option<String>,
+        config_sent: bool,
+        reason: Option<String>,
     },
     /// It resets itself.
     Restarting { since: HostTime, restarts: u32 },
@@ -132,31 +132,32 @@ impl StepLink {
                 self.opening.phase = Phase::Identify {
                     packed: Vec::new(),
                     known: None,
-                    asked: self.session.now,
+                    queried_at: self.session.now,
                 };
                 self.send_identify();
             }
-            Phase::Identify { asked, .. }
-                if now.saturating_sub(*asked) >= ASK_AGAIN && self.wire.send_queue.is_empty() =>
+            Phase::Identify { queried_at, .. }
+                if now.saturating_sub(*queried_at) >= ASK_AGAIN
+                    && self.wire.send_queue.is_empty() =>
             {
                 // It has arrived; its answer was lost.
-                *asked = now;
+                *queried_at = now;
                 self.send_identify();
             }
-            Phase::Ask { asked, .. }
+            Phase::Ask { queried_at, .. }
                 if self.wire.send_queue.is_synced()
                     && self.wire.send_queue.is_empty()
-                    && now.saturating_sub(*asked) >= ASK_AGAIN =>
+                    && now.saturating_sub(*queried_at) >= ASK_AGAIN =>
             {
-                *asked = now;
+                *queried_at = now;
                 self.wire.send_query(Command::GetConfig, &[], Mark::Config);
             }
             Phase::Restarting { since, restarts } if now.saturating_sub(*since) >= RESTARTS => {
                 self.opening.phase = Phase::Ask {
-                    asked: HostTime::ZERO,
+                    queried_at: HostTime::ZERO,
                     restarts: *restarts,
-                    told: false,
-                    why: None,
+                    config_sent: false,
+                    reason: None,
                 };
                 self.clock = ClockSync::new(self.clock.rate);
                 self.periodic = Periodic::default();
@@ -168,11 +169,11 @@ impl StepLink {
     }
 
     fn not_opened(&mut self) {
-        let (heard, bytes) = (
+        let (is_synced, bytes) = (
             self.wire.send_queue.is_synced(),
             self.wire.traffic.received > 0,
         );
-        if !heard && bytes && self.wire.send_queue.tries() > 1 {
+        if !is_synced && bytes && self.wire.send_queue.tries() > 1 {
             self.refuse(
                 alarm::BOARD_UNSUPPORTED,
                 say::board_makes_no_sense(say::board_is_another()),
@@ -205,7 +206,7 @@ impl StepLink {
         let Phase::Identify {
             packed,
             known,
-            asked,
+            queried_at,
         } = &mut self.opening.phase
         else {
             return;
@@ -239,7 +240,9 @@ impl StepLink {
                 self.identified_as(&packed);
                 if self.wiring.is_some() {
                     let name = self.opening.info.firmware.clone();
-                    self.session.events.push(Event::Learned { name, packed });
+                    self.session
+                        .events
+                        .push(LinkEvent::Learned { name, packed });
                 }
                 return;
             }
@@ -251,7 +254,7 @@ impl StepLink {
                 *known = self.opening.dictionary_cache.find(0, packed);
             }
         }
-        *asked = now;
+        *queried_at = now;
         // A board that is known takes time: silence is counted from here.
         self.opening.opened = now;
         self.send_identify();
@@ -295,10 +298,10 @@ impl StepLink {
         self.wiring = Some(wiring);
         self.session.enter(LinkState::Configure);
         self.opening.phase = Phase::Ask {
-            asked: HostTime::ZERO,
+            queried_at: HostTime::ZERO,
             restarts: 0,
-            told: false,
-            why: None,
+            config_sent: false,
+            reason: None,
         };
         Ok(())
     }
@@ -314,8 +317,8 @@ impl StepLink {
         }
         let Phase::Ask {
             restarts,
-            told,
-            ref why,
+            config_sent,
+            ref reason,
             ..
         } = self.opening.phase
         else {
@@ -329,8 +332,8 @@ impl StepLink {
             self.opening.info.blocks = queue.try_into().unwrap_or(u16::MAX);
             self.motion.queue.set_slots(queue);
             self.opening.phase = Phase::Learn { restarts };
-        } else if told {
-            let text = self.not_taken(why.as_deref());
+        } else if config_sent {
+            let text = self.not_taken(reason.as_deref());
             self.refuse(alarm::BOARD_SETTINGS, text);
         } else if configured == 0 && shut_down == 0 {
             let (messages, crc) = (wiring.messages.clone(), wiring.crc);
@@ -340,10 +343,10 @@ impl StepLink {
             self.wire.send(Command::FinalizeConfig, &[crc.into()]);
             // Asked in the same stream, behind it.
             self.opening.phase = Phase::Ask {
-                asked: self.session.now,
+                queried_at: self.session.now,
                 restarts,
-                told: true,
-                why: None,
+                config_sent: true,
+                reason: None,
             };
         } else {
             self.restart_board(restarts + 1, shut_down != 0);
@@ -352,16 +355,16 @@ impl StepLink {
 
     /// What 603 says of a configuration that the board gave up at, in the board's words
     /// where it told them.
-    fn not_taken(&self, why: Option<&str>) -> Message {
-        match why {
+    fn not_taken(&self, reason: Option<&str>) -> Message {
+        match reason {
             None => say::board_configuration_refused(),
             // Only one output is of that kind: the reason means its pin.
-            Some(why) if why.contains("PWM") => {
+            Some(reason) if reason.contains("PWM") => {
                 let pin = &self.config.io.spindle_pwm;
-                let why = format!("{why} (link.io.spindle_pwm: {pin})");
-                say::board_configuration_refused_for(say::as_written(why))
+                let reason = format!("{why} (link.io.spindle_pwm: {pin})");
+                say::board_configuration_refused_for(say::as_written(reason))
             }
-            Some(why) => say::board_configuration_refused_for(say::as_written(why)),
+            Some(reason) => say::board_configuration_refused_for(say::as_written(reason)),
         }
     }
 
@@ -377,9 +380,11 @@ impl StepLink {
                 0
             }
             Phase::Ask {
-                told: true, why, ..
+                config_sent: true,
+                reason,
+                ..
             } => {
-                why.get_or_insert_with(|| self.wire.dictionary.text(text));
+                reason.get_or_insert_with(|| self.wire.dictionary.text(text));
                 return true;
             }
             _ => return !self.is_opened(),
@@ -407,17 +412,17 @@ impl StepLink {
             }
             self.wire.send(Command::ConfigReset, &[]);
             self.opening.phase = Phase::Ask {
-                asked: self.session.now,
+                queried_at: self.session.now,
                 restarts,
-                told: false,
-                why: None,
+                config_sent: false,
+                reason: None,
             };
         }
     }
 
     /// The clock, where the axes stand, and the switches.
     fn learn(&mut self) {
-        self.ask_clock();
+        self.query_clock();
         if !self.clock.is_ready() {
             return;
         }
@@ -431,6 +436,6 @@ impl StepLink {
             let arguments = [oid, i64::from(at as u32), ticks(100), ticks(20_000)];
             self.wire.send(Command::QueryCounter, &arguments);
         }
-        self.query_position(Purpose::Opening);
+        self.query_position(QueryPurpose::Opening);
     }
 }

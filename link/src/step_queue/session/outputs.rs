@@ -5,7 +5,7 @@ use core::time::Duration;
 use super::StepLink;
 use crate::step_queue::commands::Command;
 use crate::step_queue::wiring::Drain;
-use crate::{BoardOutputs, HostTime, LinkState, Output, Refused, RunTime, SpindleDirection};
+use crate::{BoardOutputs, HostTime, LinkState, MotionRefused, Output, RunTime, SpindleDirection};
 
 /// Another spindle speed is sent at most so often: under G96 it changes every tick.
 const SPEED_EVERY: Duration = Duration::from_millis(20);
@@ -19,9 +19,9 @@ const FULL_MV: i64 = 10_000;
 pub(super) struct Outputs {
     /// What spindle and coolant are to do, and what the board was sent.
     pub(super) wanted: BoardOutputs,
-    pub(super) told: BoardOutputs,
+    pub(super) sent: BoardOutputs,
     /// Motion and host time at which it was last sent a speed.
-    speed_told: (RunTime, HostTime),
+    speed_sent: (RunTime, HostTime),
     /// What each pin was last sent, and for when.
     pins: Vec<(Drain, i64, u64)>,
 }
@@ -29,17 +29,17 @@ pub(super) struct Outputs {
 impl StepLink {
     /// Whether there was something to tell.
     pub(super) fn send_wanted(&mut self) -> bool {
-        let (mut wanted, told) = (self.periodic.outputs.wanted, self.periodic.outputs.told);
-        if wanted == told || !self.is_running() || self.session.state == LinkState::Lost {
+        let (mut wanted, sent) = (self.periodic.outputs.wanted, self.periodic.outputs.sent);
+        if wanted == sent || !self.is_running() || self.session.state == LinkState::Lost {
             return false;
         }
         let at = self.motion.path.newest.end;
-        let (run, host) = self.periodic.outputs.speed_told;
+        let (run, host) = self.periodic.outputs.speed_sent;
         let soon = at.saturating_sub(run) < SPEED_EVERY && self.session.since(host) < SPEED_EVERY;
-        if wanted.spindle == told.spindle && soon {
-            wanted.millivolts = told.millivolts;
-        } else if wanted.millivolts != told.millivolts {
-            self.periodic.outputs.speed_told = (at, self.session.now);
+        if wanted.spindle == sent.spindle && soon {
+            wanted.millivolts = sent.millivolts;
+        } else if wanted.millivolts != sent.millivolts {
+            self.periodic.outputs.speed_sent = (at, self.session.now);
         }
         let turns = |way| i32::from(wanted.spindle == way);
         // What is not wired stays simulated.
@@ -51,7 +51,7 @@ impl StepLink {
         ] {
             let _ = self.switch_output(at, output, value);
         }
-        self.periodic.outputs.told = wanted;
+        self.periodic.outputs.sent = wanted;
         true
     }
 
@@ -61,21 +61,24 @@ impl StepLink {
         at: RunTime,
         output: Output,
         value: i32,
-    ) -> Result<(), Refused> {
+    ) -> Result<(), MotionRefused> {
         if !self.is_running() || self.session.state == LinkState::Lost {
-            return Err(Refused::NotReady);
+            return Err(MotionRefused::NotReady);
         }
-        let wiring = self.wiring.as_ref().ok_or(Refused::NotReady)?;
+        let wiring = self.wiring.as_ref().ok_or(MotionRefused::NotReady)?;
         let drain = wiring.outputs.iter().find(|drain| drain.output == output);
-        let (drain, full) = (*drain.ok_or(Refused::NotWired)?, i64::from(wiring.full));
+        let (drain, full) = (
+            *drain.ok_or(MotionRefused::NotWired)?,
+            i64::from(wiring.full),
+        );
         let value = if output == Output::SpindleSpeed {
             let part = i64::from(value).clamp(0, FULL_MV) * full / FULL_MV;
             if drain.inverted { full - part } else { part }
         } else {
             i64::from((value != 0) != drain.inverted)
         };
-        let told = self.periodic.outputs.pins.iter();
-        if told.copied().any(|told| (told.0, told.1) == (drain, value)) {
+        let sent = self.periodic.outputs.pins.iter();
+        if sent.copied().any(|sent| (sent.0, sent.1) == (drain, value)) {
             return Ok(());
         }
         let made = self.motion.path.piece_at(at).map_or(0, |piece| {
@@ -88,16 +91,16 @@ impl StepLink {
     }
 
     fn switch(&mut self, drain: Drain, value: i64, clock: u64) {
-        let told = self
+        let sent = self
             .periodic
             .outputs
             .pins
             .iter_mut()
-            .find(|(told, ..)| *told == drain);
-        let clock = match told {
-            Some(told) => {
-                let clock = clock.max(told.2 + 1);
-                *told = (drain, value, clock);
+            .find(|(sent, ..)| *sent == drain);
+        let clock = match sent {
+            Some(sent) => {
+                let clock = clock.max(sent.2 + 1);
+                *sent = (drain, value, clock);
                 clock
             }
             None => {

@@ -101,7 +101,7 @@ impl Path {
     }
 
     /// Rest behind the end of the motion.
-    pub(super) const fn rest_behind(&self) -> RunTime {
+    pub(super) const fn rest_after_end(&self) -> RunTime {
         self.newest.end.saturating_sub(self.end_run)
     }
 

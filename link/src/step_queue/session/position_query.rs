@@ -4,7 +4,7 @@ use super::super::super::HostTime;
 use super::super::commands::Command;
 use super::super::compression::Ticks;
 use super::super::send_queue::Mark;
-use super::{GIVE_UP, PositionQuery, Purpose, StepLink};
+use super::{GIVE_UP, PositionQuery, QueryPurpose, StepLink};
 use gsk_messages::say;
 
 impl StepLink {
@@ -27,19 +27,19 @@ impl StepLink {
             self.motion.queue.first_kept(),
         );
         // Before the first step that is missing.
-        let told = [0, 1].map(|axis| {
+        let clocks = [0, 1].map(|axis| {
             let first = missing[axis].or(kept[axis]);
             first.map_or(clock, |first| clock.min(first as Ticks - 1))
         });
-        self.motion.stand_at_clocks(told);
+        self.motion.stand_at_clocks(clocks);
     }
 
     /// Asks where the axes stand.
-    pub(super) fn query_position(&mut self, purpose: Purpose) {
+    pub(super) fn query_position(&mut self, purpose: QueryPurpose) {
         self.query.pending = Some(PositionQuery {
             purpose,
             since: self.session.now,
-            asked: self.session.now,
+            queried_at: self.session.now,
             got: [None; 2],
         });
         self.send_position_query();
@@ -55,15 +55,15 @@ impl StepLink {
         }
     }
 
-    pub(super) fn ask_again(&mut self) {
-        let patience = self.patience();
+    pub(super) fn repeat_position_query(&mut self) {
+        let query_timeout = self.query_timeout();
         let Some(reading) = &mut self.query.pending else {
             return;
         };
         if self.session.since(reading.since) >= GIVE_UP {
-            self.lose_board(say::board_place_not_told());
-        } else if self.session.since(reading.asked) >= patience {
-            reading.asked = self.session.now;
+            self.lose_board(say::board_position_not_reported());
+        } else if self.session.since(reading.queried_at) >= query_timeout {
+            reading.queried_at = self.session.now;
             self.send_position_query();
         }
     }

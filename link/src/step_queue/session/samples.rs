@@ -4,11 +4,11 @@ use crate::Backend;
 use crate::position::Positioned;
 use core::time::Duration;
 
-use super::super::super::{Event, Input, LinkState, Refused, Sample, Uncertainty};
+use super::super::super::{Input, LinkEvent, LinkState, MotionRefused, Sample, Uncertainty};
 use super::super::commands::Command;
 use super::super::compression::Ticks;
 use super::super::steps::Stretch;
-use super::{Purpose, StepLink};
+use super::{QueryPurpose, StepLink};
 use gsk_messages::say;
 use gsk_units::{PerAxis, Pulses, alarm};
 
@@ -41,9 +41,9 @@ impl StepLink {
     }
 
     /// The axes are to be here at the end of a tick.
-    pub(super) fn take_sample(&mut self, sample: Sample) -> Result<(), Refused> {
+    pub(super) fn take_sample(&mut self, sample: Sample) -> Result<(), MotionRefused> {
         if !self.is_prepared() {
-            return Err(Refused::NotReady);
+            return Err(MotionRefused::NotReady);
         }
         let before = self.motion.path.newest;
         let duration = sample.end.saturating_sub(before.end);
@@ -54,7 +54,7 @@ impl StepLink {
         let moved = moves != [0; 2];
         if duration.is_zero() {
             return if moved {
-                Err(Refused::NotReady)
+                Err(MotionRefused::NotReady)
             } else {
                 Ok(())
             };
@@ -70,15 +70,18 @@ impl StepLink {
             self.motion.path.rest(sample);
             return Ok(());
         }
-        if self.is_too_late() || (!rests && self.spindle.is_torn()) {
+        if self.is_too_late() || (!rests && self.spindle.has_gap()) {
             self.late(say::motion_not_in_time());
-            return Err(Refused::NotReady);
+            return Err(MotionRefused::NotReady);
         }
         let from = self.next_begin();
         if !rests {
             // A question where the axes stand is idle now.
             self.query.pending = self.query.pending.filter(|reading| {
-                !matches!(reading.purpose, Purpose::Verify | Purpose::Look { .. })
+                !matches!(
+                    reading.purpose,
+                    QueryPurpose::Verify | QueryPurpose::Look { .. }
+                )
             });
         }
         let need = self
@@ -117,7 +120,7 @@ impl StepLink {
     /// counted; none: there is none.
     fn end_of_rest(&self) -> Option<(Ticks, Ticks)> {
         let end = self.motion.path.end?;
-        let rest = self.motion.path.rest_behind();
+        let rest = self.motion.path.rest_after_end();
         Some((end, end + self.clock.ticks(rest) as Ticks))
     }
 
@@ -139,7 +142,7 @@ impl StepLink {
     }
 
     /// The kernel stands: what is left of the motion goes out.
-    pub(super) fn take_rest(&mut self) -> Result<(), Refused> {
+    pub(super) fn take_rest(&mut self) -> Result<(), MotionRefused> {
         self.motion.path.finished = true;
         self.compress();
         self.send();
@@ -251,10 +254,10 @@ impl StepLink {
         let queued = self.motion.queue.is_waiting() || self.wire.send_queue.is_congested();
         let moving = self.session.state == LinkState::Moving && self.stopping.is_none();
         if moving && made && !queued && self.query.pending.is_none() {
-            self.query_position(Purpose::Verify);
+            self.query_position(QueryPurpose::Verify);
         } else if self.session.now >= self.query.look_due && self.may_look() {
             self.query.look_due = self.session.now + LOOK_EVERY;
-            self.query_position(Purpose::Look { asked: false });
+            self.query_position(QueryPurpose::Look { requested: false });
         }
     }
 
@@ -266,25 +269,25 @@ impl StepLink {
     }
 
     /// The board said where the axes stand.
-    pub(super) fn position_answered(&mut self, purpose: Purpose, board: PerAxis<Pulses>) {
+    pub(super) fn position_answered(&mut self, purpose: QueryPurpose, board: PerAxis<Pulses>) {
         match purpose {
-            Purpose::Stopped => self.stopped(board),
-            Purpose::Opening => {
+            QueryPurpose::Stopped => self.stopped(board),
+            QueryPurpose::Opening => {
                 self.motion.count.board = Some(board);
                 self.session.enter(LinkState::Locked);
             }
-            Purpose::Verify | Purpose::Look { .. } => {
+            QueryPurpose::Verify | QueryPurpose::Look { .. } => {
                 self.motion.count.board = Some(board);
                 let kernel = self.motion.count.to_kernel(board);
                 let commanded = self.motion.count.commanded;
-                if purpose != (Purpose::Look { asked: false }) {
-                    self.session.events.push(Event::Position(kernel));
+                if purpose != (QueryPurpose::Look { requested: false }) {
+                    self.session.events.push(LinkEvent::Position(kernel));
                 }
-                if kernel == commanded && purpose != Purpose::Verify {
+                if kernel == commanded && purpose != QueryPurpose::Verify {
                     return;
                 }
                 if kernel == commanded {
-                    self.session.events.push(Event::Drained);
+                    self.session.events.push(LinkEvent::Drained);
                     self.session.enter(self.session.standing_state());
                     return;
                 }

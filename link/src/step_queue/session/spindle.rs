@@ -35,7 +35,7 @@ pub(super) struct Spindle {
     deviation: Option<f64>,
     /// The axes follow it, and a tick began later than the one before had ended: they
     /// are behind the angle they were shown.
-    torn: bool,
+    has_gap: bool,
 }
 
 impl Spindle {
@@ -45,13 +45,13 @@ impl Spindle {
             shown: VecDeque::new(),
             followed: None,
             deviation: None,
-            torn: false,
+            has_gap: false,
         }
     }
 
     /// Whether axes that follow it must not go on.
-    pub(super) const fn is_torn(&self) -> bool {
-        self.torn
+    pub(super) const fn has_gap(&self) -> bool {
+        self.has_gap
     }
 
     /// What was learned of its turns does not go on.
@@ -61,9 +61,9 @@ impl Spindle {
 
     /// What was shown for a clock.
     fn shown_at(&self, clock: Ticks) -> Option<f64> {
-        let behind = self.shown.partition_point(|(end, _)| *end < clock);
-        let (to, after) = *self.shown.get(behind)?;
-        let (from, before) = *self.shown.get(behind.checked_sub(1)?)?;
+        let after_clock = self.shown.partition_point(|(end, _)| *end < clock);
+        let (to, after) = *self.shown.get(after_clock)?;
+        let (from, before) = *self.shown.get(after_clock.checked_sub(1)?)?;
         let share = (clock - from) as f64 / (to - from).max(1) as f64;
         Some(before + (after - before) * share)
     }
@@ -101,7 +101,7 @@ impl StepLink {
     }
 
     /// The spindle in the kernel's next tick, which the axes follow if it may be corrected by `give` turns.
-    pub(super) fn next_spindle(&mut self, give: Option<f64>) -> SpindleView {
+    pub(super) fn next_spindle(&mut self, max_correction: Option<f64>) -> SpindleView {
         let now = self.clock.at(self.session.now) as Ticks;
         let from = self.next_begin();
         let to = from + self.clock.ticks(TICK) as Ticks;
@@ -115,10 +115,10 @@ impl StepLink {
         };
         let last = spindle.shown.back().copied();
         let gap = |(end, _): (Ticks, f64)| from > end + self.clock.ticks(TICK) as Ticks;
-        spindle.torn = give.is_some() && (spindle.torn || last.is_some_and(gap));
-        let goes_on = last.filter(|(end, _)| *end == from || give.is_some());
+        spindle.has_gap = max_correction.is_some() && (spindle.has_gap || last.is_some_and(gap));
+        let continued = last.filter(|(end, _)| *end == from || max_correction.is_some());
         let line = turns.at(from).zip(turns.at(to));
-        let known = line.filter(|_| give.is_some() || turns.is_known(now));
+        let known = line.filter(|_| max_correction.is_some() || turns.is_known(now));
         let Some((begin, end)) = known else {
             spindle.shown.clear();
             spindle.followed = None;
@@ -126,14 +126,19 @@ impl StepLink {
             view.now = view.before;
             return view;
         };
-        match (goes_on, give) {
-            (Some((_, before)), Some(give)) => {
+        match (continued, max_correction) {
+            (Some((_, before)), Some(max_correction)) => {
                 let even = end - begin;
                 view.lost = turns.is_lost(now);
                 view.before = before;
                 // Without an index to go by it only goes on.
-                let give = if turns.is_known(now) { give } else { 0.0 };
-                view.now = before + even + (end - before - even).clamp(-give, give);
+                let max_correction = if turns.is_known(now) {
+                    max_correction
+                } else {
+                    0.0
+                };
+                view.now =
+                    before + even + (end - before - even).clamp(-max_correction, max_correction);
             }
             (Some((_, before)), None) => {
                 view.before = before.min(end);
@@ -151,7 +156,7 @@ impl StepLink {
         if spindle.shown.len() > REMEMBERED {
             spindle.shown.pop_front();
         }
-        if give.is_some() {
+        if max_correction.is_some() {
             let (since, _) = spindle
                 .followed
                 .filter(|(_, end)| *end == from)

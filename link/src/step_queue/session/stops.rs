@@ -7,18 +7,18 @@
 use super::group::{
     DRIVES, EMERGENCY, FLUSH, LIMIT_X, LIMIT_Z, REACHED, REACHED_Z, SILENT_HOST, is_reached,
 };
-use super::{GIVE_UP, Purpose, StepLink};
+use super::{GIVE_UP, QueryPurpose, StepLink};
 use crate::Backend;
 use crate::position::Positioned;
 use crate::step_queue::commands::Command;
 use crate::step_queue::send_queue::Mark;
-use crate::{Event, HostTime, Input, LinkState, Uncertainty, Until};
+use crate::{HostTime, Input, InputCondition, LinkEvent, LinkState, Uncertainty};
 use gsk_messages::{Message, say};
 use gsk_units::{PerAxis, Pulses, alarm};
 
 /// Why the axes are being stopped.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Why {
+pub(super) enum StopReason {
     /// The kernel asked for it.
     Flush,
     /// Motion came late, or could not be brought to the board in time.
@@ -34,9 +34,9 @@ pub(super) enum Why {
 /// A stop under way.
 #[derive(Clone, Debug)]
 pub(super) struct Stopping {
-    why: Why,
+    reason: StopReason,
     since: HostTime,
-    asked: HostTime,
+    queried_at: HostTime,
     /// The board has confirmed it.
     stands: bool,
 }
@@ -46,7 +46,7 @@ impl StepLink {
     pub(super) fn trip(&mut self) {
         self.periodic.enable.on = false;
         if self.takes_motion() || self.session.state == LinkState::Homing {
-            self.halt(Why::Trip(EMERGENCY));
+            self.halt(StopReason::Trip(EMERGENCY));
         } else if self.stopping.is_none() {
             self.lose_position(Uncertainty::Powerless);
             self.session.enter(LinkState::Tripped);
@@ -64,25 +64,25 @@ impl StepLink {
             return;
         }
         self.group.is_triggered();
-        let why = match &self.stopping {
-            Some(stopping) if reason == FLUSH => stopping.why.clone(),
-            _ => Why::Trip(reason),
+        let reason = match &self.stopping {
+            Some(stopping) if reason == FLUSH => stopping.reason.clone(),
+            _ => StopReason::Trip(reason),
         };
         self.give_up_motion();
-        if let Why::Trip(reason) = why {
+        if let StopReason::Trip(reason) = reason {
             if self.stopping.is_none() {
                 let reached = is_reached(reason);
-                self.session.events.push(Event::Halting { reached });
+                self.session.events.push(LinkEvent::Halting { reached });
             }
             self.report_trip(reason);
         }
         self.stopping = Some(Stopping {
-            why,
+            reason,
             since: self.session.now,
-            asked: self.session.now,
+            queried_at: self.session.now,
             stands: true,
         });
-        self.query_position(Purpose::Stopped);
+        self.query_position(QueryPurpose::Stopped);
     }
 
     fn report_trip(&mut self, reason: u32) {
@@ -104,7 +104,7 @@ impl StepLink {
     /// Both axes stop at once; nothing queued is left, the position is kept.
     pub(super) fn flush(&mut self) {
         if self.takes_motion() {
-            self.halt(Why::Flush);
+            self.halt(StopReason::Flush);
         }
     }
 
@@ -112,7 +112,7 @@ impl StepLink {
     /// Why it did is known when the board has answered, or has not.
     pub(super) fn late(&mut self, detail: Message) {
         if self.stopping.is_none() && self.is_opened() {
-            self.halt(Why::Late(detail));
+            self.halt(StopReason::Late(detail));
         }
         self.wire.send_queue.drop_motion();
     }
@@ -120,21 +120,23 @@ impl StepLink {
     /// The motion needs more messages than the board may be given.
     pub(super) fn too_fine(&mut self) {
         if self.stopping.is_none() && self.is_opened() {
-            self.halt(Why::TooFine);
+            self.halt(StopReason::TooFine);
         }
         self.wire.send_queue.drop_motion();
     }
 
-    pub(super) fn halt(&mut self, why: Why) {
+    pub(super) fn halt(&mut self, reason: StopReason) {
         if self.stopping.is_some() {
             return;
         }
         self.give_up_motion();
-        self.session.events.push(Event::Halting { reached: false });
+        self.session
+            .events
+            .push(LinkEvent::Halting { reached: false });
         self.stopping = Some(Stopping {
-            why,
+            reason,
             since: self.session.now,
-            asked: self.session.now,
+            queried_at: self.session.now,
             stands: false,
         });
         self.trigger();
@@ -151,15 +153,15 @@ impl StepLink {
     }
 
     pub(super) fn watch_group(&mut self) {
-        let patience = self.patience();
+        let query_timeout = self.query_timeout();
         if let Some(stopping) = &mut self.stopping {
             if stopping.stands {
                 return;
             }
             if self.session.since(stopping.since) >= GIVE_UP {
                 self.lose_board(say::board_stop_not_confirmed());
-            } else if self.session.since(stopping.asked) >= patience {
-                stopping.asked = self.session.now;
+            } else if self.session.since(stopping.queried_at) >= query_timeout {
+                stopping.queried_at = self.session.now;
                 self.trigger();
             }
             return;
@@ -167,7 +169,7 @@ impl StepLink {
         if self.group.is_silent(self.session.now) && self.takes_motion() {
             self.session
                 .alarm(alarm::LINK_LOST, say::board_group_silent());
-            self.halt(Why::GroupSilent);
+            self.halt(StopReason::GroupSilent);
             return;
         }
         self.watch_left_out();
@@ -182,7 +184,7 @@ impl StepLink {
 
     /// Behind a stop that was wanted: with a position that is certain motion is taken
     /// again.
-    fn go_on(&mut self) {
+    fn resume(&mut self) {
         if self.session.knows_position() {
             self.arm_group();
             self.session.enter(LinkState::Ready);
@@ -199,8 +201,8 @@ impl StepLink {
         let keep = self.config.flush_keep_speed.into();
         let now = self.clock.at(self.session.now);
         let stop = self.motion.stopped_at(board, now, self.pulses_per_mm);
-        let reached = matches!(stopping.why, Why::Trip(reason) if is_reached(reason));
-        let powerless = matches!(stopping.why, Why::Trip(EMERGENCY | DRIVES));
+        let reached = matches!(stopping.reason, StopReason::Trip(reason) if is_reached(reason));
+        let powerless = matches!(stopping.reason, StopReason::Trip(EMERGENCY | DRIVES));
         // A stepper that was stopped dead may have slipped when it was fast.
         let exact = stop.on_path && (stop.speed <= keep || reached) && !powerless;
         self.session.released = false;
@@ -215,7 +217,7 @@ impl StepLink {
         if !reached {
             self.group.forget_edges();
         }
-        if let Why::Trip(reason @ (LIMIT_X | LIMIT_Z)) = stopping.why {
+        if let StopReason::Trip(reason @ (LIMIT_X | LIMIT_Z)) = stopping.reason {
             let (axis, input) = match reason {
                 LIMIT_X => (0, Input::LimitX),
                 _ => (1, Input::LimitZ),
@@ -226,11 +228,11 @@ impl StepLink {
                 self.periodic.switches.level_met(switch, switch.level);
             }
         }
-        self.session.events.push(Event::Position(stop.kernel));
+        self.session.events.push(LinkEvent::Position(stop.kernel));
         self.resend_outputs();
-        match stopping.why {
-            Why::Flush => self.go_on(),
-            Why::Trip(reason @ (REACHED | REACHED_Z)) => {
+        match stopping.reason {
+            StopReason::Flush => self.resume(),
+            StopReason::Trip(reason @ (REACHED | REACHED_Z)) => {
                 let axis = (reason - REACHED) as usize;
                 self.group.forget_edge(axis);
                 if let Some(wait) = waits[axis] {
@@ -239,24 +241,26 @@ impl StepLink {
                         self.periodic.switches.level_met(switch, wait.level);
                     }
                     let limit = matches!(input, Input::LimitX | Input::LimitZ);
-                    if limit && wait.awaited.until == Until::Operated {
+                    if limit && wait.awaited.until == InputCondition::Operated {
                         self.motion.limits.hit(axis, stop.way[axis]);
                     }
-                    self.session.events.push(Event::Reached(input, stop.kernel));
+                    self.session
+                        .events
+                        .push(LinkEvent::Reached(input, stop.kernel));
                 }
-                self.go_on();
+                self.resume();
             }
-            Why::Late(detail) => {
+            StopReason::Late(detail) => {
                 self.session.alarm(alarm::STEPS_TOO_LATE, detail);
                 self.session.enter(LinkState::Fault);
             }
-            Why::TooFine => {
+            StopReason::TooFine => {
                 self.session
                     .alarm(alarm::BOARD_CANNOT, say::motion_too_fine());
                 self.session.enter(LinkState::Fault);
             }
-            Why::GroupSilent => self.session.enter(LinkState::Fault),
-            Why::Trip(_) => self.session.enter(LinkState::Tripped),
+            StopReason::GroupSilent => self.session.enter(LinkState::Fault),
+            StopReason::Trip(_) => self.session.enter(LinkState::Tripped),
         }
     }
 }

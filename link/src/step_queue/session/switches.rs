@@ -41,8 +41,8 @@ pub(super) struct Switches {
 
 impl Switches {
     pub(super) fn input(&self, input: Input) -> Option<bool> {
-        let told = self.levels.iter().find(|(told, _)| *told == input);
-        told.map(|(_, operated)| *operated)
+        let level = self.levels.iter().find(|(known, _)| *known == input);
+        level.map(|(_, operated)| *operated)
     }
 
     /// Whether every switch was reported once.
@@ -61,22 +61,22 @@ impl Switches {
             .iter_mut()
             .find(|(input, _)| *input == switch.input)
         {
-            Some((_, told)) => *told = operated,
+            Some((_, level)) => *level = operated,
             None => self.levels.push((switch.input, operated)),
         }
     }
 
     /// The board was stopped by a pin that came to this level.
     pub(super) fn level_met(&mut self, switch: Switch, level: i64) {
-        let told = self.levels.iter_mut();
-        for (_, operated) in told.filter(|(input, _)| *input == switch.input) {
+        let levels = self.levels.iter_mut();
+        for (_, operated) in levels.filter(|(input, _)| *input == switch.input) {
             *operated = level == switch.level;
         }
     }
 }
 
 impl StepLink {
-    pub(super) fn ask_switch(&mut self) {
+    pub(super) fn query_switch(&mut self) {
         let Some(wiring) = &self.wiring else {
             return;
         };
@@ -94,12 +94,12 @@ impl StepLink {
         let now = self.session.now;
         let every = if moving { SWITCH_MOVING } else { SWITCH_EVERY };
         let rounds = &mut self.periodic.switches;
-        let asked = [
+        let due_oids = [
             (rounds.of_axes.turn(of_axes.len(), every, now)).map(|next| of_axes[next].oid),
             (rounds.contacts.turn(contacts.len(), CONTACT_EVERY, now))
                 .map(|next| contacts[next].oid),
         ];
-        for oid in asked.into_iter().flatten() {
+        for oid in due_oids.into_iter().flatten() {
             self.wire.send(Command::EndstopQueryState, &[oid]);
         }
     }
