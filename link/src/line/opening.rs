@@ -131,7 +131,7 @@ impl Opening {
     /// A line that is no answer of its own: part of a text that was asked for.
     pub(super) fn take_text(&mut self, line: &str) {
         if let OpeningStep::Asking(question) = self.step
-            && self.family.questions().get(question) == Some(&"$CD")
+            && self.family.queries().get(question) == Some(&"$CD")
         {
             self.reported.items.take(line);
         }
@@ -249,7 +249,7 @@ impl Opening {
     }
 
     fn ask(&mut self, question: usize, now: HostTime) -> OpeningAction {
-        let Some(line) = self.family.questions().get(question) else {
+        let Some(line) = self.family.queries().get(question) else {
             return OpeningAction::Waits;
         };
         self.enter_step(OpeningStep::Asking(question), now);
@@ -362,7 +362,7 @@ impl Opening {
         {
             return OpeningAction::Fails(alarm::BOARD_UNSUPPORTED, error.message());
         }
-        if question + 1 < self.family.questions().len() {
+        if question + 1 < self.family.queries().len() {
             return self.ask(question + 1, now);
         }
         if let Err(error) = self.measure() {
@@ -443,7 +443,7 @@ impl Opening {
     }
 
     fn deviations(&self, required: &RequiredSettings) -> Vec<SettingDeviation> {
-        let settings = required.settings.iter().map(|one| one.of(self.family));
+        let settings = required.settings.iter().map(|one| one.adapted_to(self.family));
         let numbered = settings.filter_map(|setting| {
             let board = self.reported.setting(setting.number);
             if board.is_some_and(|value| setting.is_met_by(value)) {

@@ -1,85 +1,85 @@
-//! What a board says, line by line.
+//! Parses the lines that a line board sends.
 
 use crate::Pins;
 
-/// No board counts farther, mm: its counter has 32 bits.
+/// Greatest position, mm: the counters of the boards have 32 bits.
 const MAX_POSITION_MM: f64 = 1e6;
 
-/// One line from the board.
+/// A line from the board.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LineResponse {
-    /// The oldest unanswered line was read.
+    /// `ok`: the board has read the oldest unanswered line.
     Ok,
-    /// The oldest unanswered line was refused.
+    /// `error:N`: the board has refused the oldest unanswered line.
     Error(u16),
-    /// The board stopped by itself.
+    /// `ALARM:N`: the board has stopped without a command.
     Alarm(u16),
-    /// Response to `?`.
+    /// `<…>`: the answer to `?`.
     StatusReport(StatusReport),
-    /// The board has just started.
+    /// The banner of a board that has started.
     Banner(String),
-    /// The chip of an ESP32 board starts; its firmware greets later.
+    /// The boot message of an ESP32; the banner follows.
     Starts,
-    /// A line of `$$`.
+    /// `$N=V`: a line of the answer to `$$`.
     Setting(u16, f64),
-    /// `[VER:…]`
+    /// `[VER:…]`: the version.
     Version(String),
-    /// `[OPT:…]`: places in the queue, receive buffer.
+    /// `[OPT:…]`: entries of the queue, bytes of the receive buffer.
     Options(u16, u16),
     /// `[AXS:…]`: letters of the axes.
     Axes(String),
-    /// `[FIRMWARE:…]`
+    /// `[FIRMWARE:…]`: name of the firmware.
     Firmware(String),
-    /// `[NEWOPT:…]`
+    /// `[NEWOPT:…]`: names of options.
     NewOptions(String),
-    /// `[G54:…]`, `[G92:…]`, `[TLO:…]`: whether any of its figures is not 0.
+    /// `[G54:…]`, `[G92:…]`, `[TLO:…]`: whether one of the values is not 0.
     Offset(bool),
-    /// `[MSG:…]`
+    /// `[MSG:…]`: a message.
     Message(String),
-    /// Anything else in brackets, and empty lines.
+    /// Other lines in brackets, and empty lines.
     Information,
-    /// Not a line any board of the family says.
+    /// An invalid line.
     Garbage,
 }
 
-/// What a board is doing.
+/// The state in a status report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoardState {
-    /// Nothing.
+    /// `Idle`: the axes are at standstill.
     Idle,
-    /// Moving.
+    /// `Run`: the axes move.
     Run,
-    /// Braking.
+    /// `Hold:1`: the axes decelerate after a feed hold.
     Braking,
-    /// Held.
+    /// `Hold:0`: the axes are at standstill after a feed hold.
     Held,
-    /// Homing.
+    /// `Home`: the board is homing.
     Home,
-    /// Locked.
+    /// `Alarm`: the board is locked.
     Alarm,
-    /// Door, Tool, Sleep, Check, Jog: never asked for by us.
+    /// Door, Tool, Sleep, Check or Jog: states that the link never requests.
     Other,
 }
 
-/// A report.
+/// A status report.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StatusReport {
-    /// What the board is doing.
+    /// The state of the board.
     pub state: BoardState,
-    /// Machine position X and Z, mm.
+    /// Machine position of X and Z, mm.
     pub position: Option<[f64; 2]>,
-    /// Free places in the motion queue.
+    /// Free entries of the motion queue.
     pub free_blocks: Option<u16>,
     /// Speed along the path, mm/min.
     pub feed: Option<f64>,
-    /// Speed of the spindle as its encoder counts it, r/min.
+    /// Measured spindle speed, r/min.
     pub spindle: Option<f64>,
-    /// Switches operated.
+    /// The operated switches.
     pub pins: Pins,
 }
 
 impl LineResponse {
-    /// Reads a line without its end.
+    /// Parses a line without its line end.
     pub fn parse(line: &str) -> Self {
         let line = line.trim();
         if line.is_empty() || line.starts_with('>') {
@@ -110,7 +110,7 @@ impl LineResponse {
             return setting
                 .split_once('=')
                 .and_then(|(number, value)| {
-                    // Some builds write a remark behind the value.
+                    // Some builds write a comment after the value.
                     let value = value.split_whitespace().next()?;
                     Some(Self::Setting(number.parse().ok()?, value.parse().ok()?))
                 })
@@ -138,7 +138,7 @@ fn information(text: &str) -> LineResponse {
             let mut next = || fields.next().and_then(|field| field.parse().ok());
             match (next(), next()) {
                 (Some(blocks), Some(bytes)) => LineResponse::Options(blocks, bytes),
-                // FluidNC does not tell them there.
+                // FluidNC does not report the sizes here.
                 _ if !value.contains(',') => LineResponse::Information,
                 _ => LineResponse::Garbage,
             }
@@ -161,7 +161,7 @@ fn status(report: &str) -> Option<StatusReport> {
     let mut fields = report.split('|');
     let state = match fields.next()? {
         "Idle" => BoardState::Idle,
-        // A hold that waits for the end of a thread.
+        // Run:1 is a feed hold that waits for the end of a thread pass.
         "Run" | "Run:1" => BoardState::Run,
         "Hold:0" => BoardState::Held,
         "Hold:1" => BoardState::Braking,
@@ -184,7 +184,7 @@ fn status(report: &str) -> Option<StatusReport> {
             "MPos" => {
                 let mut numbers = value.split(',').map(|number| number.parse::<f64>().ok());
                 let (x, z) = (numbers.next()??, numbers.nth(1)??);
-                let countable = |place: &f64| place.abs() <= MAX_POSITION_MM;
+                let countable = |position: &f64| position.abs() <= MAX_POSITION_MM;
                 if ![x, z].iter().all(countable) {
                     return None;
                 }
@@ -192,7 +192,7 @@ fn status(report: &str) -> Option<StatusReport> {
             }
             "Bf" => status.free_blocks = Some(value.split(',').next()?.parse().ok()?),
             "FS" => {
-                // Feed, commanded speed, measured speed.
+                // Feed, commanded spindle speed, measured spindle speed.
                 let mut figures = value.split(',').map(|figure| {
                     let figure = figure.parse::<f64>().ok();
                     figure.filter(|figure| figure.is_finite())
@@ -228,15 +228,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_place_no_board_can_count_is_garbage() {
-        for place in ["99999999999999999999", "-1000001", "inf", "nan"] {
-            let line = format!("<Idle|MPos:0.000,0.000,{place}|Bf:15,128|FS:0,0>");
+    fn an_impossible_position_is_garbage() {
+        for position in ["99999999999999999999", "-1000001", "inf", "nan"] {
+            let line = format!("<Idle|MPos:0.000,0.000,{position}|Bf:15,128|FS:0,0>");
             assert_eq!(LineResponse::parse(&line), LineResponse::Garbage, "{line}");
         }
     }
 
     #[test]
-    fn reports_are_read() {
+    fn status_reports_are_parsed() {
         let line =
             "<Run|MPos:-1.005,0.000,12.340|Bf:3,101|FS:600,0|Pn:XZPHS|WCO:0.000,0.000,0.000>";
         let LineResponse::StatusReport(status) = LineResponse::parse(line) else {
@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn identity_of_either_firmware_is_read() {
+    fn identification_of_both_firmwares_is_parsed() {
         assert_eq!(
             LineResponse::parse("[VER:1.1h.20190825:]"),
             LineResponse::Version("1.1h.20190825".into())
@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_lines_are_garbage_not_a_guess() {
+    fn damaged_lines_are_garbage() {
         for line in [
             "o",
             "okok",

@@ -185,8 +185,8 @@ impl Count {
             Pulses(known + i64::from(low.wrapping_sub(known as u32) as i32))
         };
         PerAxis::new(
-            whole(x, config.x.is_turned_over(), known.x.0),
-            whole(z, config.z.is_turned_over(), known.z.0),
+            whole(x, config.x.is_direction_inverted(), known.x.0),
+            whole(z, config.z.is_direction_inverted(), known.z.0),
         )
     }
 }

@@ -191,8 +191,8 @@ impl StepLink {
         self.motion.queue.pass(now);
         while let Some((axis, entry)) = self.motion.queue.next_entry() {
             let (oid, invert) = match axis {
-                0 => (axes.x, self.config.x.is_turned_over()),
-                _ => (axes.z, self.config.z.is_turned_over()),
+                0 => (axes.x, self.config.x.is_direction_inverted()),
+                _ => (axes.z, self.config.z.is_direction_inverted()),
             };
             let due = entry.first.unsigned_abs();
             if let Some(from) = entry.from {
