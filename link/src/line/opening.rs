@@ -1,5 +1,5 @@
-//! How the link comes to know its board: who it is, what it is set to, where it
-//! believes to stand. One question at a time.
+//! The opening dialogue with a line board: identifies it, reads its settings and compares
+//! them. One query at a time.
 
 use gsk_messages::{Message, say};
 use gsk_units::alarm;
@@ -13,29 +13,31 @@ use super::reported::{Reported, Unsupported};
 use super::required::{REPORT, RequiredSettings, SettingDeviation, figure};
 use super::response::LineResponse;
 
-/// A board that resets when its port is opened needs so long to greet.
+/// Time for the banner of a board that resets when its port is opened.
 const BANNER_WAIT: Duration = Duration::from_millis(2500);
-/// The wire counts as quiet after this.
+/// Time without a byte after which the board counts as quiet.
 const QUIET: Duration = Duration::from_millis(200);
-/// A board that says nothing at all by then is none, nor one that has greeted and does
-/// not fall silent.
+/// Time limit until the board is quiet.
 const GIVE_UP: Duration = Duration::from_secs(5);
+/// Least time in which a board may become quiet after its banner.
 const SETTLE_AFTER_BANNER: Duration = Duration::from_millis(2500);
-/// A board that tells of its start may take so long, as when it looks for a network.
+/// Time limit for the start of a board that reports it, for instance while it searches a
+/// network.
 const MAX_START_TIME: Duration = Duration::from_secs(20);
-/// A pause in the answer to one question, and the longest answer.
+/// Greatest pause within the answer to a query.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(1);
+/// Greatest duration of the answer to a query.
 const MAX_ANSWER_TIME: Duration = Duration::from_secs(10);
-/// A piece of motion in a pulse timer.
+/// Duration of one segment in the board's pulse timer.
 const TIMER_SEGMENT: Duration = Duration::from_millis(10);
-/// FluidNC takes no more of them.
+/// Greatest number of timer segments of FluidNC.
 const MAX_TIMER_SEGMENTS: u32 = 20;
-/// Acts at once, wherever it stands.
+/// Soft reset (Ctrl-X), a real-time command.
 const RESET: &str = "\x18";
-/// FluidNC does not report how much it receives; no board of the family takes less.
+/// Assumed receive buffer of FluidNC, which does not report its size, bytes.
 const MIN_RECEIVE_BYTES: u16 = 128;
 
-/// Where the opening stands.
+/// The state of the opening.
 #[derive(Clone, Debug, PartialEq)]
 enum OpeningStep {
     Greeting,
@@ -46,20 +48,20 @@ enum OpeningStep {
     Known,
 }
 
-/// What the opening wants done.
+/// The action that the opening requests from the link.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum OpeningAction {
-    /// Nothing for now.
+    /// No action.
     Waits,
-    /// Send this line (without its end).
+    /// Send this line, given without its line end.
     Send(String),
-    /// The settings are being read from now on.
+    /// Send this line; reading of the settings begins.
     Configures(String),
-    /// The board is what it should be.
+    /// The opening is complete.
     Done,
-    /// The settings differ; written only when asked for.
+    /// Report the settings that differ. They are written on request only.
     Differs(Vec<SettingDifference>),
-    /// It goes no further: alarm and cause.
+    /// The opening has failed: alarm number and cause.
     Fails(u16, Message),
 }
 
@@ -75,17 +77,17 @@ pub(super) struct Opening {
     reported: Reported,
     pub(super) family: FirmwareFamily,
     pub(super) board: BoardInfo,
-    /// The board has work offsets of its own.
+    /// Whether a work offset in the board is not 0.
     pub(super) offset: bool,
-    /// What leaves the queue of the board is made so much later: its pulse timer is handed
-    /// pieces of 10 ms in advance.
+    /// Time from leaving the queue to execution: the pulse timer of the board takes
+    /// segments of 10 ms in advance.
     pub(super) prepared: Duration,
-    /// It makes the reference return of one axis alone.
+    /// Whether the board can home a single axis.
     pub(super) alone: bool,
     to_write: Vec<SettingDeviation>,
-    /// What differed was written; it is asked once more.
+    /// Whether the differing settings were written. They are read again then.
     written: bool,
-    /// It was silent when it was asked who it is, and was reset for that.
+    /// Whether the board was reset because it did not answer the first query.
     reset: bool,
 }
 
@@ -110,7 +112,7 @@ impl Opening {
         }
     }
 
-    /// Once more, with a board whose port stays open.
+    /// An opening that repeats the dialogue on an open port.
     pub(super) fn again(now: HostTime) -> Self {
         Self {
             step: OpeningStep::Quiet,
@@ -118,17 +120,17 @@ impl Opening {
         }
     }
 
-    /// A setting as the board last reported it.
+    /// The last reported value of a setting; 0 if missing.
     pub(super) fn setting(&self, number: u16) -> f64 {
         self.reported.setting(number).unwrap_or_default()
     }
 
-    /// An item as a board with names last reported it.
+    /// The reported value of a FluidNC item.
     fn item(&self, path: &str) -> Option<&str> {
         self.reported.items.value(path)
     }
 
-    /// A line that is no answer of its own: part of a text that was asked for.
+    /// Takes a line of the text that answers `$CD`.
     pub(super) fn take_text(&mut self, line: &str) {
         if let OpeningStep::Asking(question) = self.step
             && self.family.queries().get(question) == Some(&"$CD")
@@ -166,18 +168,18 @@ impl Opening {
         self.step == OpeningStep::Known
     }
 
-    /// Whether banners are expected: the port was just opened.
+    /// Whether a banner is expected because the port was just opened.
     pub(super) fn expects_banner(&self) -> bool {
         matches!(self.step, OpeningStep::Greeting | OpeningStep::Quiet)
     }
 
-    /// Bytes came, whatever they are.
+    /// Notes that bytes were received.
     pub(super) fn bytes_received(&mut self, now: HostTime) {
         self.has_received = true;
         self.last_received = now;
     }
 
-    /// Time passes.
+    /// Advances the time and checks the time limits.
     pub(super) fn tick(&mut self, now: HostTime) -> OpeningAction {
         let waited = now.saturating_sub(self.since);
         let silent = now.saturating_sub(self.last_received.max(self.since));
@@ -185,8 +187,8 @@ impl Opening {
         match self.step {
             OpeningStep::Greeting if waited >= BANNER_WAIT => {
                 self.enter_step(OpeningStep::Quiet, now);
-                // It was not reset with its port: what an earlier host has left in it,
-                // perhaps half a line of motion, must never be carried out.
+                // The port did not reset the board. It may hold half a line of motion from
+                // an earlier host, which must never be executed.
                 OpeningAction::Send(RESET.into())
             }
             OpeningStep::Quiet
@@ -216,7 +218,7 @@ impl Opening {
                 )
             }
             OpeningStep::Asking(0) if over && !self.reset => {
-                // Behind a limit switch Grbl hears nothing but a reset.
+                // After a limit alarm Grbl accepts a reset only.
                 self.reset = true;
                 self.opened = now;
                 self.has_received = false;
@@ -233,7 +235,7 @@ impl Opening {
         }
     }
 
-    /// A setting that was written and never answered.
+    /// The text for a setting that the board did not acknowledge.
     fn hangs(&self, index: usize) -> Message {
         let line = self.to_write.get(index).and_then(|one| one.line.as_deref());
         let line = line.unwrap_or("$…");
@@ -259,7 +261,7 @@ impl Opening {
         }
     }
 
-    /// A line came.
+    /// Takes a line of the board.
     pub(super) fn take(
         &mut self,
         answer: &LineResponse,
@@ -282,7 +284,7 @@ impl Opening {
                 OpeningAction::Waits
             }
             (LineResponse::Starts | LineResponse::Message(_), OpeningStep::Greeting) => {
-                // It is starting, and will greet when it is there.
+                // The board is starting; its banner follows.
                 if now.saturating_sub(self.opened) < MAX_START_TIME {
                     self.since = now;
                 }
@@ -406,13 +408,13 @@ impl Opening {
         Ok(())
     }
 
-    /// How much the board holds.
+    /// Reads the sizes of the motion queue and the receive buffer.
     fn measure(&mut self) -> Result<(), Unsupported> {
         let source = if self.family == FirmwareFamily::FluidNc {
-            let places = self
+            let blocks = self
                 .item("planner_blocks")
                 .and_then(|text| text.parse().ok());
-            self.board.blocks = places.map_or(0, |places: u16| places.saturating_sub(1));
+            self.board.blocks = blocks.map_or(0, |blocks: u16| blocks.saturating_sub(1));
             self.board.receive_bytes = MIN_RECEIVE_BYTES;
             "planner_blocks"
         } else {
@@ -443,7 +445,10 @@ impl Opening {
     }
 
     fn deviations(&self, required: &RequiredSettings) -> Vec<SettingDeviation> {
-        let settings = required.settings.iter().map(|one| one.adapted_to(self.family));
+        let settings = required
+            .settings
+            .iter()
+            .map(|one| one.adapted_to(self.family));
         let numbered = settings.filter_map(|setting| {
             let board = self.reported.setting(setting.number);
             if board.is_some_and(|value| setting.is_met_by(value)) {
@@ -463,12 +468,12 @@ impl Opening {
             return numbered.collect();
         }
         let named = self.reported.items.deviations(&required.settings);
-        // What a report tells has a number everywhere.
+        // The report setting has a number in all firmwares.
         let reports = numbered.filter(|one| one.difference.number == REPORT);
         reports.chain(named).collect()
     }
 
-    /// Writes what differs: the operator has said so.
+    /// Writes the settings that differ; the operator has confirmed it.
     pub(super) fn write_settings(&mut self, now: HostTime) -> OpeningAction {
         if self.step != OpeningStep::Differs {
             return OpeningAction::Waits;

@@ -1,4 +1,4 @@
-//! What the kernel may ask of a board that reads lines.
+//! Implements [`Backend`] for line boards.
 
 use core::time::Duration;
 
@@ -96,8 +96,8 @@ impl Backend for LineLink {
         if !self.is_prepared() || !self.motion.backlog.is_empty() {
             return Duration::ZERO;
         }
-        // With a full queue FluidNC looks at `!` and Ctrl-X 20 times a second only, and what
-        // waits at a stop is carried out behind the reset.
+        // With a full queue FluidNC checks for `!` and Ctrl-X only 20 times a second, and
+        // executes waiting lines after the reset.
         let blocks = usize::from(self.board().blocks);
         if self.opening.family == FirmwareFamily::FluidNc && self.motion.queued.len() + 2 >= blocks
         {

@@ -1,4 +1,4 @@
-//! What the board says: answers, reports, and when it is asked for one.
+//! Handles the lines of the board, and queries its status reports.
 
 use crate::Backend;
 use gsk_messages::say;
@@ -13,17 +13,18 @@ use crate::line::realtime::STATUS_QUERY;
 use crate::line::response::{BoardState, LineResponse, StatusReport};
 use crate::{HostTime, LinkEvent, LinkState, Uncertainty};
 
-/// Between two reports, standing and moving: the longer, the farther a figure that was
-/// damaged on the wire takes the slides.
+/// Interval of status queries at standstill.
 const STATUS_IDLE: Duration = Duration::from_millis(200);
+/// Interval of status queries during motion. A value that was damaged on the wire moves the
+/// slides until the next report at most.
 const STATUS_MOVING: Duration = Duration::from_millis(20);
-/// Longer between two looks at the link means that the computer was busy.
+/// Gap between two calls from which on the host counts as suspended.
 const AWAY: Duration = Duration::from_millis(100);
 
 impl LineLink {
     pub(super) fn take(&mut self, answer: &LineResponse) {
         if self.session.is_closed() {
-            // It is for the operator to bring it back; it may say why it was silent.
+            // Only the operator reopens the link. A banner explains the silence.
             if matches!(answer, LineResponse::Banner(_)) && self.opening.is_done() {
                 self.board_restarted();
             }
@@ -86,14 +87,14 @@ impl LineLink {
             && self.stopping.is_none()
             && let Some(board) = self.motion.board_count(status)
         {
-            // Pulses are made one at a time, and reports have three decimals.
+            // Tolerance: single pulses, and three decimals in a report.
             let [x, z] = self.required.pulses_per_mm;
             let off = self.motion.off_path(board);
             if off > 0.002 + 2.0 / x + 2.0 / z {
                 self.session.lose_position(Uncertainty::OffPath);
                 self.session
                     .alarm(alarm::POSITION_CHECK, say::board_off_path(off));
-                // On a ramp it would go on toward a place nobody commanded.
+                // A deceleration would continue towards the wrong position.
                 self.forget_motion();
                 self.restart();
                 self.enter(LinkState::Fault);
@@ -138,12 +139,12 @@ impl LineLink {
         }
     }
 
-    /// Asks for a report when one is due.
+    /// Queries a status report if one is due.
     pub(super) fn query_status_if_due(&mut self) {
-        // A board that seeks its switches does not answer.
+        // A board does not answer while it is homing.
         let restarts = self.stopping.restarts();
         if restarts && self.opening.family == FirmwareFamily::FluidNc {
-            // It takes a second for that, and answers meanwhile, mostly.
+            // Its restart takes a second, in which it answers most queries.
             self.reports.give_up_question(self.session.now);
         } else if restarts || self.homing.is_some() {
             return;
@@ -160,7 +161,7 @@ impl LineLink {
         }
     }
 
-    /// The board is asked anew who it is and how it is set.
+    /// Repeats the opening dialogue on the open port.
     pub(super) fn open_again(&mut self) {
         self.forget_motion();
         self.restart();
@@ -172,7 +173,7 @@ impl LineLink {
         self.enter(LinkState::Opening);
     }
 
-    /// The next step of the dialogue that opens the link.
+    /// Executes an action of the opening dialogue.
     pub(super) fn open_further(&mut self, action: OpeningAction) {
         match action {
             OpeningAction::Waits => {}
@@ -190,7 +191,7 @@ impl LineLink {
                 self.wire.forget_unanswered();
                 self.enter(LinkState::Locked);
                 if core::mem::take(&mut self.startup.unlocks) {
-                    // RESET has asked for it.
+                    // The operator pressed RESET.
                     self.send("$X", false);
                 }
             }
@@ -212,7 +213,7 @@ impl LineLink {
         }
     }
 
-    /// Takes the time over. While the computer was away nobody waited for the board.
+    /// Advances the time. After a gap the time limits are extended by its duration.
     pub(super) fn advance_time(&mut self, now: HostTime) {
         let gap = now.saturating_sub(self.session.now);
         self.session.now = self.session.now.max(now);

@@ -1,5 +1,4 @@
-//! Samples of the kernel go to the board as segments, and its count is compared at
-//! every standstill.
+//! Sends samples to a line board as segments, and compares its count at each standstill.
 
 use crate::Backend;
 use core::time::Duration;
@@ -9,13 +8,13 @@ use crate::{LinkEvent, LinkState, MotionRefused, RunTime, Sample, Uncertainty};
 use gsk_messages::say;
 use gsk_units::alarm;
 
-/// The first pulse of a motion takes this long.
+/// Duration of the first pulse of a motion.
 const RUN_UP: Duration = Duration::from_millis(80);
-/// Standing so long before the count is compared.
+/// Duration of a standstill before the count is compared.
 const SETTLED: Duration = Duration::from_millis(50);
 
 impl LineLink {
-    /// The axes are to be here at the end of a tick.
+    /// Takes the commanded position at the end of a tick.
     pub(super) fn take_sample(&mut self, sample: Sample) -> Result<(), MotionRefused> {
         if !self.is_prepared() {
             return Err(MotionRefused::NotReady);
@@ -47,7 +46,7 @@ impl LineLink {
         Ok(())
     }
 
-    /// What is left of the last segment goes out.
+    /// Sends the rest of the last segment.
     pub(super) fn take_rest(&mut self) -> Result<(), MotionRefused> {
         if !self.is_prepared() {
             return Ok(());
@@ -58,7 +57,7 @@ impl LineLink {
         Ok(())
     }
 
-    /// Sends what waits, as far as the receive buffer of the board reaches.
+    /// Sends waiting segments as far as the board's receive buffer has space.
     fn feed(&mut self) {
         let space = usize::from(self.board().receive_bytes).saturating_sub(1);
         let now = self.session.now;
@@ -94,12 +93,12 @@ impl LineLink {
         if line.is_segment {
             self.motion.segment_answered();
         }
-        // The board cannot hold more than its queue: what is beyond was made.
+        // The board holds no more than its queue: older segments have left it.
         self.retire(self.board().blocks);
         self.feed();
     }
 
-    /// When the board stands and nothing is queued, its count is compared.
+    /// Compares the board's count when the axes are at standstill and no motion is queued.
     pub(super) fn verify(&mut self) {
         let flushed = self.session.state == LinkState::Verify;
         let stands = self.session.state == LinkState::Ready;
@@ -118,7 +117,7 @@ impl LineLink {
             return;
         }
         if flushed {
-            // The kernel takes over where the board came to stand.
+            // The kernel takes over the position of the stop.
             self.motion.stand_at(kernel);
             if core::mem::take(&mut self.stopping.too_sudden) {
                 self.session.lose_position(Uncertainty::TooFast);
