@@ -1,15 +1,15 @@
-//! The messages of the protocol that are used, as the boards spell them.
+//! The commands and replies of Klipper's protocol that the link uses.
 
-/// When a board must know a command.
+/// When a board must have a command or reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Requirement {
-    /// Always.
+    /// In all cases.
     Always,
-    /// One of these is enough.
+    /// One command of this group is enough.
     Restart,
-    /// When the spindle speed is wired.
+    /// If the spindle speed output is wired.
     Speed,
-    /// When the spindle index is wired.
+    /// If the one-turn signal of the spindle is wired.
     Index,
 }
 
@@ -19,7 +19,7 @@ macro_rules! commands {
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(super) enum Command { $($name),* }
 
-        /// Every command: when it is needed, and its text, which is compared to the letter.
+        /// All commands with their requirement and their exact text in the dictionary.
         pub(super) const COMMANDS: &[(Command, Requirement, &str)] =
             &[$((Command::$name, Requirement::$need, $text)),*];
     };
@@ -56,7 +56,7 @@ commands! {
     QueryCounter Index "query_counter oid=%c clock=%u poll_ticks=%u sample_ticks=%u"
 }
 
-/// Replies that are read, and whether the board must have them.
+/// All replies with their requirement and their exact text in the dictionary.
 pub(super) const REPLIES: [(ReplyKind, Requirement, &str); 10] = [
     (
         ReplyKind::Identify,
@@ -103,11 +103,11 @@ pub(super) const REPLIES: [(ReplyKind, Requirement, &str); 10] = [
         Requirement::Index,
         "counter_state oid=%c next_clock=%u count=%u count_clock=%u",
     ),
-    // Not in every version: told by boards that have just started.
+    // Sent by a board that has just started; not in all versions.
     (ReplyKind::Starting, Requirement::Restart, "starting"),
 ];
 
-/// What a reply is about.
+/// The kind of a reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ReplyKind {
     Identify,
@@ -122,7 +122,7 @@ pub(super) enum ReplyKind {
     Starting,
 }
 
-/// A reply of the board, the numbers as they stand in its text.
+/// A reply of the board; its numbers are in the order of its text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Reply {
     pub(super) kind: ReplyKind,

@@ -8,8 +8,8 @@ use super::{QueryPurpose, StepLink};
 use crate::position::Positioned;
 use crate::session::LinkSession;
 use crate::step_queue::commands::Command;
-use crate::step_queue::compression::Ticks;
 use crate::step_queue::send_queue::Ack;
+use crate::step_queue::step_compress::Ticks;
 use crate::step_queue::{block, describe};
 use crate::{
     AwaitedInput, Backend, BoardInfo, BoardOutputs, HostTime, Input, LinkState, MissingForThreads,

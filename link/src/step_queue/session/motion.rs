@@ -4,9 +4,9 @@ use std::collections::VecDeque;
 
 use super::path::{Located, Path};
 use crate::limits::Limits;
-use crate::step_queue::compression::Ticks;
 use crate::step_queue::rates::Rates;
 use crate::step_queue::slowdown::Slowdown;
+use crate::step_queue::step_compress::Ticks;
 use crate::step_queue::steps::{Entry, Steps};
 use crate::{HostTime, LinkConfig, RunTime};
 use gsk_units::{PerAxis, Pulses};

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use crate::step_queue::compression::Ticks;
+use crate::step_queue::step_compress::Ticks;
 use crate::{FINE, RunTime, Sample};
 use gsk_units::{PerAxis, Pulses};
 

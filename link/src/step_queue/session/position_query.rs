@@ -2,8 +2,8 @@
 
 use super::super::super::HostTime;
 use super::super::commands::Command;
-use super::super::compression::Ticks;
 use super::super::send_queue::Mark;
+use super::super::step_compress::Ticks;
 use super::{GIVE_UP, PositionQuery, QueryPurpose, StepLink};
 use gsk_messages::say;
 

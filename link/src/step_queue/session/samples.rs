@@ -6,7 +6,7 @@ use core::time::Duration;
 
 use super::super::super::{Input, LinkEvent, LinkState, MotionRefused, Sample, Uncertainty};
 use super::super::commands::Command;
-use super::super::compression::Ticks;
+use super::super::step_compress::Ticks;
 use super::super::steps::Stretch;
 use super::{QueryPurpose, StepLink};
 use gsk_messages::say;

@@ -11,8 +11,8 @@ use std::collections::VecDeque;
 
 use super::super::super::SpindleView;
 use super::super::clock_sync::near;
-use super::super::compression::Ticks;
 use super::super::spindle_estimator::{IndexPulse, POLL, SpindleEstimator};
+use super::super::step_compress::Ticks;
 use super::StepLink;
 use core::time::Duration;
 
