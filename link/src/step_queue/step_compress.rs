@@ -159,13 +159,13 @@ mod tests {
     }
 
     #[test]
-    fn even_steps_are_one_run() {
+    fn steps_at_constant_speed_need_two_runs() {
         let due: Vec<Ticks> = (1..=40_000).map(|k| 10_000 + k * 1600).collect();
         assert_eq!(compressed(&due, TOLERANCE), 2, "the first interval differs");
     }
 
     #[test]
-    fn a_ramp_is_few_runs() {
+    fn an_acceleration_needs_few_runs() {
         // 400 steps from rest with constant acceleration.
         let due: Vec<Ticks> = (1..=400)
             .map(|k| (libm::sqrt(f64::from(k) / 2000.0) * 16e6) as Ticks + 20_000)

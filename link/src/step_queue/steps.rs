@@ -208,8 +208,8 @@ mod tests {
         reversal: 660,
     };
 
-    /// Samples of a millisecond along a path in pulses; every step of every run is
-    /// compared with its time, and the pulses counted.
+    /// Follows a path in pulses with samples of a millisecond. Compares each step of each run
+    /// with its due time, and counts the steps.
     fn follow(path: &[f64], timing: Timing, flush: usize) -> u64 {
         let mut steps = Steps::new(timing);
         let ms = (timing.rate / 1000.0) as Ticks;
@@ -263,7 +263,7 @@ mod tests {
         made
     }
 
-    /// Speeds in pulses a millisecond, reached with ramps.
+    /// A path from parts of target speed, duration and acceleration, in pulses and ms.
     fn trapezoids(parts: &[(f64, usize, f64)]) -> Vec<f64> {
         let (mut path, mut speed) = (vec![0.0], 0.0_f64);
         let mut place = 0.0;
@@ -282,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_is_due_where_its_half_is_passed() {
+    fn a_step_is_due_halfway_between_two_pulses() {
         let mut steps = Steps::new(TIMING);
         steps.sample(Stretch {
             clock: [0, 16_000],
@@ -299,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn the_step_clock_is_set_only_when_the_axis_has_stood() {
+    fn the_step_clock_is_set_after_a_standstill_only() {
         let mut steps = Steps::new(TIMING);
         let mut entries = Vec::new();
         let mut one = |steps: &mut Steps, clock: Ticks, now: Ticks, from: i64| {
@@ -313,13 +313,13 @@ mod tests {
             entries[0]
         };
         assert!(one(&mut steps, 2_000_000, 400_000, 0).from.is_some());
-        // The last step is made only later than now.
+        // The last step is not executed yet.
         let entry = one(&mut steps, 3_600_000, 2_000_000, 1);
         assert_eq!((entry.from, entry.run.interval), (None, 1_600_000));
         assert!(one(&mut steps, 9_000_000, 7_400_000, 2).from.is_some());
     }
 
-    /// STEPS=1000000 in the environment tries so many steps.
+    /// The environment variable STEPS sets the number of steps.
     #[test]
     fn no_step_misses_its_time() {
         let wanted: u64 = std::env::var("STEPS")
@@ -377,7 +377,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn reversals_keep_their_distance(parts in prop::collection::vec((-20.0f64..20.0, 0usize..8, 0.5f64..20.0), 1..20)) {
+        fn reversals_keep_their_interval(parts in prop::collection::vec((-20.0f64..20.0, 0usize..8, 0.5f64..20.0), 1..20)) {
             follow(&trapezoids(&parts), TIMING, 10);
         }
     }

@@ -1,4 +1,4 @@
-//! What the kernel may ask of a board of timed steps.
+//! Implements [`Backend`] for boards with timed steps.
 
 use core::time::Duration;
 
@@ -151,10 +151,10 @@ impl Backend for StepLink {
             self.run_periodic();
             self.watch_group();
             self.repeat_position_query();
-            self.move_on();
+            self.advance_motion();
             self.repeat_level_queries();
         }
-        // A board that restarts is left alone.
+        // Send nothing to a restarting board.
         if !matches!(self.opening.phase, Phase::Restarting { .. }) {
             self.send();
         }
@@ -209,7 +209,7 @@ impl Backend for StepLink {
         self.give_up_motion();
         if self.is_running() {
             self.wire.send_urgent(Command::EmergencyStop, &[]);
-            // Whatever the board still has to confirm.
+            // Ignore the receive window: the emergency stop must be sent.
             self.wire.send_queue.set_window(None);
             self.send();
         }
@@ -255,7 +255,7 @@ impl Backend for StepLink {
     fn set_outputs(&mut self, outputs: BoardOutputs) {
         self.periodic.outputs.wanted = outputs;
         if self.send_wanted() {
-            // At once: when the host looks at its port again it may be too late.
+            // Send immediately: the next call may be too late.
             self.send();
         }
     }

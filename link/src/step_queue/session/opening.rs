@@ -1,4 +1,5 @@
-//! How the board becomes known: who it is, what it understands, how it is set up.
+//! The opening dialogue with a board with timed steps: reads its dictionary, configures it
+//! and syncs its clock.
 
 use crate::position::Positioned;
 use gsk_messages::{Message, say};
@@ -17,49 +18,51 @@ use super::group::Group;
 use super::periodic::Periodic;
 use super::{ASK_AGAIN, QueryPurpose, StepLink};
 
-/// By then the board must be known.
+/// Time limit for a phase of the opening.
 const SILENCE: Duration = Duration::from_secs(5);
-/// The dictionary is read in pieces of so many bytes.
+/// Number of dictionary bytes per query.
 const PIECE: usize = 40;
-/// A reset takes effect within this.
+/// Time for a reset of the board.
 const RESTARTS: Duration = Duration::from_millis(200);
-/// So often a board is reset to be set up.
+/// Greatest number of resets during an opening.
 const MOST_RESTARTS: u32 = 2;
 
-/// How far the dialogue has come.
+/// The phase of the opening.
 #[derive(Clone, Debug)]
 pub(super) enum Phase {
-    /// Which block does the board expect?
+    /// The link queries the expected sequence number.
     Sync,
-    /// Its dictionary so far, or the known one whose end is compared.
+    /// The link reads the dictionary. `known` is the index of a cached dictionary whose end
+    /// is compared.
     Identify {
         packed: Vec<u8>,
         known: Option<usize>,
         queried_at: HostTime,
     },
-    /// It is asked how it is set up; how often it was reset, and whether it has
-    /// been told; why it gave up behind that.
+    /// The link queries the configuration. `restarts` counts resets; `config_sent` tells
+    /// whether the configuration was sent; `reason` is why the board shut down after it.
     Ask {
         queried_at: HostTime,
         restarts: u32,
         config_sent: bool,
         reason: Option<String>,
     },
-    /// It resets itself.
+    /// The board is resetting.
     Restarting { since: HostTime, restarts: u32 },
-    /// Its clock and its counts are learned; how often it was reset.
+    /// The link syncs the clock.
     Learn { restarts: u32 },
-    /// All is known.
+    /// The opening is complete.
     Running,
-    /// It hears nothing but a reset; whether all was known.
+    /// The board is shut down and accepts a reset only; `opened` tells whether the opening
+    /// was complete.
     ShutDown { opened: bool },
 }
 
-/// The dialogue with a board that is to become known, and what came of it.
+/// The opening dialogue and its results.
 #[derive(Clone, Debug)]
 pub(super) struct Opening {
     pub(super) phase: Phase,
-    /// When the port was opened, or the board last told something new.
+    /// When the port was opened, or when the board last sent something new.
     opened: HostTime,
     pub(super) info: BoardInfo,
     pub(super) dictionary_cache: DictionaryCache,
@@ -75,12 +78,12 @@ impl Opening {
         }
     }
 
-    /// Whether all is known, and the board hears.
+    /// Whether the opening is complete and the board accepts commands.
     pub(super) const fn is_running(&self) -> bool {
         matches!(self.phase, Phase::Running)
     }
 
-    /// Whether all is known of the board, if it hears or not.
+    /// Whether the opening was completed, also if the board is shut down.
     pub(super) const fn is_opened(&self) -> bool {
         matches!(
             self.phase,
@@ -88,20 +91,20 @@ impl Opening {
         )
     }
 
-    /// The board hears nothing any more.
+    /// Notes that the board is shut down.
     pub(super) fn shut_down(&mut self) {
         let opened = self.is_opened();
         self.phase = Phase::ShutDown { opened };
     }
 
-    /// Whether it does not.
+    /// Whether the board is shut down.
     pub(super) const fn is_shut_down(&self) -> bool {
         matches!(self.phase, Phase::ShutDown { .. })
     }
 }
 
 impl StepLink {
-    /// From the first byte.
+    /// Starts the opening.
     pub(super) fn begin(&mut self) {
         self.opening.phase = Phase::Sync;
         self.opening.opened = self.session.now;
@@ -140,7 +143,7 @@ impl StepLink {
                 if now.saturating_sub(*queried_at) >= ASK_AGAIN
                     && self.wire.send_queue.is_empty() =>
             {
-                // It has arrived; its answer was lost.
+                // The query has arrived, but its answer was lost.
                 *queried_at = now;
                 self.send_identify();
             }
@@ -192,7 +195,8 @@ impl StepLink {
         self.session.enter(LinkState::Fault);
     }
 
-    /// Asks for the next piece of the dictionary, or for the end that it would have.
+    /// Queries the next part of the dictionary, or the end of the cached dictionary that it
+    /// may equal.
     fn send_identify(&mut self) {
         if let Phase::Identify { packed, known, .. } = &self.opening.phase {
             let end = known.and_then(|known| self.opening.dictionary_cache.end(known));
@@ -211,8 +215,8 @@ impl StepLink {
         else {
             return;
         };
-        if let Some(place) = *known {
-            let Some((from, end)) = self.opening.dictionary_cache.end(place) else {
+        if let Some(index) = *known {
+            let Some((from, end)) = self.opening.dictionary_cache.end(index) else {
                 return;
             };
             if offset as usize != from {
@@ -222,13 +226,13 @@ impl StepLink {
                 let whole = self
                     .opening
                     .dictionary_cache
-                    .get(place)
+                    .get(index)
                     .unwrap_or_default()
                     .to_vec();
                 self.identified_as(&whole);
                 return;
             }
-            *known = self.opening.dictionary_cache.find(place + 1, packed);
+            *known = self.opening.dictionary_cache.find(index + 1, packed);
         } else {
             if offset as usize != packed.len() {
                 return;
@@ -255,7 +259,7 @@ impl StepLink {
             }
         }
         *queried_at = now;
-        // A board that is known takes time: silence is counted from here.
+        // Restart the time limit with each part of the dictionary.
         self.opening.opened = now;
         self.send_identify();
     }
@@ -306,7 +310,8 @@ impl StepLink {
         Ok(())
     }
 
-    /// The board said how it is set up: configured, check, shut down, queue.
+    /// Takes the configuration state of the board: configured, CRC, shut down, size of the
+    /// queue.
     pub(super) fn config_reply(&mut self, [configured, crc, shut_down, queue]: [u32; 4]) {
         if self.is_opened() {
             let ours = self.wiring.as_ref().map(|wiring| wiring.crc);
@@ -341,7 +346,7 @@ impl StepLink {
                 self.wire.send_queue.push(send_queue::Message::plain(bytes));
             }
             self.wire.send(Command::FinalizeConfig, &[crc.into()]);
-            // Asked in the same stream, behind it.
+            // The next query follows in the same stream.
             self.opening.phase = Phase::Ask {
                 queried_at: self.session.now,
                 restarts,
@@ -353,12 +358,12 @@ impl StepLink {
         }
     }
 
-    /// What 603 says of a configuration that the board gave up at, in the board's words
-    /// where it told them.
+    /// The text of alarm 603 for a refused configuration, with the reason of the board if
+    /// known.
     fn not_taken(&self, reason: Option<&str>) -> Message {
         match reason {
             None => say::board_configuration_refused(),
-            // Only one output is of that kind: the reason means its pin.
+            // Only one output uses PWM: name its pin.
             Some(reason) if reason.contains("PWM") => {
                 let pin = &self.config.io.spindle_pwm;
                 let reason = format!("{why} (link.io.spindle_pwm: {pin})");
@@ -368,8 +373,9 @@ impl StepLink {
         }
     }
 
-    /// A board that gives up because of what an earlier host has left undone begins
-    /// anew; one that gives up at what it was told is asked once more how it is set up.
+    /// Handles a shutdown during the opening. A board that shuts down because of an earlier
+    /// host is reset. A board that shuts down because of the configuration is queried once
+    /// more. Returns false if the shutdown is not part of the opening.
     pub(super) fn shut_down_early(&mut self, text: u32) -> bool {
         let restarts = match &mut self.opening.phase {
             Phase::Learn { restarts } => *restarts,
@@ -396,7 +402,7 @@ impl StepLink {
         true
     }
 
-    /// A board that is set up for something else, or shut down, begins anew.
+    /// Resets a board that has another configuration or is shut down.
     fn restart_board(&mut self, restarts: u32, shut_down: bool) {
         if restarts > MOST_RESTARTS {
             self.refuse(alarm::BOARD_SETTINGS, say::board_configuration_stays());
@@ -420,7 +426,7 @@ impl StepLink {
         }
     }
 
-    /// The clock, where the axes stand, and the switches.
+    /// Syncs the clock, then queries the position and starts the index counter.
     fn learn(&mut self) {
         self.query_clock();
         if !self.clock.is_ready() {

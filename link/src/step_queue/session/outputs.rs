@@ -1,4 +1,4 @@
-//! Outputs of the board that switch with the motion: spindle, its speed, coolant.
+//! Switches spindle, spindle speed and coolant in step with the motion.
 
 use core::time::Duration;
 
@@ -7,27 +7,28 @@ use crate::step_queue::commands::Command;
 use crate::step_queue::wiring::Drain;
 use crate::{BoardOutputs, HostTime, LinkState, MotionRefused, Output, RunTime, SpindleDirection};
 
-/// Another spindle speed is sent at most so often: under G96 it changes every tick.
+/// Least interval between two spindle speeds: G96 changes the speed in each tick.
 const SPEED_EVERY: Duration = Duration::from_millis(20);
-/// An output is sent so long before nothing is sure to arrive in time any more.
+/// Margin for the arrival of an output command.
 const AHEAD: Duration = Duration::from_millis(30);
 /// Full spindle voltage, mV.
 const FULL_MV: i64 = 10_000;
 
-/// Outputs asked for and sent.
+/// The wanted outputs and those sent to the board.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outputs {
-    /// What spindle and coolant are to do, and what the board was sent.
+    /// The state that the kernel wants.
     pub(super) wanted: BoardOutputs,
+    /// The state sent to the board.
     pub(super) sent: BoardOutputs,
-    /// Motion and host time at which it was last sent a speed.
+    /// Motion time and host time of the last spindle speed sent.
     speed_sent: (RunTime, HostTime),
-    /// What each pin was last sent, and for when.
+    /// The last value sent to each pin, and its clock.
     pins: Vec<(Drain, i64, u64)>,
 }
 
 impl StepLink {
-    /// Whether there was something to tell.
+    /// Sends wanted outputs that differ. Returns whether any was sent.
     pub(super) fn send_wanted(&mut self) -> bool {
         let (mut wanted, sent) = (self.periodic.outputs.wanted, self.periodic.outputs.sent);
         if wanted == sent || !self.is_running() || self.session.state == LinkState::Lost {
@@ -42,7 +43,7 @@ impl StepLink {
             self.periodic.outputs.speed_sent = (at, self.session.now);
         }
         let turns = |way| i32::from(wanted.spindle == way);
-        // What is not wired stays simulated.
+        // An output that is not wired remains simulated.
         for (output, value) in [
             (Output::SpindleForward, turns(SpindleDirection::Forward)),
             (Output::SpindleReverse, turns(SpindleDirection::Reverse)),
@@ -55,7 +56,7 @@ impl StepLink {
         true
     }
 
-    /// Switches an output when the motion up to a time has been made.
+    /// Switches an output when the motion up to `at` has been executed.
     pub(super) fn switch_output(
         &mut self,
         at: RunTime,
@@ -117,7 +118,7 @@ impl StepLink {
             .send_timed(command, &[drain.oid, i64::from(clock as u32), value], clock);
     }
 
-    /// Behind a stop: what was sent before may not have arrived.
+    /// Sends all outputs again after a stop: earlier commands may not have arrived.
     pub(super) fn resend_outputs(&mut self) {
         let soon = self.soon();
         for (drain, value, _) in self.periodic.outputs.pins.clone() {

@@ -1,4 +1,4 @@
-//! What is renewed all the time: clock, heartbeat, enable of the drives, inputs.
+//! Periodic messages: clock queries, heartbeat, enable of the drives, switch queries.
 
 use core::time::Duration;
 
@@ -9,35 +9,39 @@ use crate::HostTime;
 use crate::step_queue::commands::Command;
 use crate::step_queue::send_queue::Mark;
 
-/// Between two questions for the clock; while it is being learned.
+/// Interval of clock queries.
 const CLOCK_EVERY: Duration = Duration::from_millis(500);
+/// Interval of clock queries during the opening.
 const CLOCK_FIRST: Duration = Duration::from_millis(50);
-/// Between two questions whether the board is still set up.
+/// Interval of configuration queries.
 const CONFIG_EVERY: Duration = Duration::from_secs(1);
-/// The stop group is renewed so often, for so long.
+/// Interval at which the link renews the stop group.
 const HEARTBEAT_EVERY: Duration = Duration::from_millis(50);
+/// Timeout of the stop group after a renewal.
 const HEARTBEAT_DURATION: Duration = Duration::from_millis(250);
-/// The enable of the drives is renewed so often.
+/// Interval at which the link renews the enable of the drives.
 const ENABLE_EVERY: Duration = Duration::from_millis(100);
-/// Between two moments of the enable lies no more than this; the board lets 500 ms pass.
+/// Greatest time between the clocks of two renewals; the board allows 500 ms.
 const ENABLE_APART: Duration = Duration::from_millis(400);
-/// What an earlier host did not renew has its effect within this.
+/// Time within which missing renewals of an earlier host have their effect.
 const INHERITED: Duration = Duration::from_millis(800);
-/// The enable of the drives, which the board lets fall when it is not renewed.
+
+/// The enable of the drives. The board switches it off when it is not renewed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Enable {
     pub(super) on: bool,
-    /// What the pin was last sent, and for when.
+    /// The last value sent.
     sent: bool,
+    /// The clock of that value.
     sent_for: u64,
     due: HostTime,
 }
 
-/// State of what is renewed.
+/// The state of the periodic messages.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Periodic {
     pub(super) enable: Enable,
-    /// Until then a shutdown may be the fault of an earlier host.
+    /// Until this time an earlier host may have caused a shutdown.
     pub(super) inherited_until: HostTime,
     clock_queried_at: Option<HostTime>,
     clock_due: HostTime,
@@ -82,7 +86,7 @@ impl StepLink {
         self.clock.add_answer(queried_at, self.session.now, clock);
     }
 
-    /// Everything whose time has come.
+    /// Sends all periodic messages that are due.
     pub(super) fn run_periodic(&mut self) {
         self.query_clock();
         if self.session.now >= self.periodic.config_due {
@@ -114,8 +118,8 @@ impl StepLink {
         }
         let mut at = self.soon();
         if renew && self.periodic.enable.sent {
-            // However long the host was away: before the board gives up, if that is still
-            // to be had.
+            // After a gap in the host: before the timeout of the board, if that is still
+            // possible.
             let latest = self.periodic.enable.sent_for + self.clock.ticks(ENABLE_APART);
             at = at.min(latest.max(self.earliest()));
         }
@@ -129,8 +133,8 @@ impl StepLink {
             .send_urgent_until(Command::QueueDigitalOut, &arguments, at);
     }
 
-    /// What an earlier host has left switched on: the drives lose their enable, the
-    /// stop groups let go of the axes.
+    /// Switches off what an earlier host has left on: disables the drives and releases the
+    /// stop groups.
     pub(super) fn take_over_outputs(&mut self) {
         self.periodic.enable.sent = true;
         self.periodic.inherited_until = self.session.now + INHERITED;

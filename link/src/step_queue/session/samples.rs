@@ -1,4 +1,4 @@
-//! Samples of the kernel go to the board as steps, and their counts come back.
+//! Sends samples to the board as timed steps, and compares the counts.
 
 use crate::Backend;
 use crate::position::Positioned;
@@ -12,12 +12,11 @@ use super::{QueryPurpose, StepLink};
 use gsk_messages::say;
 use gsk_units::{PerAxis, Pulses, alarm};
 
-/// Pulses are compressed and sent so often.
+/// Interval at which steps are compressed and sent.
 pub(super) const FLUSH_EVERY: Duration = Duration::from_millis(10);
-/// Pulses that can wait are compressed together with later ones, up to this before they
-/// have to be on their way.
+/// Least slack of steps that wait to be compressed together with later ones.
 const LEAST_SLACK: Duration = Duration::from_millis(45);
-/// How many times as far from its time a step may lie, by the time it has left.
+/// Factor of the time error of steps, by their slack.
 const COARSER: [(Duration, Ticks); 4] = [
     (Duration::from_millis(70), 1),
     (Duration::from_millis(50), 2),
@@ -25,22 +24,22 @@ const COARSER: [(Duration, Ticks); 4] = [
     (Duration::from_millis(10), 8),
 ];
 const COARSEST: Ticks = 16;
-/// The count of standing axes is compared so often.
+/// Interval at which the counts are compared at standstill.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
-/// Standing so long before the count is compared.
+/// Duration of a standstill before the counts are compared.
 const SETTLED: Duration = Duration::from_millis(50);
-/// Messages that wait for the wire; more motion is not taken.
+/// Number of waiting bytes from which on no motion is accepted.
 pub(super) const MOST_WAITING: usize = 1500;
 
 impl StepLink {
-    /// How far the motion handed over now may reach. Besides the lookahead, the time it
-    /// takes to the board: a pause of the host as long as the lookahead does no harm.
+    /// Greatest clock for the end of motion accepted now: the lookahead and the transmission
+    /// time. A pause of the host up to the lookahead has no effect.
     pub(super) fn farthest(&self) -> Ticks {
         let reach = self.ahead() + self.margin() + FLUSH_EVERY;
         self.clock.at(self.session.now + reach) as Ticks
     }
 
-    /// The axes are to be here at the end of a tick.
+    /// Takes the commanded position at the end of a tick.
     pub(super) fn take_sample(&mut self, sample: Sample) -> Result<(), MotionRefused> {
         if !self.is_prepared() {
             return Err(MotionRefused::NotReady);
@@ -66,7 +65,7 @@ impl StepLink {
         }
         let rests = !moved && sample.fine == before.fine;
         if rests && self.motion.path.finished && !self.motion.path.keeps_time {
-            // Rest takes no place in the board.
+            // Time without motion is not sent.
             self.motion.path.rest(sample);
             return Ok(());
         }
@@ -76,7 +75,7 @@ impl StepLink {
         }
         let from = self.next_begin();
         if !rests {
-            // A question where the axes stand is idle now.
+            // A position query at standstill is obsolete now.
             self.query.pending = self.query.pending.filter(|reading| {
                 !matches!(
                     reading.purpose,
@@ -116,32 +115,32 @@ impl StepLink {
         Ok(())
     }
 
-    /// Board clock at which the motion handed over so far is over, rest behind it
-    /// counted; none: there is none.
+    /// Board clocks at the end of the motion and at the end of the time without motion after
+    /// it; `None` without motion.
     fn end_of_rest(&self) -> Option<(Ticks, Ticks)> {
         let end = self.motion.path.end?;
         let rest = self.motion.path.rest_after_end();
         Some((end, end + self.clock.ticks(rest) as Ticks))
     }
 
-    /// Whether moving axes are without motion by now.
+    /// Whether the next sample of a motion is too late.
     fn is_too_late(&self) -> bool {
         let rests = self.motion.path.is_at_rest();
         let late = self.earliest() as Ticks;
         !rests && self.end_of_rest().is_some_and(|(_, rest)| rest < late)
     }
 
-    /// Board clock at which motion begins that is handed over now.
+    /// The board clock at which motion accepted now begins.
     pub(super) fn next_begin(&self) -> Ticks {
         let begin = self.farthest();
         match self.end_of_rest() {
             Some((end, rest)) if rest >= self.earliest() as Ticks => rest.min(begin).max(end),
-            // Out of rest it may begin later.
+            // After a standstill motion may begin later.
             _ => begin,
         }
     }
 
-    /// The kernel stands: what is left of the motion goes out.
+    /// Sends the rest of the motion; the kernel is at standstill.
     pub(super) fn take_rest(&mut self) -> Result<(), MotionRefused> {
         self.motion.path.finished = true;
         self.compress();
@@ -149,8 +148,8 @@ impl StepLink {
         Ok(())
     }
 
-    /// Time until the first pulse that is not compressed has to be on its way, so that
-    /// there is time to send it again.
+    /// Time until the first step that is not compressed must be sent, with time for a
+    /// retransmission.
     fn slack(&self) -> Duration {
         let first = self.motion.queue.first_due().unwrap_or_default();
         let slack = self.clock.duration(first.saturating_sub(self.earliest()));
@@ -161,8 +160,8 @@ impl StepLink {
         self.wire.send_queue.slowness_now(self.session.now)
     }
 
-    /// Pulses due become runs. What has had to wait becomes fewer and longer ones:
-    /// they keep the times of the pulses less exactly.
+    /// Compresses the due steps into runs. Steps with little slack give fewer and longer
+    /// runs, with larger time errors.
     fn compress(&mut self) {
         let slack = self.slack().saturating_sub(self.slowness());
         let coarse = COARSER.iter().find(|(least, _)| slack >= *least);
@@ -182,7 +181,7 @@ impl StepLink {
         self.hand_over();
     }
 
-    /// Runs go out as far as the queue of the board reaches.
+    /// Sends runs as far as the board's queue has free slots.
     fn hand_over(&mut self) {
         let now = self.clock.at(self.session.now) as Ticks;
         let Some(axes) = self.wiring.as_ref().map(|wiring| wiring.axes) else {
@@ -213,8 +212,8 @@ impl StepLink {
         }
     }
 
-    /// Time passes over the motion.
-    pub(super) fn move_on(&mut self) {
+    /// Advances the motion to the current time.
+    pub(super) fn advance_motion(&mut self) {
         let now = self.clock.at(self.session.now) as Ticks;
         if self.stopping.is_none() {
             self.motion.path.pass(now);
@@ -224,7 +223,7 @@ impl StepLink {
             .queue
             .flush_due
             .is_some_and(|due| self.session.now >= due);
-        // On a line that is slow, or full, longer runs are better than more of them.
+        // On a slow or full line fewer and longer runs are better.
         let narrow = self.wire.send_queue.is_congested() || !self.slowness().is_zero();
         let may_wait = narrow && self.slack() >= LEAST_SLACK;
         if due && !may_wait {
@@ -243,7 +242,7 @@ impl StepLink {
         self.verify(now);
     }
 
-    /// When the board stands and nothing is queued, its count is compared.
+    /// Compares the counts when the axes are at standstill and no motion is queued.
     fn verify(&mut self, now: Ticks) {
         let settled = self.clock.ticks(SETTLED) as Ticks;
         let made = self
@@ -268,7 +267,7 @@ impl StepLink {
             && !self.motion.is_under_way()
     }
 
-    /// The board said where the axes stand.
+    /// Handles the answer to a position query.
     pub(super) fn position_answered(&mut self, purpose: QueryPurpose, board: PerAxis<Pulses>) {
         match purpose {
             QueryPurpose::Stopped => self.stopped(board),

@@ -1,10 +1,10 @@
-//! The spindle as the kernel is shown it: at the clock at which the board will make
-//! the motion of the tick, which is some time ahead.
+//! Predicts the spindle for the kernel at the clock at which the board will execute the
+//! motion of the tick.
 //!
 //! ```text
 //!  index     ┴────────┴────────┴────────┴ ─ ─ ─ ─ ─ ┬ ─ ─ ─ ─ ┬
-//!  clock                             now   ...   from to          line through the last
-//!                                    └─ lookahead ─┘              turns, drawn on
+//!  clock                             now   ...   from to          extrapolated line
+//!                                    └─ lookahead ─┘              through the last turns
 //! ```
 
 use std::collections::VecDeque;
@@ -16,25 +16,25 @@ use super::super::step_compress::Ticks;
 use super::StepLink;
 use core::time::Duration;
 
-/// A tick of the kernel.
+/// Duration of a tick of the kernel.
 const TICK: Duration = Duration::from_millis(1);
-/// Ticks remembered, to hold what was shown against what came.
+/// Number of predictions that are kept for the comparison with index pulses.
 const REMEMBERED: usize = 700;
-/// Farther off than this a thread is spoilt, turns.
+/// Greatest error of a prediction during a thread, turns.
 const ALLOWED: f64 = 0.005;
 
-/// What is known and what was shown.
+/// The estimate of the spindle and its predictions.
 #[derive(Clone, Debug)]
 pub(super) struct Spindle {
     estimator: SpindleEstimator,
-    /// End of each tick without a gap, and the turns shown for it.
+    /// Clock at the end of each tick and the turns predicted for it, without gaps.
     shown: VecDeque<(Ticks, f64)>,
-    /// The axes follow it; up to this clock they did.
+    /// Clocks between which the axes have followed the spindle.
     followed: Option<(Ticks, Ticks)>,
-    /// Farthest that an index came beside what was shown, not told yet.
+    /// Greatest error of a prediction that is not reported yet, turns.
     deviation: Option<f64>,
-    /// The axes follow it, and a tick began later than the one before had ended: they
-    /// are behind the angle they were shown.
+    /// Whether there was a gap between two ticks while the axes follow the spindle: they
+    /// lag the predicted angle.
     has_gap: bool,
 }
 
@@ -49,17 +49,17 @@ impl Spindle {
         }
     }
 
-    /// Whether axes that follow it must not go on.
+    /// Whether axes that follow the spindle must stop because of a gap.
     pub(super) const fn has_gap(&self) -> bool {
         self.has_gap
     }
 
-    /// What was learned of its turns does not go on.
+    /// Restarts the estimate after a reversal.
     pub(super) fn reversed(&mut self) {
         self.estimator.begin_anew();
     }
 
-    /// What was shown for a clock.
+    /// The turns predicted for a clock.
     fn shown_at(&self, clock: Ticks) -> Option<f64> {
         let after_clock = self.shown.partition_point(|(end, _)| *end < clock);
         let (to, after) = *self.shown.get(after_clock)?;
@@ -84,7 +84,7 @@ impl Spindle {
 }
 
 impl StepLink {
-    /// Whether the spindle has its index at this board.
+    /// Whether the one-turn signal of the spindle is wired to the board.
     pub(super) const fn sees_spindle(&self) -> bool {
         !self.config.io.index.is_empty()
     }
@@ -100,7 +100,9 @@ impl StepLink {
         }
     }
 
-    /// The spindle in the kernel's next tick, which the axes follow if it may be corrected by `give` turns.
+    /// Predicts the spindle in the kernel's next tick. With `max_correction` the axes follow
+    /// the spindle: the prediction deviates from a constant speed by this many turns at
+    /// most.
     pub(super) fn next_spindle(&mut self, max_correction: Option<f64>) -> SpindleView {
         let now = self.clock.at(self.session.now) as Ticks;
         let from = self.next_begin();
@@ -131,7 +133,7 @@ impl StepLink {
                 let even = end - begin;
                 view.lost = turns.is_lost(now);
                 view.before = before;
-                // Without an index to go by it only goes on.
+                // With an unknown angle continue at constant speed.
                 let max_correction = if turns.is_known(now) {
                     max_correction
                 } else {
@@ -166,7 +168,7 @@ impl StepLink {
         view
     }
 
-    /// The spindle of another board, or of this one after it has begun anew.
+    /// Restarts the estimate for another or a restarted board.
     pub(super) fn forget_spindle(&mut self) {
         self.spindle = Spindle::new(self.clock.rate);
     }

@@ -1,8 +1,8 @@
-//! Everything that stops the axes, and what is known afterwards.
+//! Stops of a board with timed steps and the position after them.
 //!
-//! The stop group lives in the board: limit switches, emergency stop, drive alarm,
-//! the silence of the host and the link's own flush trigger it; both axes then stop
-//! at once, and the board knows where.
+//! The stop group is in the board. Limit switches, the emergency stop, the drive alarm, a
+//! silent host and a flush by the link trigger it. Both axes stop immediately, and the board
+//! reports their position.
 
 use super::group::{
     DRIVES, EMERGENCY, FLUSH, LIMIT_X, LIMIT_Z, REACHED, REACHED_Z, SILENT_HOST, is_reached,
@@ -19,30 +19,30 @@ use gsk_units::{PerAxis, Pulses, alarm};
 /// Why the axes are being stopped.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum StopReason {
-    /// The kernel asked for it.
+    /// A flush by the kernel.
     Flush,
-    /// Motion came late, or could not be brought to the board in time.
+    /// Motion was late, or could not be sent in time.
     Late(Message),
-    /// Motion of so many turns and bends that the board cannot be sent in time.
+    /// The motion needs more messages than the board accepts.
     TooFine,
-    /// The group has not reported itself.
+    /// Reports of the group are missing.
     GroupSilent,
-    /// The group was triggered.
+    /// The board triggered the group, with this reason.
     Trip(u32),
 }
 
-/// A stop under way.
+/// A stop in progress.
 #[derive(Clone, Debug)]
 pub(super) struct Stopping {
     reason: StopReason,
     since: HostTime,
     queried_at: HostTime,
-    /// The board has confirmed it.
+    /// Whether the board has confirmed the stop.
     stands: bool,
 }
 
 impl StepLink {
-    /// The emergency stop contact of the board is open.
+    /// Handles the open emergency stop contact of the board.
     pub(super) fn trip(&mut self) {
         self.periodic.enable.on = false;
         if self.takes_motion() || self.session.state == LinkState::Homing {
@@ -53,17 +53,17 @@ impl StepLink {
         }
     }
 
-    /// The group says how it is.
+    /// Takes a report of the stop group.
     pub(super) fn trsync_report(&mut self, [oid, can_trigger, reason, clock]: [u32; 4]) {
         if self.group.armed_oid(self.wiring.as_ref()) != Some(i64::from(oid)) {
             return;
         }
-        self.group.has_reported(self.session.now);
+        self.group.note_report(self.session.now);
         if can_trigger != 0 {
             self.clock.clock_report(self.session.now, clock);
             return;
         }
-        self.group.is_triggered();
+        self.group.note_trigger();
         let reason = match &self.stopping {
             Some(stopping) if reason == FLUSH => stopping.reason.clone(),
             _ => StopReason::Trip(reason),
@@ -101,15 +101,15 @@ impl StepLink {
         self.session.alarm(number, text);
     }
 
-    /// Both axes stop at once; nothing queued is left, the position is kept.
+    /// Stops both axes immediately; the queue is dropped and the position kept.
     pub(super) fn flush(&mut self) {
         if self.takes_motion() {
             self.halt(StopReason::Flush);
         }
     }
 
-    /// Motion would come too late, or did not come: the axes are stopped.
-    /// Why it did is known when the board has answered, or has not.
+    /// Stops the axes because motion is late or missing. The alarm follows the answer of the
+    /// board, because a lost board is another alarm.
     pub(super) fn late(&mut self, detail: Message) {
         if self.stopping.is_none() && self.is_opened() {
             self.halt(StopReason::Late(detail));
@@ -117,7 +117,7 @@ impl StepLink {
         self.wire.send_queue.drop_motion();
     }
 
-    /// The motion needs more messages than the board may be given.
+    /// Stops the axes because the motion needs more messages than the board accepts.
     pub(super) fn too_fine(&mut self) {
         if self.stopping.is_none() && self.is_opened() {
             self.halt(StopReason::TooFine);
@@ -146,7 +146,7 @@ impl StepLink {
     fn trigger(&mut self) {
         if let Some(wiring) = &self.wiring {
             let oid = self.group.oid(wiring);
-            // What is asked before and what is queued behind is without effect.
+            // Earlier reports are ignored, and later steps have no effect.
             self.wire
                 .send_query(Command::TrsyncTrigger, &[oid, FLUSH.into()], Mark::Group);
         }
@@ -175,15 +175,14 @@ impl StepLink {
         self.watch_left_out();
     }
 
-    /// Nothing more goes out, and nothing that waits.
+    /// Drops all motion and the pending position query.
     pub(super) fn give_up_motion(&mut self) {
         self.motion.drop_queued();
         self.wire.send_queue.drop_motion();
         self.query.pending = None;
     }
 
-    /// Behind a stop that was wanted: with a position that is certain motion is taken
-    /// again.
+    /// Resumes after an intended stop: accepts motion if the position is known.
     fn resume(&mut self) {
         if self.session.knows_position() {
             self.arm_group();
@@ -193,7 +192,7 @@ impl StepLink {
         }
     }
 
-    /// The board said where the axes stand after a stop.
+    /// Completes a stop with the position that the board has reported.
     pub(super) fn stopped(&mut self, board: PerAxis<Pulses>) {
         let Some(stopping) = self.stopping.take() else {
             return;
@@ -203,7 +202,7 @@ impl StepLink {
         let stop = self.motion.stopped_at(board, now, self.pulses_per_mm);
         let reached = matches!(stopping.reason, StopReason::Trip(reason) if is_reached(reason));
         let powerless = matches!(stopping.reason, StopReason::Trip(EMERGENCY | DRIVES));
-        // A stepper that was stopped dead may have slipped when it was fast.
+        // A fast stepper motor may lose steps in a dead stop.
         let exact = stop.on_path && (stop.speed <= keep || reached) && !powerless;
         self.session.released = false;
         if !exact {
@@ -222,8 +221,8 @@ impl StepLink {
                 LIMIT_X => (0, Input::LimitX),
                 _ => (1, Input::LimitZ),
             };
-            self.motion.limits.hit(axis, stop.way[axis]);
-            // It was seen before it is asked for again.
+            self.motion.limits.hit(axis, stop.direction[axis]);
+            // Note the operated switch before its next query.
             if let Some(switch) = self.switch_at(input) {
                 self.periodic.switches.level_met(switch, switch.level);
             }
@@ -242,7 +241,7 @@ impl StepLink {
                     }
                     let limit = matches!(input, Input::LimitX | Input::LimitZ);
                     if limit && wait.awaited.until == InputCondition::Operated {
-                        self.motion.limits.hit(axis, stop.way[axis]);
+                        self.motion.limits.hit(axis, stop.direction[axis]);
                     }
                     self.session
                         .events

@@ -1,4 +1,4 @@
-//! Switches and contacts at the board: asked one after the other, and what was reported.
+//! Queries switches and contacts of the board in turn, and keeps their levels.
 
 use core::time::Duration;
 
@@ -7,12 +7,14 @@ use crate::step_queue::commands::Command;
 use crate::step_queue::wiring::{Switch, Wiring};
 use crate::{HostTime, Input, LinkState};
 
-/// Between two questions for a switch, standing and moving.
+/// Interval of switch queries at standstill.
 const SWITCH_EVERY: Duration = Duration::from_millis(10);
+/// Interval of switch queries during motion.
 const SWITCH_MOVING: Duration = Duration::from_millis(40);
-/// Between two questions for a contact of the control.
+/// Interval of queries for contacts of the control.
 const CONTACT_EVERY: Duration = Duration::from_millis(20);
-/// A round of questions: whose turn it is next, and when.
+
+/// A cyclic schedule of queries.
 #[derive(Clone, Copy, Debug, Default)]
 struct Round {
     next: usize,
@@ -20,7 +22,7 @@ struct Round {
 }
 
 impl Round {
-    /// The one that is asked now, of so many.
+    /// The index of the query that is due now, of `count` queries.
     fn turn(&mut self, count: usize, every: Duration, now: HostTime) -> Option<usize> {
         if now < self.due || count == 0 {
             return None;
@@ -31,7 +33,7 @@ impl Round {
     }
 }
 
-/// What the board has reported of its switches, and the next questions.
+/// The reported switches and the schedule of queries.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Switches {
     levels: Vec<(Input, bool)>,
@@ -45,7 +47,7 @@ impl Switches {
         level.map(|(_, operated)| *operated)
     }
 
-    /// Whether every switch was reported once.
+    /// Whether all switches were reported.
     pub(super) fn all_reported(&self, wiring: Option<&Wiring>) -> bool {
         wiring.is_some_and(|wiring| wiring.switches.len() == self.levels.len())
     }
@@ -66,7 +68,7 @@ impl Switches {
         }
     }
 
-    /// The board was stopped by a pin that came to this level.
+    /// Notes that a pin has reached a level that stopped the axes.
     pub(super) fn level_met(&mut self, switch: Switch, level: i64) {
         let levels = self.levels.iter_mut();
         for (_, operated) in levels.filter(|(input, _)| *input == switch.input) {
@@ -80,7 +82,7 @@ impl StepLink {
         let Some(wiring) = &self.wiring else {
             return;
         };
-        // The contacts of the control stand behind the switches of the axes.
+        // The contacts of the control follow the switches of the axes.
         let is_contact = |switch: &Switch| matches!(switch.input, Input::Contact { .. });
         let (of_axes, contacts) = wiring.switches.split_at(
             wiring
