@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
-use gsk_link::{LinkEvent, Link, LinkConfig, LinkState, Protocol};
+use gsk_link::{Link, LinkConfig, LinkEvent, LinkState, Protocol};
 
 use gsk_messages::Message;
 
@@ -128,7 +128,11 @@ impl Board {
     }
 
     /// Pumps until a condition holds or the time is up; what happened meanwhile.
-    pub fn wait(&mut self, limit: Duration, until: impl Fn(&Link, &[LinkEvent]) -> bool) -> Vec<LinkEvent> {
+    pub fn wait(
+        &mut self,
+        limit: Duration,
+        until: impl Fn(&Link, &[LinkEvent]) -> bool,
+    ) -> Vec<LinkEvent> {
         let end = self.now() + limit;
         let mut events = Vec::new();
         while self.now() < end && self.link.state() != LinkState::Off && !until(&self.link, &events)

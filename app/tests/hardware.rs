@@ -27,7 +27,7 @@ use gsk_app::board::Board;
 use gsk_app::files::time::utc;
 use gsk_core::memory::Parameters;
 use gsk_core::units::{Axis, PerAxis, Pulses};
-use gsk_link::{LinkEvent, FINE, LinkConfig, LinkState, RunTime, Sample, Stop};
+use gsk_link::{FINE, LinkConfig, LinkEvent, LinkState, RunTime, Sample, Stop};
 
 /// One board, one test at a time.
 static PORT: Mutex<()> = Mutex::new(());

@@ -37,8 +37,8 @@ use crate::simulation::Simulation;
 use crate::units::{PerAxis, Point, Pulses};
 pub use drives::drives;
 use gsk_link::{
-    BoardInfo, BoardOutputs, FINE, HostTime, Input, Link, LinkConfig, LinkState, Output, Pins,
-    Protocol, MotionRefused, Sample, SpindleDirection, SpindleView, Stop, Traffic,
+    BoardInfo, BoardOutputs, FINE, HostTime, Input, Link, LinkConfig, LinkState, MotionRefused,
+    Output, Pins, Protocol, Sample, SpindleDirection, SpindleView, Stop, Traffic,
 };
 use gsk_messages::Message;
 use log::Log;

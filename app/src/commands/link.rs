@@ -5,7 +5,7 @@ mod twin;
 
 use std::time::Duration;
 
-use gsk_link::{LinkEvent, LinkConfig, LinkState};
+use gsk_link::{LinkConfig, LinkEvent, LinkState};
 
 use super::{ALARM, CommandError, FINE, output};
 use crate::board::Board;

@@ -11,7 +11,7 @@ use crossbeam::channel::Receiver;
 use gsk_core::command::ProgramId;
 use gsk_core::linked::{Linked, Note, Stamp};
 use gsk_core::simulation::Simulation;
-use gsk_link::{SettingDifference, LinkConfig, LinkState};
+use gsk_link::{LinkConfig, LinkState, SettingDifference};
 use gsk_messages::{Message, say};
 use web_time::Duration;
 

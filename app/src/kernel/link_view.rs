@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::{
-    BoardInfo, BoardOutputs, SettingDifference, Input, LinkState, Output, Protocol, SpindleView, Traffic,
+    BoardInfo, BoardOutputs, Input, LinkState, Output, Protocol, SettingDifference, SpindleView,
+    Traffic,
 };
 
 use gsk_messages::Message;

@@ -53,7 +53,9 @@ pub(crate) fn needs_spindle(board: &BoardDrives, tapping: bool) -> Message {
         say::cannot_feed_per_revolution()
     };
     match board.threads {
-        ThreadCapability::None(MissingForThreads { index: true, .. }) => say::needs_spindle_index_unwired(what),
+        ThreadCapability::None(MissingForThreads { index: true, .. }) => {
+            say::needs_spindle_index_unwired(what)
+        }
         ThreadCapability::Followed if tapping => say::needs_spindle_braking(what),
         _ => say::needs_spindle(what),
     }

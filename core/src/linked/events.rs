@@ -10,8 +10,8 @@ use crate::machine::pins;
 use crate::run_state::RunState;
 use crate::units::{Axis, PerAxis, Pulses};
 use gsk_link::{
-    AwaitedInput, BoardOutputs, LinkEvent, Input, LinkState, Output, Protocol, SpindleDirection, Stop,
-    Uncertainty,
+    AwaitedInput, BoardOutputs, Input, LinkEvent, LinkState, Output, Protocol, SpindleDirection,
+    Stop, Uncertainty,
 };
 use gsk_messages::say;
 
@@ -263,7 +263,9 @@ impl Linked {
                 let at = self.home();
                 self.report(BoardReport::Returned { axes, at });
             }
-            LinkEvent::Learned { name, packed } => self.log.notes.push(Note::Learned { name, packed }),
+            LinkEvent::Learned { name, packed } => {
+                self.log.notes.push(Note::Learned { name, packed })
+            }
             LinkEvent::Differs(difference) => self.log.notes.push(Note::Differs(difference)),
         }
     }

@@ -5,7 +5,7 @@ use super::Linked;
 use crate::alarm::Alarm;
 use crate::board::BoardReport;
 use crate::units::{PerAxis, Pulses};
-use gsk_link::{PassError, HostTime, ThreadPass};
+use gsk_link::{HostTime, PassError, ThreadPass};
 
 /// A thread that the board cuts by itself.
 #[derive(Clone, Copy, Debug, Default)]

@@ -13,7 +13,7 @@ use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::step_queue::StepLink;
-use gsk_link::{AwaitedInput, Backend, Input, LinkConfig, RunTime, Sample, Stop, InputCondition};
+use gsk_link::{AwaitedInput, Backend, Input, InputCondition, LinkConfig, RunTime, Sample, Stop};
 use gsk_twins::klipper::{KlipperHardware, KlipperTwin, encode_block};
 
 use super::watch;

@@ -7,7 +7,9 @@ use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::line::LineLink;
-use gsk_link::{Backend, SettingDifference, LinkEvent, Input, LinkConfig, LinkState, RunTime, Sample, Stop};
+use gsk_link::{
+    Backend, Input, LinkConfig, LinkEvent, LinkState, RunTime, Sample, SettingDifference, Stop,
+};
 use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 use gsk_twins::wire::Damage;
 

@@ -5,7 +5,7 @@ use core::time::Duration;
 use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
 use gsk_link::line::{LineLink, RequiredSettings};
-use gsk_link::{Backend, LinkEvent, LinkConfig, LinkState};
+use gsk_link::{Backend, LinkConfig, LinkEvent, LinkState};
 use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 
 /// What another firmware says when it is spoken to; alarm and text that come of it.

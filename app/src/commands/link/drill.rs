@@ -5,7 +5,7 @@ use crate::commands::CommandError;
 use std::time::Duration;
 
 use gsk_core::units::{PerAxis, Pulses};
-use gsk_link::{LinkEvent, FINE as PARTS, Input, LinkState, MotionRefused, RunTime, Sample, Stop};
+use gsk_link::{FINE as PARTS, Input, LinkEvent, LinkState, MotionRefused, RunTime, Sample, Stop};
 use gsk_messages::{Message, say};
 
 use super::super::{ALARM, FINE, output};

@@ -5,7 +5,7 @@ use crate::cnc::Cnc;
 use crate::command::{BeyondPass, ThreadStart};
 use crate::motion::ThreadMove;
 use crate::units::{PerAxis, Point, Pulses};
-use gsk_link::{ThreadPass, ThreadCapability};
+use gsk_link::{ThreadCapability, ThreadPass};
 use gsk_messages::say;
 
 /// The board cannot cut it as a pass.

@@ -6,7 +6,7 @@ use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::step_queue::StepLink;
-use gsk_link::{Backend, LinkEvent, FINE, LinkConfig, LinkState, MotionRefused, RunTime, Sample};
+use gsk_link::{Backend, FINE, LinkConfig, LinkEvent, LinkState, MotionRefused, RunTime, Sample};
 use gsk_twins::klipper::{KlipperHardware, KlipperTwin};
 
 /// One millisecond of both.

@@ -5,7 +5,9 @@ use core::time::Duration;
 use gsk_core::linked::drives;
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_link::step_queue::StepLink;
-use gsk_link::{Backend, LinkEvent, Input, LinkConfig, LinkState, Output, MotionRefused, SpindleView, Stop};
+use gsk_link::{
+    Backend, Input, LinkConfig, LinkEvent, LinkState, MotionRefused, Output, SpindleView, Stop,
+};
 use gsk_messages::say;
 use gsk_twins::klipper::{KlipperHardware, KlipperState};
 

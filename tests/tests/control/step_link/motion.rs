@@ -60,7 +60,10 @@ fn motion_keeps_the_time_of_the_kernel_and_the_lookahead() {
 fn a_rate_the_board_cannot_make_is_refused() {
     let mut bench = Bench::ready();
     assert!(bench.feed(32.0, 50));
-    assert_eq!(bench.give(0.0, bench.at.1 + 40.0), Err(MotionRefused::TooFast));
+    assert_eq!(
+        bench.give(0.0, bench.at.1 + 40.0),
+        Err(MotionRefused::TooFast)
+    );
     bench.link.finish().unwrap();
     assert!(bench.gets(LinkState::Ready, 500));
     assert_eq!(bench.made(), (0, 1600));

@@ -1,7 +1,9 @@
 //! What stops the axes, and where they stand then.
 
 use gsk_core::units::{Axis, PerAxis, Pulses};
-use gsk_link::{AwaitedInput, Backend, LinkEvent, Input, LinkState, MotionRefused, Stop, InputCondition};
+use gsk_link::{
+    AwaitedInput, Backend, Input, InputCondition, LinkEvent, LinkState, MotionRefused, Stop,
+};
 use gsk_twins::klipper::KlipperState;
 
 use super::bench::Bench;
@@ -143,7 +145,9 @@ fn inputs_end_a_move_where_the_board_saw_them() {
         rate: 1000.0,
     };
     assert_eq!(
-        bench.link.arm(awaited(Input::ZeroZ, InputCondition::Operated)),
+        bench
+            .link
+            .arm(awaited(Input::ZeroZ, InputCondition::Operated)),
         Err(MotionRefused::NotWired)
     );
     bench
