@@ -104,7 +104,7 @@ impl SpindleEstimator {
             self.count = count.is_multiple_of(2).then_some(count);
             return None;
         }
-        let over = self.is_closed(clock as Ticks);
+        let over = self.has_stopped(clock as Ticks);
         self.alive = clock as Ticks;
         if !count.is_multiple_of(2) {
             return None;
@@ -211,7 +211,7 @@ impl SpindleEstimator {
         Some(past as f64 * self.line?.rate)
     }
 
-    fn is_closed(&self, now: Ticks) -> bool {
+    fn has_stopped(&self, now: Ticks) -> bool {
         let slow = now - self.alive > self.ticks(SLOWEST);
         slow || self.age(now).is_some_and(|age| age > STANDS)
     }
@@ -221,7 +221,7 @@ impl SpindleEstimator {
         let (Some(line), Some(age)) = (self.line, self.age(now)) else {
             return 0.0;
         };
-        if self.is_closed(now) {
+        if self.has_stopped(now) {
             0.0
         } else if age > UNCERTAIN {
             // The turn is not complete: the speed is at most this.

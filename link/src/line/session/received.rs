@@ -156,7 +156,7 @@ impl LineLink {
         };
         if self.reports.is_due(interval, self.session.now) {
             self.wire.send_realtime(STATUS_QUERY);
-            self.reports.query_status_if_due(self.session.now);
+            self.reports.note_query(self.session.now);
             self.motion.report_requested(self.session.now);
         }
     }

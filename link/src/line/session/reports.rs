@@ -104,7 +104,7 @@ impl Reports {
     }
 
     /// Notes that a status query is sent.
-    pub(super) const fn query_status_if_due(&mut self, now: HostTime) {
+    pub(super) const fn note_query(&mut self, now: HostTime) {
         self.queried_at = Some(now);
         self.last_query = now;
     }

@@ -166,7 +166,7 @@ impl Backend for StepLink {
         if self.session.is_closed() {
             return;
         }
-        self.wire.reader.max_correction(bytes);
+        self.wire.reader.give(bytes);
         while let Some(block) = self.wire.reader.next() {
             let ack = self.wire.send_queue.block_received(
                 block.sequence,

@@ -366,7 +366,7 @@ impl StepLink {
             // Only one output uses PWM: name its pin.
             Some(reason) if reason.contains("PWM") => {
                 let pin = &self.config.io.spindle_pwm;
-                let reason = format!("{why} (link.io.spindle_pwm: {pin})");
+                let reason = format!("{reason} (link.io.spindle_pwm: {pin})");
                 say::board_configuration_refused_for(say::as_written(reason))
             }
             Some(reason) => say::board_configuration_refused_for(say::as_written(reason)),
