@@ -28,7 +28,7 @@ pub(super) struct Switch {
 
 /// A configured output of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Drain {
+pub(super) struct OutputPin {
     pub(super) output: Output,
     pub(super) oid: i64,
     pub(super) inverted: bool,
@@ -39,9 +39,9 @@ pub(super) struct Drain {
 pub(super) struct Wiring {
     pub(super) axes: PerAxis<i64>,
     pub(super) groups: [i64; 2],
-    pub(super) enable: Drain,
+    pub(super) enable: OutputPin,
     pub(super) switches: Vec<Switch>,
-    pub(super) outputs: Vec<Drain>,
+    pub(super) outputs: Vec<OutputPin>,
     pub(super) index: Option<i64>,
     /// Value of the full spindle voltage.
     pub(super) full: u32,
@@ -194,7 +194,7 @@ impl Wiring {
                 Command::ConfigPwmOut,
                 &[oid, pin.number, cycle, off, off, 0],
             );
-            outputs.push(Drain {
+            outputs.push(OutputPin {
                 output: Output::SpindleSpeed,
                 oid,
                 inverted: pin.inverted,
@@ -233,7 +233,7 @@ impl Writer<'_> {
         name: &str,
         output: Output,
         longest: u64,
-    ) -> Result<Drain, WiringError> {
+    ) -> Result<OutputPin, WiringError> {
         let pin = self.pin(key, name)?;
         let oid = self.oid();
         let off = i64::from(pin.inverted);
@@ -241,7 +241,7 @@ impl Writer<'_> {
             Command::ConfigDigitalOut,
             &[oid, pin.number, off, off, longest as i64],
         );
-        Ok(Drain {
+        Ok(OutputPin {
             output,
             oid,
             inverted: pin.inverted,

@@ -4,7 +4,7 @@ use core::time::Duration;
 
 use super::StepLink;
 use crate::step_queue::commands::Command;
-use crate::step_queue::wiring::Drain;
+use crate::step_queue::wiring::OutputPin;
 use crate::{BoardOutputs, HostTime, LinkState, MotionRefused, Output, RunTime, SpindleDirection};
 
 /// Least interval between two spindle speeds: G96 changes the speed in each tick.
@@ -24,7 +24,7 @@ pub(super) struct Outputs {
     /// Motion time and host time of the last spindle speed sent.
     speed_sent: (RunTime, HostTime),
     /// The last value sent to each pin, and its clock.
-    pins: Vec<(Drain, i64, u64)>,
+    pins: Vec<(OutputPin, i64, u64)>,
 }
 
 impl StepLink {
@@ -67,19 +67,29 @@ impl StepLink {
             return Err(MotionRefused::NotReady);
         }
         let wiring = self.wiring.as_ref().ok_or(MotionRefused::NotReady)?;
-        let drain = wiring.outputs.iter().find(|drain| drain.output == output);
-        let (drain, full) = (
-            *drain.ok_or(MotionRefused::NotWired)?,
+        let output_pin = wiring
+            .outputs
+            .iter()
+            .find(|output_pin| output_pin.output == output);
+        let (output_pin, full) = (
+            *output_pin.ok_or(MotionRefused::NotWired)?,
             i64::from(wiring.full),
         );
         let value = if output == Output::SpindleSpeed {
             let part = i64::from(value).clamp(0, FULL_MV) * full / FULL_MV;
-            if drain.inverted { full - part } else { part }
+            if output_pin.inverted {
+                full - part
+            } else {
+                part
+            }
         } else {
-            i64::from((value != 0) != drain.inverted)
+            i64::from((value != 0) != output_pin.inverted)
         };
         let sent = self.periodic.outputs.pins.iter();
-        if sent.copied().any(|sent| (sent.0, sent.1) == (drain, value)) {
+        if sent
+            .copied()
+            .any(|sent| (sent.0, sent.1) == (output_pin, value))
+        {
             return Ok(());
         }
         let made = self.motion.path.piece_at(at).map_or(0, |piece| {
@@ -87,42 +97,45 @@ impl StepLink {
             piece.clock.unsigned_abs() + self.clock.ticks(rest)
         });
         let earliest = self.clock.at(self.session.now + self.margin() + AHEAD);
-        self.switch(drain, value, made.max(earliest));
+        self.switch(output_pin, value, made.max(earliest));
         Ok(())
     }
 
-    fn switch(&mut self, drain: Drain, value: i64, clock: u64) {
+    fn switch(&mut self, output_pin: OutputPin, value: i64, clock: u64) {
         let sent = self
             .periodic
             .outputs
             .pins
             .iter_mut()
-            .find(|(sent, ..)| *sent == drain);
+            .find(|(sent, ..)| *sent == output_pin);
         let clock = match sent {
             Some(sent) => {
                 let clock = clock.max(sent.2 + 1);
-                *sent = (drain, value, clock);
+                *sent = (output_pin, value, clock);
                 clock
             }
             None => {
-                self.periodic.outputs.pins.push((drain, value, clock));
+                self.periodic.outputs.pins.push((output_pin, value, clock));
                 clock
             }
         };
-        let command = if drain.output == Output::SpindleSpeed {
+        let command = if output_pin.output == Output::SpindleSpeed {
             Command::QueuePwmOut
         } else {
             Command::QueueDigitalOut
         };
-        self.wire
-            .send_timed(command, &[drain.oid, i64::from(clock as u32), value], clock);
+        self.wire.send_timed(
+            command,
+            &[output_pin.oid, i64::from(clock as u32), value],
+            clock,
+        );
     }
 
     /// Sends all outputs again after a stop: earlier commands may not have arrived.
     pub(super) fn resend_outputs(&mut self) {
         let soon = self.soon();
-        for (drain, value, _) in self.periodic.outputs.pins.clone() {
-            self.switch(drain, value, soon);
+        for (output_pin, value, _) in self.periodic.outputs.pins.clone() {
+            self.switch(output_pin, value, soon);
         }
     }
 }
