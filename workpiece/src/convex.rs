@@ -25,7 +25,7 @@ use crate::region::GridBounds;
 
 /// Computes the convex hull of points, counter-clockwise, without points on its edges.
 /// The hull is empty if all points lie on one line.
-pub fn convex_hull(points: impl IntoIterator<Item = GridPoint>) -> Contour {
+pub fn convex_hull(points: impl IntoIterator<Item = GridPoint>) -> GridContour {
     let mut points: Vec<GridPoint> = points.into_iter().collect();
     points.sort_unstable_by_key(|point| (point.x, point.y));
     points.dedup();
@@ -60,7 +60,7 @@ fn extend_chain(hull: &mut GridContour, kept: usize, points: impl Iterator<Item 
 
 /// Computes the area that a convex polygon sweeps on a straight line. `from` and `to` are
 /// the positions of the polygon's zero.
-pub fn sweep(polygon: &[GridPoint], from: GridPoint, to: GridPoint) -> Contour {
+pub fn sweep(polygon: &[GridPoint], from: GridPoint, to: GridPoint) -> GridContour {
     let at = |by: GridPoint| polygon.iter().map(move |point| translated(*point, by));
     if from == to {
         return at(from).collect();
@@ -72,7 +72,7 @@ pub fn sweep(polygon: &[GridPoint], from: GridPoint, to: GridPoint) -> Contour {
 ///
 /// The outline crosses itself where the path does, and where a bend of the path is sharper
 /// than the polygon. A point belongs to the area if its winding number is not 0.
-pub fn sweep_along(polygon: &[GridPoint], path: &[GridPoint]) -> Contour {
+pub fn sweep_along(polygon: &[GridPoint], path: &[GridPoint]) -> GridContour {
     let mut path = path.to_vec();
     path.dedup();
     match path[..] {
@@ -144,7 +144,7 @@ fn rightmost_corner(polygon: &[GridPoint], begin: usize, from: GridPoint, to: Gr
 
 /// Scales a convex polygon down about its centre until each side of its bounding box is at
 /// least `by` farther in, grid units. A polygon that is too small becomes empty.
-pub fn shrink(polygon: &[GridPoint], by: i32) -> Contour {
+pub fn shrink(polygon: &[GridPoint], by: i32) -> GridContour {
     let Some(bounds) = GridBounds::from_points(polygon) else {
         return GridContour::new();
     };

@@ -268,7 +268,7 @@ pub(crate) fn with_mirror_image(contour: GridContour) -> Vec<GridContour> {
 }
 
 /// Clips a polygon to a range of Z, grid units; crossings are rounded.
-fn clip_to_z_range(contour: &[GridPoint], low: i32, high: i32) -> Contour {
+fn clip_to_z_range(contour: &[GridPoint], low: i32, high: i32) -> GridContour {
     let Some(bounds) = GridBounds::from_points(contour) else {
         return GridContour::new();
     };
@@ -280,7 +280,7 @@ fn clip_to_z_range(contour: &[GridPoint], low: i32, high: i32) -> Contour {
 }
 
 /// Clips a polygon to one side of a line of constant Z.
-fn clip_half_plane(contour: &[GridPoint], limit: i32, inside: fn(i32, i32) -> bool) -> Contour {
+fn clip_half_plane(contour: &[GridPoint], limit: i32, inside: fn(i32, i32) -> bool) -> GridContour {
     let mut kept = GridContour::with_capacity(contour.len() + 2);
     let next = contour.iter().cycle().skip(1);
     for (a, b) in contour.iter().zip(next) {
