@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
-use gsk_link::{Event, Link, LinkConfig, LinkState, Protocol};
+use gsk_link::{Link, LinkConfig, LinkEvent, LinkState, Protocol};
 
 use gsk_messages::Message;
 
@@ -103,7 +103,7 @@ impl Board {
 
     /// Reads, ticks and writes once; waits at most 2 ms for bytes. The link is over once
     /// the end is asked for.
-    pub fn pump(&mut self) -> Vec<Event> {
+    pub fn pump(&mut self) -> Vec<LinkEvent> {
         if self.ending.is_asked() {
             self.close();
         }
@@ -128,7 +128,11 @@ impl Board {
     }
 
     /// Pumps until a condition holds or the time is up; what happened meanwhile.
-    pub fn wait(&mut self, limit: Duration, until: impl Fn(&Link, &[Event]) -> bool) -> Vec<Event> {
+    pub fn wait(
+        &mut self,
+        limit: Duration,
+        until: impl Fn(&Link, &[LinkEvent]) -> bool,
+    ) -> Vec<LinkEvent> {
         let end = self.now() + limit;
         let mut events = Vec::new();
         while self.now() < end && self.link.state() != LinkState::Off && !until(&self.link, &events)
@@ -139,14 +143,14 @@ impl Board {
     }
 
     /// Pumps until the board is known, refused or lost, [`GET_KNOWN`] at most.
-    pub fn get_known(&mut self) -> Vec<Event> {
+    pub fn get_known(&mut self) -> Vec<LinkEvent> {
         self.wait(GET_KNOWN, |link, events| {
             matches!(
                 link.state(),
                 LinkState::Locked | LinkState::Tripped | LinkState::Fault | LinkState::Lost
             ) || events
                 .iter()
-                .any(|event| matches!(event, Event::Differs(_)))
+                .any(|event| matches!(event, LinkEvent::Differs(_)))
         })
     }
 

@@ -268,7 +268,7 @@ pub fn write_section(path: &Path, machining: &Machining) -> Result<(), WriteErro
 mod tests {
     use super::*;
     use gsk_core::units::{Diameter, Point};
-    use gsk_workpiece::job::Place;
+    use gsk_workpiece::job::DiameterPoint;
     use gsk_workpiece::stock::{Stock, Tailstock};
     use gsk_workpiece::tool::Tool;
 
@@ -289,8 +289,9 @@ mod tests {
         let mut job = read(&path).unwrap();
         job.tools.insert(1, Tool::turning());
         job.tools.insert(12, Tool::drill(8.5));
-        job.zero = Some(Place::from(Point::new(-40.5, -320.25)));
-        job.lengths.insert(12, Place::from(Point::new(0.0, 31.007)));
+        job.zero = Some(DiameterPoint::from(Point::new(-40.5, -320.25)));
+        job.lengths
+            .insert(12, DiameterPoint::from(Point::new(0.0, 31.007)));
         job.stock.tailstock = Some(Tailstock {
             quill: Diameter(40.0),
             center: Diameter(6.0),

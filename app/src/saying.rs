@@ -5,7 +5,7 @@ use std::fmt::Display;
 use std::io::{self, ErrorKind};
 
 use gsk_core::plc::{CompileError, CompileErrors, compile_summary};
-use gsk_link::Difference;
+use gsk_link::SettingDifference;
 use gsk_messages::{Message, say};
 
 use crate::platform::DeviceName;
@@ -23,7 +23,7 @@ pub fn listed(messages: impl IntoIterator<Item = Message>) -> Message {
 }
 
 /// A setting of a board that is not as it must be.
-pub fn differs(difference: &Difference) -> Message {
+pub fn differs(difference: &SettingDifference) -> Message {
     let board = difference.board.as_deref();
     let board = board.map_or_else(say::link_page_setting_missing, say::as_written);
     say::link_page_setting_differs(&difference.name, board, &difference.wanted)

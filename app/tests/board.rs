@@ -20,7 +20,7 @@ use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::units::Axis;
 use gsk_link::step_queue::StepLink;
-use gsk_link::{Backend, Event, LinkConfig, LinkState};
+use gsk_link::{Backend, LinkConfig, LinkEvent, LinkState};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
 use gsk_twins::klipper::{KlipperHardware, KlipperTwin};
@@ -339,7 +339,7 @@ fn foreign() -> Vec<u8> {
         twin.write(&bytes);
         link.consumed(bytes.len());
         for event in link.events() {
-            if let Event::Learned { packed, .. } = event {
+            if let LinkEvent::Learned { packed, .. } = event {
                 return packed;
             }
         }

@@ -27,7 +27,7 @@ use gsk_app::board::Board;
 use gsk_app::files::time::utc;
 use gsk_core::memory::Parameters;
 use gsk_core::units::{Axis, PerAxis, Pulses};
-use gsk_link::{Event, FINE, LinkConfig, LinkState, RunTime, Sample, Stop};
+use gsk_link::{FINE, LinkConfig, LinkEvent, LinkState, RunTime, Sample, Stop};
 
 /// One board, one test at a time.
 static PORT: Mutex<()> = Mutex::new(());
@@ -99,7 +99,7 @@ struct Bench {
     run: RunTime,
     at: [f64; 2],
     speed: f64,
-    events: Vec<Event>,
+    events: Vec<LinkEvent>,
     _port: MutexGuard<'static, ()>,
 }
 
@@ -144,7 +144,7 @@ impl Bench {
     }
 
     fn differs(&self) -> bool {
-        let differs = |event: &Event| matches!(event, Event::Differs(_));
+        let differs = |event: &LinkEvent| matches!(event, LinkEvent::Differs(_));
         self.events.iter().any(differs)
     }
 
@@ -171,7 +171,7 @@ impl Bench {
 
     /// A tick of motion, as soon as there is room; false when it broke off.
     fn tick(&mut self) -> bool {
-        while self.board.link.room() == Duration::ZERO {
+        while self.board.link.free_lookahead() == Duration::ZERO {
             let events = self.board.pump();
             self.events.extend(events);
             if !self.state().takes_motion() {
@@ -235,7 +235,7 @@ impl Bench {
     }
 
     fn has_alarm(&self, wanted: u16) -> bool {
-        let is = |event: &Event| matches!(event, Event::Alarm { number, .. } if *number == wanted);
+        let is = |event: &LinkEvent| matches!(event, LinkEvent::Alarm { number, .. } if *number == wanted);
         self.events.iter().any(is)
     }
 }
@@ -333,7 +333,7 @@ fn hw_5_flush() {
             LinkState::Ready | LinkState::Locked
         )));
         let told = bench.events.iter().rev().find_map(|event| match event {
-            Event::Position(pulses) => Some(*pulses),
+            LinkEvent::Position(pulses) => Some(*pulses),
             _ => None,
         });
         let at = told.expect("the board says where it stands");

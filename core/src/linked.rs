@@ -37,8 +37,8 @@ use crate::simulation::Simulation;
 use crate::units::{PerAxis, Point, Pulses};
 pub use drives::drives;
 use gsk_link::{
-    BoardInfo, BoardOutputs, FINE, HostTime, Input, Link, LinkConfig, LinkState, Output, Pins,
-    Protocol, Refused, Sample, SpindleDirection, SpindleView, Stop, Traffic,
+    BoardInfo, BoardOutputs, FINE, HostTime, Input, Link, LinkConfig, LinkState, MotionRefused,
+    Output, Pins, Protocol, Sample, SpindleDirection, SpindleView, Stop, Traffic,
 };
 use gsk_messages::Message;
 use log::Log;
@@ -158,7 +158,7 @@ impl Linked {
     /// What boards met before said they understand; to be told before the first
     /// [`pump`](Self::pump).
     pub fn know(&mut self, dictionaries: Vec<Vec<u8>>) {
-        self.link.know(dictionaries);
+        self.link.add_dictionaries(dictionaries);
     }
 
     /// The link is over; the slides are simulated again. The last bytes for the board
@@ -360,8 +360,8 @@ impl Linked {
 
     /// Motion that the board does not take is not made: the control goes back to
     /// where the slides are.
-    fn refuse(&mut self, refused: Refused) {
-        let (number, text) = refused.judged();
+    fn refuse(&mut self, refused: MotionRefused) {
+        let (number, text) = refused.to_alarm();
         self.raise(Alarm::new(number).because(text));
         self.report(BoardReport::Halted);
         self.motion.moved = false;

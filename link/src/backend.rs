@@ -1,4 +1,4 @@
-//! What every board can do for the kernel, whatever it speaks.
+//! The interface of all boards to the kernel.
 
 use core::fmt::Debug;
 use core::ops::{Deref, DerefMut};
@@ -11,23 +11,23 @@ use crate::line::LineLink;
 use crate::position::Positioned;
 use crate::step_queue::StepLink;
 use crate::{
-    Awaited, BoardInfo, BoardOutputs, CannotCut, Event, HostTime, Input, LinkConfig, LinkState,
-    Output, Pass, Pins, Protocol, PulseRates, Refused, RunTime, Sample, SpindleView, Stop,
-    ThreadRights, Traffic, Uncertainty,
+    AwaitedInput, BoardInfo, BoardOutputs, HostTime, Input, LinkConfig, LinkEvent, LinkState,
+    MotionRefused, Output, PassError, Pins, Protocol, PulseRates, RunTime, Sample, SpindleView,
+    Stop, ThreadCapability, ThreadPass, Traffic, Uncertainty,
 };
 use gsk_units::{Axis, PerAxis, Pulses};
 
-/// A link to one board, whatever it speaks: everything it does is of its [`Backend`].
+/// A link to one board of either protocol. It dereferences to its [`Backend`].
 #[derive(Clone, Debug)]
 pub enum Link {
-    /// A board that reads lines.
+    /// A board that reads lines of G code: Grbl, grblHAL, FluidNC.
     Line(Box<LineLink>),
-    /// A board that executes times of steps.
+    /// A board that executes timed steps: Klipper firmware.
     StepQueue(Box<StepLink>),
 }
 
 impl Link {
-    /// A link whose port has just been opened.
+    /// Starts the dialogue with a board whose port was just opened.
     pub fn open(config: LinkConfig, drives: &Drives, now: HostTime) -> Self {
         match config.protocol {
             Protocol::Line => Self::Line(Box::new(LineLink::open(config, drives, now))),
@@ -56,103 +56,104 @@ impl DerefMut for Link {
     }
 }
 
-/// A board behind a port: bytes and time go in, bytes and events come out.
+/// A link to a board: takes bytes and time, returns bytes and events.
 ///
-/// What a board cannot do has a body here that says so.
+/// Functions that not every board supports have a default body, which refuses.
 pub trait Backend: Positioned + Debug {
-    /// What boards met before said they understand: [`Event::Learned`].
-    fn know(&mut self, dictionaries: Vec<Vec<u8>>) {
-        // Most boards are asked a few questions only.
+    /// Adds dictionaries from earlier [`LinkEvent::Learned`] events.
+    fn add_dictionaries(&mut self, dictionaries: Vec<Vec<u8>>) {
+        // Only boards with timed steps have a dictionary.
         let _ = dictionaries;
     }
 
-    /// Where the link stands.
+    /// The state of the link.
     fn state(&self) -> LinkState {
         self.session().state
     }
 
-    /// What the board said it is.
+    /// What the board has reported about itself.
     fn board(&self) -> &BoardInfo;
 
-    /// Which threads it cuts.
-    fn threads(&self) -> ThreadRights;
+    /// Which threads the board can cut.
+    fn threads(&self) -> ThreadCapability;
 
-    /// Hands over a pass that the board cuts by itself.
+    /// Starts a thread pass that the board synchronizes with its spindle.
     ///
     /// # Errors
-    /// What is not as it must be; nothing was sent.
-    fn cut(&mut self, pass: &Pass) -> Result<(), CannotCut> {
+    /// The unmet condition; nothing was sent.
+    fn cut(&mut self, pass: &ThreadPass) -> Result<(), PassError> {
         let _ = pass;
-        Err(CannotCut::NotReady)
+        Err(PassError::NotReady)
     }
 
     /// Pulses per mm of slide travel, X and Z.
     fn pulses_per_mm(&self) -> [f64; 2];
 
-    /// Switches at the board that are operated, as last reported.
+    /// The operated switches of the last report.
     fn pins(&self) -> Pins;
 
-    /// The board's count in the kernel's pulses, as last reported.
+    /// The position of the last report, in the kernel's pulses.
     fn counted(&self) -> Option<PerAxis<Pulses>>;
 
-    /// Since when the board has reported itself standing.
+    /// The time of the first report since which all reports show a standstill.
     fn standing_since(&self) -> Option<HostTime>;
 
-    /// Figures of the wire.
+    /// Counters of the serial traffic.
     fn traffic(&self) -> Traffic;
 
-    /// Motion the board has certainly made, as time since the opening.
+    /// The end of the motion that the board has certainly executed.
     fn executed(&self) -> RunTime;
 
-    /// Motion handed over that may not have been made yet.
+    /// Duration of the motion that the board may not have executed yet.
     fn outstanding(&self) -> Duration;
 
-    /// How much more motion may be handed over now.
-    fn room(&self) -> Duration;
+    /// Duration of motion that the link accepts now without exceeding the lookahead.
+    fn free_lookahead(&self) -> Duration;
 
-    /// The most pulses a second that can be given.
+    /// The greatest pulse rates of the board.
     fn rates(&self) -> PulseRates;
 
-    /// What happened since the last call.
-    fn events(&mut self) -> Vec<Event> {
+    /// Returns and clears the events since the last call.
+    fn events(&mut self) -> Vec<LinkEvent> {
         core::mem::take(&mut self.session_mut().events)
     }
 
     /// Bytes to be written to the port.
     fn tx(&self) -> &[u8];
 
-    /// So many of them were written.
+    /// Removes the first `count` bytes of [`tx`](Self::tx): the port has taken them.
     fn consumed(&mut self, count: usize);
 
-    /// Time passes; at least every 5 ms.
+    /// Advances the time; call it at least every 5 ms.
     fn tick(&mut self, now: HostTime);
 
-    /// Bytes came from the port.
+    /// Takes bytes received from the port.
     fn rx(&mut self, bytes: &[u8], now: HostTime);
 
-    /// The computer was away for longer than a board that makes what it holds is told
-    /// ahead: such a board is sent nothing before it has reported where it stands. A board
-    /// of timed steps notices by itself.
+    /// Call it after the computer was suspended for longer than the lookahead. A line board
+    /// gets no motion before it has reported its position. A board with timed steps
+    /// notices the gap itself.
     fn stop_after_absence(&mut self) {}
 
-    /// The port failed: unplugged, or taken away.
+    /// Call it when the port failed, for instance when it was unplugged.
     fn lost(&mut self, cause: Message);
 
-    /// Asks a standing board for its count: [`Event::Position`] reports it when it agrees.
-    /// False: it reports it all the time.
+    /// Queries the count of a board at standstill; [`LinkEvent::Position`] reports the
+    /// answer. Returns false if no query was sent, as for a board that reports its
+    /// position all the time.
     fn compare(&mut self) -> bool {
         false
     }
 
-    /// Writes the settings that differ; the operator was asked.
+    /// Writes the settings that differ; the operator has confirmed it.
     fn write_settings(&mut self) {}
 
-    /// The slides stand where the kernel says: it has made its reference return, or
-    /// the operator has confirmed it. From here on motion is taken.
+    /// Sets the position of the slides: after the kernel's reference return, or when the
+    /// operator has confirmed it. The link accepts motion from now on.
     ///
     /// # Errors
-    /// The board moves, is locked, or has not said where it stands.
-    fn set_position(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
+    /// The board moves, is locked, or has not reported its position.
+    fn set_position(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), MotionRefused> {
         self.align(kernel, at)?;
         let session = self.session_mut();
         session.confirm_position();
@@ -160,43 +161,42 @@ pub trait Backend: Positioned + Debug {
         Ok(())
     }
 
-    /// The operator moves the axes by hand although nobody knows where they stand:
-    /// motion is taken from here on, and the state stays locked.
+    /// Accepts manual motion without a known position; the state remains locked.
     ///
     /// # Errors
-    /// The position is known, the board moves, is locked, or has not said where it
-    /// stands.
-    fn release(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
+    /// The position is known, or the board moves, is locked, or has not reported its
+    /// position.
+    fn release(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), MotionRefused> {
         if self.state() != LinkState::Locked {
-            return Err(Refused::NotReady);
+            return Err(MotionRefused::NotReady);
         }
         self.align(kernel, at)?;
         self.session_mut().release();
         Ok(())
     }
 
-    /// The port is about to be closed: motion, spindle and coolant stop with the
-    /// bytes that are left to be written.
+    /// Prepares for closing the port: the bytes that remain in [`tx`](Self::tx) stop motion,
+    /// spindle and coolant.
     fn close(&mut self);
 
-    /// What stops motion, spindle and coolant whatever was written before, for whoever
-    /// holds the port when this program is gone; nothing: there is nothing to be stopped,
-    /// or nobody knows yet what the board is.
+    /// Bytes that stop motion, spindle and coolant after any earlier bytes. The port guard
+    /// writes them when the main process ends. Empty if nothing needs to be stopped or
+    /// the board is not identified yet.
     fn stop_bytes(&self) -> Vec<u8>;
 
-    /// Whether a board answers so to [`stop_bytes`](Self::stop_bytes).
+    /// Whether received bytes contain the answer to [`stop_bytes`](Self::stop_bytes).
     fn has_answered_stop(&self, answered: &[u8]) -> bool {
         let _ = answered;
         false
     }
 
-    /// The control forgot where the axes stand (power off): so does the link.
+    /// Forgets the position and the board's count, as the control does at power-off.
     fn forget_position(&mut self) {
         self.invalidate_position(Uncertainty::Unreferenced);
         self.forget_count();
     }
 
-    /// The board's count says no more where the slides stand.
+    /// Marks the position as uncertain, stops motion and locks the link.
     fn invalidate_position(&mut self, uncertainty: Uncertainty) {
         self.lose_position(uncertainty);
         match self.state() {
@@ -206,157 +206,159 @@ pub trait Backend: Positioned + Debug {
         }
     }
 
-    /// Whether it is known where the slides stand.
+    /// Whether the position of the slides is known.
     fn knows_position(&self) -> bool {
         self.session().knows_position()
     }
 
-    /// Why it is not.
+    /// Why the position is uncertain; `None` if it is known.
     fn uncertainty(&self) -> Option<Uncertainty> {
         self.session().uncertainty()
     }
 
-    /// Where standing axes are by the board's last count, since it and the kernel's
-    /// were put together.
+    /// The position by the last count of the board, in the kernel's pulses; `None` if the
+    /// two counts were never aligned.
     fn last_position(&self) -> Option<PerAxis<Pulses>>;
 
-    /// Whether a stop is still under way: where the axes come to stand is not known.
+    /// Whether a stop is in progress: the position of the standstill is not known yet.
     fn is_stopping(&self) -> bool;
 
-    /// Whether the board has answered a question that was asked no earlier than this.
+    /// Whether the board has answered a query sent at or after a moment.
     fn has_answered_since(&self, moment: HostTime) -> bool {
         let _ = moment;
         true
     }
 
-    /// Whether motion is taken, at the latest when the board has answered what it was
-    /// told.
+    /// Whether the link accepts motion, now or once the board has answered all commands.
     fn takes_motion(&self) -> bool;
 
-    /// Whether motion is taken now.
+    /// Whether the link accepts motion now.
     fn is_prepared(&self) -> bool;
 
-    /// Whether the board makes the reference return by itself; else the kernel does,
-    /// with [`arm`](Self::arm).
+    /// Whether the board does its own homing. Otherwise the kernel makes the reference
+    /// return with [`arm`](Self::arm).
     fn homes(&self) -> bool {
         false
     }
 
-    /// Whether the return of one axis leaves the other where it is.
+    /// Whether one axis can make its reference return while the other stays in place.
     fn homes_alone(&self) -> bool;
 
-    /// Begins the reference return of these axes, which the board makes by itself.
+    /// Starts the board's own homing of these axes.
     ///
     /// # Errors
-    /// The board moves or has not said how it stands, or does not do so.
-    fn home(&mut self, axes: PerAxis<bool>) -> Result<(), Refused> {
+    /// The board moves, has not reported its state, or has no homing.
+    fn home(&mut self, axes: PerAxis<bool>) -> Result<(), MotionRefused> {
         let _ = axes;
-        Err(Refused::NotReady)
+        Err(MotionRefused::NotReady)
     }
 
-    /// What spindle and coolant are to do.
+    /// Sets the wanted state of spindle and coolant.
     fn set_outputs(&mut self, outputs: BoardOutputs);
 
-    /// Whether outputs switch at their place in the motion, without a standstill.
+    /// Whether outputs can switch during motion; otherwise they switch at standstill only.
     fn times_outputs(&self) -> bool {
         false
     }
 
-    /// What the board has switched; none while an order is under way.
+    /// The outputs that the board has switched; `None` while a command is in progress.
     fn switched(&self) -> Option<BoardOutputs>;
 
-    /// Hands over where the axes are to be at the end of a tick.
+    /// Takes the commanded position at the end of a tick.
     ///
     /// # Errors
-    /// The state takes no motion, or the board could not follow; nothing was sent.
-    fn push(&mut self, sample: Sample) -> Result<(), Refused>;
+    /// The state allows no motion, a limit switch is in the way, or the rate is too high;
+    /// nothing was sent.
+    fn push(&mut self, sample: Sample) -> Result<(), MotionRefused>;
 
-    /// The kernel stands: what is left of the motion goes out.
+    /// Sends the rest of the motion; call it when the kernel is at standstill.
     ///
     /// # Errors
-    /// The board could not follow the rest.
-    fn finish(&mut self) -> Result<(), Refused>;
+    /// The rest needs a higher pulse rate than the board has.
+    fn finish(&mut self) -> Result<(), MotionRefused>;
 
-    /// Stops the board at once.
+    /// Stops the board immediately.
     fn stop(&mut self, stop: Stop);
 
-    /// The operator pressed RESET: faults whose cause is gone are cleared, the board
-    /// is unlocked; without a position nothing moves yet.
+    /// Handles RESET: clears faults whose cause is gone and unlocks the board. The position
+    /// remains unknown if it was.
     fn reset(&mut self);
 
-    /// From now on this input stops the axes in the board as soon as it does what is
-    /// awaited, once [`is_armed`](Self::is_armed) says so: [`Event::Reached`] tells
-    /// where.
+    /// Arms an input: the board stops the axes when its condition is met, and
+    /// [`LinkEvent::Reached`] reports the position. The board watches the input when
+    /// [`is_armed`](Self::is_armed) returns true.
     ///
     /// # Errors
-    /// No motion is taken, or the board has no such input.
-    fn arm(&mut self, awaited: Awaited) -> Result<(), Refused> {
+    /// The link accepts no motion, or the board has no such input.
+    fn arm(&mut self, awaited: AwaitedInput) -> Result<(), MotionRefused> {
         let _ = awaited;
-        Err(Refused::NotWired)
+        Err(MotionRefused::NotWired)
     }
 
-    /// What is waited for at an axis.
-    fn awaited(&self, axis: Axis) -> Option<Awaited> {
+    /// The armed input of an axis, if any.
+    fn awaited(&self, axis: Axis) -> Option<AwaitedInput> {
         let _ = axis;
         None
     }
 
-    /// Whether the board looks at what is waited for.
+    /// Whether the board watches the armed input of an axis.
     fn is_armed(&self, axis: Axis) -> bool {
         let _ = axis;
         false
     }
 
-    /// Nothing is waited for at an axis any more.
+    /// Disarms the input of an axis.
     fn disarm(&mut self, axis: Axis) {
         let _ = axis;
     }
 
-    /// A limit switch has stopped the axes, and it is known where: they may be moved
-    /// off it, before the operator presses RESET.
+    /// Accepts motion off a limit switch that stopped the axes, before the operator presses
+    /// RESET.
     ///
     /// # Errors
-    /// Something else stopped them, or the position is not known.
-    fn retreat(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
+    /// No limit switch stopped the axes, or the position is unknown.
+    fn retreat(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), MotionRefused> {
         let _ = (kernel, at);
-        Err(Refused::NotReady)
+        Err(MotionRefused::NotReady)
     }
 
-    /// Whether axes that have made their reference return stand where the kernel
-    /// says, although that of another is missing.
+    /// Whether referenced axes keep a valid position while the other axis is not
+    /// referenced.
     fn keeps_count(&self) -> bool {
         false
     }
 
-    /// Switches an output of the board when the motion up to a time has been made.
+    /// Switches an output when the motion up to `at` has been executed.
     ///
     /// # Errors
     /// The board is not ready, or has no such output.
-    fn output(&mut self, at: RunTime, output: Output, value: i32) -> Result<(), Refused> {
+    fn output(&mut self, at: RunTime, output: Output, value: i32) -> Result<(), MotionRefused> {
         let _ = (at, output, value);
-        Err(Refused::NotWired)
+        Err(MotionRefused::NotWired)
     }
 
-    /// Whether a switch at the board is operated; `None`: not wired, or not reported yet.
+    /// Whether an input is operated; `None` if it is not wired or not reported yet.
     fn input(&self, input: Input) -> Option<bool>;
 
-    /// The spindle in the kernel's next tick; once before each. `give`: the axes follow
-    /// it, and it may be corrected by so much, turns.
-    fn spindle(&mut self, give: Option<f64>) -> Option<SpindleView> {
-        let _ = give;
+    /// Predicts the spindle in the kernel's next tick; call it once before each tick. With
+    /// `max_correction` the axes follow the spindle: the prediction may deviate from a
+    /// constant speed by this many turns per tick at most. `None` without a one-turn
+    /// signal.
+    fn spindle(&mut self, max_correction: Option<f64>) -> Option<SpindleView> {
+        let _ = max_correction;
         None
     }
 
-    /// The spindle was reversed: what was learned of its turns does not go on.
+    /// Restarts the spindle estimate; call it when the spindle is reversed.
     fn spindle_reversed(&mut self) {}
 
-    /// A time without motion is time all the same, while the axes wait for the
-    /// spindle.
+    /// Sets whether samples without motion take time in the board, as while the axes wait
+    /// for the spindle.
     fn keep_time(&mut self, on: bool) {
         let _ = on;
     }
 
-    /// The next piece of the traffic as text, taken from the bytes of one direction
-    /// that are collected; none: it is not whole yet.
+    /// Takes the next line or block from the collected bytes of one direction and formats
+    /// it as text. `None` if it is incomplete. `outward`: the bytes go to the board.
     fn next_text(&self, outward: bool, collected: &mut Vec<u8>) -> Option<String>;
 }

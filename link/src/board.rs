@@ -1,48 +1,48 @@
-//! What a board says of itself, and the figures of its wire.
+//! Data that a board reports, and traffic counters.
 
 use core::time::Duration;
 
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-/// What the board is, as far as it said.
+/// The properties of a board, as far as it has reported them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BoardInfo {
     /// Firmware and version.
     pub firmware: String,
-    /// Places in its motion queue.
+    /// Entries of the motion queue.
     pub blocks: u16,
-    /// Size of its receive buffer, bytes.
+    /// Size of the receive buffer, bytes.
     pub receive_bytes: u16,
-    /// It can cut threads behind its spindle.
+    /// Whether the firmware can synchronize a thread pass with the spindle.
     pub spindle_sync: bool,
-    /// It forgets settings that were written when it is switched off.
+    /// Whether written settings are lost at power-off.
     pub forgets: bool,
 }
 
-/// The most pulses a second that a board makes.
+/// The greatest pulse rates of a board, pulses per second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PulseRates {
-    /// Of X and of Z.
+    /// Rates of X and of Z.
     pub each: [f64; 2],
-    /// Of both together.
+    /// Rate of both axes together.
     pub both: f64,
 }
 
-/// Which threads the drives behind a board cut.
+/// Which threads a board can cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ThreadRights {
-    /// None: what is lacking.
-    None(Lacks),
-    /// The control follows the spindle as the board measures it: every thread.
+pub enum ThreadCapability {
+    /// No threads, because of these missing conditions.
+    None(MissingForThreads),
+    /// All threads: the board measures the spindle, and the control follows it.
     Followed,
-    /// The board follows its spindle by itself, one straight pass of one lead at a
-    /// time, from the one-turn signal.
+    /// Straight passes of constant lead: the board synchronizes each pass with its
+    /// one-turn signal.
     Passes,
 }
 
-impl ThreadRights {
-    /// What it cuts, or what it lacks, in words.
+impl ThreadCapability {
+    /// The text for the operator: possible threads, or the missing conditions.
     pub fn text(self) -> Message {
         match self {
             Self::None(lacks) => say::threads_none(lacks.text()),
@@ -52,31 +52,32 @@ impl ThreadRights {
     }
 }
 
-impl Default for ThreadRights {
+impl Default for ThreadCapability {
     fn default() -> Self {
-        Self::None(Lacks::default())
+        Self::None(MissingForThreads::default())
     }
 }
 
-/// What a board lacks for threads.
+/// The conditions for threads that a board does not meet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Lacks {
-    /// Its firmware synchronises nothing with the spindle.
+pub struct MissingForThreads {
+    /// The firmware has no spindle synchronization.
     pub sync: bool,
-    /// The owner has not cut the proof thread.
+    /// The proof thread has not been cut.
     pub proof: bool,
-    /// It was not told the pulses of its encoder.
+    /// The setting for the encoder pulses ($38) is 0.
     pub encoder: bool,
-    /// It corrects the pass while it cuts it, wrongly.
+    /// The gains of the spindle control loop ($90 to $92) are not 0: the board would
+    /// correct a pass while it cuts.
     pub gains: bool,
-    /// It counts a pass from a work offset of its own.
+    /// A work offset in the board is not 0.
     pub offset: bool,
-    /// No one-turn signal of the spindle is wired.
+    /// The one-turn signal of the spindle is not wired.
     pub index: bool,
 }
 
-impl Lacks {
-    /// All that is lacking, in words.
+impl MissingForThreads {
+    /// The text for the operator: all missing conditions.
     pub fn text(self) -> Message {
         let lacks = [
             (self.sync, say::lacks_sync()),
@@ -97,27 +98,27 @@ impl Lacks {
     }
 }
 
-/// Switches that a report names as operated.
+/// The switches that a status report names as operated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Pins {
-    /// Limit of X.
+    /// Limit switch of X.
     pub x: bool,
-    /// Limit of Z.
+    /// Limit switch of Z.
     pub z: bool,
-    /// Emergency stop or reset input.
+    /// Emergency stop input or reset input.
     pub emergency: bool,
-    /// Door.
+    /// Safety door.
     pub door: bool,
     /// Probe.
     pub probe: bool,
-    /// Feed hold.
+    /// Feed hold button.
     pub hold: bool,
-    /// Cycle start.
+    /// Cycle start button.
     pub start: bool,
 }
 
 impl Pins {
-    /// Whether the pin is operated for which a report has this letter.
+    /// Whether the pin with this letter in Grbl's status report is operated.
     pub(super) const fn letter(self, letter: char) -> bool {
         match letter {
             'P' => self.probe,
@@ -130,53 +131,52 @@ impl Pins {
     }
 }
 
-/// Which way the spindle is to turn.
+/// The commanded direction of the spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SpindleDirection {
-    /// It stands.
+    /// The spindle is stopped (M05).
     #[default]
     Stop,
-    /// M03.
+    /// Forward (M03).
     Forward,
-    /// M04.
+    /// Reverse (M04).
     Reverse,
 }
 
-/// What the board switches for the control.
+/// The outputs that the board switches for the control.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BoardOutputs {
-    /// Spindle.
+    /// Direction of the spindle.
     pub spindle: SpindleDirection,
-    /// Analog spindle output, mV of 10 V.
+    /// Analog output of the spindle speed, 0 to 10 000 mV.
     pub millivolts: u16,
-    /// M08.
+    /// Coolant (M08).
     pub coolant: bool,
 }
 
-/// The spindle in a tick of the kernel, as its one-turn signal at the board lets it be
-/// foreseen; turns count up whichever way it goes.
+/// The spindle in one tick of the kernel, predicted from its one-turn signal at the board.
+/// The turns count up in both directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpindleView {
-    /// Speed, r/min; 0: it stands, or nothing is known yet.
+    /// Speed, r/min; 0 if the spindle is stopped or no speed is known yet.
     pub rpm: f64,
-    /// Turns at the beginning of the tick and at its end; alike: the angle is not
-    /// known.
+    /// Turns at the start of the tick. Equal to `now` if the angle is not known.
     pub before: f64,
-    /// See `before`.
+    /// Turns at the end of the tick.
     pub now: f64,
-    /// The index came by within the tick.
+    /// Whether the one-turn signal occurs within the tick.
     pub passed: bool,
-    /// Greatest difference of the last periods (20 turns, 2 s), a part of their mean;
-    /// none: not so many turns yet.
+    /// Greatest difference between recent periods as a fraction of their mean, over 20
+    /// turns and 2 s; `None` with fewer turns.
     pub variation: Option<f64>,
-    /// An index came farther from where the axes followed than a thread bears, turns;
-    /// told once.
+    /// How far a one-turn signal was from the angle that the axes followed, turns, if that
+    /// is too far for a thread. Reported once.
     pub deviation: Option<f64>,
-    /// The axes follow it, and no index comes any more.
+    /// Whether the one-turn signal is missing while the axes follow the spindle.
     pub lost: bool,
 }
 
-/// Figures of the wire for the link page.
+/// Counters of the serial traffic for the link page. A board reads lines or blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
     /// Lines or blocks sent.
@@ -185,14 +185,14 @@ pub struct Traffic {
     pub sent: u64,
     /// Bytes received.
     pub received: u64,
-    /// Reports received.
+    /// Status reports received.
     pub reports: u64,
-    /// Lines or blocks that made no sense.
+    /// Invalid lines or blocks received.
     pub garbage: u64,
-    /// Pieces of motion sent.
+    /// Motion segments or step runs sent.
     pub segments: u64,
-    /// Lines or blocks sent again.
+    /// Blocks retransmitted.
     pub resent: u64,
-    /// Time from the last question to its answer.
+    /// Time from the last query to its answer.
     pub round_trip: Option<Duration>,
 }

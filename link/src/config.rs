@@ -1,4 +1,4 @@
-//! The section `link` of the machine file (RON).
+//! Reads and checks the section `link` of the machine file (RON).
 
 use core::time::Duration;
 
@@ -10,7 +10,7 @@ use thiserror::Error;
 use super::pin::PinName;
 use super::{Input, contacts};
 
-/// A pulse board and how it is wired.
+/// A pulse board and its wiring.
 ///
 /// ```
 /// use gsk_link::LinkConfig;
@@ -21,28 +21,29 @@ use super::{Input, contacts};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LinkConfig {
-    /// What the board understands.
+    /// The protocol of the board.
     pub protocol: Protocol,
-    /// Serial device, best by its unchanging name under `/dev/serial/by-id/`.
+    /// Serial device; prefer its stable name under `/dev/serial/by-id/`.
     pub port: String,
-    /// Bits a second.
+    /// Baud rate, bit/s, 9600–4 000 000.
     pub baud: u32,
-    /// How far the kernel may run ahead of the board, ms, 50–400. Every hold is
-    /// later by this. `None`: 150 with lines, 100 with steps.
+    /// How far the kernel may run ahead of the board, ms, 50–400. It delays each feed
+    /// hold. `None`: 150 for a line board, 100 for timed steps.
     pub lookahead_ms: Option<u32>,
-    /// Up to this feed the reference stays valid after a stop without a ramp,
-    /// mm/min of the slide.
+    /// Greatest speed of the slide at which the reference remains valid after a stop
+    /// without deceleration, mm/min.
     pub flush_keep_speed: u32,
     /// Wiring of the cross slide.
     pub x: LinkAxis,
     /// Wiring of the carriage.
     pub z: LinkAxis,
-    /// Wiring of the rest, where the board has no fixed pins.
+    /// Wiring of the other pins, for boards without fixed pins.
     pub io: LinkIo,
-    /// Contacts X0.0 to X3.7 of the control that are wired to the board, closed while
-    /// the pin is high (`!`: low): `{"X1.4": "^PD0"}`. A line board tells letters.
+    /// Contacts X0.0 to X3.7 of the control that are wired to the board, with their pins:
+    /// `{"X1.4": "^PD0"}`. A contact is closed while its pin is high, with `!` while it
+    /// is low. For a line board the pin is a letter of its status report.
     pub inputs: BTreeMap<String, String>,
-    /// Boards that read lines (Grbl, grblHAL).
+    /// Settings for line boards (Grbl, grblHAL, FluidNC).
     pub line: LineConfig,
 }
 
@@ -63,45 +64,46 @@ impl Default for LinkConfig {
     }
 }
 
-/// What a board understands.
+/// The protocol that a board understands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Protocol {
-    /// Lines of text: Grbl 1.1, grblHAL.
+    /// Lines of G code: Grbl 1.1, grblHAL, FluidNC.
     #[default]
     Line,
-    /// Times of steps: boards with Klipper firmware.
+    /// Timed steps: Klipper firmware.
     StepQueue,
 }
 
-/// One axis at the board. Pins are named as the board names them; `^` before the
-/// name turns its pull-up on, `!` turns its level over. An empty name: not wired.
+/// The wiring of one axis. Pins have the board's names; `^` before a name enables the
+/// pull-up, `!` inverts the level. An empty name means that the pin is not wired.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LinkAxis {
-    /// The direction is turned over: in a board that reads lines by $3, in one of timed
-    /// steps together with the `!` of the pin.
+    /// Whether the direction is inverted: in a line board by $3, with timed steps in
+    /// addition to the `!` of the pin.
     pub invert_direction: bool,
     /// Step pin.
     pub step: String,
     /// Direction pin.
     pub dir: String,
-    /// Length of a step pulse, µs.
+    /// Length of a step pulse, µs, 1–255.
     pub step_pulse_us: u32,
-    /// Time between the last pulse one way and the first the other, µs.
+    /// Least time between the last pulse in one direction and the first in the other,
+    /// µs, 1–1000.
     pub dir_setup_us: u32,
-    /// The most pulses a second. `None`: what this processor is known to make.
+    /// Greatest pulse rate, 1/s, 1000–1 000 000. `None`: the known rate of the processor.
     pub max_rate: Option<u32>,
-    /// Limit switches of the axis.
+    /// Pin of the limit switches.
     pub limit: String,
-    /// Deceleration switch for machine zero return.
+    /// Pin of the deceleration switch for the machine zero return.
     pub dec: String,
-    /// Zero signal of the drive.
+    /// Pin of the zero signal of the drive.
     pub zero: String,
-    /// On a board that returns by itself the reference switch is at the end of falling
-    /// board positions ($23).
+    /// Whether the homing switch of a line board is at the negative end of the board's
+    /// axis ($23).
     pub home_negative: bool,
-    /// Machine coordinate of the position where a return to a limit switch ends, mm (X in
-    /// diameter).
+    /// Machine coordinate at the end of homing with a limit switch, mm (X as a diameter),
+    /// ±9999.999.
     pub home_at: f64,
 }
 
@@ -124,21 +126,21 @@ impl Default for LinkAxis {
 }
 
 impl LinkAxis {
-    /// On a board of timed steps: the level of the direction pin is turned over.
-    pub(super) fn is_turned_over(&self) -> bool {
+    /// Whether a board with timed steps inverts the direction signal.
+    pub(super) fn is_direction_inverted(&self) -> bool {
         self.invert_direction != PinName::read(&self.dir).inverted
     }
 }
 
-/// How the board seeks its reference switches.
+/// The homing parameters of a line board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct HomeConfig {
-    /// Speed towards the switch, mm/min ($25).
+    /// Speed towards the switch, mm/min, 10–5000 ($25).
     pub seek: u32,
-    /// Speed of the second, exact approach, mm/min ($24).
+    /// Speed of the second, slow approach, mm/min, 1–1000 ($24).
     pub locate: u32,
-    /// Way back off the switch, µm ($27).
+    /// Distance from the switch at the end, µm, 100–20 000 ($27).
     pub pull_off_um: u32,
 }
 
@@ -152,50 +154,49 @@ impl Default for HomeConfig {
     }
 }
 
-/// The other pins of a board of timed steps; named as those of the axes.
+/// The other pins of a board with timed steps, named like those of the axes.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LinkIo {
-    /// Enable input of the drives.
+    /// Output: enable of the drives.
     pub enable: String,
-    /// Sense of the emergency stop chain.
+    /// Input: sense of the emergency stop chain.
     pub estop: String,
-    /// Alarm of the drives.
+    /// Input: alarm of the drives.
     pub drive_alarm: String,
-    /// Spindle clockwise (M03).
+    /// Output: spindle clockwise (M03).
     pub spindle_cw: String,
-    /// Spindle counterclockwise (M04).
+    /// Output: spindle counterclockwise (M04).
     pub spindle_ccw: String,
-    /// Spindle speed, pulse width for 0–10 V.
+    /// Output: spindle speed as a pulse width for 0–10 V.
     pub spindle_pwm: String,
-    /// Coolant (M08).
+    /// Output: coolant (M08).
     pub coolant: String,
-    /// One-turn signal of the spindle.
+    /// Input: one-turn signal of the spindle.
     pub index: String,
 }
 
-/// What only boards of the Grbl family need.
+/// Settings for line boards only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LineConfig {
-    /// Reference return.
+    /// Homing parameters.
     pub home: HomeConfig,
-    /// Duration of a segment, ms, 5–40.
+    /// Duration of a motion segment, ms, 5–40.
     pub period_ms: u32,
-    /// The most pulses a second and axis the board makes without losing one.
+    /// Greatest pulse rate of each axis, 1/s, 1000–1 000 000.
     pub max_rate: u32,
-    /// Length of a step pulse, µs ($0).
+    /// Length of a step pulse, µs, 3–255 ($0).
     pub step_pulse_us: u32,
-    /// Limit switches open when operated ($5).
+    /// Whether limit switches open when operated ($5).
     pub invert_limits: bool,
-    /// The step pins of both axes are turned over in the board ($2).
+    /// Whether the board inverts the step pins of both axes ($2).
     pub invert_step: bool,
-    /// The enable output is turned over in the board ($4): the drives are on while it is
-    /// high.
+    /// Whether the board inverts the enable output ($4): high enables the drives.
     pub invert_enable: bool,
-    /// Time after which a switch counts as settled in a reference return, ms ($26).
+    /// Debounce time of a switch during homing, ms, 1–1000 ($26).
     pub debounce_ms: u32,
-    /// The owner has cut the proof thread and found its lead right.
+    /// Whether the owner has cut the proof thread and measured the right lead.
     pub thread_proved: bool,
 }
 
@@ -215,17 +216,17 @@ impl Default for LineConfig {
     }
 }
 
-/// A field that is not as it must be.
+/// An invalid field of the section `link`.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{}", self.message())]
 pub struct LinkConfigError {
-    /// Name of the field.
+    /// Path of the field, without `link.`.
     pub field: &'static str,
-    /// What is wrong with it.
+    /// The error in its value.
     pub fault: FaultyLinkConfig,
 }
 
-/// What is wrong with a field.
+/// The error in a field of the section `link`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("{}", self.message())]
 pub enum FaultyLinkConfig {
@@ -238,37 +239,37 @@ pub enum FaultyLinkConfig {
         /// Greatest value allowed.
         most: u32,
     },
-    /// A pin without which nothing works.
+    /// A required pin is empty.
     Missing,
-    /// The name of an input is no contact.
+    /// The key of an input is not a contact X0.0 to X3.7.
     NoContact,
-    /// A contact that has a setting of its own.
+    /// The contact has a separate setting and must not be an input.
     HasSetting {
-        /// The contact.
+        /// The contact, for instance `X0.5`.
         contact: &'static str,
-        /// What it is for.
+        /// The signal of the contact, for instance `*ESP`.
         signal: &'static str,
-        /// The setting.
+        /// The path of its setting, for instance `io.estop`.
         field: &'static str,
     },
-    /// A contact without a pin.
+    /// A contact has no pin.
     ContactWithoutPin,
-    /// A contact at a line board without one of its letters.
+    /// The pin of a contact is not a letter of a line board's report.
     NoLetter,
-    /// A pull-up (`^`) that a line board does not have.
+    /// A pull-up (`^`) at a line board, which has no such setting.
     LetterPullUp,
-    /// A pull-up (`^`) of an output.
+    /// A pull-up (`^`) at an output.
     OutputPullUp,
-    /// An index that is turned over (`!`).
-    IndexTurnedOver,
-    /// The pin of this other field, too.
+    /// An inverted (`!`) one-turn signal.
+    IndexInverted,
+    /// The pin is also that of this other field.
     Twice(&'static str),
-    /// No position on an axis.
-    Place,
+    /// The homing position is out of range or not a number.
+    HomePosition,
 }
 
 impl FaultyLinkConfig {
-    /// In words.
+    /// The text for the operator.
     pub fn message(&self) -> Message {
         match self {
             Self::Range { value, least, most } => say::link_value_wrong(value, least, most),
@@ -283,42 +284,42 @@ impl FaultyLinkConfig {
             Self::NoLetter => say::link_contact_letter_wrong(),
             Self::LetterPullUp => say::link_letter_pull_up(),
             Self::OutputPullUp => say::link_output_pull_up(),
-            Self::IndexTurnedOver => say::link_index_turned_over(),
+            Self::IndexInverted => say::link_index_turned_over(),
             Self::Twice(other) => say::link_pin_twice(other),
-            Self::Place => say::link_place_wrong(MOST_PLACE),
+            Self::HomePosition => say::link_place_wrong(MAX_HOME_MM),
         }
     }
 }
 
 impl LinkConfigError {
-    /// Field and fault.
+    /// The text for the operator, with the path of the field.
     pub fn message(&self) -> Message {
         say::machine_field(format_args!("link.{}", self.field), self.fault.message())
     }
 }
 
-/// The greatest coordinate of the control, mm.
-const MOST_PLACE: f64 = 9999.999;
+/// Greatest coordinate of the control, mm.
+const MAX_HOME_MM: f64 = 9999.999;
 
 impl LinkConfig {
-    /// Contacts of the control that are wired to inputs of the board.
+    /// The contacts of the control that are wired to the board.
     pub fn contacts(&self) -> impl Iterator<Item = Input> {
         contacts::wired(&self.inputs).map(|(contact, _)| contact)
     }
 
-    /// How far the kernel may run ahead of the board.
+    /// How far the kernel may run ahead of the board, the default included.
     pub fn lookahead(&self) -> Duration {
-        let usual = match self.protocol {
+        let default_ms = match self.protocol {
             Protocol::Line => 150,
             Protocol::StepQueue => 100,
         };
-        Duration::from_millis(self.lookahead_ms.unwrap_or(usual).into())
+        Duration::from_millis(self.lookahead_ms.unwrap_or(default_ms).into())
     }
 
-    /// Checks the ranges, and that the pins are named without which nothing works.
+    /// Checks all ranges, the contacts and the required pins.
     ///
     /// # Errors
-    /// The first field that is not as it must be.
+    /// The first invalid field.
     pub fn check(&self) -> Result<(), LinkConfigError> {
         let line = &self.line;
         let ranges = [
@@ -361,14 +362,14 @@ impl LinkConfig {
                 fault,
             });
         }
-        for (field, place) in [("x.home_at", self.x.home_at), ("z.home_at", self.z.home_at)] {
-            if !(-MOST_PLACE..=MOST_PLACE).contains(&place) {
-                let fault = FaultyLinkConfig::Place;
+        for (field, position) in [("x.home_at", self.x.home_at), ("z.home_at", self.z.home_at)] {
+            if !(-MAX_HOME_MM..=MAX_HOME_MM).contains(&position) {
+                let fault = FaultyLinkConfig::HomePosition;
                 return Err(LinkConfigError { field, fault });
             }
         }
         match self.protocol {
-            // Such a board has its pins.
+            // A line board has fixed pins.
             Protocol::Line => Ok(()),
             Protocol::StepQueue => self.check_pins(),
         }
@@ -410,7 +411,7 @@ impl LinkConfig {
         let contacts = self.inputs.values().map(|pin| ("inputs", pin));
         let named =
             |(field, pin): (&'static str, &'_ String)| (field, PinName::read(pin).name.to_owned());
-        // Two inputs may be one switch; an output is one thing only.
+        // Inputs may share a pin, outputs may not.
         let outputs = needed.into_iter().chain(switched);
         let mut known: Vec<_> = read.into_iter().chain(contacts).map(named).collect();
         for (field, pin) in outputs {
@@ -429,7 +430,7 @@ impl LinkConfig {
             known.push((field, name));
         }
         if PinName::read(&io.index).inverted {
-            let fault = FaultyLinkConfig::IndexTurnedOver;
+            let fault = FaultyLinkConfig::IndexInverted;
             return Err(LinkConfigError {
                 field: "io.index",
                 fault,
@@ -444,7 +445,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ranges_name_their_field() {
+    fn a_range_error_names_its_field() {
         let config = LinkConfig {
             lookahead_ms: Some(20),
             ..LinkConfig::default()
@@ -462,7 +463,7 @@ mod tests {
     }
 
     #[test]
-    fn a_return_ends_at_a_place() {
+    fn an_invalid_homing_position_is_refused() {
         for text in ["NaN", "inf", "1e300", "-10000.0"] {
             assert_eq!(
                 refused(&format!("(z: (home_at: {text}))")),
@@ -472,7 +473,7 @@ mod tests {
     }
 
     #[test]
-    fn an_output_has_a_pin_of_its_own_and_signs_have_a_meaning() {
+    fn shared_output_pins_and_signs_without_meaning_are_refused() {
         let with = |x: &str, io: &str| {
             format!(
                 r#"(protocol: StepQueue, x: (step: "PA0", dir: "PA1", {x}),
@@ -503,7 +504,7 @@ mod tests {
         ] {
             assert_eq!(refused(&with(x, io)), format!("link.{text}"));
         }
-        // One switch may do for both axes.
+        // Inputs may share a pin.
         let shared = r#"limit: "^PC0", dec: "^PC0""#;
         let config: LinkConfig = ron::from_str(&with(shared, r#"index: "^PC3""#)).unwrap();
         assert_eq!(config.check(), Ok(()));

@@ -1,27 +1,28 @@
-//! Contacts of the control that are wired to a board: which X address is which pin.
+//! Maps contacts of the control (X addresses) to pins of a board.
 
 use std::collections::BTreeMap;
 
 use super::pin::PinName;
 use super::{FaultyLinkConfig, Input};
 
-/// Contacts that have settings of their own: address, contact, signal and setting.
-const OWN: [((u8, u8), [&str; 3]); 3] = [
+/// Contacts with a separate setting: address, contact, signal and setting.
+const SEPARATE: [((u8, u8), [&str; 3]); 3] = [
     ((0, 3), ["X0.3", "*DECX", "x.dec"]),
     ((0, 5), ["X0.5", "*ESP", "io.estop"]),
     ((1, 3), ["X1.3", "*DECZ", "z.dec"]),
 ];
-/// Letters of a line board behind `Pn:` that may be wired to a contact.
+/// Letters after `Pn:` in a line board's report that may be mapped to a contact.
 const LETTERS: &str = "PDHRSE";
 
-/// X0.0 to X3.7, as byte and bit.
+/// Parses X0.0 to X3.7 into byte and bit.
 fn address(text: &str) -> Option<(u8, u8)> {
     let (byte, bit) = text.strip_prefix('X')?.split_once('.')?;
     let (byte, bit) = (byte.parse().ok()?, bit.parse().ok()?);
     (byte <= 3 && bit <= 7).then_some((byte, bit))
 }
 
-/// Whether every entry names a contact and, on a line board, one of its letters.
+/// Checks that each entry names a contact and a pin. With `letters` the board is a line
+/// board, whose pins are letters.
 pub(super) fn check(
     inputs: &BTreeMap<String, String>,
     letters: bool,
@@ -30,7 +31,7 @@ pub(super) fn check(
         let Some(address) = address(key) else {
             return Err(FaultyLinkConfig::NoContact);
         };
-        if let Some((_, names)) = OWN.iter().find(|(own, _)| *own == address) {
+        if let Some((_, names)) = SEPARATE.iter().find(|(known, _)| *known == address) {
             let [contact, signal, field] = *names;
             return Err(FaultyLinkConfig::HasSetting {
                 contact,
@@ -52,7 +53,7 @@ pub(super) fn check(
     Ok(())
 }
 
-/// The contacts with their pins, in the order of their names.
+/// The contacts with their pins, sorted by name.
 pub(super) fn wired(inputs: &BTreeMap<String, String>) -> impl Iterator<Item = (Input, &str)> {
     inputs.iter().filter_map(|(key, pin)| {
         let (byte, bit) = address(key)?;

@@ -1,26 +1,28 @@
-//! The drives as the control is going to move them: what a board is opened for.
+//! Pulse weights of the drives, and the rates that a board must allow.
 
 use gsk_units::PerAxis;
 
-/// The board's rates stand so far above the control's that they never limit.
+/// Ratio of the board's greatest rate to the control's: the board must never limit.
 const RATE_MARGIN: f64 = 1.2;
-/// Likewise the acceleration, and not less than this, mm/s².
+/// Least acceleration of the board, mm/s².
 const LEAST_ACCELERATION: f64 = 2000.0;
+/// Ratio of the board's acceleration to the control's.
 const ACCELERATION_MARGIN: f64 = 10.0;
 
-/// How fast the board must let an axis go, so that it never limits.
+/// The limits of an axis in the board, set so high that the board never limits a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisRates {
-    /// mm/min.
+    /// Greatest rate, mm/min.
     pub rate: f64,
-    /// mm/s².
+    /// Greatest acceleration, mm/s².
     pub acceleration: f64,
 }
 
 impl AxisRates {
-    /// From the rapid rate, mm/min, its time constant, ms, and the highest feed, mm/min.
-    pub fn new(rapid: f64, time: f64, feed: f64) -> Self {
-        let control = rapid / 60.0 / (time.max(1.0) / 1000.0);
+    /// Computes the limits from the rapid rate, mm/min, its time constant, ms, and the
+    /// greatest feed, mm/min.
+    pub fn new(rapid: f64, time_ms: f64, feed: f64) -> Self {
+        let control = rapid / 60.0 / (time_ms.max(1.0) / 1000.0);
         Self {
             rate: (RATE_MARGIN * rapid.max(feed)).ceil(),
             acceleration: (ACCELERATION_MARGIN * control)
@@ -35,7 +37,7 @@ impl AxisRates {
 pub struct Drives {
     /// Slide travel of one pulse, mm.
     pub pulse_weight: PerAxis<f64>,
-    /// What the board must let them go.
+    /// The limits that the board must allow.
     pub rates: PerAxis<AxisRates>,
 }
 

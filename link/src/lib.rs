@@ -1,14 +1,15 @@
-//! Real drives behind a pulse board on a serial line.
+//! Drives real axes through a pulse board on a serial line.
 //!
 //! ```text
 //!   kernel ──samples──► link ──bytes──► board ──pulses──► drives
 //!   kernel ◄──events─── link ◄──bytes── board ◄─switches─
 //! ```
 //!
-//! The link reads no clock and opens no port: bytes and the host's time are handed
-//! in, bytes and events come out. The kernel's interpolator makes all motion; the
-//! board only repeats it a little later, and is never given more than the lookahead,
-//! so that every stop has a bound. What the board *has done* is asked, not assumed.
+//! The link reads no clock and opens no port: the caller passes bytes and the host time,
+//! the link returns bytes and events. The kernel's interpolator plans all motion; the
+//! board repeats it with a delay. The board never holds more motion than the lookahead:
+//! this bounds the delay of each stop. The link queries what the board has executed and
+//! assumes nothing.
 
 mod backend;
 mod board;
@@ -29,8 +30,8 @@ use gsk_units::{Axis, PerAxis, Pulses, alarm};
 
 pub use backend::{Backend, Link};
 pub use board::{
-    BoardInfo, BoardOutputs, Lacks, Pins, PulseRates, SpindleDirection, SpindleView, ThreadRights,
-    Traffic,
+    BoardInfo, BoardOutputs, MissingForThreads, Pins, PulseRates, SpindleDirection, SpindleView,
+    ThreadCapability, Traffic,
 };
 pub use config::{
     FaultyLinkConfig, HomeConfig, LineConfig, LinkAxis, LinkConfig, LinkConfigError, LinkIo,
@@ -45,42 +46,42 @@ pub type HostTime = Duration;
 /// Time of commanded motion since the link was opened: the kernel's time axis.
 pub type RunTime = Duration;
 
-/// Where the link stands with its board.
+/// The state of the connection to the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkState {
-    /// No port.
+    /// No port is open.
     Off,
-    /// The port is open, nothing was heard yet.
+    /// The port is open, no byte has been received.
     Opening,
-    /// The board is asked who it is.
+    /// The link queries the firmware of the board.
     Identify,
-    /// Its settings are read and compared.
+    /// The link reads the settings of the board and compares them.
     Configure,
-    /// All is well but nobody knows where the slides stand.
+    /// The board is ready, but the position of the slides is unknown.
     Locked,
-    /// Position known, nothing queued.
+    /// The position is known and no motion is queued.
     Ready,
-    /// Motion is queued or being made.
+    /// Motion is queued or being executed.
     Moving,
-    /// The board seeks its switches by itself.
+    /// The board is homing with its own switches.
     Homing,
-    /// The board stands; its count is compared.
+    /// The axes have stopped; the link compares the count of the board.
     Verify,
-    /// A limit or the emergency stop stopped the board.
+    /// A limit switch, a drive alarm or the emergency stop stopped the board.
     Tripped,
     /// The board or the protocol failed.
     Fault,
-    /// The board does not answer any more.
+    /// The board does not answer, or the port failed.
     Lost,
 }
 
 impl LinkState {
-    /// Whether motion may be handed over.
+    /// Whether the link accepts motion in this state.
     pub const fn takes_motion(self) -> bool {
         matches!(self, Self::Ready | Self::Moving)
     }
 
-    /// Name on the link page, in English.
+    /// The English name on the link page.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Off => "off",
@@ -99,23 +100,23 @@ impl LinkState {
     }
 }
 
-/// The position the axes were commanded to at the end of a tick.
+/// The commanded position of the axes at the end of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sample {
-    /// When the axes are to be there.
+    /// The time at which the axes reach the position.
     pub end: RunTime,
-    /// Command pulses, absolute.
+    /// The position in whole command pulses.
     pub pulses: PerAxis<Pulses>,
-    /// The same position before it was made whole pulses, in [`FINE`] parts of a
-    /// pulse; the count changes half way between two pulses.
+    /// The position before rounding, in units of 1/[`FINE`] pulse. `pulses` changes
+    /// halfway between two pulses.
     pub fine: PerAxis<i64>,
 }
 
-/// Parts of a pulse that tell a board of timed steps when each pulse is due.
+/// Fine units per pulse. A board with timed steps needs them for the time of each pulse.
 pub const FINE: i64 = 65_536;
 
 impl Sample {
-    /// Whole pulses only: those of a tick come evenly spaced.
+    /// A sample of whole pulses: the pulses of a tick are evenly spaced.
     pub const fn new(end: RunTime, pulses: PerAxis<Pulses>) -> Self {
         Self {
             end,
@@ -125,45 +126,45 @@ impl Sample {
     }
 }
 
-/// How a board is stopped at once.
+/// How the link stops a board immediately.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
-    /// Brake, drop what is queued, keep the position.
+    /// Feed hold, then drop the queued motion. The position is kept.
     Flush,
-    /// Stop dead; the position is lost.
+    /// Dead stop: steps end at once and the position is lost.
     Kill,
 }
 
-/// A switch at a board.
+/// An input of a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Input {
-    /// Limit of X.
+    /// Limit switches of X.
     LimitX,
-    /// Limit of Z.
+    /// Limit switches of Z.
     LimitZ,
-    /// Sense of the emergency stop chain.
+    /// Sense input of the emergency stop chain.
     EmergencyStop,
-    /// Alarm of the drives.
+    /// Alarm output of the drives.
     DriveAlarm,
     /// Deceleration switch of X.
     DecelerationX,
     /// Deceleration switch of Z.
     DecelerationZ,
-    /// Zero signal of X.
+    /// Zero signal (one-turn signal) of the X drive.
     ZeroX,
-    /// Zero signal of Z.
+    /// Zero signal (one-turn signal) of the Z drive.
     ZeroZ,
     /// A contact of the control, X0.0 to X3.7.
     Contact {
-        /// Byte of X.
+        /// Byte of the X address, 0 to 3.
         byte: u8,
-        /// Bit.
+        /// Bit of the X address, 0 to 7.
         bit: u8,
     },
 }
 
 impl Input {
-    /// The axis at whose return to the machine zero it may be met.
+    /// The axis that the input belongs to; `None` for inputs of the whole machine.
     pub const fn axis(self) -> Option<Axis> {
         match self {
             Self::LimitX | Self::DecelerationX | Self::ZeroX => Some(Axis::X),
@@ -173,36 +174,37 @@ impl Input {
     }
 }
 
-/// What an input has to do.
+/// The condition of an input that stops the axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Until {
-    /// Be operated.
+pub enum InputCondition {
+    /// The input is operated.
     Operated,
-    /// Be free.
+    /// The input is free.
     Free,
-    /// Be another than it was: either edge counts.
+    /// The input has changed since it was armed: either edge counts.
     Changed,
 }
 
-/// What stops both axes in the board, as soon as the board sees it.
+/// An input that the board watches: when its condition is met the board stops both axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Awaited {
-    /// The input; it is one of an axis.
+pub struct AwaitedInput {
+    /// The input; it belongs to an axis.
     pub input: Input,
-    /// What it has to do.
-    pub until: Until,
-    /// Pulses a second at which it is sought: no pulse more is made.
+    /// The condition that stops the axes.
+    pub until: InputCondition,
+    /// Pulses per second of the search. It sets the sampling rate: the board stops before
+    /// the next pulse.
     pub rate: f64,
 }
 
-/// An output of a board that switches with the motion.
+/// An output of a board, switched in step with the motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Output {
-    /// Enable of the drives; the link's own.
+    /// Enable of the drives; the link switches it itself.
     Enable,
-    /// Spindle clockwise, 0 or 1.
+    /// Spindle clockwise (M03), 0 or 1.
     SpindleForward,
-    /// Spindle counterclockwise, 0 or 1.
+    /// Spindle counterclockwise (M04), 0 or 1.
     SpindleReverse,
     /// Spindle speed, 0–10 000 mV.
     SpindleSpeed,
@@ -210,108 +212,108 @@ pub enum Output {
     Coolant,
 }
 
-/// Something the kernel must hear about.
+/// An event that the link reports to the kernel.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Event {
-    /// The state changed.
+pub enum LinkEvent {
+    /// The state of the link changed.
     State(LinkState),
-    /// All motion handed over has been made, and the board's count agrees.
+    /// The board has executed all motion, and its count agrees with the kernel's.
     Drained,
-    /// The axes are being stopped at once: nothing that was handed over is made any
-    /// more, and the next [`Event::Position`] reports where they stand.
+    /// The axes are being stopped; the rest of the motion is dropped. The next
+    /// [`LinkEvent::Position`] reports the position of the stop.
     Halting {
-        /// By an input that was waited for.
+        /// Whether an awaited input caused the stop.
         reached: bool,
     },
-    /// The board's count at a standstill.
+    /// The count of the board at standstill, in the kernel's pulses.
     Position(PerAxis<Pulses>),
-    /// A board that returns by itself stands off the switches of these axes.
+    /// The board has finished homing these axes.
     Homed(PerAxis<bool>),
-    /// The input that was waited for stopped the axes in the board, there.
+    /// An awaited input stopped the axes at this position.
     Reached(Input, PerAxis<Pulses>),
-    /// An alarm, with what happened.
+    /// An alarm for the operator.
     Alarm {
         /// Number in the alarm table, 601–622.
         number: u16,
         /// The cause.
         detail: Message,
     },
-    /// What a board of timed steps says it understands was read: it need not be read
-    /// again when it is handed in at the next opening.
+    /// The dictionary of a board with timed steps was read. Pass it to
+    /// [`Backend::add_dictionaries`] at the next opening to save the time of reading it.
     Learned {
-        /// Processor and version.
+        /// Processor and firmware version.
         name: String,
-        /// As it goes over the wire.
+        /// The compressed dictionary, as received.
         packed: Vec<u8>,
     },
-    /// A setting of the board is not what it has to be.
-    Differs(Difference),
+    /// A setting of the board differs from the required one.
+    Differs(SettingDifference),
 }
 
-/// A setting of the board that is not what it has to be.
+/// A setting of the board that differs from the required one.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Difference {
-    /// Its number among the settings of Grbl, also where the board calls it otherwise;
-    /// from 1000 on what no number of Grbl stands for.
+pub struct SettingDifference {
+    /// Grbl's number of the setting, also for boards that use names. Numbers from 1000 on
+    /// are settings that Grbl does not have.
     pub number: u16,
-    /// What the board calls it.
+    /// The board's name of the setting.
     pub name: String,
-    /// What the board says, if it has it at all.
+    /// The value in the board; `None` if the board does not have the setting.
     pub board: Option<String>,
-    /// What it has to be.
+    /// The required value.
     pub wanted: String,
 }
 
-/// A straight cut of one lead that a board makes by itself behind its spindle.
+/// A straight thread pass of constant lead that the board synchronizes with its spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pass {
-    /// Where it begins: where the axes stand.
+pub struct ThreadPass {
+    /// The start point: the current position.
     pub from: PerAxis<Pulses>,
-    /// Where it ends.
+    /// The end point.
     pub end: PerAxis<Pulses>,
-    /// Way along the path a turn of the spindle, mm.
+    /// Distance along the path per turn of the spindle, mm.
     pub lead: f64,
 }
 
-/// Why a pass is not taken.
+/// Why the link refuses a thread pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum CannotCut {
-    /// The axes do not stand yet.
+pub enum PassError {
+    /// The axes are not at standstill.
     NotReady,
-    /// The board does not report the speed of its spindle.
+    /// The board does not report the spindle speed.
     Unseen,
-    /// Its speed still changes.
+    /// The spindle speed is not constant yet.
     Unsteady,
-    /// It stands.
+    /// The spindle is stopped.
     Standing,
-    /// Too slow for the time the board waits, r/min.
+    /// The spindle is too slow: its one-turn signals come after the board's time limit.
     Slow {
-        /// Its speed.
+        /// Spindle speed, r/min.
         rpm: f64,
-        /// What is needed.
+        /// Least spindle speed, r/min.
         least: f64,
     },
-    /// The motors would have to start faster than they can without a ramp, mm/min.
+    /// The pass is too fast for motors that start without a ramp.
     Fast {
-        /// Speed along the pass.
+        /// Speed along the pass, mm/min.
         speed: f64,
-        /// What they can.
+        /// Greatest speed, mm/min.
         most: f64,
     },
-    /// A limit switch is operated.
+    /// The limit switch of an axis is operated.
     Limit(Axis),
-    /// It ends before it has come to its speed, mm.
+    /// The pass is shorter than its acceleration and deceleration.
     Short {
-        /// Length of the pass.
+        /// Length of the pass, mm.
         length: f64,
-        /// What coming to the speed and standing again need.
+        /// Length of acceleration and deceleration together, mm.
         ramps: f64,
     },
 }
 
-impl CannotCut {
-    /// Alarm, cause, and how long it is waited whether it goes.
-    pub fn judged(self) -> (u16, Message, Duration) {
+impl PassError {
+    /// The alarm number, the cause, and for how long the kernel retries before the alarm.
+    pub fn to_alarm(self) -> (u16, Message, Duration) {
         let (number, text, seconds) = match self {
             Self::NotReady => (alarm::LINK_PROTOCOL, say::pass_board_moves(), 20),
             Self::Unseen => (alarm::BOARD_CANNOT, say::pass_spindle_unseen(), 2),
@@ -330,7 +332,6 @@ impl CannotCut {
     }
 }
 
-/// Number of the alarm of a limit switch at the board.
 const fn limit_alarm(axis: Axis) -> u16 {
     match axis {
         Axis::X => alarm::X_BOARD_LIMIT,
@@ -338,29 +339,29 @@ const fn limit_alarm(axis: Axis) -> u16 {
     }
 }
 
-/// Why motion was not taken.
+/// Why the link refuses motion or a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refused {
-    /// The state does not allow it.
+pub enum MotionRefused {
+    /// The state of the link does not allow it.
     NotReady,
-    /// The axis would need more pulses a second than the board makes.
+    /// The motion needs more pulses per second than the board can make.
     TooFast,
-    /// The limit switch of the axis is operated and that way lies its stop.
+    /// The limit switch of the axis is operated, and the motion leads towards its stop.
     TowardLimit(Axis),
-    /// The limit switch of the axis is operated, nobody knows on which end, and the piece
-    /// is made after which somebody has to look.
-    UponLimit(Axis),
+    /// The limit switch of the axis is operated at an unknown end. The axis has moved as
+    /// far as it may before the operator checks its position with RESET.
+    OnLimit(Axis),
     /// The board has no such input or output.
     NotWired,
 }
 
-impl Refused {
-    /// Alarm and cause.
-    pub fn judged(self) -> (u16, Message) {
+impl MotionRefused {
+    /// The alarm number and the cause.
+    pub fn to_alarm(self) -> (u16, Message) {
         match self {
             Self::TooFast => (alarm::BOARD_CANNOT, say::board_pulses_too_many()),
             Self::TowardLimit(axis) => (limit_alarm(axis), say::limit_switch_ahead()),
-            Self::UponLimit(axis) => (limit_alarm(axis), say::limit_switch_of_unknown_end()),
+            Self::OnLimit(axis) => (limit_alarm(axis), say::limit_switch_of_unknown_end()),
             Self::NotReady | Self::NotWired => (alarm::LINK_PROTOCOL, say::board_takes_no_motion()),
         }
     }

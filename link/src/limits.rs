@@ -1,16 +1,16 @@
-//! On which end of its axis an operated limit switch lies: that way the axis is not
-//! moved.
+//! Refuses motion towards an operated limit switch.
 //!
-//! A board tells a switch, not its end; the motion that met it does. Where that is not
-//! known (power came on upon it, a hand has pressed it) the axis goes in short pieces,
-//! and somebody has to look between them.
+//! A board reports that a switch of an axis is operated, but not at which end. The link
+//! derives the end from the direction of the motion that operated the switch. If the
+//! direction is unknown (at power-on, or when a hand presses the switch) the axis may move
+//! a short distance only, until the operator has checked its position.
 
-use super::Refused;
+use super::MotionRefused;
 use gsk_units::Axis;
 
-/// A piece of motion upon a switch whose end is not known, and how far off a switch the
-/// axis has to be for it to be another meeting, mm of the slide.
-const PIECE: f64 = 1.0;
+/// Distance that an axis may move on a switch of unknown end, mm of the slide. It is also
+/// the distance from a switch at which the link forgets its end.
+const STEP_LIMIT_MM: f64 = 1.0;
 
 /// The limit switches of X and Z.
 #[derive(Clone, Copy, Debug)]
@@ -18,81 +18,82 @@ pub(super) struct Limits([Limit; 2]);
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Limit {
-    /// `PIECE` in pulses.
-    piece: i64,
+    /// `STEP_LIMIT_MM` in pulses.
+    step_limit: i64,
     operated: bool,
-    /// Way on which the switch lies, 1 or -1; 0: not known.
-    way: i64,
-    /// Pulses: upon a switch whose end is not known those made since somebody looked,
-    /// off it the distance.
-    went: i64,
-    /// Way of the newest of them.
+    /// Direction towards the switch, 1 or -1; 0 if unknown.
+    direction: i64,
+    /// Pulses. On a switch of unknown end: sum of all motion since the last check by the
+    /// operator. Off a switch: signed distance from it.
+    moved: i64,
+    /// Direction of the last motion.
     last: i64,
 }
 
 impl Limits {
     pub(super) fn new(pulses_per_mm: [f64; 2]) -> Self {
         Self(pulses_per_mm.map(|per_mm| Limit {
-            piece: (PIECE * per_mm).ceil() as i64,
+            step_limit: (STEP_LIMIT_MM * per_mm).ceil() as i64,
             ..Limit::default()
         }))
     }
 
-    /// A switch was met on this way of the axis; 0: it is not known on which.
-    pub(super) const fn hit(&mut self, axis: usize, way: i64) {
+    /// Notes that motion in a direction, 1 or -1, operated a switch; 0 if the direction is
+    /// unknown.
+    pub(super) const fn hit(&mut self, axis: usize, direction: i64) {
         let limit = &mut self.0[axis];
         limit.operated = true;
-        limit.went = 0;
-        // Met both ways at the same place: it chatters, or a hand was there.
-        limit.way = if limit.way == 0 || limit.way == way {
-            way
+        limit.moved = 0;
+        // Operated in both directions: the switch bounces, or a hand presses it.
+        limit.direction = if limit.direction == 0 || limit.direction == direction {
+            direction
         } else {
             0
         };
     }
 
-    /// Way on which the switch lies that an axis stands upon, 0 when that is not known;
-    /// none: it is free.
-    pub(super) fn met(&self, axis: usize) -> Option<i64> {
+    /// The direction towards the operated switch of an axis, 0 if unknown; `None` if the
+    /// switch is free.
+    pub(super) fn operated_direction(&self, axis: usize) -> Option<i64> {
         let limit = &self.0[axis];
-        limit.operated.then_some(limit.way)
+        limit.operated.then_some(limit.direction)
     }
 
-    pub(super) const fn any_met(&self) -> bool {
+    pub(super) const fn is_any_operated(&self) -> bool {
         self.0[0].operated || self.0[1].operated
     }
 
-    /// Whether the axis is well off its switch.
+    /// Whether the axis is farther from its switch than the step limit.
     pub(super) const fn has_left(&self, axis: usize) -> bool {
-        !self.0[axis].operated && self.0[axis].way == 0
+        !self.0[axis].operated && self.0[axis].direction == 0
     }
 
-    /// Somebody has looked where the slides stand.
-    pub(super) fn look(&mut self) {
+    /// Notes that the operator has checked the position of the slides (RESET).
+    pub(super) fn confirm_position_checked(&mut self) {
         for limit in &mut self.0 {
             if limit.operated {
-                limit.went = 0;
+                limit.moved = 0;
             }
         }
     }
 
-    /// The axes will be moved by the board itself, farther than is told here.
+    /// Forgets the ends of the switches: the board moves the axes itself while homing.
     pub(super) const fn forget(&mut self) {
-        self.0[0].way = 0;
-        self.0[1].way = 0;
+        self.0[0].direction = 0;
+        self.0[1].direction = 0;
     }
 
-    /// Whether the axes may be moved by so many pulses; they are when it is allowed.
-    /// `operated`: what the switches were last reported to be.
+    /// Checks a motion in pulses and counts it if it is allowed. `operated` is the last
+    /// report of both switches.
     pub(super) fn allow(
         &mut self,
         moves: [i64; 2],
         operated: [Option<bool>; 2],
-    ) -> Result<(), Refused> {
+    ) -> Result<(), MotionRefused> {
         for (axis, limit) in [Axis::X, Axis::Z].into_iter().zip(&mut self.0) {
             let moved = moves[axis as usize];
             if moved != 0 {
-                limit.told(operated[axis as usize]);
+                limit.update(operated[axis as usize]);
                 limit.allows(axis, moved)?;
             }
         }
@@ -106,31 +107,31 @@ impl Limits {
 }
 
 impl Limit {
-    const fn told(&mut self, operated: Option<bool>) {
+    const fn update(&mut self, operated: Option<bool>) {
         match operated {
             Some(true) if !self.operated => {
                 self.operated = true;
-                self.went = 0;
+                self.moved = 0;
             }
             Some(false) if self.operated => {
                 self.operated = false;
-                if self.way == 0 && self.went != 0 {
-                    // It was left behind.
-                    self.way = -self.last;
+                if self.direction == 0 && self.moved != 0 {
+                    // The axis has left the switch: it is in the opposite direction.
+                    self.direction = -self.last;
                 }
-                self.went = 0;
+                self.moved = 0;
             }
             _ => {}
         }
     }
 
-    const fn allows(&self, axis: Axis, moved: i64) -> Result<(), Refused> {
+    const fn allows(&self, axis: Axis, moved: i64) -> Result<(), MotionRefused> {
         if !self.operated {
             Ok(())
-        } else if self.way == 0 && self.went + moved.abs() > self.piece {
-            Err(Refused::UponLimit(axis))
-        } else if self.way == moved.signum() {
-            Err(Refused::TowardLimit(axis))
+        } else if self.direction == 0 && self.moved + moved.abs() > self.step_limit {
+            Err(MotionRefused::OnLimit(axis))
+        } else if self.direction == moved.signum() {
+            Err(MotionRefused::TowardLimit(axis))
         } else {
             Ok(())
         }
@@ -138,12 +139,12 @@ impl Limit {
 
     const fn go(&mut self, moved: i64) {
         if self.operated {
-            self.went += moved.abs();
+            self.moved += moved.abs();
             self.last = moved.signum();
-        } else if self.way != 0 {
-            self.went += moved;
-            if self.went.abs() > self.piece {
-                self.way = 0;
+        } else if self.direction != 0 {
+            self.moved += moved;
+            if self.moved.abs() > self.step_limit {
+                self.direction = 0;
             }
         }
     }
@@ -161,10 +162,10 @@ mod tests {
     }
 
     #[test]
-    fn the_way_it_was_met_on_is_refused_and_the_other_is_not() {
+    fn motion_towards_an_operated_switch_is_refused() {
         let mut limits = limits();
         limits.hit(1, 1);
-        let refused = Err(Refused::TowardLimit(Axis::Z));
+        let refused = Err(MotionRefused::TowardLimit(Axis::Z));
         assert_eq!(limits.allow([5, 1], MET), refused);
         assert_eq!(limits.allow([5, 0], MET), Ok(()));
         assert_eq!(limits.allow([0, -5000], MET), Ok(()));
@@ -172,46 +173,45 @@ mod tests {
     }
 
     #[test]
-    fn upon_an_unknown_end_it_goes_a_millimetre_at_a_time() {
+    fn on_a_switch_of_unknown_end_an_axis_moves_a_millimetre() {
         let mut limits = limits();
-        for way in [1, -1] {
+        for direction in [1, -1] {
             for _ in 0..200 {
-                assert_eq!(limits.allow([3, way], MET), Ok(()));
+                assert_eq!(limits.allow([3, direction], MET), Ok(()));
             }
-            let refused = Err(Refused::UponLimit(Axis::Z));
-            assert_eq!(limits.allow([3, way], MET), refused);
-            assert_eq!(limits.allow([3, -way], MET), refused);
-            limits.look();
+            let refused = Err(MotionRefused::OnLimit(Axis::Z));
+            assert_eq!(limits.allow([3, direction], MET), refused);
+            assert_eq!(limits.allow([3, -direction], MET), refused);
+            limits.confirm_position_checked();
         }
     }
 
-    /// What let it go reports where it lies, as long as the axis is near.
     #[test]
-    fn a_switch_that_was_left_is_known_until_the_axis_is_a_millimetre_off() {
+    fn the_end_of_a_released_switch_is_known_within_a_millimetre() {
         let mut limits = limits();
         assert_eq!(limits.allow([0, -100], MET), Ok(()));
         assert_eq!(limits.allow([0, -100], FREE), Ok(()));
         assert!(!limits.has_left(1));
         assert_eq!(limits.allow([0, 99], FREE), Ok(()));
-        let refused = Err(Refused::TowardLimit(Axis::Z));
+        let refused = Err(MotionRefused::TowardLimit(Axis::Z));
         assert_eq!(limits.allow([0, 1], MET), refused);
         assert_eq!(limits.allow([0, -1], MET), Ok(()));
         assert_eq!(limits.allow([0, -200], FREE), Ok(()));
         assert!(!limits.has_left(1));
         assert_eq!(limits.allow([0, -1], FREE), Ok(()));
         assert!(limits.has_left(1));
-        // The one at the other end is another one.
+        // The axis meets the switch of the other end.
         limits.hit(1, -1);
         assert_eq!(limits.allow([0, -1], MET), refused);
         assert_eq!(limits.allow([0, 1], MET), Ok(()));
     }
 
     #[test]
-    fn met_on_both_ways_nothing_is_known() {
+    fn a_switch_operated_in_both_directions_has_an_unknown_end() {
         let mut limits = limits();
         limits.hit(0, 1);
         limits.hit(0, -1);
-        assert_eq!(limits.met(0), Some(0));
-        assert_eq!(limits.met(1), None);
+        assert_eq!(limits.operated_direction(0), Some(0));
+        assert_eq!(limits.operated_direction(1), None);
     }
 }

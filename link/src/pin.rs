@@ -1,11 +1,11 @@
-//! How the machine file names a pin of a board.
+//! Parses the pin names of the machine file.
 
-/// `^` pull-up, `!` level turned over, name.
+/// A pin with its signs: `^` for a pull-up, `!` for an inverted level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PinName<'a> {
     pub(super) pull_up: bool,
     pub(super) inverted: bool,
-    /// As the board names it; empty: not wired.
+    /// The board's name of the pin; empty if it is not wired.
     pub(super) name: &'a str,
 }
 
@@ -26,7 +26,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn signs_stand_in_front_in_any_order() {
+    fn signs_are_accepted_in_any_order() {
         let both = PinName {
             pull_up: true,
             inverted: true,

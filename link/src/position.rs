@@ -1,77 +1,77 @@
-//! Where the slides stand, how sure that is, and how the kernel's count and the board's
-//! are put together.
+//! The position of the slides: why it may be uncertain, and the alignment of the kernel's
+//! count with the board's.
 
 use gsk_messages::{Message, say};
 
-use crate::session::Session;
-use crate::{Refused, RunTime};
+use crate::session::LinkSession;
+use crate::{MotionRefused, RunTime};
 use gsk_units::{PerAxis, Pulses};
 
-/// What a back end needs so that its position can be confirmed, doubted and forgotten; no
-/// business of who uses it.
+/// The functions of a backend that confirm, invalidate and forget its position. Callers
+/// use [`Backend`](crate::Backend) instead.
 pub trait Positioned {
-    /// State, time and events.
-    fn session(&self) -> &Session;
+    /// The state, time and events of the link.
+    fn session(&self) -> &LinkSession;
 
-    /// The same, to be changed.
-    fn session_mut(&mut self) -> &mut Session;
+    /// The state, time and events of the link, mutable.
+    fn session_mut(&mut self) -> &mut LinkSession;
 
-    /// From here on the board's count and the kernel's go together.
+    /// Aligns the board's current count with the kernel's count at time `at`.
     ///
     /// # Errors
-    /// The board moves, is locked or shut down, or has not said where it stands.
-    fn align(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused>;
+    /// The board moves, is locked or shut down, or has not reported its position.
+    fn align(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), MotionRefused>;
 
-    /// Nobody knows any more where the slides stand.
+    /// Marks the position as uncertain.
     fn lose_position(&mut self, uncertainty: Uncertainty) {
         self.session_mut().lose_position(uncertainty);
     }
 
-    /// The kernel has forgotten its count: the board's says nothing any more.
+    /// Forgets the alignment of the two counts.
     fn forget_count(&mut self);
 }
 
-/// Why the position of the slides is not certain.
+/// Why the position of the slides is uncertain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Uncertainty {
-    /// Not both axes have made their reference return.
+    /// An axis has not made its reference return.
     #[default]
     Unreferenced,
-    /// The motors were stopped dead in motion.
+    /// A dead stop during motion.
     StoppedDead,
-    /// They were stopped faster than they keep their steps.
+    /// A stop from a speed at which the motors may lose steps.
     TooFast,
-    /// The drives were without power.
+    /// The drives have lost power.
     Powerless,
-    /// The count is not one of the commanded path.
+    /// The board stopped beside the commanded path.
     OffPath,
-    /// The board's count is not the commanded one.
+    /// The board's count differs from the commanded position.
     Differs,
-    /// What the board understood of its orders is not certain.
+    /// A protocol error: the board may have misread commands.
     Misunderstood,
-    /// The board was reset: nobody has read its count since.
+    /// The board was reset and its count has not been read since.
     Reset,
-    /// The board shut down: nobody has read its count since.
+    /// The board shut down and its count has not been read since.
     ShutDown,
-    /// Nothing was received from the board since.
+    /// The board has not answered since.
     Unheard,
-    /// Whether the play of the screws was made up for is not known.
+    /// The backlash compensation may be unfinished.
     Play,
 }
 
 impl Uncertainty {
-    /// Behind the emergency stop of the control: its chain cuts the supply of axes that
-    /// stand, too.
+    /// The reason after an emergency stop of the control: `in_motion` if the axes move.
+    /// The emergency stop chain cuts the power of axes at standstill, too.
     pub(crate) const fn killed(moves: bool, in_motion: Self) -> Self {
         if moves { in_motion } else { Self::Powerless }
     }
 
-    /// Whether the board has counted the position, and said so.
+    /// Whether the board has reported its count of this position.
     pub const fn is_counted(self) -> bool {
         !matches!(self, Self::ShutDown)
     }
 
-    /// In words.
+    /// The text for the operator.
     pub fn text(self) -> Message {
         match self {
             Self::Unreferenced => say::position_unreferenced(),

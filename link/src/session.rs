@@ -1,32 +1,31 @@
-//! What a link keeps whatever its board speaks: where it stands with the board, how far
-//! the position can be relied on, and what the kernel has not heard yet.
+//! Data common to all links: state, time, certainty of the position, and pending events.
 
 use gsk_messages::Message;
 
-use crate::{Event, HostTime, LinkState, Uncertainty};
+use crate::{HostTime, LinkEvent, LinkState, Uncertainty};
 
-/// How far the position of the slides can be relied on.
+/// Whether the position of the slides is certain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Position {
-    /// The slides stand where the kernel says.
+    /// The slides are at the kernel's position.
     Known,
-    /// They may not, for this reason.
+    /// They may be elsewhere, for this reason.
     Uncertain(Uncertainty),
 }
 
-/// State, time and events of a link.
+/// State, time and pending events of a link.
 #[derive(Clone, Debug)]
-pub struct Session {
+pub struct LinkSession {
     pub(crate) state: LinkState,
     pub(crate) now: HostTime,
     position: Position,
-    /// Motion is taken in a state that takes none: the operator moves the axes by hand.
+    /// Whether the operator may move the axes by hand in a locked state.
     pub(crate) released: bool,
-    pub(crate) events: Vec<Event>,
+    pub(crate) events: Vec<LinkEvent>,
 }
 
-impl Session {
-    /// A link whose port has just been opened.
+impl LinkSession {
+    /// The session of a link whose port was just opened.
     pub(crate) const fn new(now: HostTime) -> Self {
         Self {
             state: LinkState::Opening,
@@ -37,35 +36,35 @@ impl Session {
         }
     }
 
-    /// Time passed since a moment.
+    /// Time since a moment.
     pub(crate) const fn since(&self, moment: HostTime) -> HostTime {
         self.now.saturating_sub(moment)
     }
 
-    /// Whether the port is closed or the board lost: nothing more happens by itself.
-    pub(crate) const fn is_over(&self) -> bool {
+    /// Whether the port is closed or the board is lost. Only the caller can reopen it.
+    pub(crate) const fn is_closed(&self) -> bool {
         matches!(self.state, LinkState::Off | LinkState::Lost)
     }
 
-    /// Another state, which the kernel hears of.
+    /// Changes the state and reports the change to the kernel.
     pub(crate) fn enter(&mut self, state: LinkState) {
         if self.state != state {
             self.state = state;
-            self.events.push(Event::State(state));
+            self.events.push(LinkEvent::State(state));
         }
     }
 
-    /// An alarm of the table, with its cause.
+    /// Reports an alarm to the kernel.
     pub(crate) fn alarm(&mut self, number: u16, detail: Message) {
-        self.events.push(Event::Alarm { number, detail });
+        self.events.push(LinkEvent::Alarm { number, detail });
     }
 
-    /// Whether the slides stand where the kernel says.
+    /// Whether the slides are at the kernel's position.
     pub(crate) const fn knows_position(&self) -> bool {
         matches!(self.position, Position::Known)
     }
 
-    /// Why they may not.
+    /// Why the position is uncertain; `None` if it is known.
     pub(crate) const fn uncertainty(&self) -> Option<Uncertainty> {
         match self.position {
             Position::Known => None,
@@ -73,18 +72,18 @@ impl Session {
         }
     }
 
-    /// The kernel and the board agree where the slides stand.
+    /// Notes that the positions of kernel and board agree.
     pub(crate) const fn confirm_position(&mut self) {
         self.position = Position::Known;
     }
 
-    /// Nobody knows where the slides stand, and they are moved all the same.
+    /// Allows manual motion with an unknown position.
     pub(crate) const fn release(&mut self) {
         self.position = Position::Uncertain(Uncertainty::Unreferenced);
         self.released = true;
     }
 
-    /// Nobody knows any more where the slides stand; the first reason stays.
+    /// Marks the position as uncertain; an earlier reason is kept.
     pub(crate) const fn lose_position(&mut self, uncertainty: Uncertainty) {
         if self.knows_position() {
             self.position = Position::Uncertain(uncertainty);
@@ -92,7 +91,7 @@ impl Session {
         self.released = false;
     }
 
-    /// The state of a link whose axes stand and whose count agrees.
+    /// The state at standstill when the counts agree.
     pub(crate) const fn standing_state(&self) -> LinkState {
         if self.knows_position() {
             LinkState::Ready

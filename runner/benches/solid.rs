@@ -3,7 +3,7 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use gsk_runner::solid::{Canvas, Fineness, Turn, View, clamping, part, tool};
-use gsk_workpiece::grid::{Contour, GridPoint, grid};
+use gsk_workpiece::grid::{GridContour, GridPoint, grid};
 use gsk_workpiece::region::Region;
 use gsk_workpiece::stock::Stock;
 use gsk_workpiece::tool::Tool;
@@ -12,7 +12,7 @@ const SIZE: (usize, usize) = (900, 500);
 
 /// Two steps, a ball and 25 turns of a thread.
 fn shaft(stock: &Region) -> Region {
-    let mut contour: Contour = Vec::new();
+    let mut contour: GridContour = Vec::new();
     let mut corner = |z: f64, x: f64| contour.push(GridPoint::new(grid(z), grid(x)));
     corner(3.0, 30.0);
     corner(3.0, 0.0);
@@ -31,7 +31,7 @@ fn shaft(stock: &Region) -> Region {
     corner(-52.0, 20.0);
     corner(-70.0, 22.0);
     corner(-70.0, 30.0);
-    stock.without(&[contour])
+    stock.difference(&[contour])
 }
 
 fn solid(criterion: &mut Criterion) {

@@ -2,7 +2,7 @@
 
 use gsk_core::battery::Memory;
 use gsk_core::units::{Axis, Point};
-use gsk_workpiece::curve::Arc;
+use gsk_workpiece::curve::PlaneArc;
 
 /// Rapid rates, for the bend in the path of a rapid with both axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,11 +51,11 @@ pub fn arc_points(
     clockwise: bool,
     cell_mm: f64,
 ) -> impl Iterator<Item = Point> {
-    let arc = Arc::between(from, to, center, clockwise);
-    let steps = arc.chords(cell_mm / 2.0).max(2);
+    let arc = PlaneArc::between(from, to, center, clockwise);
+    let steps = arc.chord_count(cell_mm / 2.0).max(2);
     (1..=steps).map(move |index| match index == steps {
         true => to,
-        false => arc.at(f64::from(index) / f64::from(steps)),
+        false => arc.point_at(f64::from(index) / f64::from(steps)),
     })
 }
 

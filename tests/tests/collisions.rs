@@ -14,14 +14,14 @@ use gsk_core::setup::Setup;
 use gsk_core::{command::ProgramId, units::Diameter};
 use gsk_runner::curves::RapidRates;
 use gsk_runner::machining::{Finding, Machining};
-use gsk_workpiece::collision::{Obstacle, Toucher};
+use gsk_workpiece::collision::{Obstacle, TouchingPart};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::stock::{Form, Stock, Tailstock};
 use gsk_workpiece::tool::{BodyPart, Holder, Tool};
 
-const TURRET: Toucher = Toucher::Body(BodyPart::Turret);
-const HOLDER: Toucher = Toucher::Body(BodyPart::Holder);
-const BACK: Toucher = Toucher::Body(BodyPart::InsertBack);
+const TURRET: TouchingPart = TouchingPart::Body(BodyPart::Turret);
+const HOLDER: TouchingPart = TouchingPart::Body(BodyPart::Holder);
+const BACK: TouchingPart = TouchingPart::Body(BodyPart::InsertBack);
 
 /// What the program begins with: the spindle turns.
 const HEAD: &str = "G50 X100 Z50\nG97 M03 S500\nG98\n";
@@ -87,7 +87,7 @@ fn findings(job: Job, head: &str, text: &str) -> Vec<Finding> {
 
 /// The program, the block of its first collision (the line after the head, from 1), and
 /// what touches what.
-type Case = (fn() -> Job, &'static str, u32, Toucher, Obstacle);
+type Case = (fn() -> Job, &'static str, u32, TouchingPart, Obstacle);
 
 const CRASHES: [Case; 20] = [
     // Rapids through the stock: along, in from the front, across, into a shoulder.
@@ -95,56 +95,56 @@ const CRASHES: [Case; 20] = [
         job,
         "T0101\nG00 X40 Z2\nG00 Z-20",
         3,
-        Toucher::RapidInsert,
+        TouchingPart::RapidInsert,
         Obstacle::Stock,
     ),
     (
         job,
         "T0101\nG00 X52 Z-20\nG00 X46",
         3,
-        Toucher::RapidInsert,
+        TouchingPart::RapidInsert,
         Obstacle::Stock,
     ),
     (
         job,
         "T0101\nG00 X0 Z2\nG00 Z-1",
         3,
-        Toucher::RapidInsert,
+        TouchingPart::RapidInsert,
         Obstacle::Stock,
     ),
     (
         job,
         "T0101\nG00 X44 Z2\nG01 Z-20 F200\nG00 Z-21",
         4,
-        Toucher::RapidInsert,
+        TouchingPart::RapidInsert,
         Obstacle::Stock,
     ),
     (
         job,
         "T0101\nG00 X44 Z2\nG01 Z-20 F200\nG00 X100 Z-50",
         4,
-        Toucher::RapidInsert,
+        TouchingPart::RapidInsert,
         Obstacle::Stock,
     ),
     (
         tube,
         "T0202\nG00 X18 Z2\nG00 X22 Z-5",
         3,
-        Toucher::RapidInsert,
+        TouchingPart::RapidInsert,
         Obstacle::Stock,
     ),
     (
         job,
         "T0505\nG00 X0 Z3\nG00 Z-5",
         3,
-        Toucher::RapidInsert,
+        TouchingPart::RapidInsert,
         Obstacle::Stock,
     ),
     (
         job,
         "T0303\nG00 X52 Z-20\nG01 X40 F50\nG00 Z-10",
         4,
-        Toucher::RapidInsert,
+        TouchingPart::RapidInsert,
         Obstacle::Stock,
     ),
     // The spindle stands.
@@ -152,14 +152,14 @@ const CRASHES: [Case; 20] = [
         job,
         "M05\nT0101\nG00 X46 Z2\nG01 Z-10 F100",
         4,
-        Toucher::StandingInsert,
+        TouchingPart::StandingInsert,
         Obstacle::Stock,
     ),
     (
         job,
         "T0101\nG00 X46 Z2\nG01 Z-10 F100\nM05\nG01 Z-20",
         5,
-        Toucher::StandingInsert,
+        TouchingPart::StandingInsert,
         Obstacle::Stock,
     ),
     // Jaws and chuck.
@@ -167,21 +167,21 @@ const CRASHES: [Case; 20] = [
         job,
         "T0101\nG00 X48 Z2\nG01 Z-75 F200",
         3,
-        Toucher::Insert,
+        TouchingPart::Insert,
         Obstacle::Jaws,
     ),
     (
         job,
         "T0101\nG00 X60 Z2\nG00 Z-80",
         3,
-        Toucher::RapidInsert,
+        TouchingPart::RapidInsert,
         Obstacle::Jaws,
     ),
     (
         job,
         "T0303\nG00 X60 Z-68\nG01 X45 Z-72 F50",
         3,
-        Toucher::Insert,
+        TouchingPart::Insert,
         Obstacle::Jaws,
     ),
     // Holder, back of the insert, turret.
@@ -210,7 +210,7 @@ const CRASHES: [Case; 20] = [
         job,
         "T0101\nG00 X30 Z-10",
         2,
-        Toucher::RapidInsert,
+        TouchingPart::RapidInsert,
         Obstacle::Stock,
     ),
     (
@@ -225,14 +225,14 @@ const CRASHES: [Case; 20] = [
         with_tailstock,
         "T0101\nG00 X30 Z30\nG01 X20 F100",
         2,
-        Toucher::RapidInsert,
+        TouchingPart::RapidInsert,
         Obstacle::Tailstock,
     ),
     (
         with_tailstock,
         "T0101\nG00 X52 Z2\nG01 X4 F100",
         3,
-        Toucher::Insert,
+        TouchingPart::Insert,
         Obstacle::Tailstock,
     ),
 ];
@@ -308,19 +308,19 @@ const CLEAN: [Clean; 20] = [
 #[test]
 fn twenty_crashes_are_found_at_their_blocks() {
     let head = u32::try_from(HEAD.lines().count()).unwrap();
-    for (job, text, line, toucher, obstacle) in CRASHES {
+    for (job, text, line, touching_part, obstacle) in CRASHES {
         let findings = findings(job(), HEAD, text);
         let Some(first) = findings.first() else {
             panic!("nothing is found in\n{text}");
         };
         let found = (
             first.source.map(|source| source.line),
-            first.collision.toucher,
+            first.collision.touching_part,
             first.collision.obstacle,
         );
         assert_eq!(
             found,
-            (Some(head + line), toucher, obstacle),
+            (Some(head + line), touching_part, obstacle),
             "{text}\n{first:?}"
         );
         assert!(first.collision.depth > 0.0, "{first:?}");
@@ -336,7 +336,7 @@ fn twenty_crashes_are_found_at_their_blocks() {
     assert!(
         found
             .iter()
-            .any(|finding| finding.collision.toucher == TURRET),
+            .any(|finding| finding.collision.touching_part == TURRET),
         "{found:?}"
     );
 }

@@ -8,7 +8,7 @@ use gsk_tests::repository;
 use gsk_tests::rust_text::{Token, tokens, words_of};
 
 /// The packages that are held to the list; the others still have to be rewritten.
-const REWRITTEN: [&str; 1] = ["xtask"];
+const REWRITTEN: [&str; 3] = ["link", "workpiece", "xtask"];
 
 /// A word or phrase that the sources avoid.
 struct Entry {

@@ -1,21 +1,21 @@
-//! What cutting costs: a tick of a finishing cut along parts of many corners, an arc, and
-//! the half section put together for a picture.
+//! Benchmarks of cutting: one tick of a finishing cut along parts with many corners, an
+//! arc, and the assembly of the half section for a picture.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use gsk_units::Point;
 use gsk_workpiece::grid::to_grid;
-use gsk_workpiece::motion::{Kind, Motion};
-use gsk_workpiece::part::Part;
+use gsk_workpiece::motion::{MotionKind, ToolMotion};
+use gsk_workpiece::part::TurnedPart;
 use gsk_workpiece::region::Region;
-use gsk_workpiece::scene::{Cutter, Scene};
+use gsk_workpiece::scene::{LatheScene, SceneTool};
 use gsk_workpiece::stock::Stock;
-use gsk_workpiece::tool::{Shape, Tool};
+use gsk_workpiece::tool::{Tool, ToolShape};
 
-/// Length of the part, mm.
+/// Length of the turned part, mm.
 const LENGTH: f64 = 200.0;
 
-/// A part with so many corners along its outside: a fine saw.
-fn part(corners: u32) -> Part {
+/// A part with a number of corners along its outer surface, like a fine saw blade.
+fn part(corners: u32) -> TurnedPart {
     let mut contour = vec![to_grid(Point::new(0.0, 0.0))];
     for corner in 0..corners {
         let z = -LENGTH * f64::from(corner) / f64::from(corners);
@@ -23,16 +23,16 @@ fn part(corners: u32) -> Part {
         contour.push(to_grid(Point::new(x, z)));
     }
     contour.push(to_grid(Point::new(0.0, -LENGTH)));
-    Part::new(&Region::of(&[contour]))
+    TurnedPart::new(&Region::from_contours(&[contour]))
 }
 
 fn cut(criterion: &mut Criterion) {
-    let tool = Shape::of(&Tool::turning());
+    let tool = ToolShape::from_tool(&Tool::turning());
     for corners in [100, 1_000, 5_000, 20_000] {
         criterion.bench_function(&format!("tick of a cut, {corners} corners"), |bencher| {
             let mut part = part(corners);
             let mut z = 1.0;
-            // 0.2 mm a revolution at 1000 r/min: 3.3 µm a tick.
+            // 0.2 mm/r at 1000 r/min: 3.3 µm in each tick.
             bencher.iter(|| {
                 let next = if z < 1.0 - LENGTH { 1.0 } else { z - 0.0033 };
                 part.cut(
@@ -50,11 +50,11 @@ fn cut(criterion: &mut Criterion) {
     }
 }
 
-/// Arcs of 90° one after another, each a tenth of a millimetre deeper than the one before:
-/// their chords cut at once.
+/// Consecutive arcs of 90°, each row 0.1 mm deeper than the previous one. All chords of an
+/// arc are cut in one sweep.
 fn arcs(criterion: &mut Criterion) {
-    let mut scene = Scene::new(&Stock::bar(50.0, 0.0, 220.0));
-    let cutter = Cutter::new(Shape::of(&Tool::turning()));
+    let mut scene = LatheScene::new(&Stock::bar(50.0, 0.0, 220.0));
+    let cutter = SceneTool::new(ToolShape::from_tool(&Tool::turning()));
     let mut count = 0;
     criterion.bench_function("an arc of 90 degrees", |bencher| {
         bencher.iter(|| {
@@ -62,12 +62,12 @@ fn arcs(criterion: &mut Criterion) {
             let center = Point::new(30.0 - 0.1 * f64::from(row % 100), -4.0 * f64::from(column));
             count += 1;
             let at = |x: f64, z: f64| Point::new(center.x + x, center.z + z);
-            scene.carry_out(
+            scene.move_tool(
                 &cutter,
-                &Motion {
+                &ToolMotion {
                     from: at(-3.5, 3.5),
                     to: at(-3.5, -3.5),
-                    kind: Kind::Arc {
+                    kind: MotionKind::Arc {
                         center,
                         clockwise: true,
                     },

@@ -1,4 +1,4 @@
-//! What a tool hit, where, and how deep.
+//! Collisions of a tool: the tool part, the obstacle, the position and the depth.
 
 use gsk_messages::{Message, say};
 use gsk_units::Point;
@@ -7,51 +7,52 @@ use crate::grid::{from_grid, mm};
 use crate::region::Region;
 use crate::tool::BodyPart;
 
-/// What of the tool touched.
+/// The part of the tool that collides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Toucher {
-    /// The insert, in a rapid.
+pub enum TouchingPart {
+    /// The insert during a rapid.
     RapidInsert,
-    /// The insert, while the spindle stood.
+    /// The insert during a feed move with a stopped spindle.
     StandingInsert,
-    /// The insert, in a cut.
+    /// The insert during a feed move with a turning spindle.
     Insert,
-    /// What must touch nothing.
+    /// A part of the tool that must never touch anything.
     Body(BodyPart),
 }
 
-/// What was hit.
+/// The object that the tool collides with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Obstacle {
-    /// The stock.
+    /// The stock, or what is left of it.
     Stock,
-    /// The jaws.
+    /// The chuck jaws.
     Jaws,
-    /// The chuck.
+    /// The chuck body.
     Chuck,
-    /// The tailstock.
+    /// The quill of the tailstock or its centre.
     Tailstock,
 }
 
-/// A collision.
+/// A collision of a tool with an obstacle. Points are part coordinates, X a radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Collision {
-    /// What of the tool touched.
-    pub toucher: Toucher,
-    /// What was hit.
+    /// The part of the tool that collides.
+    pub touching_part: TouchingPart,
+    /// The object that the tool collides with.
     pub obstacle: Obstacle,
-    /// Where the tip was at the first touch, part coordinates.
+    /// The imaginary tip at the first contact, mm.
     pub tip: Point,
-    /// Where they touched.
+    /// The centre of the first contact area, mm.
     pub contact: Point,
-    /// How deep it went in this motion, mm.
+    /// The greatest depth that the tool reaches in the obstacle during this motion, mm.
     pub depth: f64,
 }
 
 impl Collision {
-    /// Of the regions that both have in common at the first touch and at the end.
+    /// A collision whose overlap is `first` at the first contact and `last` at the end of
+    /// the motion.
     pub(crate) fn new(
-        toucher: Toucher,
+        touching_part: TouchingPart,
         obstacle: Obstacle,
         tip: Point,
         first: &Region,
@@ -64,7 +65,7 @@ impl Collision {
             mm((bounds.high.x - bounds.low.x).min(bounds.high.y - bounds.low.y))
         });
         Self {
-            toucher,
+            touching_part,
             obstacle,
             tip,
             contact,
@@ -72,7 +73,7 @@ impl Collision {
         }
     }
 
-    /// What touched what.
+    /// The text for the operator: which part of the tool hits which obstacle.
     pub fn message(&self) -> Message {
         let obstacle = match self.obstacle {
             Obstacle::Stock => say::collision_stock(),
@@ -80,13 +81,13 @@ impl Collision {
             Obstacle::Chuck => say::collision_chuck(),
             Obstacle::Tailstock => say::collision_tailstock(),
         };
-        match self.toucher {
-            Toucher::RapidInsert => say::collision_rapid(obstacle),
-            Toucher::StandingInsert => say::collision_standing_spindle(),
-            Toucher::Insert => say::collision_insert(obstacle),
-            Toucher::Body(BodyPart::InsertBack) => say::collision_insert_back(obstacle),
-            Toucher::Body(BodyPart::Holder) => say::collision_holder(obstacle),
-            Toucher::Body(BodyPart::Turret) => say::collision_turret(obstacle),
+        match self.touching_part {
+            TouchingPart::RapidInsert => say::collision_rapid(obstacle),
+            TouchingPart::StandingInsert => say::collision_standing_spindle(),
+            TouchingPart::Insert => say::collision_insert(obstacle),
+            TouchingPart::Body(BodyPart::InsertBack) => say::collision_insert_back(obstacle),
+            TouchingPart::Body(BodyPart::Holder) => say::collision_holder(obstacle),
+            TouchingPart::Body(BodyPart::Turret) => say::collision_turret(obstacle),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Convex polygons: hull, and what one sweeps over on its way.
+//! Convex polygons: hull, shrinking, and the area swept along a path.
 //!
 //! ```text
 //!      ____                 ________________
@@ -8,44 +8,49 @@
 //!                           ----------------
 //! ```
 //!
-//! A convex polygon sweeps along a straight line exactly over the hull of its first
+//! The area that a convex polygon sweeps along a straight line is the hull of its first
 //! and last position. Along a path of several lines the outline is the convolution of
-//! the polygon with the path walked there and back:
+//! the polygon with the path, traversed forward and back:
 //!
 //! ```text
 //!        ____              ________
 //!       / P  \            /        \___
-//!      0------1      ->   |             \      each piece of the path once on each
-//!              \          \___    2     |     side, the edges of P between them
+//!      0------1      ->   |             \      each line of the path once on each
+//!              \          \___    2     |     side, edges of P between them
 //!               2              \_______/
 //! ```
 
-use crate::grid::{Contour, GridPoint, moved, turn};
-use crate::region::Bounds;
+use crate::grid::{GridContour, GridPoint, orientation, translated};
+use crate::region::GridBounds;
 
-/// The convex hull, counter-clockwise, without points on its edges. Fewer than three
-/// points that are not on a line give an empty one.
-pub fn hull(points: impl IntoIterator<Item = GridPoint>) -> Contour {
+/// Computes the convex hull of points, counter-clockwise, without points on its edges.
+/// The hull is empty if all points lie on one line.
+pub fn convex_hull(points: impl IntoIterator<Item = GridPoint>) -> GridContour {
     let mut points: Vec<GridPoint> = points.into_iter().collect();
     points.sort_unstable_by_key(|point| (point.x, point.y));
     points.dedup();
     if points.len() < 3 {
-        return Contour::new();
+        return GridContour::new();
     }
     // Andrew's monotone chain: the lower side, then the upper one.
-    let mut hull: Contour = Vec::with_capacity(points.len() + 1);
-    chain(&mut hull, 0, points.iter().copied());
+    let mut hull: GridContour = Vec::with_capacity(points.len() + 1);
+    extend_chain(&mut hull, 0, points.iter().copied());
     let lower = hull.len() - 1;
-    chain(&mut hull, lower, points.iter().rev().skip(1).copied());
+    extend_chain(&mut hull, lower, points.iter().rev().skip(1).copied());
     hull.pop();
-    if hull.len() < 3 { Contour::new() } else { hull }
+    if hull.len() < 3 {
+        GridContour::new()
+    } else {
+        hull
+    }
 }
 
-/// Adds points that turn left; those from `kept` on may be taken back.
-fn chain(hull: &mut Contour, kept: usize, points: impl Iterator<Item = GridPoint>) {
+/// Appends points and keeps the chain turning left: points from index `kept` on may be
+/// removed again.
+fn extend_chain(hull: &mut GridContour, kept: usize, points: impl Iterator<Item = GridPoint>) {
     for point in points {
         while let [.., a, b] = hull[kept..]
-            && turn(a, b, point) <= 0
+            && orientation(a, b, point) <= 0
         {
             hull.pop();
         }
@@ -53,69 +58,73 @@ fn chain(hull: &mut Contour, kept: usize, points: impl Iterator<Item = GridPoint
     }
 }
 
-/// What a convex polygon sweeps over on a straight way from one position to another.
-pub fn sweep(polygon: &[GridPoint], from: GridPoint, to: GridPoint) -> Contour {
-    let at = |by: GridPoint| polygon.iter().map(move |point| moved(*point, by));
+/// Computes the area that a convex polygon sweeps on a straight line. `from` and `to` are
+/// the positions of the polygon's zero.
+pub fn sweep(polygon: &[GridPoint], from: GridPoint, to: GridPoint) -> GridContour {
+    let at = |by: GridPoint| polygon.iter().map(move |point| translated(*point, by));
     if from == to {
         return at(from).collect();
     }
-    hull(at(from).chain(at(to)))
+    convex_hull(at(from).chain(at(to)))
 }
 
-/// What a convex polygon sweeps over on a path, as one closed polygon. Where the path
-/// bends more than the polygon can follow, and where it crosses itself, the outline
-/// crosses itself, too: a point lies in the sweep where it goes round it at least once.
-pub fn sweep_along(polygon: &[GridPoint], path: &[GridPoint]) -> Contour {
+/// Computes the area that a convex polygon sweeps along a path, as one closed polygon.
+///
+/// The outline crosses itself where the path does, and where a bend of the path is sharper
+/// than the polygon. A point belongs to the area if its winding number is not 0.
+pub fn sweep_along(polygon: &[GridPoint], path: &[GridPoint]) -> GridContour {
     let mut path = path.to_vec();
     path.dedup();
     match path[..] {
-        [] => return Contour::new(),
+        [] => return GridContour::new(),
         [from] => return sweep(polygon, from, from),
         [from, to] => return sweep(polygon, from, to),
         _ => {}
     }
     if polygon.len() < 3 {
-        return Contour::new();
+        return GridContour::new();
     }
     let back = path.iter().rev().skip(1);
     let walk: Vec<GridPoint> = path.iter().chain(back).copied().collect();
-    // The walk ends where it begins, turned about: the first piece follows the last.
-    let pieces = walk.len() - 1;
-    let mut outline = Contour::with_capacity(2 * pieces + 2 * polygon.len());
-    let mut corner = extreme(polygon, 0, walk[pieces - 1], walk[pieces]);
+    // The walk ends where it begins, in the opposite direction: its first line follows
+    // its last.
+    let lines = walk.len() - 1;
+    let mut outline = GridContour::with_capacity(2 * lines + 2 * polygon.len());
+    let mut corner = rightmost_corner(polygon, 0, walk[lines - 1], walk[lines]);
     for (index, pair) in walk.windows(2).enumerate() {
         let (from, to) = (pair[0], pair[1]);
-        let before = walk[(index + pieces - 1) % pieces];
-        let leading = extreme(polygon, corner, from, to);
-        let bend = turn(before, from, to);
-        outline.push(moved(polygon[corner], from));
+        let before = walk[(index + lines - 1) % lines];
+        let leading = rightmost_corner(polygon, corner, from, to);
+        let bend = orientation(before, from, to);
+        outline.push(translated(polygon[corner], from));
         while corner != leading {
             let count = polygon.len();
-            // A turn to the right goes back over edges of the polygon.
+            // At a right turn the outline follows the edges of the polygon backwards.
             corner = (corner + if bend < 0 { count - 1 } else { 1 }) % count;
-            outline.push(moved(polygon[corner], from));
+            outline.push(translated(polygon[corner], from));
         }
-        outline.push(moved(polygon[corner], to));
+        outline.push(translated(polygon[corner], to));
     }
     outline.dedup();
     outline
 }
 
-/// The corner of a convex polygon that lies farthest to the right of a direction; the
-/// last of two. The search begins at a corner that may be near it.
-fn extreme(polygon: &[GridPoint], begin: usize, from: GridPoint, to: GridPoint) -> usize {
+/// Finds the corner of a convex polygon that is farthest to the right of the direction
+/// from `from` to `to`; of two equal corners the last one. `begin` is the corner at which
+/// the search starts: the nearer it is, the shorter the search.
+fn rightmost_corner(polygon: &[GridPoint], begin: usize, from: GridPoint, to: GridPoint) -> usize {
     let (dx, dy) = (
         i64::from(to.x) - i64::from(from.x),
         i64::from(to.y) - i64::from(from.y),
     );
-    // How far a step along the polygon goes to the right.
+    // How far the edge from `a` to `b` leads to the right.
     let gain = |a: usize, b: usize| {
         let (a, b) = (polygon[a], polygon[b]);
         (i64::from(b.x) - i64::from(a.x)) * dy - (i64::from(b.y) - i64::from(a.y)) * dx
     };
     let count = polygon.len();
     let mut at = begin;
-    // Once round finds it from everywhere: the gain changes its sign twice.
+    // One round is enough from any start: the gain changes its sign twice.
     for _ in 0..count {
         let previous = (at + count - 1) % count;
         if gain(previous, at) >= 0 {
@@ -133,11 +142,11 @@ fn extreme(polygon: &[GridPoint], begin: usize, from: GridPoint, to: GridPoint) 
     at
 }
 
-/// A convex polygon made smaller about its middle, so that each side comes in by at
-/// least `by` at its nearest point, grid units. One that is too small vanishes.
-pub fn shrunk(polygon: &[GridPoint], by: i32) -> Contour {
-    let Some(bounds) = Bounds::of(polygon) else {
-        return Contour::new();
+/// Scales a convex polygon down about its centre until each side of its bounding box is at
+/// least `by` farther in, grid units. A polygon that is too small becomes empty.
+pub fn shrink(polygon: &[GridPoint], by: i32) -> GridContour {
+    let Some(bounds) = GridBounds::from_points(polygon) else {
+        return GridContour::new();
     };
     let middle = |low: i32, high: i32| (f64::from(low) + f64::from(high)) / 2.0;
     let (z, x) = (
@@ -147,11 +156,11 @@ pub fn shrunk(polygon: &[GridPoint], by: i32) -> Contour {
     let size = (bounds.high.x - bounds.low.x).min(bounds.high.y - bounds.low.y);
     let factor = 1.0 - 2.0 * f64::from(by) / f64::from(size).max(1.0);
     if factor <= 0.0 {
-        return Contour::new();
+        return GridContour::new();
     }
     let toward =
         |value: i32, middle: f64| libm::round(middle + (f64::from(value) - middle) * factor) as i32;
-    hull(
+    convex_hull(
         polygon
             .iter()
             .map(|point| GridPoint::new(toward(point.x, z), toward(point.y, x))),
@@ -167,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hull_goes_round_counter_clockwise_without_points_on_its_edges() {
+    fn a_hull_is_counter_clockwise_without_points_on_its_edges() {
         let points = [
             point(0, 0),
             point(10, 0),
@@ -177,15 +186,15 @@ mod tests {
             point(0, 10),
         ];
         assert_eq!(
-            hull(points),
+            convex_hull(points),
             [point(0, 0), point(10, 0), point(10, 10), point(0, 10)]
         );
-        assert!(hull([point(0, 0), point(1, 1), point(2, 2)]).is_empty());
-        assert!(hull([]).is_empty());
+        assert!(convex_hull([point(0, 0), point(1, 1), point(2, 2)]).is_empty());
+        assert!(convex_hull([]).is_empty());
     }
 
     #[test]
-    fn a_square_sweeps_over_a_hexagon() {
+    fn a_square_moved_diagonally_sweeps_a_hexagon() {
         let square = [point(0, 0), point(2, 0), point(2, 2), point(0, 2)];
         assert_eq!(
             sweep(&square, point(0, 0), point(10, 10)),

@@ -1,4 +1,4 @@
-//! Arcs as chords.
+//! Circular arcs and their approximation by chords.
 //!
 //! ```text
 //!        ___
@@ -10,32 +10,32 @@ use core::f64::consts::{PI, TAU};
 
 use gsk_units::Point;
 
-/// How far a chord may be off its arc, mm: two units of the grid.
+/// Greatest distance of a chord from its arc, mm: two units of the grid.
 pub const SAGITTA_MM: f64 = 0.000_2;
 
-/// Chords of an arc at most.
-const MOST_CHORDS: f64 = 4096.0;
+/// Most chords of one arc.
+const MAX_CHORDS: f64 = 4096.0;
 
-/// An arc of the working plane, Z to the right and X up.
+/// A circular arc in the working plane, with Z to the right and X upwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Arc {
-    /// Its centre.
+pub struct PlaneArc {
+    /// The centre, mm; X is a radius.
     pub center: Point,
-    /// Its radius, mm.
+    /// The radius, mm.
     pub radius: f64,
-    /// Where it begins, radians counter-clockwise from +Z.
+    /// The start angle, radians counter-clockwise from +Z.
     pub begin: f64,
-    /// How far it goes, radians; counter-clockwise is greater than 0.
+    /// The angle from start to end, radians; positive is counter-clockwise.
     pub sweep: f64,
 }
 
-impl Arc {
-    /// From one point to another; the same one gives a full circle.
+impl PlaneArc {
+    /// An arc about `center` from one point to another. Equal points give a full circle.
     pub fn between(from: Point, to: Point, center: Point, clockwise: bool) -> Self {
         let (first, last) = (from - center, to - center);
         let begin = angle(first);
         let mut sweep = angle(last) - begin;
-        // A whisker before the start is the start.
+        // An end that lies before the start by rounding only is the start.
         const SAME: f64 = 1e-12;
         if clockwise && sweep >= -SAME {
             sweep -= TAU;
@@ -50,34 +50,34 @@ impl Arc {
         }
     }
 
-    /// The point at a part of the way, 0 to 1.
-    pub fn at(&self, part: f64) -> Point {
-        let angle = self.begin + self.sweep * part;
+    /// The point at a fraction of the arc: 0 is its start, 1 its end.
+    pub fn point_at(&self, fraction: f64) -> Point {
+        let angle = self.begin + self.sweep * fraction;
         self.center + Point::new(libm::sin(angle), libm::cos(angle)) * self.radius
     }
 
-    /// Its points, both ends too, so near that chords stay within [`SAGITTA_MM`].
+    /// Points from start to end whose chords are within [`SAGITTA_MM`] of the arc.
     pub fn points(&self) -> impl Iterator<Item = Point> + use<> {
         let arc = *self;
-        let chords = arc.chords(SAGITTA_MM);
-        (0..=chords).map(move |index| arc.at(f64::from(index) / f64::from(chords)))
+        let chords = arc.chord_count(SAGITTA_MM);
+        (0..=chords).map(move |index| arc.point_at(f64::from(index) / f64::from(chords)))
     }
 
-    /// How many chords stay within a sagitta, mm.
-    pub fn chords(&self, sagitta: f64) -> u32 {
-        let least = (1.0 - sagitta / self.radius.max(sagitta)).max(-1.0);
+    /// The number of equal chords that stay within `sagitta_mm` of the arc.
+    pub fn chord_count(&self, sagitta_mm: f64) -> u32 {
+        let least = (1.0 - sagitta_mm / self.radius.max(sagitta_mm)).max(-1.0);
         let step = (2.0 * libm::acos(least)).max(1e-6);
-        libm::ceil(self.sweep.abs() / step).clamp(1.0, MOST_CHORDS) as u32
+        libm::ceil(self.sweep.abs() / step).clamp(1.0, MAX_CHORDS) as u32
     }
 }
 
-/// Direction of a displacement, radians counter-clockwise from +Z.
+/// The direction of a displacement, radians counter-clockwise from +Z.
 pub fn angle(displacement: Point) -> f64 {
     libm::atan2(displacement.x, displacement.z)
 }
 
-/// The displacement of length 1 in a direction, degrees counter-clockwise from +Z.
-pub fn direction(degrees: f64) -> Point {
+/// The vector of length 1 in a direction, degrees counter-clockwise from +Z.
+pub fn unit_vector(degrees: f64) -> Point {
     let radians = degrees * PI / 180.0;
     Point::new(libm::sin(radians), libm::cos(radians))
 }
@@ -87,10 +87,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn points_lie_on_the_arc_and_chords_near_it() {
+    fn points_are_on_the_arc_and_chords_within_the_sagitta() {
         let (from, to) = (Point::new(10.0, 0.0), Point::new(0.0, 10.0));
         for (clockwise, sweep) in [(true, -PI / 2.0), (false, 1.5 * PI)] {
-            let arc = Arc::between(from, to, Point::default(), clockwise);
+            let arc = PlaneArc::between(from, to, Point::default(), clockwise);
             assert!((arc.sweep - sweep).abs() < 1e-12);
             let points: Vec<Point> = arc.points().collect();
             assert!((*points.last().unwrap() - to).length() < 1e-9);
@@ -102,9 +102,9 @@ mod tests {
     }
 
     #[test]
-    fn the_same_point_is_a_full_circle() {
+    fn equal_end_points_give_a_full_circle() {
         let point = Point::new(1.0, 1.0);
-        let arc = Arc::between(point, point, Point::default(), false);
+        let arc = PlaneArc::between(point, point, Point::default(), false);
         assert!((arc.sweep - TAU).abs() < 1e-12);
     }
 }

@@ -1,8 +1,8 @@
-//! The grid of all geometry here: whole tenths of a micrometre.
+//! The integer grid of the geometry; one unit is a tenth of a micrometre.
 //!
-//! Boolean operations on whole numbers are exact up to one rounding of each crossing,
-//! and give the same bits on every platform. In the half section Z is the first
-//! coordinate and X, a radius, the second:
+//! Boolean operations on integers round each crossing once and give the same bits on
+//! every platform. In the half section Z is the first coordinate; X, a radius, is the
+//! second:
 //!
 //! ```text
 //!   X (radius)  GridPoint.y
@@ -14,42 +14,41 @@
 use gsk_units::Point;
 use i_overlay::i_float::int::point::IntPoint;
 
-/// A point of the half section, tenths of a micrometre.
+/// A point of the half section in grid units: `x` holds Z, `y` holds X as a radius.
 pub type GridPoint = IntPoint<i32>;
 
-/// A closed polygon; its last point is joined to its first.
-pub type Contour = Vec<GridPoint>;
+/// A closed polygon; an edge joins its last point to its first.
+pub type GridContour = Vec<GridPoint>;
 
-/// Grid units in a millimetre.
+/// Grid units per millimetre.
 pub const PER_MM: f64 = 10_000.0;
 
-/// Nothing lies farther out, mm: the boolean operations need the rest of the number.
-const FARTHEST_MM: f64 = 50_000.0;
+/// Greatest coordinate, mm: the boolean operations need the upper bits of the integer.
+const MAX_COORDINATE_MM: f64 = 50_000.0;
 
-/// The nearest grid coordinate of a length, mm.
+/// Rounds a length in mm to grid units. Lengths beyond ±50 m are clamped, NaN gives 0.
 pub fn grid(mm: f64) -> i32 {
-    // Not a number becomes 0, as in every cast.
-    libm::round(mm.clamp(-FARTHEST_MM, FARTHEST_MM) * PER_MM) as i32
+    libm::round(mm.clamp(-MAX_COORDINATE_MM, MAX_COORDINATE_MM) * PER_MM) as i32
 }
 
-/// A grid coordinate in mm.
+/// Converts grid units to mm.
 pub fn mm(grid: i32) -> f64 {
     f64::from(grid) / PER_MM
 }
 
-/// The nearest grid point.
+/// Rounds a point in mm to the grid.
 pub fn to_grid(point: Point) -> GridPoint {
     GridPoint::new(grid(point.z), grid(point.x))
 }
 
-/// A grid point in mm.
+/// Converts a grid point to mm.
 pub fn from_grid(point: GridPoint) -> Point {
     Point::new(mm(point.y), mm(point.x))
 }
 
-/// Twice the area of the triangle of three points: greater than 0 when they turn
+/// Twice the signed area of the triangle of three points: positive if they turn
 /// counter-clockwise.
-pub(crate) fn turn(a: GridPoint, b: GridPoint, c: GridPoint) -> i64 {
+pub(crate) fn orientation(a: GridPoint, b: GridPoint, c: GridPoint) -> i64 {
     let (bx, by) = (
         i64::from(b.x) - i64::from(a.x),
         i64::from(b.y) - i64::from(a.y),
@@ -61,8 +60,8 @@ pub(crate) fn turn(a: GridPoint, b: GridPoint, c: GridPoint) -> i64 {
     bx * cy - by * cx
 }
 
-/// A point moved by a displacement; saturates at the end of the grid.
-pub(crate) fn moved(point: GridPoint, by: GridPoint) -> GridPoint {
+/// Adds a displacement to a point; saturates at the limits of the integer.
+pub(crate) fn translated(point: GridPoint, by: GridPoint) -> GridPoint {
     GridPoint::new(point.x.saturating_add(by.x), point.y.saturating_add(by.y))
 }
 
@@ -71,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_length_goes_to_the_nearest_tenth_of_a_micrometre_and_back() {
+    fn a_length_is_rounded_to_the_nearest_tenth_of_a_micrometre() {
         assert_eq!(grid(0.123_46), 1235);
         assert_eq!(grid(-0.000_04), 0);
         assert_eq!(mm(grid(-27.5)), -27.5);

@@ -1,4 +1,4 @@
-//! A job: the stock and the tools of a program, as they stand in a file beside it.
+//! The job of a program: stock, clamping and tools, stored in a RON file beside it.
 
 use std::collections::BTreeMap;
 
@@ -9,50 +9,50 @@ use serde::{Deserialize, Serialize};
 use crate::stock::Stock;
 use crate::tool::Tool;
 
-/// Stock, tools, and where they really are.
+/// Stock, tools and their true positions.
 ///
-/// The control knows offsets, the lathe has lengths: where both agree, the part comes
-/// out as programmed; a wrong offset cuts wrong.
+/// The control holds tool offsets, the job holds true tool lengths. If they differ, the
+/// tool cuts the wrong size, as on a real lathe.
 ///
 /// ```text
-///   tip in the part = slide (machine coordinates) − zero − length of the tool
+///   tip (part coordinates) = slide (machine coordinates) − zero − tool length
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Job {
-    /// The stock and its clamping.
+    /// The stock, its clamping and the tailstock.
     pub stock: Stock,
-    /// The tools by their T number.
+    /// The tools by tool number, the first two digits of the T word.
     #[serde(default)]
     pub tools: BTreeMap<u8, Tool>,
-    /// Machine coordinates of the slide when the tip of a tool of no length stands on
-    /// the zero of the part. None: where the control has its zero.
+    /// Machine coordinates of the slide when the tip of a tool of length 0 is at the zero
+    /// of the part. `None`: the work zero of the control.
     #[serde(default)]
-    pub zero: Option<Place>,
-    /// Real lengths of the tools. Of a tool without one: what the control has as its
-    /// offset when it first uses it.
+    pub zero: Option<DiameterPoint>,
+    /// True tool lengths by tool number. A missing length is the tool offset that is
+    /// active when the program first uses the tool.
     #[serde(default)]
-    pub lengths: BTreeMap<u8, Place>,
+    pub lengths: BTreeMap<u8, DiameterPoint>,
 }
 
-/// A point as people write it.
+/// A point with X as a diameter, as operators write it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Place {
+pub struct DiameterPoint {
     /// X as a diameter, mm.
     pub x: Diameter,
     /// Z, mm.
     pub z: f64,
 }
 
-impl Place {
-    /// As a point, X a radius.
+impl DiameterPoint {
+    /// Converts to a point with X as a radius.
     pub const fn point(self) -> Point {
         Point::from_diameter(self.x, self.z)
     }
 }
 
-impl From<Point> for Place {
+impl From<Point> for DiameterPoint {
     fn from(point: Point) -> Self {
         Self {
             x: point.diameter(),
@@ -62,7 +62,7 @@ impl From<Point> for Place {
 }
 
 impl Job {
-    /// Only stock; tools follow.
+    /// A job with stock and no tools.
     pub const fn new(stock: Stock) -> Self {
         Self {
             stock,
@@ -72,19 +72,19 @@ impl Job {
         }
     }
 
-    /// Whether everything in it is what it can be.
+    /// Checks the ranges of all dimensions.
     ///
     /// # Errors
-    /// The rule that is broken, with the tool it is about.
+    /// The first value out of range, with the tool number.
     pub fn check(&self) -> Result<(), Message> {
         self.stock.check()?;
         for (number, tool) in &self.tools {
-            let named = |rule: Message| say::job_of_tool(number, rule);
-            tool.check().map_err(named)?;
+            let with_number = |error: Message| say::job_of_tool(number, error);
+            tool.check().map_err(with_number)?;
         }
-        let places = self.zero.iter().chain(self.lengths.values());
-        for place in places {
-            if !place.x.0.is_finite() || !place.z.is_finite() {
+        let points = self.zero.iter().chain(self.lengths.values());
+        for point in points {
+            if !point.x.0.is_finite() || !point.z.is_finite() {
                 return Err(say::job_place_not_finite());
             }
         }
@@ -110,7 +110,7 @@ mod tests {
     )";
 
     #[test]
-    fn a_job_is_read_from_its_file_and_written_back() {
+    fn a_job_survives_a_round_trip_through_its_file() {
         let job: Job = ron::from_str(FILE).unwrap();
         job.check().unwrap();
         assert!(matches!(job.stock.form, Form::Bar { diameter } if diameter.0 == 54.0));
@@ -121,10 +121,10 @@ mod tests {
     }
 
     #[test]
-    fn a_tool_that_is_none_is_named() {
+    fn an_error_names_the_tool_number() {
         let mut job: Job = ron::from_str(FILE).unwrap();
         job.tools.insert(7, Tool::grooving(-3.0));
-        let said = job.check().unwrap_err().to_string();
-        assert!(said.contains("T07") && said.contains("-3"), "{said}");
+        let text = job.check().unwrap_err().to_string();
+        assert!(text.contains("T07") && text.contains("-3"), "{text}");
     }
 }

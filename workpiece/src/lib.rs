@@ -1,9 +1,9 @@
-//! The part in the lathe: stock and how it is clamped, tools by their inserts, what
-//! they cut away, what they hit, and measuring what is left.
+//! Models the part in the lathe: stock, clamping, tools, material removal, collisions
+//! and measurement.
 //!
-//! Everything lies in the half section of the part, Z along the spindle axis and X a
-//! radius; what the spindle turns is a solid of revolution of it. The zero is that of
-//! the part: the centre of its finished face.
+//! All geometry lies in the half section of the part: Z runs along the spindle axis, X is
+//! a radius. The part is the solid of revolution of this section. Part coordinates have
+//! their zero at the centre of the finished face.
 //!
 //! ```text
 //!          jaws

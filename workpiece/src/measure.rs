@@ -1,12 +1,12 @@
-//! Measuring a part: its outline as cylinders, cones, faces, arcs and threads.
+//! Measures a part: recognizes cylinders, cones, faces, arcs and threads in its outline.
 //!
-//! The outline is a polygon on the grid; what was cut by one line or arc is put together
-//! again, to half a micrometre:
+//! The outline is a polygon on the grid. Lines and circles are fitted through its points
+//! with a tolerance of half a micrometre:
 //!
 //! ```text
 //!        arc     cylinder
 //!      .-‾‾‾-.___________          points of the polygon -> lines and circles
-//!     /                  |face     through them
+//!     /                  |face
 //!    / cone
 //! ```
 
@@ -16,91 +16,93 @@ use serde::Serialize;
 use crate::grid::{GridPoint, from_grid};
 use crate::region::Region;
 
-/// How far a point may lie off the line or circle it belongs to, mm.
-const TOLERANCE: f64 = 0.000_5;
-/// Points that make an arc, at least; fewer are lines.
-const ARC_POINTS: usize = 5;
-/// Arcs beyond this radius are lines, mm.
-const FLAT: f64 = 5_000.0;
-/// Grooves that make a thread, at least.
-const THREAD_GROOVES: usize = 3;
-/// How much the grooves of a thread may differ, mm.
-const THREAD_TOLERANCE: f64 = 0.002;
+/// Greatest distance of a point from its line or circle, mm.
+const TOLERANCE_MM: f64 = 0.000_5;
+/// Fewest points of an arc; fewer points become lines.
+const MIN_ARC_POINTS: usize = 5;
+/// Greatest radius of an arc, mm; flatter arcs become lines.
+const MAX_ARC_RADIUS_MM: f64 = 5_000.0;
+/// Fewest grooves of a thread.
+const MIN_THREAD_GROOVES: usize = 3;
+/// Greatest difference between grooves of one thread in pitch and depth, mm.
+const THREAD_TOLERANCE_MM: f64 = 0.002;
 
-/// A feature of a part, from its front to its back. Z in mm, from the zero of the part.
+/// A feature of the outline. Pairs are ordered from the front of the part to its back; Z
+/// is a part coordinate, mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 pub enum Feature {
-    /// A cylinder.
+    /// A line parallel to the spindle axis.
     Cylinder {
-        /// Its diameter, mm.
+        /// The diameter, mm.
         diameter: Diameter,
-        /// Where it begins and ends.
+        /// Z of both ends, mm.
         z: (f64, f64),
     },
-    /// A plane face.
+    /// A line perpendicular to the spindle axis.
     Face {
-        /// Diameters between which it lies, mm.
+        /// Diameters of both ends, mm.
         diameters: (Diameter, Diameter),
-        /// Where it lies.
+        /// Z of the face, mm.
         z: f64,
     },
-    /// A cone: a taper, a chamfer.
+    /// An inclined line: a taper or a chamfer.
     Cone {
-        /// Diameters of its ends, mm.
+        /// Diameters of both ends, mm.
         diameters: (Diameter, Diameter),
-        /// Where they lie.
+        /// Z of both ends, mm.
         z: (f64, f64),
-        /// Half its angle, degrees from the spindle axis.
+        /// Angle between the line and the spindle axis, degrees: half the cone angle.
         angle: f64,
     },
     /// A circular arc.
     Arc {
-        /// Its radius, mm; a hollow one is less than 0.
+        /// The radius, mm; negative if the arc is concave.
         radius: f64,
-        /// Diameters of its ends, mm.
+        /// Diameters of both ends, mm.
         diameters: (Diameter, Diameter),
-        /// Where they lie.
+        /// Z of both ends, mm.
         z: (f64, f64),
     },
-    /// A thread, by its grooves in the drawn plane.
+    /// Equal grooves at equal distances.
     Thread {
-        /// From groove to groove, mm.
+        /// Distance between two grooves, mm.
         pitch: f64,
-        /// Diameters at the crest and at the root, mm.
+        /// Crest diameter and root diameter, mm.
         diameters: (Diameter, Diameter),
-        /// Its first and its last groove.
+        /// Z of the first and of the last groove, mm.
         z: (f64, f64),
     },
 }
 
-/// A feature with its outline.
+/// A feature with the points of its outline.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Measured {
-    /// What it is.
+pub struct MeasuredFeature {
+    /// The recognized feature.
     pub feature: Feature,
-    /// Its points, mm, from the front to the back; X a radius.
+    /// Points from the front of the part to its back, mm; X is a radius.
     pub outline: Vec<Point>,
 }
 
-/// The features of the outside of a half section, or of its bore.
-pub fn features(section: &Region, side: Side) -> Vec<Feature> {
-    let measured = measured(section, side);
+/// Measures one side of a half section and returns its features from front to back.
+pub fn measure_features(section: &Region, side: SectionSide) -> Vec<Feature> {
+    let measured = measure_with_outlines(section, side);
     measured.into_iter().map(|it| it.feature).collect()
 }
 
-/// The features of the outside of a half section, or of its bore, with their outlines.
-pub fn measured(section: &Region, side: Side) -> Vec<Measured> {
+/// Measures one side of a half section and returns its features with their outlines, from
+/// front to back.
+pub fn measure_with_outlines(section: &Region, side: SectionSide) -> Vec<MeasuredFeature> {
     let outline = outline(section, side);
-    let pieces = pieces(&outline);
+    let segments = fit_segments(&outline);
     let mut found = Vec::new();
     let mut next = 0;
-    while next < pieces.len() {
+    while next < segments.len() {
         let (feature, used) =
-            thread(&pieces[next..]).unwrap_or_else(|| (pieces[next].feature(), 1));
-        let (first, last) = (&pieces[next], &pieces[next + used - 1]);
+            find_thread(&segments[next..]).unwrap_or_else(|| (segments[next].feature(), 1));
+        let (first, last) = (&segments[next], &segments[next + used - 1]);
         let outline = outline.get(first.points.0..=last.points.1);
-        found.push(Measured {
+        found.push(MeasuredFeature {
             feature,
             outline: outline.unwrap_or_default().to_vec(),
         });
@@ -109,46 +111,46 @@ pub fn measured(section: &Region, side: Side) -> Vec<Measured> {
     found
 }
 
-/// A side of a half section.
+/// The side of a half section that is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// What is seen from outside.
+pub enum SectionSide {
+    /// The outer surface.
     Outside,
-    /// The bore.
+    /// The surface of the bore.
     Inside,
 }
 
 /// A line or an arc of the outline.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
+struct Segment {
     from: Point,
     to: Point,
-    /// Indices of its ends in the outline.
+    /// Indices of both ends in the outline.
     points: (usize, usize),
-    /// Centre and whether it bulges outwards.
+    /// Centre of an arc, and whether the arc is convex.
     arc: Option<(Point, bool)>,
 }
 
-impl Piece {
+impl Segment {
     fn feature(&self) -> Feature {
         let (from, to) = (self.from, self.to);
         let diameters = (from.diameter(), to.diameter());
         let z = (from.z, to.z);
-        if let Some((center, bulges)) = self.arc {
+        if let Some((center, is_convex)) = self.arc {
             let radius = (from - center).length();
             return Feature::Arc {
-                radius: if bulges { radius } else { -radius },
+                radius: if is_convex { radius } else { -radius },
                 diameters,
                 z,
             };
         }
-        if (from.x - to.x).abs() <= TOLERANCE {
+        if (from.x - to.x).abs() <= TOLERANCE_MM {
             return Feature::Cylinder {
                 diameter: Diameter(from.x + to.x),
                 z,
             };
         }
-        if (from.z - to.z).abs() <= TOLERANCE {
+        if (from.z - to.z).abs() <= TOLERANCE_MM {
             return Feature::Face {
                 diameters,
                 z: (from.z + to.z) / 2.0,
@@ -163,11 +165,11 @@ impl Piece {
     }
 }
 
-/// The points of one side of the largest piece, from its front to its back.
-fn outline(section: &Region, side: Side) -> Vec<Point> {
-    let pieces = section.pieces();
-    let largest = pieces.iter().max_by(|a, b| a.area().total_cmp(&b.area()));
-    let Some(contour) = largest.and_then(|piece| piece.contours().first()) else {
+/// The points of one side of the largest connected area, from its front to its back.
+fn outline(section: &Region, side: SectionSide) -> Vec<Point> {
+    let areas = section.connected_areas();
+    let largest = areas.iter().max_by(|a, b| a.area().total_cmp(&b.area()));
+    let Some(contour) = largest.and_then(|area| area.contours().first()) else {
         return Vec::new();
     };
     let (Some(front), Some(back)) = (
@@ -176,7 +178,7 @@ fn outline(section: &Region, side: Side) -> Vec<Point> {
     ) else {
         return Vec::new();
     };
-    // Counter-clockwise the outside goes from the front, over the top, to the back.
+    // Counter-clockwise the outer surface runs from the front over the top to the back.
     let lowest = |z: i32| {
         let at = contour.iter().enumerate().filter(|(_, it)| it.x == z);
         at.min_by_key(|(_, point)| point.y).map(|(index, _)| index)
@@ -184,18 +186,18 @@ fn outline(section: &Region, side: Side) -> Vec<Point> {
     let (Some(begin), Some(end)) = (lowest(front), lowest(back)) else {
         return Vec::new();
     };
-    let around = |from: usize, to: usize| -> Vec<GridPoint> {
+    let points_between = |from: usize, to: usize| -> Vec<GridPoint> {
         let count = (to + contour.len() - from) % contour.len();
         let points = contour.iter().cycle().skip(from).take(count + 1);
         points.copied().collect()
     };
     let mut points = match side {
-        Side::Outside => around(begin, end),
-        Side::Inside => around(end, begin),
+        SectionSide::Outside => points_between(begin, end),
+        SectionSide::Inside => points_between(end, begin),
     };
-    if side == Side::Inside {
+    if side == SectionSide::Inside {
         points.reverse();
-        // Without a bore that side is the spindle axis.
+        // Without a bore the inner side is the spindle axis.
         if points.iter().all(|point| point.y <= 0) {
             return Vec::new();
         }
@@ -203,34 +205,34 @@ fn outline(section: &Region, side: Side) -> Vec<Point> {
     points.into_iter().map(from_grid).collect()
 }
 
-/// Lines and arcs through the points, as few as stay within the tolerance.
-fn pieces(points: &[Point]) -> Vec<Piece> {
-    let mut pieces = Vec::new();
+/// Fits the fewest lines and arcs through the points that are within the tolerance.
+fn fit_segments(points: &[Point]) -> Vec<Segment> {
+    let mut segments = Vec::new();
     let mut begin = 0;
     while begin + 1 < points.len() {
-        let line = longest(points, begin, fits_line);
-        let arc = longest(points, begin, |points| fits_arc(points).is_some());
-        let is_arc = arc + 1 - begin >= ARC_POINTS && arc > line;
+        let line = last_fitting(points, begin, is_line);
+        let arc = last_fitting(points, begin, |points| fit_arc(points).is_some());
+        let is_arc = arc + 1 - begin >= MIN_ARC_POINTS && arc > line;
         let end = if is_arc { arc } else { line };
-        pieces.push(Piece {
+        segments.push(Segment {
             from: points[begin],
             to: points[end],
             points: (begin, end),
             arc: if is_arc {
-                fits_arc(&points[begin..=end])
+                fit_arc(&points[begin..=end])
             } else {
                 None
             },
         });
         begin = end;
     }
-    pieces
+    segments
 }
 
-/// The last point up to which all points from `begin` fit.
-fn longest(points: &[Point], begin: usize, fits: impl Fn(&[Point]) -> bool) -> usize {
+/// The index of the last point for which the points from `begin` up to it fit.
+fn last_fitting(points: &[Point], begin: usize, fits: impl Fn(&[Point]) -> bool) -> usize {
     let mut end = begin + 1;
-    // Steps that double, then halve: a fit of many points is not tried at each of them.
+    // The step doubles, then halves: fewer attempts than one for each point.
     let mut step = 1;
     while step > 0 {
         let next = end + step;
@@ -244,7 +246,7 @@ fn longest(points: &[Point], begin: usize, fits: impl Fn(&[Point]) -> bool) -> u
     end
 }
 
-fn fits_line(points: &[Point]) -> bool {
+fn is_line(points: &[Point]) -> bool {
     let (Some(first), Some(last)) = (points.first(), points.last()) else {
         return true;
     };
@@ -253,11 +255,12 @@ fn fits_line(points: &[Point]) -> bool {
     };
     points
         .iter()
-        .all(|point| direction.cross(*point - *first).abs() <= TOLERANCE)
+        .all(|point| direction.cross(*point - *first).abs() <= TOLERANCE_MM)
 }
 
-/// The circle through the first, the middle and the last point, if all lie on it.
-fn fits_arc(points: &[Point]) -> Option<(Point, bool)> {
+/// Fits a circle through the first, the middle and the last point. Returns its centre and
+/// whether it is convex, if all points are on it.
+fn fit_arc(points: &[Point]) -> Option<(Point, bool)> {
     let (first, last) = (*points.first()?, *points.last()?);
     let middle = points[points.len() / 2];
     let (b, c) = (middle - first, last - first);
@@ -270,32 +273,33 @@ fn fits_arc(points: &[Point]) -> Option<(Point, bool)> {
     let to_center = (b * cc - c * bb).left() * (1.0 / twice);
     let radius = to_center.length();
     let center = first + to_center;
-    let on_it = |point: &Point| ((*point - center).length() - radius).abs() <= TOLERANCE;
-    // The chords between the points must be those of an arc, not long straight sides.
+    let on_it = |point: &Point| ((*point - center).length() - radius).abs() <= TOLERANCE_MM;
+    // Long straight sides between points of a circle are lines, not chords of an arc.
     let chords = points.windows(2).all(|pair| {
         let chord = (pair[1] - pair[0]).length();
         let sagitta = chord * chord / (8.0 * radius);
-        sagitta <= TOLERANCE * 2.0
+        sagitta <= TOLERANCE_MM * 2.0
     });
-    (radius < FLAT && chords && points.iter().all(on_it)).then_some((center, twice > 0.0))
+    let is_arc = radius < MAX_ARC_RADIUS_MM && chords && points.iter().all(on_it);
+    is_arc.then_some((center, twice > 0.0))
 }
 
-/// A thread at the begin of the pieces, and how many of them it is made of.
-fn thread(pieces: &[Piece]) -> Option<(Feature, usize)> {
-    // Lowest points of the grooves and highest ones between them.
+/// Recognizes a thread at the start of the segments. Returns it with the number of its
+/// segments.
+fn find_thread(segments: &[Segment]) -> Option<(Feature, usize)> {
     let mut roots: Vec<Point> = Vec::new();
     let mut crest = f64::NEG_INFINITY;
     let mut used = 0;
-    for (index, pair) in pieces.windows(2).enumerate() {
-        let is_root = falls(&pair[0]) && rises_after(&pieces[index + 1..]);
+    for (index, pair) in segments.windows(2).enumerate() {
+        let is_root = is_falling_flank(&pair[0]) && has_rising_flank(&segments[index + 1..]);
         if !is_root {
             continue;
         }
-        let root = bottom(&pieces[index..]);
+        let root = groove_root(&segments[index..]);
         if let [.., before_last, last] = &roots[..] {
             let pitch = before_last.z - last.z;
-            let fits = (last.z - root.z - pitch).abs() <= THREAD_TOLERANCE
-                && (last.x - root.x).abs() <= THREAD_TOLERANCE;
+            let fits = (last.z - root.z - pitch).abs() <= THREAD_TOLERANCE_MM
+                && (last.x - root.x).abs() <= THREAD_TOLERANCE_MM;
             if !fits {
                 break;
             }
@@ -304,13 +308,13 @@ fn thread(pieces: &[Piece]) -> Option<(Feature, usize)> {
             return None;
         }
         roots.push(root);
-        crest = pieces[..=index + 1].iter().fold(crest, |crest, piece| {
-            crest.max(piece.from.x).max(piece.to.x)
+        crest = segments[..=index + 1].iter().fold(crest, |crest, segment| {
+            crest.max(segment.from.x).max(segment.to.x)
         });
         used = index + 2;
     }
     let (first, last) = (roots.first()?, roots.last()?);
-    if roots.len() < THREAD_GROOVES {
+    if roots.len() < MIN_THREAD_GROOVES {
         return None;
     }
     let feature = Feature::Thread {
@@ -321,37 +325,44 @@ fn thread(pieces: &[Piece]) -> Option<(Feature, usize)> {
     Some((feature, used))
 }
 
-/// Whether a piece goes towards the axis on its way to the back, steeper than a taper.
-fn falls(piece: &Piece) -> bool {
-    piece.arc.is_none() && piece.from.x - piece.to.x > 0.25 * (piece.from.z - piece.to.z).abs()
+/// Least ratio of the change of X to the change of Z on a thread flank; flatter lines are
+/// tapers.
+const MIN_FLANK_SLOPE: f64 = 0.25;
+
+/// Whether a segment is a flank that leads towards the axis, seen from the front.
+fn is_falling_flank(segment: &Segment) -> bool {
+    let (from, to) = (segment.from, segment.to);
+    segment.arc.is_none() && from.x - to.x > MIN_FLANK_SLOPE * (from.z - to.z).abs()
 }
 
-/// Whether after at most one piece at the root the outline rises again as steeply.
-fn rises_after(pieces: &[Piece]) -> bool {
-    let rises = |piece: &Piece| {
-        piece.arc.is_none() && piece.to.x - piece.from.x > 0.25 * (piece.from.z - piece.to.z).abs()
+/// Whether one of the next two segments is a flank that leads away from the axis: at most
+/// one segment lies between the flanks.
+fn has_rising_flank(segments: &[Segment]) -> bool {
+    let rises = |segment: &Segment| {
+        let (from, to) = (segment.from, segment.to);
+        segment.arc.is_none() && to.x - from.x > MIN_FLANK_SLOPE * (from.z - to.z).abs()
     };
-    pieces.iter().take(2).any(rises)
+    segments.iter().take(2).any(rises)
 }
 
-/// The lowest point of a groove that begins with its falling side: in the middle of
-/// what lies between both sides.
-fn bottom(pieces: &[Piece]) -> Point {
-    let Some(falling) = pieces.first() else {
+/// The lowest point of a groove whose first segment is its falling flank. Z is the middle
+/// between both flanks.
+fn groove_root(segments: &[Segment]) -> Point {
+    let Some(falling) = segments.first() else {
         return Point::default();
     };
-    let rising = pieces
+    let rising = segments
         .iter()
         .skip(1)
         .take(2)
-        .find(|piece| piece.to.x > piece.from.x);
-    let end = rising.map_or(falling.to, |piece| piece.from);
+        .find(|segment| segment.to.x > segment.from.x);
+    let end = rising.map_or(falling.to, |segment| segment.from);
     let middle = (falling.to + end) * 0.5;
-    // The nose's lowest point lies below the points where it meets the sides.
-    let between = pieces.get(1).filter(|piece| piece.arc.is_some());
-    let lowest = between.and_then(|piece| {
-        let (center, _) = piece.arc?;
-        Some(center.x - (piece.from - center).length())
+    // The lowest point of a round root is below the points where it joins the flanks.
+    let round_root = segments.get(1).filter(|segment| segment.arc.is_some());
+    let lowest = round_root.and_then(|segment| {
+        let (center, _) = segment.arc?;
+        Some(center.x - (segment.from - center).length())
     });
     Point::new(lowest.unwrap_or(middle.x), middle.z)
 }
@@ -359,10 +370,10 @@ fn bottom(pieces: &[Piece]) -> Point {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::motion::{Kind, Motion, ThreadPath};
-    use crate::scene::{Cutter, Scene};
+    use crate::motion::{MotionKind, ThreadPath, ToolMotion};
+    use crate::scene::{LatheScene, SceneTool};
     use crate::stock::Stock;
-    use crate::tool::{Insert, Letter, Shape, Tool};
+    use crate::tool::{Insert, InsertLetter, Tool, ToolShape};
     use gsk_units::Axis;
 
     fn near(a: f64, b: f64) -> bool {
@@ -370,25 +381,25 @@ mod tests {
     }
 
     fn turned(points: &[(f64, f64)]) -> Region {
-        let mut scene = Scene::new(&Stock::bar(50.0, 0.0, 60.0));
+        let mut scene = LatheScene::new(&Stock::bar(50.0, 0.0, 60.0));
         let tool = Tool {
             insert: Insert::Turning {
-                letter: Letter::V,
+                letter: InsertLetter::V,
                 entering: 93.0,
                 size: 12.7,
                 nose: 0.0,
             },
             ..Tool::turning()
         };
-        let cutter = Cutter::new(Shape::of(&tool));
+        let cutter = SceneTool::new(ToolShape::from_tool(&tool));
         for pair in points.windows(2) {
-            let motion = Motion {
+            let motion = ToolMotion {
                 from: Point::new(pair[0].0, pair[0].1),
                 to: Point::new(pair[1].0, pair[1].1),
-                kind: Kind::Line,
+                kind: MotionKind::Line,
                 turning: true,
             };
-            scene.carry_out(&cutter, &motion);
+            scene.move_tool(&cutter, &motion);
         }
         scene.part().section()
     }
@@ -405,7 +416,7 @@ mod tests {
             (20.0, -20.0),
             (22.0, -26.0),
         ]);
-        let features = features(&section, Side::Outside);
+        let features = measure_features(&section, SectionSide::Outside);
         let cylinder = |diameter: f64, z: (f64, f64)| {
             features.iter().any(|feature| {
                 matches!(feature, Feature::Cylinder { diameter: d, z: at }
@@ -426,36 +437,36 @@ mod tests {
     }
 
     #[test]
-    fn an_arc_has_its_radius_and_its_side() {
+    fn the_radius_of_an_arc_is_negative_if_it_is_concave() {
         for (clockwise, center) in [
             (false, Point::new(15.0, -15.0)),
             (true, Point::new(25.0, -5.0)),
         ] {
-            let mut scene = Scene::new(&Stock::bar(50.0, 0.0, 60.0));
+            let mut scene = LatheScene::new(&Stock::bar(50.0, 0.0, 60.0));
             let tool = Tool {
                 insert: Insert::Turning {
-                    letter: Letter::V,
+                    letter: InsertLetter::V,
                     entering: 93.0,
                     size: 15.875,
                     nose: 0.0,
                 },
                 ..Tool::turning()
             };
-            let cutter = Cutter::new(Shape::of(&tool));
+            let cutter = SceneTool::new(ToolShape::from_tool(&tool));
             let (from, to) = (Point::new(15.0, -5.0), Point::new(25.0, -15.0));
             for (kind, from, to) in [
-                (Kind::Line, Point::new(15.0, 1.0), from),
-                (Kind::Arc { center, clockwise }, from, to),
+                (MotionKind::Line, Point::new(15.0, 1.0), from),
+                (MotionKind::Arc { center, clockwise }, from, to),
             ] {
-                let motion = Motion {
+                let motion = ToolMotion {
                     from,
                     to,
                     kind,
                     turning: true,
                 };
-                scene.carry_out(&cutter, &motion);
+                scene.move_tool(&cutter, &motion);
             }
-            let features = features(&scene.part().section(), Side::Outside);
+            let features = measure_features(&scene.part().section(), SectionSide::Outside);
             let radius = features.iter().find_map(|feature| match feature {
                 Feature::Arc { radius, .. } => Some(*radius),
                 _ => None,
@@ -466,27 +477,27 @@ mod tests {
     }
 
     #[test]
-    fn a_thread_has_its_pitch_and_its_diameters() {
-        let mut scene = Scene::new(&Stock::bar(30.0, 0.0, 60.0));
-        let cutter = Cutter::new(Shape::of(&Tool::threading(60.0)));
+    fn pitch_and_diameters_of_a_thread_are_measured() {
+        let mut scene = LatheScene::new(&Stock::bar(30.0, 0.0, 60.0));
+        let cutter = SceneTool::new(ToolShape::from_tool(&Tool::threading(60.0)));
         for x in [14.6, 14.2, 14.08] {
             let path = ThreadPath {
                 from: Point::new(x, 4.0),
                 to: Point::new(x, -25.0),
-                long: Axis::Z,
+                lead_axis: Axis::Z,
                 lead: 1.5,
-                increase: 0.0,
+                lead_change: 0.0,
                 phase: 0.0,
             };
-            let motion = Motion {
+            let motion = ToolMotion {
                 from: path.from,
                 to: path.to,
-                kind: Kind::Thread(path.imprints().0),
+                kind: MotionKind::Thread(path.imprints().0),
                 turning: true,
             };
-            scene.carry_out(&cutter, &motion);
+            scene.move_tool(&cutter, &motion);
         }
-        let features = features(&scene.part().section(), Side::Outside);
+        let features = measure_features(&scene.part().section(), SectionSide::Outside);
         let Some(Feature::Thread {
             pitch, diameters, ..
         }) = features
@@ -509,13 +520,13 @@ mod tests {
             },
             ..Stock::bar(50.0, 0.0, 60.0)
         };
-        let features = features(&stock.section(), Side::Inside);
+        let features = measure_features(&stock.section(), SectionSide::Inside);
         assert!(
             features.iter().any(|feature| matches!(feature,
                 Feature::Cylinder { diameter, .. } if near(diameter.0, 20.0))),
             "{features:?}"
         );
         let bar = Stock::bar(50.0, 0.0, 60.0).section();
-        assert!(super::features(&bar, Side::Inside).is_empty());
+        assert!(measure_features(&bar, SectionSide::Inside).is_empty());
     }
 }

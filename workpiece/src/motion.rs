@@ -1,56 +1,58 @@
-//! Motion of a tool's tip as the part sees it.
+//! Moves of a tool relative to the part.
 
 use gsk_units::{Axis, Point};
 
-use crate::curve::Arc;
+use crate::curve::PlaneArc;
 use crate::grid::{GridPoint, to_grid};
 
-/// A piece of motion, part coordinates (X a radius, mm).
+/// One move of the imaginary tip. Points are part coordinates, mm; X is a radius.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Motion {
-    /// Where it begins.
+pub struct ToolMotion {
+    /// The start point.
     pub from: Point,
-    /// Where it ends.
+    /// The end point.
     pub to: Point,
-    /// What kind of motion it is.
-    pub kind: Kind,
-    /// Whether the spindle turns.
+    /// The path between the points, and whether it may cut.
+    pub kind: MotionKind,
+    /// Whether the spindle turns during the move.
     pub turning: bool,
 }
 
-/// Kinds of motion.
+/// The path of a move, and whether it may cut.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Kind {
-    /// A rapid, straight.
+pub enum MotionKind {
+    /// A straight rapid: must not cut.
     Rapid,
-    /// A straight cut.
+    /// A straight feed move.
     Line,
-    /// A circular cut.
+    /// A circular feed move.
     Arc {
-        /// Its centre.
+        /// The centre of the arc, mm.
         center: Point,
-        /// Clockwise, Z to the right and X up.
+        /// Whether the arc is clockwise, with Z to the right and X upwards.
         clockwise: bool,
     },
-    /// A cut tied to the spindle: the tool passes the drawn half plane once a turn, in
-    /// these positions.
+    /// A thread pass. The tool is in the drawn half plane once per spindle turn; these are
+    /// its positions then.
     Thread(Vec<Point>),
 }
 
-impl Motion {
-    /// Its straight pieces on the grid.
+impl ToolMotion {
+    /// The corners of the path on the grid, arcs as chords.
     pub(crate) fn path(&self) -> Vec<GridPoint> {
         self.points().into_iter().map(to_grid).collect()
     }
 
-    /// Its straight pieces, from point to point.
+    /// The corners of the path, arcs as chords.
     fn points(&self) -> Vec<Point> {
         match &self.kind {
-            Kind::Rapid | Kind::Line | Kind::Thread(_) => vec![self.from, self.to],
-            Kind::Arc { center, clockwise } => {
-                let arc = Arc::between(self.from, self.to, *center, *clockwise);
+            MotionKind::Rapid | MotionKind::Line | MotionKind::Thread(_) => {
+                vec![self.from, self.to]
+            }
+            MotionKind::Arc { center, clockwise } => {
+                let arc = PlaneArc::between(self.from, self.to, *center, *clockwise);
                 let mut points: Vec<Point> = arc.points().collect();
-                // The ends as programmed, without the rounding of sine and cosine.
+                // Sine and cosine round the end points: put the programmed ones back.
                 if let [first, .., last] = &mut points[..] {
                     *first = self.from;
                     *last = self.to;
@@ -61,36 +63,36 @@ impl Motion {
     }
 }
 
-/// A thread that follows the angle of the spindle.
+/// A thread pass that follows the angle of the spindle.
 ///
 /// ```text
-///   way = lead · n + increase · n² / 2      n: turns from its start
+///   distance = lead · n + lead_change · n² / 2      n: turns from the start
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThreadPath {
-    /// Where it begins.
+    /// The start point, mm; X is a radius.
     pub from: Point,
-    /// Where it ends.
+    /// The end point, mm; X is a radius.
     pub to: Point,
-    /// The axis its lead counts on.
-    pub long: Axis,
-    /// mm per turn at its start; X as a radius.
+    /// The axis along which the lead is measured.
+    pub lead_axis: Axis,
+    /// The lead at the start, mm per turn; along X of the radius.
     pub lead: f64,
-    /// mm per turn and turn.
-    pub increase: f64,
-    /// Angle of the spindle at its start, turns after the drawn plane.
+    /// The change of the lead, mm per turn and turn: 0 for a constant lead.
+    pub lead_change: f64,
+    /// The angle of the spindle at the start, turns from the drawn half plane.
     pub phase: f64,
 }
 
-/// Imprints of a thread at most: the pitch of a hair on the longest part.
-const MOST_IMPRINTS: u32 = 100_000;
+/// Most imprints of one thread pass.
+const MAX_IMPRINTS: u32 = 100_000;
 
 impl ThreadPath {
-    /// Where the tool passes the drawn half plane, and the angle of the spindle at the
-    /// end, turns.
+    /// Computes the tip positions at which the drawn half plane passes the tool, and the
+    /// angle of the spindle at the end, turns.
     pub fn imprints(&self) -> (Vec<Point>, f64) {
         let displacement = self.to - self.from;
-        let along = displacement.get(self.long).abs();
+        let along = displacement.get(self.lead_axis).abs();
         let length = if along > 0.0 {
             along
         } else {
@@ -102,28 +104,28 @@ impl ThreadPath {
         }
         let turns = self.turns(length, lead);
         let first = libm::ceil(self.phase - 1e-9);
-        let imprints = (0..MOST_IMPRINTS)
+        let imprints = (0..MAX_IMPRINTS)
             .map(|count| first + f64::from(count) - self.phase)
             .take_while(|n| *n <= turns + 1e-9)
             .map(|n| {
-                let way = lead * n + self.increase * n * n / 2.0;
-                self.from + displacement * (way / length).clamp(0.0, 1.0)
+                let distance = lead * n + self.lead_change * n * n / 2.0;
+                self.from + displacement * (distance / length).clamp(0.0, 1.0)
             })
             .collect();
         (imprints, self.phase + turns)
     }
 
-    /// Turns for a way along the long axis.
-    fn turns(&self, way: f64, lead: f64) -> f64 {
-        if self.increase == 0.0 {
-            return way / lead;
+    /// Spindle turns for a distance along the lead axis.
+    fn turns(&self, distance: f64, lead: f64) -> f64 {
+        if self.lead_change == 0.0 {
+            return distance / lead;
         }
-        let root = lead * lead + 2.0 * self.increase * way;
-        if root <= 0.0 {
-            // A falling lead is used up on the way.
-            return lead / self.increase.abs();
+        let radicand = lead * lead + 2.0 * self.lead_change * distance;
+        if radicand <= 0.0 {
+            // A decreasing lead becomes 0 before the end.
+            return lead / self.lead_change.abs();
         }
-        (libm::sqrt(root) - lead) / self.increase
+        (libm::sqrt(radicand) - lead) / self.lead_change
     }
 }
 
@@ -131,19 +133,19 @@ impl ThreadPath {
 mod tests {
     use super::*;
 
-    fn thread(lead: f64, increase: f64, phase: f64) -> ThreadPath {
+    fn thread(lead: f64, lead_change: f64, phase: f64) -> ThreadPath {
         ThreadPath {
             from: Point::new(10.0, 5.0),
             to: Point::new(10.0, -20.0),
-            long: Axis::Z,
+            lead_axis: Axis::Z,
             lead,
-            increase,
+            lead_change,
             phase,
         }
     }
 
     #[test]
-    fn a_thread_passes_the_plane_once_a_lead() {
+    fn a_constant_lead_gives_one_imprint_per_lead() {
         let (imprints, phase) = thread(2.0, 0.0, 0.0).imprints();
         assert_eq!(imprints.len(), 13);
         assert!((phase - 12.5).abs() < 1e-12);
@@ -156,14 +158,14 @@ mod tests {
     }
 
     #[test]
-    fn a_lead_that_grows_parts_the_passes() {
+    fn an_increasing_lead_spaces_the_imprints_out() {
         let (imprints, _) = thread(2.0, 0.5, 0.0).imprints();
-        let ways: Vec<f64> = imprints.iter().map(|point| 5.0 - point.z).collect();
-        assert!((ways[1] - 2.25).abs() < 1e-12 && (ways[2] - 5.0).abs() < 1e-12);
+        let distances: Vec<f64> = imprints.iter().map(|point| 5.0 - point.z).collect();
+        assert!((distances[1] - 2.25).abs() < 1e-12 && (distances[2] - 5.0).abs() < 1e-12);
     }
 
     #[test]
-    fn a_lead_that_falls_to_nothing_ends() {
+    fn a_lead_that_decreases_to_zero_ends_the_thread() {
         let (imprints, phase) = thread(2.0, -0.5, 0.0).imprints();
         assert!(imprints.len() <= 5 && phase <= 4.0 + 1e-9);
     }

@@ -1,11 +1,11 @@
-//! The part as it is being cut: its half section in slabs along Z.
+//! The turned part: its half section, stored in slabs along Z.
 //!
-//! A cut touches only the slabs that the tool passes, so that what it costs does not
-//! grow with the part:
+//! A cut changes only the slabs that the tool passes. Its cost does not grow with the
+//! length of the part:
 //!
 //! ```text
 //!   X ^    |    |    |  __|_   |
-//!     |    |____|____|_/ P|_\__|      P: what the tool sweeps over
+//!     |    |____|____|_/ P|_\__|      P: area swept by the tool
 //!     |    |    |    |/   |  \ |
 //!     +----+----+----+----+----+--> Z
 //! ```
@@ -13,68 +13,68 @@
 use gsk_units::Point;
 
 use crate::convex::{sweep, sweep_along};
-use crate::grid::{Contour, GridPoint, PER_MM, to_grid};
-use crate::region::{Bounds, Region};
+use crate::grid::{GridContour, GridPoint, PER_MM, to_grid};
+use crate::region::{GridBounds, Region};
 
 /// Width of a slab, grid units: 2 mm.
-const SLAB: i32 = 20_000;
+const SLAB_UNITS: i32 = 20_000;
 
-/// A part, and what it was before the first cut.
+/// The half section of a part, cut by tools.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Part {
-    /// Slabs by their number along Z; the first one's is `first`.
+pub struct TurnedPart {
+    /// Slabs in the order of Z.
     slabs: Vec<Slab>,
+    /// The number of the first slab; slab `n` begins at `n * SLAB_UNITS`.
     first: i32,
-    /// Grows with every change.
     version: u64,
 }
 
-/// A slab and the box around what is left in it.
+/// The material left in a slab, with its bounding box.
 #[derive(Clone, Debug, PartialEq)]
 struct Slab {
     region: Region,
-    bounds: Option<Bounds>,
+    bounds: Option<GridBounds>,
 }
 
 impl Slab {
-    /// A crossing with its border may be rounded a unit off it: it is put back, so that
-    /// neighbours neither overlap nor part.
+    /// Rounding may put a crossing one unit beside the border of the slab. `new` moves it
+    /// onto the border: neighbours neither overlap nor leave a gap.
     fn new(region: Region, number: i32) -> Self {
-        let (low, high) = (number * SLAB, (number + 1) * SLAB);
+        let (low, high) = (number * SLAB_UNITS, (number + 1) * SLAB_UNITS);
         let on_border = |z: i32| match z {
             z if (z - low).abs() <= 1 => low,
             z if (z - high).abs() <= 1 => high,
             z => z,
         };
-        let region = region.mapped(|point| GridPoint::new(on_border(point.x), point.y));
+        let region = region.map_points(|point| GridPoint::new(on_border(point.x), point.y));
         let bounds = region.bounds();
         Self { region, bounds }
     }
 
-    fn meets(&self, bounds: &Bounds) -> bool {
-        self.bounds.is_some_and(|own| own.meets(bounds))
+    fn intersects(&self, bounds: &GridBounds) -> bool {
+        self.bounds.is_some_and(|own| own.intersects(bounds))
     }
 }
 
-/// What a cut took away.
+/// The amount of material that a cut removes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Removed {
-    /// Area of the half section, mm².
+pub struct RemovedMaterial {
+    /// Removed area of the half section, mm².
     pub area: f64,
-    /// Volume of the whole turn, mm³.
+    /// Removed volume of the solid of revolution, mm³.
     pub volume: f64,
 }
 
-impl Removed {
-    /// Another cut comes to it.
+impl RemovedMaterial {
+    /// Adds the amount of another cut.
     pub fn add(&mut self, other: Self) {
         self.area += other.area;
         self.volume += other.volume;
     }
 }
 
-impl Part {
-    /// A part of this half section.
+impl TurnedPart {
+    /// An uncut part with the given half section; version 0.
     pub fn new(section: &Region) -> Self {
         let Some(bounds) = section.bounds() else {
             return Self {
@@ -83,16 +83,16 @@ impl Part {
                 version: 0,
             };
         };
-        let first = bounds.low.x.div_euclid(SLAB);
-        let last = bounds.high.x.div_euclid(SLAB);
+        let first = bounds.low.x.div_euclid(SLAB_UNITS);
+        let last = bounds.high.x.div_euclid(SLAB_UNITS);
         let slabs = (first..=last)
             .map(|number| {
-                let corner = |number: i32, y| GridPoint::new(number * SLAB, y);
+                let corner = |number: i32, y| GridPoint::new(number * SLAB_UNITS, y);
                 let slab = Region::rectangle(
                     corner(number, bounds.low.y),
                     corner(number + 1, bounds.high.y),
                 );
-                Slab::new(section.common(slab.contours()), number)
+                Slab::new(section.intersection(slab.contours()), number)
             })
             .collect();
         Self {
@@ -102,38 +102,39 @@ impl Part {
         }
     }
 
-    /// Takes away what a convex polygon covers on a straight way between two
-    /// positions of its zero.
-    pub fn cut(&mut self, polygon: &[GridPoint], from: Point, to: Point) -> Removed {
+    /// Removes the area that a convex polygon sweeps on a straight line between two
+    /// positions of its zero, mm.
+    pub fn cut(&mut self, polygon: &[GridPoint], from: Point, to: Point) -> RemovedMaterial {
         let swept = sweep(polygon, to_grid(from), to_grid(to));
         self.remove(&[swept])
     }
 
-    /// Takes away what a convex polygon covers on a path of straight pieces, and on its
-    /// mirror image beyond the spindle axis: the part turns.
-    pub fn cut_along(&mut self, polygon: &[GridPoint], path: &[GridPoint]) -> Removed {
-        self.remove(&both_sides(sweep_along(polygon, path)))
+    /// Removes the area that a convex polygon sweeps along a path of lines. A path beyond
+    /// the spindle axis also removes the mirror image of that area: the part turns.
+    pub fn cut_along(&mut self, polygon: &[GridPoint], path: &[GridPoint]) -> RemovedMaterial {
+        self.remove(&with_mirror_image(sweep_along(polygon, path)))
     }
 
-    /// Takes away what polygons cover.
-    pub fn remove(&mut self, swept: &[Contour]) -> Removed {
-        let mut removed = Removed::default();
+    /// Removes the area of polygons. The version grows if any material is removed.
+    pub fn remove(&mut self, swept: &[GridContour]) -> RemovedMaterial {
+        let mut removed = RemovedMaterial::default();
         let mut changed = false;
         for contour in swept {
-            let Some(bounds) = Bounds::of(contour) else {
+            let Some(bounds) = GridBounds::from_points(contour) else {
                 continue;
             };
             let first = self.first;
-            for (index, slab) in self.passed(&bounds) {
-                // A long sweep in a slab of its own: the rest of it costs nothing.
+            for (index, slab) in self.slabs_near(&bounds) {
+                // Only the part of a long sweep within this slab is subtracted.
                 let number = first + index as i32;
-                let low = number * SLAB;
-                let within = clipped(contour, low - 1, low + SLAB + 1);
-                // Beside what is left in the slab the sweep is in the air.
-                if !Bounds::of(&within).is_some_and(|bounds| slab.meets(&bounds)) {
+                let low = number * SLAB_UNITS;
+                let within = clip_to_z_range(contour, low - 1, low + SLAB_UNITS + 1);
+                // Skip a sweep that misses the material left in this slab.
+                if !GridBounds::from_points(&within).is_some_and(|bounds| slab.intersects(&bounds))
+                {
                     continue;
                 }
-                let left = slab.region.without(&[within]);
+                let left = slab.region.difference(&[within]);
                 if left == slab.region {
                     continue;
                 }
@@ -149,12 +150,13 @@ impl Part {
         removed
     }
 
-    /// The slabs that a box may touch, each with its index.
-    fn passed(&mut self, bounds: &Bounds) -> impl Iterator<Item = (usize, &mut Slab)> {
-        let index = |z: i32| (z.div_euclid(SLAB) - self.first).clamp(0, self.slabs.len() as i32);
+    /// The slabs whose material may intersect a box, each with its index.
+    fn slabs_near(&mut self, bounds: &GridBounds) -> impl Iterator<Item = (usize, &mut Slab)> {
+        let index =
+            |z: i32| (z.div_euclid(SLAB_UNITS) - self.first).clamp(0, self.slabs.len() as i32);
         let (from, to) = (
             index(bounds.low.x),
-            index(bounds.high.x.saturating_add(SLAB)),
+            index(bounds.high.x.saturating_add(SLAB_UNITS)),
         );
         let bounds = *bounds;
         self.slabs
@@ -162,24 +164,24 @@ impl Part {
             .enumerate()
             .take(to as usize)
             .skip(from as usize)
-            .filter(move |(_, slab)| slab.meets(&bounds))
+            .filter(move |(_, slab)| slab.intersects(&bounds))
     }
 
-    /// What polygons have in common with the part.
-    pub fn touched(&self, contours: &[Contour]) -> Region {
-        let mut touched: Vec<Contour> = Vec::new();
+    /// The material that lies within polygons.
+    pub fn intersection(&self, contours: &[GridContour]) -> Region {
+        let mut touched: Vec<GridContour> = Vec::new();
         for contour in contours {
-            let Some(bounds) = Bounds::of(contour) else {
+            let Some(bounds) = GridBounds::from_points(contour) else {
                 continue;
             };
             for (index, slab) in self.slabs.iter().enumerate() {
-                if !slab.meets(&bounds) {
+                if !slab.intersects(&bounds) {
                     continue;
                 }
-                let low = (self.first + index as i32) * SLAB;
-                let within = clipped(contour, low - 1, low + SLAB + 1);
-                if Bounds::of(&within).is_some_and(|bounds| slab.meets(&bounds)) {
-                    let common = slab.region.common(&[within]);
+                let low = (self.first + index as i32) * SLAB_UNITS;
+                let within = clip_to_z_range(contour, low - 1, low + SLAB_UNITS + 1);
+                if GridBounds::from_points(&within).is_some_and(|bounds| slab.intersects(&bounds)) {
+                    let common = slab.region.intersection(&[within]);
                     touched.extend_from_slice(common.contours());
                 }
             }
@@ -187,73 +189,73 @@ impl Part {
         if touched.is_empty() {
             return Region::default();
         }
-        Region::of(&touched)
+        Region::from_contours(&touched)
     }
 
-    /// Its half section in one.
+    /// The whole half section as one region.
     pub fn section(&self) -> Region {
-        let contours: Vec<Contour> = self
+        let contours: Vec<GridContour> = self
             .slabs
             .iter()
             .flat_map(|slab| slab.region.contours().iter().cloned())
             .collect();
-        Region::of(&contours)
+        Region::from_contours(&contours)
     }
 
-    /// Its volume, mm³.
+    /// The volume of the part, mm³.
     pub fn volume(&self) -> f64 {
         self.slabs.iter().map(|slab| slab.region.volume()).sum()
     }
 
-    /// Area of its half section, mm².
+    /// The area of the half section, mm².
     pub fn area(&self) -> f64 {
         self.slabs.iter().map(|slab| slab.region.area()).sum()
     }
 
-    /// A number that grows with every change.
+    /// A counter that grows with each change; equal versions of one part are equal parts.
     pub const fn version(&self) -> u64 {
         self.version
     }
 
-    /// What was parted off: pieces that do not reach as far back as `clamped`, mm of
-    /// Z. They fall, and are no more part of it.
-    pub fn drop_loose(&mut self, clamped: f64) -> Vec<Region> {
-        let limit = crate::grid::grid(clamped);
+    /// Removes and returns the pieces that are cut off: those that lie wholly in front of
+    /// the jaws. `jaw_front` is the Z of the front of the jaws, mm. Removes nothing if no
+    /// piece is held.
+    pub fn drop_loose_pieces(&mut self, jaw_front: f64) -> Vec<Region> {
+        let limit = crate::grid::grid(jaw_front);
         let section = self.section();
-        let mut pieces = section.pieces();
+        let mut pieces = section.connected_areas();
         if pieces.len() < 2 {
             return Vec::new();
         }
-        let held = |piece: &Region| piece.bounds().is_some_and(|it| it.low.x <= limit);
-        let (kept, loose): (Vec<Region>, Vec<Region>) = pieces.drain(..).partition(held);
+        let is_held = |piece: &Region| piece.bounds().is_some_and(|it| it.low.x <= limit);
+        let (kept, loose): (Vec<Region>, Vec<Region>) = pieces.drain(..).partition(is_held);
         if kept.is_empty() || loose.is_empty() {
             return Vec::new();
         }
-        let contours: Vec<Contour> = kept
+        let contours: Vec<GridContour> = kept
             .iter()
             .flat_map(|piece| piece.contours().iter().cloned())
             .collect();
         let version = self.version + 1;
-        *self = Self::new(&Region::of(&contours));
+        *self = Self::new(&Region::from_contours(&contours));
         self.version = version;
         loose
     }
 
-    /// Greatest radius of the part between two positions of Z, mm; 0 where there is
-    /// none.
-    pub fn greatest_radius(&self, from: f64, to: f64) -> f64 {
+    /// The greatest radius of the part between two Z positions, mm; 0 without material.
+    pub fn max_radius(&self, from: f64, to: f64) -> f64 {
         let (low, high) = (crate::grid::grid(from), crate::grid::grid(to));
         let window = Region::rectangle(GridPoint::new(low, -1), GridPoint::new(high, i32::MAX / 4));
-        let common = self.touched(window.contours());
+        let common = self.intersection(window.contours());
         common
             .bounds()
             .map_or(0.0, |bounds| f64::from(bounds.high.y) / PER_MM)
     }
 }
 
-/// A contour, and its mirror image if it reaches beyond the spindle axis: the half
-/// section stands for the other half, too.
-pub(crate) fn both_sides(contour: Contour) -> Vec<Contour> {
+/// A contour, with its mirror image if it extends beyond the spindle axis. Because the
+/// part turns, a tool beyond the axis cuts the half section, too.
+pub(crate) fn with_mirror_image(contour: GridContour) -> Vec<GridContour> {
     if contour.iter().all(|point| point.y >= 0) {
         return vec![contour];
     }
@@ -265,21 +267,21 @@ pub(crate) fn both_sides(contour: Contour) -> Vec<Contour> {
     vec![contour, mirrored]
 }
 
-/// A polygon between two positions of Z, grid units; crossings are rounded.
-fn clipped(contour: &[GridPoint], low: i32, high: i32) -> Contour {
-    let Some(bounds) = Bounds::of(contour) else {
-        return Contour::new();
+/// Clips a polygon to a range of Z, grid units; crossings are rounded.
+fn clip_to_z_range(contour: &[GridPoint], low: i32, high: i32) -> GridContour {
+    let Some(bounds) = GridBounds::from_points(contour) else {
+        return GridContour::new();
     };
     if bounds.low.x >= low && bounds.high.x <= high {
         return contour.to_vec();
     }
-    let right_of = half(contour, low, |z, limit| z >= limit);
-    half(&right_of, high, |z, limit| z <= limit)
+    let right_of = clip_half_plane(contour, low, |z, limit| z >= limit);
+    clip_half_plane(&right_of, high, |z, limit| z <= limit)
 }
 
-/// The part of a polygon on one side of a line of Z.
-fn half(contour: &[GridPoint], limit: i32, inside: fn(i32, i32) -> bool) -> Contour {
-    let mut kept = Contour::with_capacity(contour.len() + 2);
+/// Clips a polygon to one side of a line of constant Z.
+fn clip_half_plane(contour: &[GridPoint], limit: i32, inside: fn(i32, i32) -> bool) -> GridContour {
+    let mut kept = GridContour::with_capacity(contour.len() + 2);
     let next = contour.iter().cycle().skip(1);
     for (a, b) in contour.iter().zip(next) {
         if inside(a.x, limit) {
@@ -290,8 +292,8 @@ fn half(contour: &[GridPoint], limit: i32, inside: fn(i32, i32) -> bool) -> Cont
                 i64::from(b.x) - i64::from(a.x),
                 i64::from(b.y) - i64::from(a.y),
             );
-            let part = (i64::from(limit) - i64::from(a.x)) as f64 / dx as f64;
-            let y = i64::from(a.y) + libm::round(dy as f64 * part) as i64;
+            let share = (i64::from(limit) - i64::from(a.x)) as f64 / dx as f64;
+            let y = i64::from(a.y) + libm::round(dy as f64 * share) as i64;
             kept.push(GridPoint::new(limit, y as i32));
         }
     }
@@ -302,20 +304,20 @@ fn half(contour: &[GridPoint], limit: i32, inside: fn(i32, i32) -> bool) -> Cont
 mod tests {
     use super::*;
     use crate::grid::grid;
-    use crate::tool::{Shape, Tool};
+    use crate::tool::{Tool, ToolShape};
 
-    fn bar(diameter: f64, length: f64) -> Part {
+    fn bar(diameter: f64, length: f64) -> TurnedPart {
         let corner = |z: f64, x: f64| GridPoint::new(grid(z), grid(x));
-        Part::new(&Region::rectangle(
+        TurnedPart::new(&Region::rectangle(
             corner(-length, 0.0),
             corner(1.0, diameter / 2.0),
         ))
     }
 
     #[test]
-    fn turning_a_bar_down_leaves_a_cylinder_to_a_billionth() {
+    fn turning_a_bar_leaves_the_exact_volume_of_a_cylinder() {
         let mut part = bar(50.0, 100.0);
-        let tool = Shape::of(&Tool::turning());
+        let tool = ToolShape::from_tool(&Tool::turning());
         let before = part.volume();
         let removed = part.cut(
             &tool.cutting,
@@ -328,54 +330,54 @@ mod tests {
         assert!((before - part.volume() - ring).abs() < 1e-6 * ring);
         let cylinder = pi * 22.5 * 22.5 * 101.0;
         assert!((part.volume() / cylinder - 1.0).abs() < 1e-9);
-        assert_eq!(part.greatest_radius(-50.0, -10.0), 22.5);
+        assert_eq!(part.max_radius(-50.0, -10.0), 22.5);
     }
 
     #[test]
-    fn a_cut_in_the_air_changes_nothing() {
+    fn a_cut_beside_the_part_changes_nothing() {
         let mut part = bar(50.0, 100.0);
-        let tool = Shape::of(&Tool::turning());
+        let tool = ToolShape::from_tool(&Tool::turning());
         let version = part.version();
         let removed = part.cut(
             &tool.cutting,
             Point::new(25.0, 3.0),
             Point::new(25.0, -50.0),
         );
-        assert_eq!(removed, Removed::default());
+        assert_eq!(removed, RemovedMaterial::default());
         assert_eq!(part.version(), version);
     }
 
     #[test]
-    fn a_long_sweep_costs_each_slab_its_own_piece_only() {
+    fn one_long_sweep_removes_as_much_as_a_hundred_short_ones() {
         let mut whole = bar(50.0, 100.0);
         let mut pieces = whole.clone();
-        let tool = Shape::of(&Tool::turning());
+        let tool = ToolShape::from_tool(&Tool::turning());
         let (from, to) = (Point::new(24.0, 3.0), Point::new(20.0, -80.0));
         whole.cut(&tool.cutting, from, to);
         for step in 0..100 {
             let at = |step: i32| from + (to - from) * (f64::from(step) / 100.0);
             pieces.cut(&tool.cutting, at(step), at(step + 1));
         }
-        // A hundred positions are rounded to the grid each.
+        // Each of the hundred positions is rounded to the grid.
         assert!((whole.volume() - pieces.volume()).abs() < 1e-5 * whole.volume());
     }
 
     #[test]
-    fn what_is_parted_off_falls() {
+    fn a_piece_that_is_cut_off_is_dropped() {
         let mut part = bar(30.0, 100.0);
-        let tool = Shape::of(&Tool::grooving(3.0));
+        let tool = ToolShape::from_tool(&Tool::grooving(3.0));
         part.cut(
             &tool.cutting,
             Point::new(16.0, -33.0),
             Point::new(-0.5, -33.0),
         );
-        let loose = part.drop_loose(-60.0);
+        let loose = part.drop_loose_pieces(-60.0);
         assert_eq!(loose.len(), 1);
         let pi = core::f64::consts::PI;
         let piece = pi * 225.0 * 31.0;
         // The corners of the insert leave a burr of their radius.
         assert!((loose[0].volume() / piece - 1.0).abs() < 1e-3);
-        assert!(part.section().pieces().len() == 1);
-        assert!(part.drop_loose(-60.0).is_empty());
+        assert!(part.section().connected_areas().len() == 1);
+        assert!(part.drop_loose_pieces(-60.0).is_empty());
     }
 }

@@ -1,4 +1,4 @@
-//! A region of the half section: closed polygons without overlap, holes among them.
+//! Regions of the half section: polygons with holes, and boolean operations on them.
 
 use core::f64::consts::TAU;
 
@@ -8,26 +8,27 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::core::solver::{Precision, Solver};
 use i_overlay::i_shape::int::shape::IntShapes;
 
-use crate::grid::{Contour, GridPoint, PER_MM};
+use crate::grid::{GridContour, GridPoint, PER_MM};
 
-/// Polygons of a half section. Outlines go counter-clockwise, holes clockwise.
+/// An area of the half section, bounded by polygons that do not overlap. Outlines are
+/// counter-clockwise, holes clockwise.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Region {
-    contours: Vec<Contour>,
+    contours: Vec<GridContour>,
 }
 
-/// A box with sides along the axes, grid units; both ends belong to it.
+/// An axis-parallel box in grid units, its border included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Bounds {
-    /// Least Z and X.
+pub struct GridBounds {
+    /// The corner with the least Z and X.
     pub low: GridPoint,
-    /// Greatest Z and X.
+    /// The corner with the greatest Z and X.
     pub high: GridPoint,
 }
 
-impl Bounds {
-    /// Around points; `None` without any.
-    pub fn of<'a>(points: impl IntoIterator<Item = &'a GridPoint>) -> Option<Self> {
+impl GridBounds {
+    /// The smallest box around points; `None` without points.
+    pub fn from_points<'a>(points: impl IntoIterator<Item = &'a GridPoint>) -> Option<Self> {
         points.into_iter().fold(None, |bounds, point| {
             let Self { low, high } = bounds.unwrap_or(Self {
                 low: *point,
@@ -41,7 +42,7 @@ impl Bounds {
     }
 
     /// Whether two boxes have a point in common.
-    pub const fn meets(&self, other: &Self) -> bool {
+    pub const fn intersects(&self, other: &Self) -> bool {
         self.low.x <= other.high.x
             && other.low.x <= self.high.x
             && self.low.y <= other.high.y
@@ -50,12 +51,13 @@ impl Bounds {
 }
 
 impl Region {
-    /// The region inside polygons that may overlap and go round either way.
-    pub fn of(contours: &[Contour]) -> Self {
+    /// The region in which the winding number of polygons is not 0. Polygons may overlap; a
+    /// clockwise polygon within a counter-clockwise one is a hole.
+    pub fn from_contours(contours: &[GridContour]) -> Self {
         Self::default().overlay(contours, OverlayRule::Clip)
     }
 
-    /// A box.
+    /// The rectangle between two corners; empty if `high` is not above and right of `low`.
     pub fn rectangle(low: GridPoint, high: GridPoint) -> Self {
         if low.x >= high.x || low.y >= high.y {
             return Self::default();
@@ -71,37 +73,38 @@ impl Region {
         }
     }
 
-    /// Its polygons.
-    pub fn contours(&self) -> &[Contour] {
+    /// The polygons: outlines and holes.
+    pub fn contours(&self) -> &[GridContour] {
         &self.contours
     }
 
-    /// Whether there is nothing in it.
+    /// Whether the region has no polygon.
     pub const fn is_empty(&self) -> bool {
         self.contours.is_empty()
     }
 
-    /// What polygons leave of it.
+    /// This region without the area of polygons.
     #[must_use]
-    pub fn without(&self, others: &[Contour]) -> Self {
+    pub fn difference(&self, others: &[GridContour]) -> Self {
         self.overlay(others, OverlayRule::Difference)
     }
 
-    /// It and polygons together.
+    /// This region joined with the area of polygons.
     #[must_use]
-    pub fn with(&self, others: &[Contour]) -> Self {
+    pub fn union(&self, others: &[GridContour]) -> Self {
         self.overlay(others, OverlayRule::Union)
     }
 
-    /// What it has in common with polygons.
+    /// The part of this region within polygons.
     #[must_use]
-    pub fn common(&self, others: &[Contour]) -> Self {
+    pub fn intersection(&self, others: &[GridContour]) -> Self {
         self.overlay(others, OverlayRule::Intersect)
     }
 
-    /// With every point moved a little; what falls together becomes one point.
+    /// Moves each point by a function. Equal neighbours become one point; polygons with
+    /// fewer than three points are dropped.
     #[must_use]
-    pub(crate) fn mapped(mut self, moved: impl Fn(GridPoint) -> GridPoint) -> Self {
+    pub(crate) fn map_points(mut self, moved: impl Fn(GridPoint) -> GridPoint) -> Self {
         for contour in &mut self.contours {
             for point in contour.iter_mut() {
                 *point = moved(*point);
@@ -112,35 +115,35 @@ impl Region {
         self
     }
 
-    /// Its shapes that hang together, each with its holes.
-    pub fn pieces(&self) -> Vec<Self> {
+    /// Splits the region into its connected areas, each with its holes.
+    pub fn connected_areas(&self) -> Vec<Self> {
         shapes(&self.contours, &[], OverlayRule::Subject)
             .into_iter()
             .map(|contours| Self { contours })
             .collect()
     }
 
-    fn overlay(&self, others: &[Contour], rule: OverlayRule) -> Self {
+    fn overlay(&self, others: &[GridContour], rule: OverlayRule) -> Self {
         let contours = shapes(&self.contours, others, rule);
         Self {
             contours: contours.into_iter().flatten().collect(),
         }
     }
 
-    /// The box around it.
-    pub fn bounds(&self) -> Option<Bounds> {
-        Bounds::of(self.contours.iter().flatten())
+    /// The bounding box; `None` if the region is empty.
+    pub fn bounds(&self) -> Option<GridBounds> {
+        GridBounds::from_points(self.contours.iter().flatten())
     }
 
-    /// Its area, mm².
+    /// The area, mm².
     pub fn area(&self) -> f64 {
         self.edges().map(|(a, b)| cross(a, b)).sum::<f64>() / 2.0
     }
 
-    /// The volume that it sweeps over in a turn around the spindle axis, mm³.
+    /// The volume of the solid of revolution about the spindle axis, mm³.
     ///
     /// ```text
-    ///   V = 2π ∬ x dA     (Pappus), a triangle (0, a, b) at a time
+    ///   V = 2π ∬ x dA     (Pappus), summed over triangles (0, a, b)
     /// ```
     pub fn volume(&self) -> f64 {
         let thirds = |(a, b): (GridPoint, GridPoint)| {
@@ -149,18 +152,18 @@ impl Region {
         TAU * self.edges().map(thirds).sum::<f64>() / 6.0
     }
 
-    /// Whether a point lies in it. Points on its edge may lie on either side.
+    /// Whether a point is inside. The result for a point on an edge is not defined.
     pub fn contains(&self, point: GridPoint) -> bool {
         let crosses = |&(a, b): &(GridPoint, GridPoint)| {
             (a.y > point.y) != (b.y > point.y) && {
                 let (lower, upper) = if a.y < b.y { (a, b) } else { (b, a) };
-                crate::grid::turn(lower, upper, point) > 0
+                crate::grid::orientation(lower, upper, point) > 0
             }
         };
         self.edges().filter(crosses).count() % 2 == 1
     }
 
-    /// Its edges, each from a point to the next.
+    /// The edges of all polygons, each from a point to the next.
     pub fn edges(&self) -> impl Iterator<Item = (GridPoint, GridPoint)> + '_ {
         self.contours.iter().flat_map(|contour| {
             let next = contour.iter().cycle().skip(1);
@@ -175,11 +178,11 @@ fn cross(a: GridPoint, b: GridPoint) -> f64 {
     wide as f64 / (PER_MM * PER_MM)
 }
 
-fn shapes(subject: &[Contour], clip: &[Contour], rule: OverlayRule) -> IntShapes<i32> {
+fn shapes(subject: &[GridContour], clip: &[GridContour], rule: OverlayRule) -> IntShapes<i32> {
     let edges = subject.iter().chain(clip).map(Vec::len).sum();
-    // Crossings are snapped to corners within a unit of the grid, and within a little
-    // more each time the split edges cross anew: without that, edges that lie almost on
-    // each other are split for seconds and come out wrong.
+    // High precision snaps crossings to corners within one grid unit, and within a little
+    // more for each pass in which split edges cross again. Without it edges that almost
+    // coincide take seconds and give wrong results.
     let solver = Solver::with_precision(Precision::HIGH);
     let mut overlay = Overlay::new_custom(edges, IntOverlayOptions::default(), solver);
     overlay.add_source(subject, ShapeType::Subject);
@@ -198,24 +201,24 @@ mod tests {
     }
 
     #[test]
-    fn a_bar_has_the_volume_of_a_cylinder_and_a_tube_that_of_a_ring() {
+    fn volumes_of_a_bar_and_of_a_tube_are_exact() {
         let bar = rectangle((-60.0, 0.0), (0.0, 25.0));
         let cylinder = core::f64::consts::PI * 25.0 * 25.0 * 60.0;
         assert!((bar.volume() / cylinder - 1.0).abs() < 1e-12);
         assert!((bar.area() - 1500.0).abs() < 1e-9);
         let bore = rectangle((-70.0, 10.0), (-1.0, 10.0));
-        let tube = bar.without(bore.contours());
+        let tube = bar.difference(bore.contours());
         let ring = core::f64::consts::PI * (25.0 * 25.0 - 100.0) * 60.0;
         assert!((tube.volume() / ring - 1.0).abs() < 1e-12);
     }
 
     #[test]
-    fn a_groove_parts_a_bar_into_pieces() {
+    fn a_groove_to_the_axis_leaves_two_connected_areas() {
         let bar = rectangle((-60.0, 0.0), (0.0, 25.0));
         let cut = rectangle((-30.0, -27.0), (-1.0, 26.0));
-        let parted = bar.without(cut.contours());
-        assert_eq!(parted.pieces().len(), 2);
-        assert!(parted.contains(GridPoint::new(grid(-5.0), grid(3.0))));
-        assert!(!parted.contains(GridPoint::new(grid(-28.0), grid(3.0))));
+        let rest = bar.difference(cut.contours());
+        assert_eq!(rest.connected_areas().len(), 2);
+        assert!(rest.contains(GridPoint::new(grid(-5.0), grid(3.0))));
+        assert!(!rest.contains(GridPoint::new(grid(-28.0), grid(3.0))));
     }
 }

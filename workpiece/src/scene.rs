@@ -1,79 +1,83 @@
-//! The part in its clamping, and tools that move about it.
+//! Moves tools through the part and its clamping: removes material, reports collisions.
 
 use gsk_units::Point;
 
-use crate::collision::{Collision, Obstacle, Toucher};
-use crate::convex::{shrunk, sweep, sweep_along};
-use crate::grid::{Contour, GridPoint, from_grid, to_grid};
-use crate::motion::{Kind, Motion};
-use crate::part::{Part, Removed, both_sides};
-use crate::region::{Bounds, Region};
+use crate::collision::{Collision, Obstacle, TouchingPart};
+use crate::convex::{shrink, sweep, sweep_along};
+use crate::grid::{GridContour, GridPoint, from_grid, to_grid};
+use crate::motion::{MotionKind, ToolMotion};
+use crate::part::{RemovedMaterial, TurnedPart, with_mirror_image};
+use crate::region::{GridBounds, Region};
 use crate::stock::Stock;
-use crate::tool::Shape;
+use crate::tool::ToolShape;
 
-/// Nearer than that is no collision, grid units: 5 µm. Surfaces slide along each other
-/// and the corners of a circle are chords.
-const CLEARANCE: i32 = 50;
+/// Overlaps up to this depth are no collision, grid units: 5 µm. Surfaces slide along each
+/// other, and circles are approximated by chords.
+const CLEARANCE_UNITS: i32 = 50;
 
-/// Part, chuck, jaws and tailstock.
+/// The objects around the tool: part, chuck, jaws and tailstock.
 #[derive(Clone, Debug)]
-pub struct Scene {
+pub struct LatheScene {
     stock: Stock,
-    part: Part,
-    obstacles: Vec<(Obstacle, Region, Bounds)>,
-    /// Where a thread ended: the tool stands in its own groove there, though the drawn
-    /// plane may show that groove elsewhere.
-    groove: Option<Point>,
+    part: TurnedPart,
+    obstacles: Vec<(Obstacle, Region, GridBounds)>,
+    /// The end of the last thread pass. The tool is in the groove that it cut there, but
+    /// the drawn half plane shows the groove at another Z.
+    thread_end: Option<Point>,
 }
 
-/// What came of a motion.
+/// The effect of one move: the material that it removes and its first collision.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Outcome {
-    /// What was cut away.
-    pub removed: Removed,
-    /// The first collision of the motion.
+pub struct MotionEffect {
+    /// The amount of removed material.
+    pub removed: RemovedMaterial,
+    /// The first collision of the insert, or of the tool body if the insert has none.
     pub collision: Option<Collision>,
 }
 
-/// Stock that a motion went through without cutting it.
+/// The stock that overlaps a tool where the tool must not cut.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Intrusion {
-    /// By the insert in a rapid.
+    /// Overlap with the insert in a rapid.
     pub insert: Region,
-    /// By what must touch nothing.
+    /// Overlap with the tool body: insert back, holder, turret.
     pub body: Region,
 }
 
-/// A tool ready to be moved about.
+/// A tool shape with the contours that the collision check uses.
 #[derive(Clone, Debug)]
-pub struct Cutter {
-    shape: Shape,
-    /// The cutting part, nearer than which is no collision.
-    clear: Contour,
-    /// The same of the rest.
-    body: Vec<(Toucher, Contour)>,
+pub struct SceneTool {
+    shape: ToolShape,
+    /// The cutting part, shrunk by the clearance.
+    insert: GridContour,
+    /// The rest of the tool, shrunk by the clearance.
+    body: Vec<(TouchingPart, GridContour)>,
 }
 
-impl Cutter {
-    /// With a shape.
-    pub fn new(shape: Shape) -> Self {
-        let clear = shrunk(&shape.cutting, CLEARANCE);
+impl SceneTool {
+    /// Prepares a tool shape for the collision check.
+    pub fn new(shape: ToolShape) -> Self {
+        let insert = shrink(&shape.cutting, CLEARANCE_UNITS);
         let body = shape
             .body
             .iter()
-            .map(|(part, contour)| (Toucher::Body(*part), shrunk(contour, CLEARANCE)))
+            .map(|(part, contour)| (TouchingPart::Body(*part), shrink(contour, CLEARANCE_UNITS)))
             .collect();
-        Self { shape, clear, body }
+        Self {
+            shape,
+            insert,
+            body,
+        }
     }
 
-    /// Its shape.
-    pub const fn shape(&self) -> &Shape {
+    /// The full shape, without clearance.
+    pub const fn shape(&self) -> &ToolShape {
         &self.shape
     }
 }
 
-impl Scene {
-    /// With fresh stock.
+impl LatheScene {
+    /// A scene with uncut stock.
     pub fn new(stock: &Stock) -> Self {
         let (body, jaws) = stock.chuck_section();
         let obstacles = [
@@ -83,7 +87,7 @@ impl Scene {
         ];
         Self {
             stock: stock.clone(),
-            part: Part::new(&stock.section()),
+            part: TurnedPart::new(&stock.section()),
             obstacles: obstacles
                 .into_iter()
                 .filter_map(|(obstacle, region)| {
@@ -91,164 +95,169 @@ impl Scene {
                     Some((obstacle, region, bounds))
                 })
                 .collect(),
-            groove: None,
+            thread_end: None,
         }
     }
 
-    /// The stock it began with.
+    /// The stock before the first cut.
     pub const fn stock(&self) -> &Stock {
         &self.stock
     }
 
-    /// The part as it is now.
-    pub const fn part(&self) -> &Part {
+    /// The part in its current state.
+    pub const fn part(&self) -> &TurnedPart {
         &self.part
     }
 
-    /// What was parted off falls.
-    pub fn drop_loose(&mut self) -> Vec<Region> {
-        self.part.drop_loose(self.stock.clamped())
+    /// Removes and returns the pieces that are cut off.
+    pub fn drop_loose_pieces(&mut self) -> Vec<Region> {
+        self.part.drop_loose_pieces(self.stock.jaw_front())
     }
 
-    /// Moves a tool: what its insert meets is cut away; the first collision is reported.
-    pub fn carry_out(&mut self, cutter: &Cutter, motion: &Motion) -> Outcome {
+    /// Moves a tool: removes the material that its insert sweeps and reports the first
+    /// collision. Also a move with a collision removes material.
+    pub fn move_tool(&mut self, tool: &SceneTool, motion: &ToolMotion) -> MotionEffect {
         let path = motion.path();
-        let mut outcome = Outcome {
-            collision: self.insert_hit(cutter, motion, &path),
-            removed: Removed::default(),
+        let mut effect = MotionEffect {
+            collision: self.find_insert_collision(tool, motion, &path),
+            removed: RemovedMaterial::default(),
         };
-        if let Kind::Thread(imprints) = &motion.kind {
+        if let MotionKind::Thread(imprints) = &motion.kind {
             for position in imprints {
                 let removed = self
                     .part
-                    .cut_along(&cutter.shape.cutting, &[to_grid(*position)]);
-                outcome.removed.add(removed);
+                    .cut_along(&tool.shape.cutting, &[to_grid(*position)]);
+                effect.removed.add(removed);
             }
-            self.groove = Some(motion.to);
+            self.thread_end = Some(motion.to);
         } else {
-            outcome.removed = self.part.cut_along(&cutter.shape.cutting, &path);
-            self.groove = None;
+            effect.removed = self.part.cut_along(&tool.shape.cutting, &path);
+            self.thread_end = None;
         }
         let by_body = || {
-            let mut body = cutter.body.iter();
-            body.find_map(|(toucher, contour)| self.hit(*toucher, contour, &path, Some(&[])))
+            let mut body = tool.body.iter();
+            body.find_map(|(touching_part, contour)| {
+                self.find_collision(*touching_part, contour, &path, Some(&[]))
+            })
         };
-        outcome.collision = outcome.collision.or_else(by_body);
-        outcome
+        effect.collision = effect.collision.or_else(by_body);
+        effect
     }
 
-    /// Moves a tool through stock of which it is not known where it is: returns what of
-    /// it must be air, if the motion is right, and takes that and the cut away.
-    pub fn intrude(&mut self, cutter: &Cutter, motion: &Motion) -> Intrusion {
+    /// Moves a tool through stock of unknown size. If the program is right, the stock that
+    /// overlaps the tool where it must not cut is air. This function removes that stock
+    /// and the cut, and returns the overlap.
+    pub fn intrude(&mut self, tool: &SceneTool, motion: &ToolMotion) -> Intrusion {
         let path = motion.path();
-        let swept = |contour: &[GridPoint]| both_sides(sweep_along(contour, &path));
+        let swept = |contour: &[GridPoint]| with_mirror_image(sweep_along(contour, &path));
         let mut intrusion = Intrusion::default();
-        if matches!(motion.kind, Kind::Rapid) {
-            let touched = self.part.touched(&swept(&cutter.clear));
-            let groove = self.groove.filter(|end| *end == motion.from);
-            intrusion.insert = match groove {
+        if matches!(motion.kind, MotionKind::Rapid) {
+            let overlap = self.part.intersection(&swept(&tool.insert));
+            let thread_end = self.thread_end.filter(|end| *end == motion.from);
+            intrusion.insert = match thread_end {
                 Some(end) => {
-                    let own = sweep(&cutter.shape.cutting, to_grid(end), to_grid(end));
-                    touched.without(&[own])
+                    let groove = sweep(&tool.shape.cutting, to_grid(end), to_grid(end));
+                    overlap.difference(&[groove])
                 }
-                None => touched,
+                None => overlap,
             };
         }
         self.part.remove(intrusion.insert.contours());
-        self.groove = None;
+        self.thread_end = None;
         match &motion.kind {
-            Kind::Rapid => {}
-            Kind::Thread(imprints) => {
+            MotionKind::Rapid => {}
+            MotionKind::Thread(imprints) => {
                 for position in imprints {
                     self.part
-                        .cut_along(&cutter.shape.cutting, &[to_grid(*position)]);
+                        .cut_along(&tool.shape.cutting, &[to_grid(*position)]);
                 }
-                self.groove = Some(motion.to);
+                self.thread_end = Some(motion.to);
             }
-            Kind::Line | Kind::Arc { .. } => {
-                self.part.cut_along(&cutter.shape.cutting, &path);
+            MotionKind::Line | MotionKind::Arc { .. } => {
+                self.part.cut_along(&tool.shape.cutting, &path);
             }
         }
-        for (_, contour) in &cutter.body {
-            let touched = self.part.touched(&swept(contour));
-            if !touched.is_empty() {
-                self.part.remove(touched.contours());
-                intrusion.body = intrusion.body.with(touched.contours());
+        for (_, contour) in &tool.body {
+            let overlap = self.part.intersection(&swept(contour));
+            if !overlap.is_empty() {
+                self.part.remove(overlap.contours());
+                intrusion.body = intrusion.body.union(overlap.contours());
             }
         }
         intrusion
     }
 
-    /// What the insert hits on its path: the stock in a rapid or with a standing
-    /// spindle, everything else always.
-    fn insert_hit(
+    /// Finds the first collision of the insert. Contact with the stock is a collision only
+    /// in a rapid or with a stopped spindle.
+    fn find_insert_collision(
         &self,
-        cutter: &Cutter,
-        motion: &Motion,
+        tool: &SceneTool,
+        motion: &ToolMotion,
         path: &[GridPoint],
     ) -> Option<Collision> {
-        let (toucher, stock) = match motion.kind {
-            Kind::Rapid => (Toucher::RapidInsert, true),
-            _ if !motion.turning => (Toucher::StandingInsert, true),
-            _ => (Toucher::Insert, false),
+        let (touching_part, checks_stock) = match motion.kind {
+            MotionKind::Rapid => (TouchingPart::RapidInsert, true),
+            _ if !motion.turning => (TouchingPart::StandingInsert, true),
+            _ => (TouchingPart::Insert, false),
         };
-        let groove = self.groove.filter(|end| *end == motion.from);
-        let own: Vec<Contour> = groove
-            .map(|end| sweep(&cutter.shape.cutting, to_grid(end), to_grid(end)))
+        let thread_end = self.thread_end.filter(|end| *end == motion.from);
+        let groove: Vec<GridContour> = thread_end
+            .map(|end| sweep(&tool.shape.cutting, to_grid(end), to_grid(end)))
             .into_iter()
             .collect();
-        self.hit(toucher, &cutter.clear, path, stock.then_some(&own))
+        let free = checks_stock.then_some(&groove[..]);
+        self.find_collision(touching_part, &tool.insert, path, free)
     }
 
-    /// The first obstacle that a contour meets on a path; the stock only if it may not
-    /// be met, but for where the tool stands in a groove of its own.
-    fn hit(
+    /// Finds the first obstacle that a contour meets on a path. With `free` the stock is
+    /// an obstacle, too, except within the contours of `free`: the groove in which the
+    /// tool is.
+    fn find_collision(
         &self,
-        toucher: Toucher,
+        touching_part: TouchingPart,
         contour: &[GridPoint],
         path: &[GridPoint],
-        stock: Option<&[Contour]>,
+        free: Option<&[GridContour]>,
     ) -> Option<Collision> {
-        let swept = both_sides(sweep_along(contour, path));
-        let bounds = Bounds::of(swept.iter().flatten())?;
-        let met = |common: &Region| !common.is_empty();
-        let touched = |swept: &[Contour]| {
-            let touched = self.part.touched(swept);
-            match stock {
-                Some(groove) if !groove.is_empty() => touched.without(groove),
-                _ => touched,
+        let swept = with_mirror_image(sweep_along(contour, path));
+        let bounds = GridBounds::from_points(swept.iter().flatten())?;
+        let stock_overlap = |swept: &[GridContour]| {
+            let overlap = self.part.intersection(swept);
+            match free {
+                Some(free) if !free.is_empty() => overlap.difference(free),
+                _ => overlap,
             }
         };
-        if stock.is_some() && met(&touched(&swept)) {
-            return Some(first_touch(
-                (toucher, Obstacle::Stock),
+        if free.is_some() && !stock_overlap(&swept).is_empty() {
+            return Some(locate_first_contact(
+                (touching_part, Obstacle::Stock),
                 contour,
                 path,
-                &touched,
+                &stock_overlap,
             ));
         }
         self.obstacles
             .iter()
-            .filter(|(_, _, own)| own.meets(&bounds))
-            .find(|(_, region, _)| met(&region.common(&swept)))
+            .filter(|(_, _, obstacle)| obstacle.intersects(&bounds))
+            .find(|(_, region, _)| !region.intersection(&swept).is_empty())
             .map(|(obstacle, region, _)| {
-                let touched = |swept: &[Contour]| region.common(swept);
-                first_touch((toucher, *obstacle), contour, path, &touched)
+                let overlap = |swept: &[GridContour]| region.intersection(swept);
+                locate_first_contact((touching_part, *obstacle), contour, path, &overlap)
             })
     }
 }
 
-/// Looks for the first touch on a path that meets something, to a thousandth of a piece
-/// of it.
-fn first_touch(
-    (toucher, obstacle): (Toucher, Obstacle),
+/// Locates the first contact on a path that has one, to a thousandth of a line of the path.
+/// `overlap` intersects the obstacle with a swept area.
+fn locate_first_contact(
+    (touching_part, obstacle): (TouchingPart, Obstacle),
     contour: &[GridPoint],
     path: &[GridPoint],
-    touched: &dyn Fn(&[Contour]) -> Region,
+    overlap: &dyn Fn(&[GridContour]) -> Region,
 ) -> Collision {
     const HALVINGS: u32 = 10;
-    let along = |path: &[GridPoint]| touched(&both_sides(sweep_along(contour, path)));
-    // The first piece that meets it.
+    let along = |path: &[GridPoint]| overlap(&with_mirror_image(sweep_along(contour, path)));
+    // The first line of the path with a contact.
     let (mut clear, mut touching) = (0, path.len().saturating_sub(1));
     while touching > clear + 1 {
         let middle = usize::midpoint(clear, touching);
@@ -259,14 +268,14 @@ fn first_touch(
         }
     }
     let (from, to) = (path[clear], path[touching]);
-    let at = |part: f64| {
+    let at = |share: f64| {
         let between = |from: i32, to: i32| {
-            let way = f64::from(to) - f64::from(from);
-            from.saturating_add(libm::round(way * part) as i32)
+            let distance = f64::from(to) - f64::from(from);
+            from.saturating_add(libm::round(distance * share) as i32)
         };
         GridPoint::new(between(from.x, to.x), between(from.y, to.y))
     };
-    let until = |part: f64| along(&[from, at(part)]);
+    let until = |share: f64| along(&[from, at(share)]);
     let (mut clear, mut touching) = (0.0, 1.0);
     for _ in 0..HALVINGS {
         let middle = (clear + touching) / 2.0;
@@ -277,7 +286,13 @@ fn first_touch(
         }
     }
     let (contact, whole) = (until(touching), along(path));
-    Collision::new(toucher, obstacle, from_grid(at(touching)), &contact, &whole)
+    Collision::new(
+        touching_part,
+        obstacle,
+        from_grid(at(touching)),
+        &contact,
+        &whole,
+    )
 }
 
 #[cfg(test)]
@@ -285,12 +300,12 @@ mod tests {
     use super::*;
     use crate::tool::{BodyPart, Tool};
 
-    fn scene() -> Scene {
-        Scene::new(&Stock::bar(50.0, 0.0, 60.0))
+    fn scene() -> LatheScene {
+        LatheScene::new(&Stock::bar(50.0, 0.0, 60.0))
     }
 
-    fn motion(kind: Kind, from: (f64, f64), to: (f64, f64)) -> Motion {
-        Motion {
+    fn motion(kind: MotionKind, from: (f64, f64), to: (f64, f64)) -> ToolMotion {
+        ToolMotion {
             from: Point::new(from.0, from.1),
             to: Point::new(to.0, to.1),
             kind,
@@ -298,25 +313,25 @@ mod tests {
         }
     }
 
-    fn turning() -> Cutter {
-        Cutter::new(Shape::of(&Tool::turning()))
+    fn turning() -> SceneTool {
+        SceneTool::new(ToolShape::from_tool(&Tool::turning()))
     }
 
     #[test]
-    fn a_rapid_through_the_stock_is_a_collision_where_it_begins() {
+    fn a_rapid_through_the_stock_is_a_collision_at_the_first_contact() {
         let mut scene = scene();
-        let rapid = motion(Kind::Rapid, (20.0, 5.0), (20.0, -10.0));
-        let collision = scene.carry_out(&turning(), &rapid).collision.unwrap();
+        let rapid = motion(MotionKind::Rapid, (20.0, 5.0), (20.0, -10.0));
+        let collision = scene.move_tool(&turning(), &rapid).collision.unwrap();
         assert_eq!(
-            (collision.toucher, collision.obstacle),
-            (Toucher::RapidInsert, Obstacle::Stock)
+            (collision.touching_part, collision.obstacle),
+            (TouchingPart::RapidInsert, Obstacle::Stock)
         );
         assert!(collision.tip.z.abs() < 0.05, "{collision:?}");
         assert!((collision.depth - 5.0).abs() < 0.02, "{collision:?}");
     }
 
     #[test]
-    fn a_rapid_along_the_surface_touches_nothing() {
+    fn a_rapid_along_the_surface_is_no_collision() {
         let mut scene = scene();
         for (from, to) in [
             ((25.0, 5.0), (25.0, -40.0)),
@@ -324,48 +339,48 @@ mod tests {
             ((60.0, 60.0), (25.0, 0.0)),
             ((25.0, 0.0), (0.0, 0.0)),
         ] {
-            let outcome = scene.carry_out(&turning(), &motion(Kind::Rapid, from, to));
-            assert_eq!(outcome, Outcome::default(), "{from:?} {to:?}");
+            let effect = scene.move_tool(&turning(), &motion(MotionKind::Rapid, from, to));
+            assert_eq!(effect, MotionEffect::default(), "{from:?} {to:?}");
         }
     }
 
     #[test]
-    fn a_standing_spindle_does_not_cut() {
+    fn a_feed_move_with_a_stopped_spindle_is_a_collision() {
         let mut scene = scene();
-        let mut cut = motion(Kind::Line, (20.0, 1.0), (20.0, -5.0));
+        let mut cut = motion(MotionKind::Line, (20.0, 1.0), (20.0, -5.0));
         cut.turning = false;
-        let collision = scene.carry_out(&turning(), &cut).collision.unwrap();
-        assert_eq!(collision.toucher, Toucher::StandingInsert);
+        let collision = scene.move_tool(&turning(), &cut).collision.unwrap();
+        assert_eq!(collision.touching_part, TouchingPart::StandingInsert);
     }
 
     #[test]
     fn a_cut_into_the_jaws_is_a_collision() {
         let mut scene = scene();
-        let cut = motion(Kind::Line, (24.0, 1.0), (24.0, -70.0));
-        let collision = scene.carry_out(&turning(), &cut).collision.unwrap();
+        let cut = motion(MotionKind::Line, (24.0, 1.0), (24.0, -70.0));
+        let collision = scene.move_tool(&turning(), &cut).collision.unwrap();
         assert_eq!(
-            (collision.toucher, collision.obstacle),
-            (Toucher::Insert, Obstacle::Jaws)
+            (collision.touching_part, collision.obstacle),
+            (TouchingPart::Insert, Obstacle::Jaws)
         );
         assert!((collision.tip.z + 60.0).abs() < 0.1, "{collision:?}");
     }
 
     #[test]
-    fn a_deep_plunge_brings_the_holder_into_the_stock() {
+    fn a_plunge_deeper_than_the_insert_collides_with_the_tool_body() {
         let mut scene = scene();
-        let plunge = motion(Kind::Line, (26.0, -30.0), (10.0, -30.0));
-        let collision = scene.carry_out(&turning(), &plunge).collision.unwrap();
+        let plunge = motion(MotionKind::Line, (26.0, -30.0), (10.0, -30.0));
+        let collision = scene.move_tool(&turning(), &plunge).collision.unwrap();
         assert!(
             matches!(
-                collision.toucher,
-                Toucher::Body(BodyPart::InsertBack | BodyPart::Holder)
+                collision.touching_part,
+                TouchingPart::Body(BodyPart::InsertBack | BodyPart::Holder)
             ),
             "{collision:?}"
         );
     }
 
     #[test]
-    fn a_thick_boring_bar_touches_the_other_wall() {
+    fn a_boring_bar_too_thick_for_the_bore_collides() {
         let stock = Stock {
             form: crate::stock::Form::Tube {
                 diameter: gsk_units::Diameter(50.0),
@@ -373,24 +388,30 @@ mod tests {
             },
             ..Stock::bar(50.0, 0.0, 60.0)
         };
-        let thick = Cutter::new(Shape::of(&Tool {
+        let thick = SceneTool::new(ToolShape::from_tool(&Tool {
             holder: crate::tool::Holder::Bar {
                 diameter: 16.0,
                 length: 80.0,
             },
             ..Tool::boring()
         }));
-        let cut = motion(Kind::Line, (7.5, 1.0), (7.5, -30.0));
-        let mut scene = Scene::new(&stock);
-        let collision = scene.carry_out(&thick, &cut).collision.unwrap();
-        assert_eq!(collision.toucher, Toucher::Body(BodyPart::Holder));
-        let thin = Cutter::new(Shape::of(&Tool {
+        let cut = motion(MotionKind::Line, (7.5, 1.0), (7.5, -30.0));
+        let mut scene = LatheScene::new(&stock);
+        let collision = scene.move_tool(&thick, &cut).collision.unwrap();
+        assert_eq!(
+            collision.touching_part,
+            TouchingPart::Body(BodyPart::Holder)
+        );
+        let thin = SceneTool::new(ToolShape::from_tool(&Tool {
             holder: crate::tool::Holder::Bar {
                 diameter: 10.0,
                 length: 80.0,
             },
             ..Tool::boring()
         }));
-        assert_eq!(Scene::new(&stock).carry_out(&thin, &cut).collision, None);
+        assert_eq!(
+            LatheScene::new(&stock).move_tool(&thin, &cut).collision,
+            None
+        );
     }
 }

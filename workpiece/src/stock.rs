@@ -1,72 +1,72 @@
-//! The stock before the first cut, and what holds it.
+//! The stock before the first cut, its chuck and its tailstock.
 
 use gsk_messages::{Message, say};
 use gsk_units::{Diameter, Point};
 use serde::{Deserialize, Serialize};
 
-use crate::grid::{Contour, GridPoint, grid, to_grid};
+use crate::grid::{GridContour, GridPoint, grid, to_grid};
 use crate::region::Region;
-use crate::tool::within;
+use crate::tool::check_range;
 
-/// Longest stock, mm.
-const LONGEST: f64 = 5000.0;
-/// Thickest stock, mm of diameter.
-const THICKEST: f64 = 2000.0;
+/// Greatest length of stock, mm.
+const MAX_LENGTH_MM: f64 = 5000.0;
+/// Greatest diameter of stock, mm.
+const MAX_DIAMETER_MM: f64 = 2000.0;
 
-/// Stock, its zero at the finished face.
+/// The stock and its clamping. The zero of Z is the finished face.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stock {
-    /// Its form.
+    /// The form: bar, tube or a turned contour.
     pub form: Form,
-    /// How far it stands out in front of the zero, mm.
+    /// The facing allowance in front of the zero, mm.
     #[serde(default)]
     pub face: f64,
-    /// Its whole length, mm.
+    /// The whole length, mm.
     pub length: f64,
-    /// How far it stands out of the jaws, from its front, mm.
+    /// The length in front of the jaws, mm.
     pub overhang: f64,
-    /// What clamps it.
+    /// The chuck that clamps the stock.
     #[serde(default)]
     pub chuck: Chuck,
-    /// What holds it at its other end.
+    /// The tailstock that supports the front end, if any.
     #[serde(default)]
     pub tailstock: Option<Tailstock>,
 }
 
-/// Form of the stock.
+/// The form of the stock.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Form {
     /// A round bar.
     Bar {
-        /// Its diameter, mm.
+        /// The diameter, mm.
         diameter: Diameter,
     },
-    /// A tube.
+    /// A bar with a through bore.
     Tube {
         /// Outside diameter, mm.
         diameter: Diameter,
         /// Inside diameter, mm.
         bore: Diameter,
     },
-    /// Turned before: corners of the half section from the front to the back.
+    /// A turned blank, given by the corners of its half section from front to back.
     Contour {
-        /// Diameter and Z of each corner, mm; lines between them.
+        /// Diameter and Z of each corner, mm; straight lines join them.
         corners: Vec<(Diameter, f64)>,
-        /// Inside diameter, mm; 0 for none.
+        /// Inside diameter, mm; 0 without a bore.
         bore: Diameter,
     },
 }
 
-/// A chuck with jaws.
+/// A chuck with its jaws.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Chuck {
-    /// Diameter of its body, mm.
+    /// Diameter of the chuck body, mm.
     pub diameter: Diameter,
-    /// Length of its body, mm.
+    /// Length of the chuck body, mm.
     pub length: f64,
-    /// How far the jaws stand out of it, mm.
+    /// Length of the jaws in front of the chuck body, mm.
     pub jaws: f64,
     /// Height of a jaw above the stock, mm.
     pub jaw_height: f64,
@@ -89,12 +89,13 @@ impl Default for Chuck {
 pub struct Tailstock {
     /// Diameter of the quill, mm.
     pub quill: Diameter,
-    /// Diameter of the centre's cone where it leaves the part, mm.
+    /// Diameter of the centre's cone at the front of the stock, mm.
     pub center: Diameter,
 }
 
 impl Stock {
-    /// A bar that stands out so far in front of the zero and of the jaws.
+    /// A bar in the default chuck: its diameter, the facing allowance in front of the
+    /// zero, and the length in front of the jaws, mm.
     pub fn bar(diameter: f64, face: f64, overhang: f64) -> Self {
         let chuck = Chuck::default();
         Self {
@@ -109,14 +110,15 @@ impl Stock {
         }
     }
 
-    /// Whether its lengths make stock.
+    /// Checks the ranges of all dimensions.
     ///
     /// # Errors
-    /// The rule that is broken.
+    /// The first dimension out of range, or a contour with too few corners or with corners
+    /// that do not run from front to back.
     pub fn check(&self) -> Result<(), Message> {
-        within(self.length, 1.0, LONGEST, say::stock_word_length())?;
-        within(self.overhang, 1.0, self.length, say::stock_word_overhang())?;
-        within(self.face, 0.0, self.overhang, say::stock_word_face())?;
+        check_range(self.length, 1.0, MAX_LENGTH_MM, say::stock_word_length())?;
+        check_range(self.overhang, 1.0, self.length, say::stock_word_overhang())?;
+        check_range(self.face, 0.0, self.overhang, say::stock_word_face())?;
         let (outside, bore) = match &self.form {
             Form::Bar { diameter } => (*diameter, Diameter(0.0)),
             Form::Tube { diameter, bore } => (*diameter, *bore),
@@ -125,8 +127,8 @@ impl Stock {
                     return Err(say::stock_few_corners());
                 }
                 for (diameter, z) in corners {
-                    within(diameter.0, 0.0, THICKEST, say::stock_word_diameter())?;
-                    within(*z, -LONGEST, LONGEST, say::stock_word_corner())?;
+                    check_range(diameter.0, 0.0, MAX_DIAMETER_MM, say::stock_word_diameter())?;
+                    check_range(*z, -MAX_LENGTH_MM, MAX_LENGTH_MM, say::stock_word_corner())?;
                 }
                 if corners.windows(2).any(|pair| pair[1].1 > pair[0].1) {
                     return Err(say::stock_corners_back());
@@ -135,16 +137,16 @@ impl Stock {
                 (Diameter(greatest.fold(0.0, f64::max)), *bore)
             }
         };
-        within(outside.0, 0.5, THICKEST, say::stock_word_diameter())?;
-        within(bore.0, 0.0, outside.0 - 0.1, say::stock_word_bore())?;
+        check_range(outside.0, 0.5, MAX_DIAMETER_MM, say::stock_word_diameter())?;
+        check_range(bore.0, 0.0, outside.0 - 0.1, say::stock_word_bore())?;
         if let Some(Tailstock { quill, center }) = self.tailstock {
-            within(quill.0, 1.0, 500.0, say::stock_word_quill())?;
-            within(center.0, 0.1, quill.0, say::stock_word_center())?;
+            check_range(quill.0, 1.0, 500.0, say::stock_word_quill())?;
+            check_range(center.0, 0.1, quill.0, say::stock_word_center())?;
         }
         self.chuck.check()
     }
 
-    /// Its greatest radius, mm.
+    /// The greatest radius, mm.
     pub fn radius(&self) -> f64 {
         match &self.form {
             Form::Bar { diameter } | Form::Tube { diameter, .. } => diameter.radius(),
@@ -155,47 +157,47 @@ impl Stock {
         }
     }
 
-    /// Z of its front, mm.
+    /// Z of the front face, mm.
     pub const fn front(&self) -> f64 {
         self.face
     }
 
-    /// Z of its back, mm.
+    /// Z of the back face, mm.
     pub const fn back(&self) -> f64 {
         self.face - self.length
     }
 
     /// Z of the front of the jaws, mm.
-    pub const fn clamped(&self) -> f64 {
+    pub const fn jaw_front(&self) -> f64 {
         self.face - self.overhang
     }
 
-    /// Its half section.
+    /// The half section of the stock.
     pub fn section(&self) -> Region {
         let (outside, bore): (Region, Diameter) = match &self.form {
             Form::Bar { diameter } => (self.cylinder(*diameter), Diameter(0.0)),
             Form::Tube { diameter, bore } => (self.cylinder(*diameter), *bore),
             Form::Contour { corners, bore } => {
-                let mut contour: Contour = corners
+                let mut contour: GridContour = corners
                     .iter()
                     .map(|(diameter, z)| to_grid(Point::from_diameter(*diameter, *z)))
                     .collect();
-                // Down to the axis at both ends.
+                // Close the contour along the spindle axis.
                 if let (Some(first), Some(last)) = (contour.first(), contour.last()) {
                     let (front, back) = (GridPoint::new(first.x, 0), GridPoint::new(last.x, 0));
                     contour.extend([back, front]);
                 }
-                (Region::of(&[contour]), *bore)
+                (Region::from_contours(&[contour]), *bore)
             }
         };
         if bore.0 <= 0.0 {
             return outside;
         }
         let hole = Region::rectangle(
-            GridPoint::new(grid(-2.0 * LONGEST), -1),
-            GridPoint::new(grid(2.0 * LONGEST), grid(bore.radius())),
+            GridPoint::new(grid(-2.0 * MAX_LENGTH_MM), -1),
+            GridPoint::new(grid(2.0 * MAX_LENGTH_MM), grid(bore.radius())),
         );
-        outside.without(hole.contours())
+        outside.difference(hole.contours())
     }
 
     fn cylinder(&self, diameter: Diameter) -> Region {
@@ -205,59 +207,60 @@ impl Stock {
         )
     }
 
-    /// The chuck's body and its jaws closed on the stock, as half sections.
+    /// The half sections of the chuck body and of the jaws, closed on the stock.
     pub fn chuck_section(&self) -> (Region, Region) {
         let chuck = &self.chuck;
-        let face = self.clamped() - chuck.jaws;
+        let face = self.jaw_front() - chuck.jaws;
         let low = Point::new(0.0, face - chuck.length);
         let high = Point::new(chuck.diameter.radius(), face);
         let body = Region::rectangle(to_grid(low), to_grid(high));
         (body, self.jaws(self.radius()))
     }
 
-    /// The jaws when a power chuck has let the stock go.
+    /// The half section of the jaws of an open power chuck.
     pub fn open_jaws(&self) -> Region {
-        /// How far they go outwards, mm.
-        const OPEN: f64 = 5.0;
-        self.jaws(self.radius() + OPEN)
+        /// Radial travel of the jaws, mm.
+        const JAW_TRAVEL_MM: f64 = 5.0;
+        self.jaws(self.radius() + JAW_TRAVEL_MM)
     }
 
-    /// The jaws with their inside at a radius.
+    /// The half section of the jaws with their clamping surface at a radius, mm.
     fn jaws(&self, radius: f64) -> Region {
-        let end = self.clamped();
+        let end = self.jaw_front();
         let low = Point::new(radius, end - self.chuck.jaws);
         let high = Point::new(radius + self.chuck.jaw_height, end);
         Region::rectangle(to_grid(low), to_grid(high))
     }
 
-    /// The tailstock's half section: the cone of its centre and the quill.
+    /// The half section of the tailstock: the cone of its centre and the quill. Empty
+    /// without a tailstock.
     pub fn tailstock_section(&self) -> Region {
         let Some(tailstock) = self.tailstock else {
             return Region::default();
         };
-        /// Length of the quill that is drawn, mm.
-        const QUILL: f64 = 80.0;
+        /// Length of the quill in front of the tailstock, mm.
+        const QUILL_LENGTH_MM: f64 = 80.0;
         let (small, large) = (tailstock.center.radius(), tailstock.quill.radius());
-        // 60°: the cone grows by tan 30°.
+        // Half the cone angle is 30°: the length is the radius times cot 30°.
         let cone = (large - small).max(0.0) * 1.732_050_807_568_877_2;
         let front = self.front();
         let corners = [
             Point::new(0.0, front),
             Point::new(small, front),
             Point::new(large, front + cone),
-            Point::new(large, front + cone + QUILL),
-            Point::new(0.0, front + cone + QUILL),
+            Point::new(large, front + cone + QUILL_LENGTH_MM),
+            Point::new(0.0, front + cone + QUILL_LENGTH_MM),
         ];
-        Region::of(&[corners.map(to_grid).to_vec()])
+        Region::from_contours(&[corners.map(to_grid).to_vec()])
     }
 }
 
 impl Chuck {
     fn check(&self) -> Result<(), Message> {
-        within(self.diameter.0, 20.0, 1000.0, say::stock_word_chuck())?;
-        within(self.length, 10.0, 500.0, say::stock_word_chuck_length())?;
-        within(self.jaws, 1.0, 300.0, say::stock_word_jaws())?;
-        within(self.jaw_height, 1.0, 300.0, say::stock_word_jaw_height())
+        check_range(self.diameter.0, 20.0, 1000.0, say::stock_word_chuck())?;
+        check_range(self.length, 10.0, 500.0, say::stock_word_chuck_length())?;
+        check_range(self.jaws, 1.0, 300.0, say::stock_word_jaws())?;
+        check_range(self.jaw_height, 1.0, 300.0, say::stock_word_jaw_height())
     }
 }
 
@@ -290,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_stock_is_named() {
+    fn an_error_names_the_value_out_of_range() {
         let mut stock = Stock::bar(50.0, 1.0, 80.0);
         stock.overhang = 500.0;
         assert!(stock.check().unwrap_err().to_string().contains("500"));
@@ -305,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn jaws_lie_on_the_stock_and_the_chuck_behind_them() {
+    fn closed_jaws_touch_the_stock_and_the_chuck_body() {
         let stock = Stock::bar(50.0, 0.0, 60.0);
         let (body, jaws) = stock.chuck_section();
         let (body, jaws) = (body.bounds().unwrap(), jaws.bounds().unwrap());

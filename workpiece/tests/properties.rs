@@ -1,5 +1,5 @@
-//! What holds for every cut: the order does not matter, nothing grows, and mirrored cuts
-//! leave the mirrored part.
+//! Properties of all cuts: their order does not matter, no cut adds material, and mirrored
+//! cuts leave the mirrored part.
 
 #![allow(
     clippy::expect_used,
@@ -9,14 +9,14 @@
 )]
 
 use gsk_units::Point;
-use gsk_workpiece::curve::Arc;
+use gsk_workpiece::curve::PlaneArc;
 use gsk_workpiece::grid::{GridPoint, grid, to_grid};
-use gsk_workpiece::part::Part;
+use gsk_workpiece::part::TurnedPart;
 use gsk_workpiece::region::Region;
-use gsk_workpiece::tool::{Shape, Tool};
+use gsk_workpiece::tool::{Tool, ToolShape};
 use proptest::prelude::*;
 
-/// A cut: tool, from, to; X a radius.
+/// A cut: index of the tool, start and end in µm as X and Z; X is a radius.
 type Cut = (usize, (i32, i32), (i32, i32));
 
 fn tools() -> [Tool; 4] {
@@ -31,7 +31,7 @@ fn tools() -> [Tool; 4] {
     ]
 }
 
-/// Micrometres to a point, as programs have them.
+/// Converts micrometres to a point in mm.
 fn point((x, z): (i32, i32)) -> Point {
     Point::new(f64::from(x) / 1000.0, f64::from(z) / 1000.0)
 }
@@ -41,8 +41,8 @@ fn bar() -> Region {
     Region::rectangle(corner(-50.0, 0.0), corner(0.0, 20.0))
 }
 
-fn cut(part: &mut Part, (tool, from, to): &Cut) {
-    let shape = Shape::of(&tools()[*tool]);
+fn cut(part: &mut TurnedPart, (tool, from, to): &Cut) {
+    let shape = ToolShape::from_tool(&tools()[*tool]);
     part.cut(&shape.cutting, point(*from), point(*to));
 }
 
@@ -51,9 +51,9 @@ fn mirrored(contour: &[GridPoint]) -> Vec<GridPoint> {
     flipped.rev().collect()
 }
 
-/// Area that belongs to one of two regions only, mm².
+/// The area that belongs to exactly one of two regions, mm².
 fn difference(a: &Region, b: &Region) -> f64 {
-    a.without(b.contours()).area() + b.without(a.contours()).area()
+    a.difference(b.contours()).area() + b.difference(a.contours()).area()
 }
 
 fn cuts() -> impl Strategy<Value = Vec<Cut>> {
@@ -61,8 +61,8 @@ fn cuts() -> impl Strategy<Value = Vec<Cut>> {
     proptest::collection::vec((0..4_usize, position(), position()), 1..12)
 }
 
-/// A crossing is rounded by half a unit, in each of two directions: along a metre of
-/// edges that is less than this, mm².
+/// Greatest area lost by rounding, mm²: half a grid unit in each direction at each
+/// crossing, along a metre of edges.
 const ROUNDING: f64 = 0.05;
 
 proptest! {
@@ -70,7 +70,7 @@ proptest! {
 
     #[test]
     fn the_order_of_cuts_does_not_matter(cuts in cuts()) {
-        let mut forward = Part::new(&bar());
+        let mut forward = TurnedPart::new(&bar());
         let mut backward = forward.clone();
         for one in &cuts {
             cut(&mut forward, one);
@@ -83,13 +83,13 @@ proptest! {
     }
 
     #[test]
-    fn nothing_is_ever_more_after_a_cut(cuts in cuts()) {
-        let mut part = Part::new(&bar());
+    fn no_cut_adds_material(cuts in cuts()) {
+        let mut part = TurnedPart::new(&bar());
         let mut before = part.section();
         for one in &cuts {
             cut(&mut part, one);
             let after = part.section();
-            let grown = after.without(before.contours()).area();
+            let grown = after.difference(before.contours()).area();
             prop_assert!(grown < ROUNDING / 10.0, "{grown} mm²");
             prop_assert!(part.volume() >= 0.0);
             before = after;
@@ -97,7 +97,7 @@ proptest! {
     }
 
     #[test]
-    fn a_path_cut_at_once_leaves_what_its_pieces_leave(
+    fn a_path_cut_in_one_sweep_equals_its_lines_cut_one_by_one(
         tool in 0..4_usize,
         path in proptest::collection::vec((500..22_000, -45_000..3_000), 1..12),
         there_and_back in proptest::bool::ANY,
@@ -106,34 +106,34 @@ proptest! {
         if there_and_back {
             path.extend(path.clone().iter().rev().skip(1));
         }
-        let mut pieces = Part::new(&bar());
+        let mut pieces = TurnedPart::new(&bar());
         let mut whole = pieces.clone();
         cut(&mut pieces, &(tool, path[0], path[0]));
         for pair in path.windows(2) {
             cut(&mut pieces, &(tool, pair[0], pair[1]));
         }
         let path: Vec<GridPoint> = path.iter().map(|at| to_grid(point(*at))).collect();
-        whole.cut_along(&Shape::of(&tools()[tool]).cutting, &path);
+        whole.cut_along(&ToolShape::from_tool(&tools()[tool]).cutting, &path);
         let off = difference(&pieces.section(), &whole.section());
         prop_assert!(off < ROUNDING, "{off} mm²");
     }
 
     #[test]
-    fn an_arc_cut_at_once_leaves_what_its_chords_leave(
+    fn an_arc_cut_in_one_sweep_equals_its_chords_cut_one_by_one(
         tool in 0..4_usize,
         center in (2_000..22_000, -45_000..3_000),
         radius in 200..3_000,
         turns in (0.0..1.0_f64, -1.0..1.0_f64),
     ) {
-        let arc = Arc {
+        let arc = PlaneArc {
             center: point(center),
             radius: f64::from(radius) / 1000.0,
             begin: turns.0 * core::f64::consts::TAU,
             sweep: turns.1 * core::f64::consts::TAU,
         };
         let points: Vec<Point> = arc.points().collect();
-        let shape = Shape::of(&tools()[tool]);
-        let mut pieces = Part::new(&bar());
+        let shape = ToolShape::from_tool(&tools()[tool]);
+        let mut pieces = TurnedPart::new(&bar());
         let mut whole = pieces.clone();
         let path: Vec<GridPoint> = points.iter().map(|at| to_grid(*at)).collect();
         for pair in path.windows(2) {
@@ -141,36 +141,36 @@ proptest! {
         }
         whole.cut_along(&shape.cutting, &path);
         let off = difference(&pieces.section(), &whole.section());
-        // Each chord rounds its crossings anew.
+        // The crossings of each chord are rounded separately.
         prop_assert!(off < 2.0 * ROUNDING, "{off} mm²");
     }
 
     #[test]
     fn a_mirrored_cut_leaves_the_mirrored_part(cuts in cuts()) {
-        let mut part = Part::new(&bar());
+        let mut part = TurnedPart::new(&bar());
         let flipped: Vec<_> = bar().contours().iter().map(|it| mirrored(it)).collect();
-        let mut image = Part::new(&Region::of(&flipped));
+        let mut image = TurnedPart::new(&Region::from_contours(&flipped));
         for one in &cuts {
             cut(&mut part, one);
-            let shape = mirrored(&Shape::of(&tools()[one.0]).cutting);
+            let shape = mirrored(&ToolShape::from_tool(&tools()[one.0]).cutting);
             let flip = |(x, z): (i32, i32)| point((x, -z));
             image.cut(&shape, flip(one.1), flip(one.2));
         }
         let back: Vec<_> = image.section().contours().iter().map(|it| mirrored(it)).collect();
-        let off = difference(&part.section(), &Region::of(&back));
+        let off = difference(&part.section(), &Region::from_contours(&back));
         prop_assert!(off < ROUNDING, "{off} mm²");
     }
 }
 
-/// Parts whose edges lie almost on each other: the difference of these two once had an
-/// edge through the full part.
+/// Regression test: the edges of these parts almost coincide. A wrong difference of them
+/// had an edge through the solid part.
 #[test]
-fn parts_that_are_almost_alike_differ_almost_nowhere() {
+fn the_difference_of_almost_equal_parts_is_almost_empty() {
     let cuts = [
         (2, (8056, -7574), (6832, -23885)),
         (0, (11942, -5715), (11417, -21898)),
     ];
-    let mut forward = Part::new(&bar());
+    let mut forward = TurnedPart::new(&bar());
     let mut backward = forward.clone();
     for (one, other) in cuts.iter().zip(cuts.iter().rev()) {
         cut(&mut forward, one);

@@ -5,7 +5,7 @@ mod twin;
 
 use std::time::Duration;
 
-use gsk_link::{Event, LinkConfig, LinkState};
+use gsk_link::{LinkConfig, LinkEvent, LinkState};
 
 use super::{ALARM, CommandError, FINE, output};
 use crate::board::Board;
@@ -63,10 +63,10 @@ fn open(args: &LinkBoardArgs) -> Result<Board, CommandError> {
 }
 
 /// Prints alarms; whether there was one besides differing settings.
-fn report(events: &[Event]) -> bool {
+fn report(events: &[LinkEvent]) -> bool {
     let mut failed = false;
     for event in events {
-        if let Event::Alarm { number, detail } = event {
+        if let LinkEvent::Alarm { number, detail } = event {
             complain!("gsk980td: {number}: {}", output::worded(detail));
             failed |= *number != number::BOARD_SETTINGS;
         }
@@ -75,8 +75,8 @@ fn report(events: &[Event]) -> bool {
 }
 
 /// Whether an event is the alarm of settings that differ.
-const fn is_about_settings(event: &Event) -> bool {
-    matches!(event, Event::Alarm { number, .. } if *number == number::BOARD_SETTINGS)
+const fn is_about_settings(event: &LinkEvent) -> bool {
+    matches!(event, LinkEvent::Alarm { number, .. } if *number == number::BOARD_SETTINGS)
 }
 
 /// Says where the dialogue has stopped; an alarm says it by itself. True: it is no
@@ -165,9 +165,9 @@ fn test(args: &LinkTestArgs) -> Result<u8, CommandError> {
     }
 }
 
-fn differences(events: &[Event]) -> Vec<Message> {
-    let line = |event: &Event| match event {
-        Event::Differs(difference) => Some(say::link_test_setting(differs(difference))),
+fn differences(events: &[LinkEvent]) -> Vec<Message> {
+    let line = |event: &LinkEvent| match event {
+        LinkEvent::Differs(difference) => Some(say::link_test_setting(differs(difference))),
         _ => None,
     };
     events.iter().filter_map(line).collect()

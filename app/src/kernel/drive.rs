@@ -11,7 +11,7 @@ use crossbeam::channel::Receiver;
 use gsk_core::command::ProgramId;
 use gsk_core::linked::{Linked, Note, Stamp};
 use gsk_core::simulation::Simulation;
-use gsk_link::{Difference, LinkConfig, LinkState};
+use gsk_link::{LinkConfig, LinkState, SettingDifference};
 use gsk_messages::{Message, say};
 use web_time::Duration;
 
@@ -102,7 +102,7 @@ pub(super) struct Drive {
     trips: VecDeque<Duration>,
     away: Away,
     reports: u64,
-    differences: Vec<Difference>,
+    differences: Vec<SettingDifference>,
     log: VecDeque<PositionCheck>,
     /// For the operator.
     said: Vec<Message>,

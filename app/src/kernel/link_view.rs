@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::{
-    BoardInfo, BoardOutputs, Difference, Input, LinkState, Output, Protocol, SpindleView, Traffic,
+    BoardInfo, BoardOutputs, Input, LinkState, Output, Protocol, SettingDifference, SpindleView,
+    Traffic,
 };
 
 use gsk_messages::Message;
@@ -60,7 +61,7 @@ pub struct LinkView {
     /// Pulses the board has counted, as last reported.
     pub counted: Option<PerAxis<Pulses>>,
     /// Settings of the board that must be written first.
-    pub differences: Vec<Difference>,
+    pub differences: Vec<SettingDifference>,
     /// The last 200 lines on the wire, the newest last.
     pub exchanges: Vec<Line>,
     /// The last lines of the log, the newest last.

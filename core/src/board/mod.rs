@@ -11,7 +11,7 @@ mod zero;
 
 use crate::units::PerAxis;
 pub(crate) use checked::{Checked, board_rates};
-use gsk_link::{Awaited, PulseRates, ThreadRights};
+use gsk_link::{AwaitedInput, PulseRates, ThreadCapability};
 use gsk_plc::address::BitAddress;
 pub(crate) use orders::{BoardOrders, ReturnOrders, RunOrders, SpindleOrders};
 pub(crate) use rates::Exceeding;
@@ -62,7 +62,7 @@ pub(crate) struct BoardDrives {
     /// Pulses per mm of slide travel.
     pub pulses_per_mm: [f64; 2],
     /// Which threads it cuts.
-    pub threads: ThreadRights,
+    pub threads: ThreadCapability,
     /// The spindle whose index the board sees; none: it stays the simulated one.
     pub spindle: Option<BoardSpindle>,
     /// A pass that the board cuts begins without a ramp: not faster than this,
@@ -74,7 +74,7 @@ pub(crate) struct BoardDrives {
     /// makes it by itself.
     pub zero: Option<PerAxis<ZeroWiring>>,
     /// The switch at which the board is ready to stop the axis.
-    pub armed: PerAxis<Option<Awaited>>,
+    pub armed: PerAxis<Option<AwaitedInput>>,
     /// The parameters that it was checked against.
     pub checked: Option<Checked>,
 }

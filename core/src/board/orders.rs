@@ -3,7 +3,7 @@
 use crate::command::ProgramId;
 use crate::run_state::RunState;
 use crate::units::PerAxis;
-use gsk_link::{Awaited, BoardOutputs, Pass};
+use gsk_link::{AwaitedInput, BoardOutputs, ThreadPass};
 
 /// Orders to the board, besides the pulses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,7 +19,7 @@ pub(crate) struct BoardOrders {
     /// The spindle that motion goes by.
     pub spindle: SpindleOrders,
     /// A pass of a thread that waits for the board.
-    pub pass: Option<Pass>,
+    pub pass: Option<ThreadPass>,
     /// Returns to the machine zero.
     pub returns: ReturnOrders,
     /// The emergency stop stands.
@@ -49,7 +49,7 @@ pub(crate) struct ReturnOrders {
     /// Axes whose return the board makes.
     pub by_board: PerAxis<bool>,
     /// What the return of an axis waits for at the board.
-    pub awaited: PerAxis<Option<Awaited>>,
+    pub awaited: PerAxis<Option<AwaitedInput>>,
     /// Axes with a reference.
     pub referenced: PerAxis<bool>,
 }

@@ -3,7 +3,7 @@
 use super::BoardDrives;
 use crate::alarm::{Alarm, number};
 use crate::spindle::SpindleTurn;
-use gsk_link::{Lacks, ThreadRights};
+use gsk_link::{MissingForThreads, ThreadCapability};
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
@@ -53,8 +53,10 @@ pub(crate) fn needs_spindle(board: &BoardDrives, tapping: bool) -> Message {
         say::cannot_feed_per_revolution()
     };
     match board.threads {
-        ThreadRights::None(Lacks { index: true, .. }) => say::needs_spindle_index_unwired(what),
-        ThreadRights::Followed if tapping => say::needs_spindle_braking(what),
+        ThreadCapability::None(MissingForThreads { index: true, .. }) => {
+            say::needs_spindle_index_unwired(what)
+        }
+        ThreadCapability::Followed if tapping => say::needs_spindle_braking(what),
         _ => say::needs_spindle(what),
     }
 }

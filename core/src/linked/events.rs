@@ -10,8 +10,8 @@ use crate::machine::pins;
 use crate::run_state::RunState;
 use crate::units::{Axis, PerAxis, Pulses};
 use gsk_link::{
-    Awaited, BoardOutputs, Event, Input, LinkState, Output, Protocol, SpindleDirection, Stop,
-    Uncertainty,
+    AwaitedInput, BoardOutputs, Input, LinkEvent, LinkState, Output, Protocol, SpindleDirection,
+    Stop, Uncertainty,
 };
 use gsk_messages::say;
 
@@ -114,7 +114,7 @@ impl Linked {
     }
 
     /// A switch that does not come within the length of the slide will never come.
-    fn check_length(&mut self, axis: Axis, awaited: Awaited) {
+    fn check_length(&mut self, axis: Axis, awaited: AwaitedInput) {
         let (scale, name) = match axis {
             Axis::X => (2.0, 'x'),
             Axis::Z => (1.0, 'z'),
@@ -205,10 +205,10 @@ impl Linked {
     }
 
     /// The link has something to say.
-    pub(super) fn hear(&mut self, event: Event) {
+    pub(super) fn hear(&mut self, event: LinkEvent) {
         match event {
-            Event::State(state) => self.change(state),
-            Event::Alarm { number, detail } => {
+            LinkEvent::State(state) => self.change(state),
+            LinkEvent::Alarm { number, detail } => {
                 let alarm = Alarm::new(number).because(detail);
                 if number == number::POSITION_CHECK {
                     self.checked(false, None);
@@ -220,7 +220,7 @@ impl Linked {
                 self.report(BoardReport::Halted);
                 self.stopping.end_flush();
             }
-            Event::Position(pulses) => {
+            LinkEvent::Position(pulses) => {
                 let stopped = self.stopping.take();
                 let reached = stopped == Stopping::Reaching;
                 if !stopped.is_none() {
@@ -244,7 +244,7 @@ impl Linked {
                     self.log.agreed = agreed;
                 }
             }
-            Event::Halting { reached } => {
+            LinkEvent::Halting { reached } => {
                 let pauses = self.stopping.halt(reached);
                 self.report(if pauses {
                     BoardReport::Paused
@@ -252,19 +252,21 @@ impl Linked {
                     BoardReport::Halted
                 });
             }
-            Event::Reached(input, _) => {
+            LinkEvent::Reached(input, _) => {
                 if let Some(axis) = input.axis() {
                     self.report(BoardReport::Reached(axis));
                 }
             }
-            Event::Drained => self.end_pass(),
-            Event::Homed(axes) => {
+            LinkEvent::Drained => self.end_pass(),
+            LinkEvent::Homed(axes) => {
                 self.returns.homed = true;
                 let at = self.home();
                 self.report(BoardReport::Returned { axes, at });
             }
-            Event::Learned { name, packed } => self.log.notes.push(Note::Learned { name, packed }),
-            Event::Differs(difference) => self.log.notes.push(Note::Differs(difference)),
+            LinkEvent::Learned { name, packed } => {
+                self.log.notes.push(Note::Learned { name, packed })
+            }
+            LinkEvent::Differs(difference) => self.log.notes.push(Note::Differs(difference)),
         }
     }
 

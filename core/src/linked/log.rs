@@ -2,7 +2,7 @@
 
 use crate::command::ProgramId;
 use crate::units::{PerAxis, Pulses};
-use gsk_link::Difference;
+use gsk_link::SettingDifference;
 
 /// Something for the log of the link.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,7 +26,7 @@ pub enum Note {
         packed: Vec<u8>,
     },
     /// A setting of the board is not what it has to be.
-    Differs(Difference),
+    Differs(SettingDifference),
 }
 
 /// Notes, and what is still to become one.

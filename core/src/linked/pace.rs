@@ -130,7 +130,7 @@ impl Linked {
             self.clock.pace.blocked = None;
             return self.clock.pace.take();
         }
-        let room = self.link.room();
+        let room = self.link.free_lookahead();
         // Time without a pulse, at the lowest feeds, is ahead of the board too.
         let unheard = self.clock.run.saturating_sub(self.motion.last);
         if room > unheard

@@ -5,20 +5,20 @@ use super::Linked;
 use crate::alarm::Alarm;
 use crate::board::BoardReport;
 use crate::units::{PerAxis, Pulses};
-use gsk_link::{CannotCut, HostTime, Pass};
+use gsk_link::{HostTime, PassError, ThreadPass};
 
 /// A thread that the board cuts by itself.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Thread {
     /// The pass under way.
-    pub(super) pass: Option<Pass>,
+    pub(super) pass: Option<ThreadPass>,
     waiting: Option<Waiting>,
 }
 
 /// What a pass waits for, and since when.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Waiting {
-    why: CannotCut,
+    why: PassError,
     since: HostTime,
 }
 
@@ -49,7 +49,7 @@ impl Linked {
             .filter(same)
             .map_or(self.clock.now, |before| before.since);
         self.thread.waiting = Some(Waiting { why, since });
-        let (number, text, patience) = why.judged();
+        let (number, text, patience) = why.to_alarm();
         if self.clock.now.saturating_sub(since) >= patience {
             self.thread.waiting = None;
             let alarm = Alarm::new(number).because(text);
@@ -74,7 +74,7 @@ impl Linked {
 }
 
 /// The part of a pass that is made.
-fn made(pass: &Pass, at: PerAxis<Pulses>) -> f64 {
+fn made(pass: &ThreadPass, at: PerAxis<Pulses>) -> f64 {
     let way = |from: Pulses, to: Pulses| (to.0 - from.0) as f64;
     let whole = [way(pass.from.x, pass.end.x), way(pass.from.z, pass.end.z)];
     let gone = [way(pass.from.x, at.x), way(pass.from.z, at.z)];

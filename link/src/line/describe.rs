@@ -1,11 +1,11 @@
-//! The traffic as text, for who watches it.
+//! Formats the traffic of line boards as text for the log.
 
 use super::realtime::{CYCLE_START, FEED_HOLD, SOFT_RESET, STATUS_QUERY};
 
-/// The next line, taken from the bytes of one direction that are collected; bytes that
-/// are no text are shown as `\\xNN`.
+/// Takes the next complete line from the collected bytes of one direction. Other bytes
+/// than printable ASCII become `\\xNN`.
 pub(crate) fn next_line(outward: bool, collected: &mut Vec<u8>) -> Option<String> {
-    // Characters that act at once stand for themselves.
+    // A real-time character is a line without a line end.
     let acts =
         |byte: &u8| outward && matches!(*byte, STATUS_QUERY | FEED_HOLD | CYCLE_START | SOFT_RESET);
     loop {

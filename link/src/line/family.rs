@@ -1,73 +1,72 @@
-//! The firmwares that read lines, and in what they differ.
+//! The firmwares of line boards and their differences.
 
-/// A firmware.
+/// The firmware of a line board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Family {
+pub enum FirmwareFamily {
     /// Grbl 1.1f and later.
     #[default]
     Grbl,
-    /// grblHAL: a switch for each field of a report, threads, axes that return alone.
+    /// grblHAL: selectable report fields, thread passes, homing of single axes.
     GrblHal,
-    /// FluidNC: settings with names, alarm numbers of its own.
+    /// FluidNC: named settings and different alarm numbers.
     FluidNc,
 }
 
-/// Why a board has stopped by itself.
+/// Why a board has stopped without a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Cause {
-    /// A limit input.
+pub(super) enum StopCause {
+    /// A limit switch.
     Limit,
-    /// It was reset while it moved.
+    /// A reset during motion.
     Reset,
-    /// A reference return that failed or was broken off.
+    /// Homing has failed or was aborted.
     Homing,
-    /// An emergency stop.
+    /// The emergency stop input.
     EmergencyStop,
     /// The spindle does not turn.
     Spindle,
-    /// A drive.
+    /// A drive fault.
     Motor,
-    /// Something it was never asked for, or could not carry out.
+    /// An unexpected or impossible command.
     Order,
-    /// It is locked.
+    /// The board is locked.
     Locked,
 }
 
-impl Family {
-    /// What a board is asked at the opening, one question after the other; first of all who
-    /// it is.
-    pub(super) const fn questions(self) -> &'static [&'static str] {
+impl FirmwareFamily {
+    /// The queries of the opening in their order; the first one identifies the board.
+    pub(super) const fn queries(self) -> &'static [&'static str] {
         match self {
             Self::Grbl | Self::GrblHal => &["$I", "$$", "$#", "$G"],
             Self::FluidNc => &["$I", "$CD", "$10"],
         }
     }
 
-    /// The meaning of `ALARM:number`.
-    pub(super) const fn cause(self, number: u16) -> Cause {
+    /// The cause of `ALARM:number`.
+    pub(super) const fn cause(self, number: u16) -> StopCause {
         match number {
-            1 => Cause::Limit,
-            2 | 4 | 5 => Cause::Order,
-            3 => Cause::Reset,
-            6..=9 => Cause::Homing,
+            1 => StopCause::Limit,
+            2 | 4 | 5 => StopCause::Order,
+            3 => StopCause::Reset,
+            6..=9 => StopCause::Homing,
             _ if matches!(self, Self::FluidNc) => match number {
-                10 | 11 | 16..=18 => Cause::Order,
-                12 => Cause::Homing,
-                13 => Cause::EmergencyStop,
-                _ => Cause::Locked,
+                10 | 11 | 16..=18 => StopCause::Order,
+                12 => StopCause::Homing,
+                13 => StopCause::EmergencyStop,
+                _ => StopCause::Locked,
             },
-            10 => Cause::EmergencyStop,
-            11 | 15 | 18 => Cause::Homing,
-            12 | 13 | 22 => Cause::Order,
-            14 => Cause::Spindle,
-            17 => Cause::Motor,
-            _ => Cause::Locked,
+            10 => StopCause::EmergencyStop,
+            11 | 15 | 18 => StopCause::Homing,
+            12 | 13 | 22 => StopCause::Order,
+            14 => StopCause::Spindle,
+            17 => StopCause::Motor,
+            _ => StopCause::Locked,
         }
     }
 
-    /// Whether an alarm may come on the way back from a reset that the link has asked for.
+    /// Whether an alarm is expected after a reset that the link has sent.
     pub(super) const fn excuses(self, number: u16) -> bool {
-        // What was moving; not referenced any more; a return that the reset broke off.
+        // Reset during motion; aborted homing; homing required.
         number == 3 || matches!(self, Self::FluidNc) && matches!(number, 6 | 14)
     }
 }

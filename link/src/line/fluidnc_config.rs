@@ -1,53 +1,57 @@
-//! The settings of FluidNC: named items in a tree, told as one text (`$CD`), written one
-//! by one for as long as the board has power (`$/axes/x/steps_per_mm=400`).
+//! The settings of FluidNC: a tree of named items. `$CD` reports all as one text; a line
+//! like `$/axes/x/steps_per_mm=400` changes one until power-off.
 
-use super::super::Difference;
-use super::required::{Deviation, Setting, figure};
+use super::super::SettingDifference;
+use super::required::{Setting, SettingDeviation, figure};
 
-/// What lies beyond is not kept: no board tells so many items, nor nests them so deep.
-const MOST_ITEMS: usize = 2000;
-const DEEPEST: usize = 12;
-/// What no number of Grbl stands for: motion that the board makes by itself, and how its
-/// axes hang together.
+/// Greatest number of items that are kept.
+const MAX_ITEMS: usize = 2000;
+/// Greatest depth of nested sections.
+const MAX_DEPTH: usize = 12;
+/// Number of settings without a Grbl number: motion that the board starts without a
+/// command.
 const OWN_MOTION: u16 = 1000;
+/// Number of the setting for the kinematics of the axes, which Grbl does not have.
 const KINEMATICS: u16 = 1001;
 
-/// How an item follows from the setting of the same meaning.
+/// How the value of an item follows from Grbl's setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
-    /// The same figure.
+enum ItemKind {
+    /// The same number.
     Figure,
-    /// `true` for all figures but 0.
+    /// `true` unless the number is 0.
     Switch,
-    /// `false` where the bit of the axis is set.
+    /// `false` if the bit of the axis is set.
     NotBit,
-    /// A pin, `:low` where the bit of the axis is set.
+    /// A pin, with `:low` if the bit of the axis is set.
     Pin,
-    /// Pairs of speed and share; the last has this speed. A board without speeds has none.
+    /// A list of pairs `speed=percent` whose last speed is the number. The list may be
+    /// missing.
     Scale,
-    /// There is nothing.
+    /// An empty value.
     Empty,
     /// A pin that is not wired.
     Unwired,
-    /// There is this section.
+    /// An existing section.
     Section,
 }
 
-/// When an item acts that is written.
+/// When a written item takes effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Acts {
+enum EffectTime {
     AtOnce,
-    /// When the board starts; by then it has read its own file again.
+    /// When the board starts. A written value has no effect: at the start the board reads
+    /// its file again.
     AtStart,
 }
 
-use Acts::{AtOnce, AtStart};
-use Kind::{Empty, Figure, NotBit, Pin, Scale, Section, Switch, Unwired};
+use EffectTime::{AtOnce, AtStart};
+use ItemKind::{Empty, Figure, NotBit, Pin, Scale, Section, Switch, Unwired};
 
-/// Setting of the same meaning and path: `?` is one axis after the other, `*` any name.
-/// Not here are the levels of enable outputs and limit inputs ($4, $5): they follow from
-/// the circuits of the board, which its owner has described.
-const ITEMS: [(u16, &str, Kind, Acts); 33] = [
+/// Grbl's number and FluidNC's path of each setting: `?` stands for each axis, `*` for any
+/// name. The levels of enable outputs and limit inputs ($4, $5) are missing: they depend
+/// on the circuits of the board, which its owner has configured.
+const ITEMS: [(u16, &str, ItemKind, EffectTime); 33] = [
     (0, "stepping/pulse_us", Figure, AtStart),
     (1, "stepping/idle_ms", Figure, AtOnce),
     (2, "axes/?/motor0/*/step_pin", Pin, AtStart),
@@ -83,34 +87,34 @@ const ITEMS: [(u16, &str, Kind, Acts); 33] = [
     (KINEMATICS, "kinematics/Cartesian", Section, AtStart),
 ];
 
-/// An axis among those of the board: its letter and its place, which is the bit of a mask
-/// and what its numbers are larger by.
+/// The letter of an axis and its index: its bit in a mask, and its offset in the numbers
+/// from 100 on.
 const AXES: [(&str, u16); 2] = [("x", 0), ("z", 2)];
 
-/// What a board has reported of its items.
+/// The items that a board has reported.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct FluidNcConfig {
-    told: Vec<(String, String)>,
-    /// Names of the sections around the next line.
+    items: Vec<(String, String)>,
+    /// Names of the sections that enclose the next line.
     sections: Vec<String>,
 }
 
 impl FluidNcConfig {
-    /// Takes a line of the text in; what is none is left out.
+    /// Adds a line of the text; invalid lines are skipped.
     pub(super) fn take(&mut self, line: &str) {
         let indented = line.len() - line.trim_start_matches(' ').len();
         let Some((name, value)) = line.trim().split_once(':') else {
             return;
         };
         let depth = indented / 2;
-        let fits = depth <= self.sections.len() && depth < DEEPEST;
-        if indented % 2 == 1 || !fits || self.told.len() >= MOST_ITEMS {
+        let fits = depth <= self.sections.len() && depth < MAX_DEPTH;
+        if indented % 2 == 1 || !fits || self.items.len() >= MAX_ITEMS {
             return;
         }
         self.sections.truncate(depth);
         self.sections.push(name.to_owned());
         let value = value.trim().trim_matches('\'').to_owned();
-        self.told.push((self.sections.join("/"), value));
+        self.items.push((self.sections.join("/"), value));
     }
 
     /// The value of an item; empty for a section.
@@ -119,12 +123,12 @@ impl FluidNcConfig {
     }
 
     fn find(&self, path: &str) -> Option<(&str, &str)> {
-        let found = self.told.iter().find(|(told, _)| fits(told, path))?;
+        let found = self.items.iter().find(|(item, _)| fits(item, path))?;
         Some((&found.0, &found.1))
     }
 
-    /// What is not as it must be.
-    pub(super) fn deviations(&self, settings: &[Setting]) -> Vec<Deviation> {
+    /// The items that differ from the required settings.
+    pub(super) fn deviations(&self, settings: &[Setting]) -> Vec<SettingDeviation> {
         let mut deviations = Vec::new();
         for (number, path, kind, acts) in ITEMS {
             let axes = if path.contains('?') {
@@ -139,7 +143,7 @@ impl FluidNcConfig {
                 let path = path.replace('?', letter);
                 let deviation = self.deviation(number, &path, kind, wanted, *index);
                 deviations.extend(deviation.map(|difference| {
-                    Deviation {
+                    SettingDeviation {
                         line: (acts == AtOnce)
                             .then(|| format!("$/{}={}", difference.name, difference.wanted)),
                         difference,
@@ -154,22 +158,22 @@ impl FluidNcConfig {
         &self,
         number: u16,
         path: &str,
-        kind: Kind,
+        kind: ItemKind,
         wanted: f64,
         bit: u16,
-    ) -> Option<Difference> {
-        let told = self.find(path);
+    ) -> Option<SettingDifference> {
+        let item = self.find(path);
         let is_set = wanted as u32 >> bit & 1 == 1;
-        let value = told.map(|(_, value)| value);
+        let value = item.map(|(_, value)| value);
         let (is_met, wanted) = match kind {
             Figure => {
-                let told = value.and_then(|value| value.parse().ok());
+                let reported = value.and_then(|value| value.parse().ok());
                 let setting = Setting {
                     number,
                     value: wanted,
                 };
                 (
-                    told.is_some_and(|told| setting.is_met_by(told)),
+                    reported.is_some_and(|reported| setting.is_met_by(reported)),
                     figure(wanted),
                 )
             }
@@ -187,7 +191,7 @@ impl FluidNcConfig {
             Pin => {
                 let low = value.is_some_and(|pin| pin.to_lowercase().contains(":low"));
                 let wanted = if is_set { ":low" } else { "not :low" };
-                (told.is_some() && low == is_set, wanted.to_owned())
+                (item.is_some() && low == is_set, wanted.to_owned())
             }
             Scale => {
                 let last = value
@@ -203,21 +207,21 @@ impl FluidNcConfig {
             }
             Empty => (value.is_none_or(str::is_empty), "(empty)".to_owned()),
             Unwired => (value.is_none_or(|pin| pin == "NO_PIN"), "NO_PIN".to_owned()),
-            Section => (told.is_some(), "there".to_owned()),
+            Section => (item.is_some(), "there".to_owned()),
         };
-        (!is_met).then(|| Difference {
+        (!is_met).then(|| SettingDifference {
             number,
-            name: told.map_or(path, |(path, _)| path).to_owned(),
+            name: item.map_or(path, |(path, _)| path).to_owned(),
             board: value.map(str::to_owned),
             wanted,
         })
     }
 }
 
-/// Whether a path is the one that is looked for, in which `*` stands for one name.
-fn fits(path: &str, looked_for: &str) -> bool {
+/// Whether a path matches a pattern in which `*` stands for one name.
+fn fits(path: &str, pattern: &str) -> bool {
     let mut names = path.split('/');
-    looked_for.split('/').all(|wanted| {
+    pattern.split('/').all(|wanted| {
         names
             .next()
             .is_some_and(|name| wanted == "*" || name == wanted)
@@ -229,12 +233,12 @@ mod tests {
     use super::*;
     use crate::LinkConfig;
     use crate::drives::{AxisRates, Drives};
-    use crate::line::Required;
+    use crate::line::RequiredSettings;
     use gsk_units::PerAxis;
 
-    /// As `$CD` writes it: two blanks a level, quotes around a colon, a blank line behind
-    /// some sections.
-    const TOLD: &str = "\
+    /// The format of `$CD`: two spaces for each level, quotes around a value with a colon,
+    /// an empty line after some sections.
+    const CONFIG_DUMP: &str = "\
 board: None
 name: lathe
 stepping: 
@@ -273,7 +277,7 @@ macros:
 planner_blocks: 16
 ";
 
-    fn told(text: &str) -> FluidNcConfig {
+    fn parsed(text: &str) -> FluidNcConfig {
         let mut items = FluidNcConfig::default();
         text.lines().for_each(|line| items.take(line));
         items
@@ -281,7 +285,7 @@ planner_blocks: 16
 
     #[test]
     fn items_are_found_by_their_path() {
-        let items = told(TOLD);
+        let items = parsed(CONFIG_DUMP);
         for (path, value) in [
             ("board", "None"),
             ("stepping/pulse_us", "10"),
@@ -310,23 +314,23 @@ planner_blocks: 16
     }
 
     #[test]
-    fn a_line_that_lost_a_blank_is_no_item_of_another_section() {
-        // Nested deeper than anything around it, or by half a level.
+    fn a_line_with_a_wrong_indent_is_skipped() {
+        // Two levels deeper than the line above, or half a level.
         for line in [
             "    steps_per_mm: 400",
             " steps_per_mm: 400",
             "steps_per_mm 400",
         ] {
-            let items = told(&format!("axes: \n{line}\n"));
-            assert_eq!(items.told.len(), 1, "{line}: {items:?}");
+            let items = parsed(&format!("axes: \n{line}\n"));
+            assert_eq!(items.items.len(), 1, "{line}: {items:?}");
         }
-        let endless = "  ".repeat(DEEPEST + 3) + "a: 1";
-        assert_eq!(told(&endless), FluidNcConfig::default());
+        let endless = "  ".repeat(MAX_DEPTH + 3) + "a: 1";
+        assert_eq!(parsed(&endless), FluidNcConfig::default());
     }
 
     #[test]
-    fn what_differs_is_named_with_the_line_that_mends_it() {
-        // A gear of 1/5: X counts diameters.
+    fn differing_items_come_with_the_line_that_corrects_them() {
+        // X has half the pulse weight of Z: the control counts diameters.
         let drives = Drives {
             pulse_weight: PerAxis::new(0.0025, 0.005),
             rates: PerAxis::new(
@@ -335,20 +339,20 @@ planner_blocks: 16
             ),
         };
         let config: LinkConfig = ron::from_str("(x: (invert_direction: true))").unwrap();
-        let required = Required::new(&drives, &config);
-        let deviations = told(TOLD).deviations(&required.settings);
+        let required = RequiredSettings::new(&drives, &config);
+        let deviations = parsed(CONFIG_DUMP).deviations(&required.settings);
         let of = |name: &str| {
             let mut all = deviations.iter();
             let found = all.find(|one| one.difference.name == name);
             found.map(|one| {
-                let Difference { board, wanted, .. } = one.difference.clone();
+                let SettingDifference { board, wanted, .. } = one.difference.clone();
                 (board.unwrap_or_default(), wanted, one.line.clone())
             })
         };
         let differs = |board: &str, wanted: &str, line: Option<&str>| {
             Some((board.to_owned(), wanted.to_owned(), line.map(str::to_owned)))
         };
-        // As they must be.
+        // Right values.
         for path in [
             "axes/x/steps_per_mm",
             "axes/x/motor0/stepstick/direction_pin",
@@ -368,12 +372,12 @@ planner_blocks: 16
                 Some("$/axes/x/homing/positive_direction=true")
             ),
         );
-        // Nothing told of Z.
+        // An axis that the board did not report.
         assert_eq!(
             of("axes/z/steps_per_mm"),
             differs("", "200", Some("$/axes/z/steps_per_mm=200")),
         );
-        // For the owner.
+        // Items that only the owner can change.
         assert_eq!(
             of("axes/z/motor0/*/direction_pin"),
             differs("", "not :low", None)

@@ -1,9 +1,8 @@
-//! Boards that read lines: Grbl 1.1, grblHAL, FluidNC.
+//! Boards that read lines of G code: Grbl 1.1, grblHAL, FluidNC.
 //!
-//! Motion goes out as straight segments of fixed duration; the board's own
-//! planner is set so that it never limits. Characters of unanswered lines never
-//! exceed the board's receive buffer, motion not yet made never exceeds the
-//! lookahead.
+//! The link sends motion as straight segments of fixed duration. The required settings
+//! keep the board's own planner from limiting the motion. Unanswered lines never exceed
+//! the board's receive buffer, and queued motion never exceeds the lookahead.
 
 mod describe;
 mod family;
@@ -16,7 +15,7 @@ mod response;
 mod segments;
 mod session;
 
-pub use family::Family;
-pub use required::{Required, Setting};
-pub use response::{BoardState, Response, Status};
+pub use family::FirmwareFamily;
+pub use required::{RequiredSettings, Setting};
+pub use response::{BoardState, LineResponse, StatusReport};
 pub use session::LineLink;

@@ -1,43 +1,45 @@
-//! How the link comes to know its board: who it is, what it is set to, where it
-//! believes to stand. One question at a time.
+//! The opening dialogue with a line board: identifies it, reads its settings and compares
+//! them. One query at a time.
 
 use gsk_messages::{Message, say};
 use gsk_units::alarm;
 
 use core::time::Duration;
 
-use super::super::{BoardInfo, Difference, HostTime};
-use super::family::Family;
+use super::super::{BoardInfo, HostTime, SettingDifference};
+use super::family::FirmwareFamily;
 use super::fluidnc_config::FluidNcConfig;
 use super::reported::{Reported, Unsupported};
-use super::required::{Deviation, REPORT, Required, figure};
-use super::response::Response;
+use super::required::{REPORT, RequiredSettings, SettingDeviation, figure};
+use super::response::LineResponse;
 
-/// A board that resets when its port is opened needs so long to greet.
+/// Time for the banner of a board that resets when its port is opened.
 const BANNER_WAIT: Duration = Duration::from_millis(2500);
-/// The wire counts as quiet after this.
+/// Time without a byte after which the board counts as quiet.
 const QUIET: Duration = Duration::from_millis(200);
-/// A board that says nothing at all by then is none, nor one that has greeted and does
-/// not fall silent.
+/// Time limit until the board is quiet.
 const GIVE_UP: Duration = Duration::from_secs(5);
-const GREETED: Duration = Duration::from_millis(2500);
-/// A board that tells of its start may take so long, as when it looks for a network.
-const START: Duration = Duration::from_secs(20);
-/// A pause in the answer to one question, and the longest answer.
-const PATIENCE: Duration = Duration::from_secs(1);
-const LONGEST_ANSWER: Duration = Duration::from_secs(10);
-/// A piece of motion in a pulse timer.
-const PIECE: Duration = Duration::from_millis(10);
-/// FluidNC takes no more of them.
-const MOST_PIECES: u32 = 20;
-/// Acts at once, wherever it stands.
+/// Least time in which a board may become quiet after its banner.
+const SETTLE_AFTER_BANNER: Duration = Duration::from_millis(2500);
+/// Time limit for the start of a board that reports it, for instance while it searches a
+/// network.
+const MAX_START_TIME: Duration = Duration::from_secs(20);
+/// Greatest pause within the answer to a query.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(1);
+/// Greatest duration of the answer to a query.
+const MAX_ANSWER_TIME: Duration = Duration::from_secs(10);
+/// Duration of one segment in the board's pulse timer.
+const TIMER_SEGMENT: Duration = Duration::from_millis(10);
+/// Greatest number of timer segments of FluidNC.
+const MAX_TIMER_SEGMENTS: u32 = 20;
+/// Soft reset (Ctrl-X), a real-time command.
 const RESET: &str = "\x18";
-/// FluidNC does not report how much it receives; no board of the family takes less.
-const LEAST_RECEIVED: u16 = 128;
+/// Assumed receive buffer of FluidNC, which does not report its size, bytes.
+const MIN_RECEIVE_BYTES: u16 = 128;
 
-/// Where the opening stands.
+/// The state of the opening.
 #[derive(Clone, Debug, PartialEq)]
-enum Step {
+enum OpeningStep {
     Greeting,
     Quiet,
     Asking(usize),
@@ -46,60 +48,60 @@ enum Step {
     Known,
 }
 
-/// What the opening wants done.
+/// The action that the opening requests from the link.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Outcome {
-    /// Nothing for now.
+pub(super) enum OpeningAction {
+    /// No action.
     Waits,
-    /// Send this line (without its end).
+    /// Send this line, given without its line end.
     Send(String),
-    /// The settings are being read from now on.
+    /// Send this line; reading of the settings begins.
     Configures(String),
-    /// The board is what it should be.
+    /// The opening is complete.
     Done,
-    /// The settings differ; written only when asked for.
-    Differs(Vec<Difference>),
-    /// It goes no further: alarm and cause.
+    /// Report the settings that differ. They are written on request only.
+    Differs(Vec<SettingDifference>),
+    /// The opening has failed: alarm number and cause.
     Fails(u16, Message),
 }
 
 /// The dialogue that opens a link.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Opening {
-    step: Step,
+    step: OpeningStep,
     since: HostTime,
     opened: HostTime,
-    heard: bool,
+    has_received: bool,
     greeted: bool,
-    last_heard: HostTime,
+    last_received: HostTime,
     reported: Reported,
-    pub(super) family: Family,
+    pub(super) family: FirmwareFamily,
     pub(super) board: BoardInfo,
-    /// The board has work offsets of its own.
+    /// Whether a work offset in the board is not 0.
     pub(super) offset: bool,
-    /// What leaves the queue of the board is made so much later: its pulse timer is handed
-    /// pieces of 10 ms in advance.
+    /// Time from leaving the queue to execution: the pulse timer of the board takes
+    /// segments of 10 ms in advance.
     pub(super) prepared: Duration,
-    /// It makes the reference return of one axis alone.
+    /// Whether the board can home a single axis.
     pub(super) alone: bool,
-    to_write: Vec<Deviation>,
-    /// What differed was written; it is asked once more.
+    to_write: Vec<SettingDeviation>,
+    /// Whether the differing settings were written. They are read again then.
     written: bool,
-    /// It was silent when it was asked who it is, and was reset for that.
+    /// Whether the board was reset because it did not answer the first query.
     reset: bool,
 }
 
 impl Opening {
     pub(super) fn new(now: HostTime) -> Self {
         Self {
-            step: Step::Greeting,
+            step: OpeningStep::Greeting,
             since: now,
             opened: now,
-            heard: false,
+            has_received: false,
             greeted: false,
-            last_heard: now,
+            last_received: now,
             reported: Reported::default(),
-            family: Family::default(),
+            family: FirmwareFamily::default(),
             board: BoardInfo::default(),
             offset: false,
             prepared: Duration::ZERO,
@@ -110,28 +112,28 @@ impl Opening {
         }
     }
 
-    /// Once more, with a board whose port stays open.
+    /// An opening that repeats the dialogue on an open port.
     pub(super) fn again(now: HostTime) -> Self {
         Self {
-            step: Step::Quiet,
+            step: OpeningStep::Quiet,
             ..Self::new(now)
         }
     }
 
-    /// A setting as the board last reported it.
+    /// The last reported value of a setting; 0 if missing.
     pub(super) fn setting(&self, number: u16) -> f64 {
         self.reported.setting(number).unwrap_or_default()
     }
 
-    /// An item as a board with names last reported it.
+    /// The reported value of a FluidNC item.
     fn item(&self, path: &str) -> Option<&str> {
         self.reported.items.value(path)
     }
 
-    /// A line that is no answer of its own: part of a text that was asked for.
+    /// Takes a line of the text that answers `$CD`.
     pub(super) fn take_text(&mut self, line: &str) {
-        if let Step::Asking(question) = self.step
-            && self.family.questions().get(question) == Some(&"$CD")
+        if let OpeningStep::Asking(question) = self.step
+            && self.family.queries().get(question) == Some(&"$CD")
         {
             self.reported.items.take(line);
         }
@@ -139,23 +141,23 @@ impl Opening {
 
     fn prepares(&self) -> Duration {
         let pieces = match self.family {
-            Family::Grbl => 6,
-            Family::GrblHal => 10,
-            Family::FluidNc => {
-                let told = self.item("stepping/segments");
-                let told = told.and_then(|told| told.parse().ok());
-                told.unwrap_or(MOST_PIECES).min(MOST_PIECES)
+            FirmwareFamily::Grbl => 6,
+            FirmwareFamily::GrblHal => 10,
+            FirmwareFamily::FluidNc => {
+                let text = self.item("stepping/segments");
+                let text = text.and_then(|text| text.parse().ok());
+                text.unwrap_or(MAX_TIMER_SEGMENTS).min(MAX_TIMER_SEGMENTS)
             }
         };
-        PIECE * pieces
+        TIMER_SEGMENT * pieces
     }
 
     fn returns_alone(&self) -> bool {
         let allowed = |path| self.item(path) == Some("true");
         match self.family {
-            Family::Grbl => false,
-            Family::GrblHal => self.setting(22) as u32 & 2 != 0,
-            Family::FluidNc => {
+            FirmwareFamily::Grbl => false,
+            FirmwareFamily::GrblHal => self.setting(22) as u32 & 2 != 0,
+            FirmwareFamily::FluidNc => {
                 allowed("axes/x/homing/allow_single_axis")
                     && allowed("axes/z/homing/allow_single_axis")
             }
@@ -163,170 +165,182 @@ impl Opening {
     }
 
     pub(super) fn is_done(&self) -> bool {
-        self.step == Step::Known
+        self.step == OpeningStep::Known
     }
 
-    /// Whether banners are expected: the port was just opened.
+    /// Whether a banner is expected because the port was just opened.
     pub(super) fn expects_banner(&self) -> bool {
-        matches!(self.step, Step::Greeting | Step::Quiet)
+        matches!(self.step, OpeningStep::Greeting | OpeningStep::Quiet)
     }
 
-    /// Bytes came, whatever they are.
+    /// Notes that bytes were received.
     pub(super) fn bytes_received(&mut self, now: HostTime) {
-        self.heard = true;
-        self.last_heard = now;
+        self.has_received = true;
+        self.last_received = now;
     }
 
-    /// Time passes.
-    pub(super) fn tick(&mut self, now: HostTime) -> Outcome {
+    /// Advances the time and checks the time limits.
+    pub(super) fn tick(&mut self, now: HostTime) -> OpeningAction {
         let waited = now.saturating_sub(self.since);
-        let silent = now.saturating_sub(self.last_heard.max(self.since));
-        let over = silent >= PATIENCE || waited >= LONGEST_ANSWER;
+        let silent = now.saturating_sub(self.last_received.max(self.since));
+        let over = silent >= ANSWER_TIMEOUT || waited >= MAX_ANSWER_TIME;
         match self.step {
-            Step::Greeting if waited >= BANNER_WAIT => {
-                self.go(Step::Quiet, now);
-                // It was not reset with its port: what an earlier host has left in it,
-                // perhaps half a line of motion, must never be carried out.
-                Outcome::Send(RESET.into())
+            OpeningStep::Greeting if waited >= BANNER_WAIT => {
+                self.enter_step(OpeningStep::Quiet, now);
+                // The port did not reset the board. It may hold half a line of motion from
+                // an earlier host, which must never be executed.
+                OpeningAction::Send(RESET.into())
             }
-            Step::Quiet
-                if self.heard
+            OpeningStep::Quiet
+                if self.has_received
                     && waited >= QUIET
-                    && now.saturating_sub(self.last_heard) >= QUIET =>
+                    && now.saturating_sub(self.last_received) >= QUIET =>
             {
                 self.ask(0, now)
             }
-            Step::Quiet if now.saturating_sub(self.opened) >= GIVE_UP && waited >= GREETED => {
-                let cause = if self.heard {
+            OpeningStep::Quiet
+                if now.saturating_sub(self.opened) >= GIVE_UP && waited >= SETTLE_AFTER_BANNER =>
+            {
+                let cause = if self.has_received {
                     say::board_never_stops_talking()
                 } else {
                     say::board_says_nothing()
                 };
-                Outcome::Fails(
+                OpeningAction::Fails(
                     alarm::BOARD_SILENT,
                     say::board_no_answer(cause, say::board_is_another()),
                 )
             }
-            Step::Asking(0) if over && self.last_heard >= self.since => Outcome::Fails(
-                alarm::BOARD_UNSUPPORTED,
-                say::board_makes_no_sense(say::board_is_another()),
-            ),
-            Step::Asking(0) if over && !self.reset => {
-                // Behind a limit switch Grbl hears nothing but a reset.
+            OpeningStep::Asking(0) if over && self.last_received >= self.since => {
+                OpeningAction::Fails(
+                    alarm::BOARD_UNSUPPORTED,
+                    say::board_makes_no_sense(say::board_is_another()),
+                )
+            }
+            OpeningStep::Asking(0) if over && !self.reset => {
+                // After a limit alarm Grbl accepts a reset only.
                 self.reset = true;
                 self.opened = now;
-                self.heard = false;
-                self.go(Step::Quiet, now);
-                Outcome::Send(RESET.into())
+                self.has_received = false;
+                self.enter_step(OpeningStep::Quiet, now);
+                OpeningAction::Send(RESET.into())
             }
-            Step::Writing(index) if over => {
-                Outcome::Fails(alarm::BOARD_UNSUPPORTED, self.hangs(index))
+            OpeningStep::Writing(index) if over => {
+                OpeningAction::Fails(alarm::BOARD_UNSUPPORTED, self.hangs(index))
             }
-            Step::Asking(_) if over => Outcome::Fails(alarm::BOARD_SILENT, say::board_silent()),
-            _ => Outcome::Waits,
+            OpeningStep::Asking(_) if over => {
+                OpeningAction::Fails(alarm::BOARD_SILENT, say::board_silent())
+            }
+            _ => OpeningAction::Waits,
         }
     }
 
-    /// A setting that was written and never answered.
+    /// The text for a setting that the board did not acknowledge.
     fn hangs(&self, index: usize) -> Message {
         let line = self.to_write.get(index).and_then(|one| one.line.as_deref());
         let line = line.unwrap_or("$…");
-        if self.family == Family::GrblHal {
+        if self.family == FirmwareFamily::GrblHal {
             return say::board_hangs_as_grblhal(line);
         }
         say::board_hangs(line)
     }
 
-    fn go(&mut self, step: Step, now: HostTime) {
+    fn enter_step(&mut self, step: OpeningStep, now: HostTime) {
         self.step = step;
         self.since = now;
     }
 
-    fn ask(&mut self, question: usize, now: HostTime) -> Outcome {
-        let Some(line) = self.family.questions().get(question) else {
-            return Outcome::Waits;
+    fn ask(&mut self, question: usize, now: HostTime) -> OpeningAction {
+        let Some(line) = self.family.queries().get(question) else {
+            return OpeningAction::Waits;
         };
-        self.go(Step::Asking(question), now);
+        self.enter_step(OpeningStep::Asking(question), now);
         match question {
-            1 => Outcome::Configures((*line).into()),
-            _ => Outcome::Send((*line).into()),
+            1 => OpeningAction::Configures((*line).into()),
+            _ => OpeningAction::Send((*line).into()),
         }
     }
 
-    /// A line came.
+    /// Takes a line of the board.
     pub(super) fn take(
         &mut self,
-        answer: &Response,
-        required: &Required,
+        answer: &LineResponse,
+        required: &RequiredSettings,
         now: HostTime,
-    ) -> Outcome {
+    ) -> OpeningAction {
         match (answer, &self.step) {
-            (Response::Banner(_), Step::Greeting) => {
+            (LineResponse::Banner(_), OpeningStep::Greeting) => {
                 self.greeted = true;
-                self.go(Step::Quiet, now);
-                Outcome::Send(String::new())
+                self.enter_step(OpeningStep::Quiet, now);
+                OpeningAction::Send(String::new())
             }
-            (Response::Banner(_), Step::Quiet) => {
+            (LineResponse::Banner(_), OpeningStep::Quiet) => {
                 self.greeted = true;
-                Outcome::Waits
+                OpeningAction::Waits
             }
-            (Response::Starts, Step::Quiet) if !self.greeted => {
+            (LineResponse::Starts, OpeningStep::Quiet) if !self.greeted => {
                 self.opened = now;
-                self.go(Step::Greeting, now);
-                Outcome::Waits
+                self.enter_step(OpeningStep::Greeting, now);
+                OpeningAction::Waits
             }
-            (Response::Starts | Response::Message(_), Step::Greeting) => {
-                // It is starting, and will greet when it is there.
-                if now.saturating_sub(self.opened) < START {
+            (LineResponse::Starts | LineResponse::Message(_), OpeningStep::Greeting) => {
+                // The board is starting; its banner follows.
+                if now.saturating_sub(self.opened) < MAX_START_TIME {
                     self.since = now;
                 }
-                Outcome::Waits
+                OpeningAction::Waits
             }
-            (_, Step::Greeting | Step::Quiet | Step::Known | Step::Differs) => Outcome::Waits,
-            (Response::Ok, Step::Asking(question)) => {
+            (
+                _,
+                OpeningStep::Greeting
+                | OpeningStep::Quiet
+                | OpeningStep::Known
+                | OpeningStep::Differs,
+            ) => OpeningAction::Waits,
+            (LineResponse::Ok, OpeningStep::Asking(question)) => {
                 let question = *question;
                 self.answered(question, required, now)
             }
-            (Response::Ok, Step::Writing(index)) => {
+            (LineResponse::Ok, OpeningStep::Writing(index)) => {
                 let next = index + 1;
                 self.write(next, now)
             }
-            (Response::Error(number), _) => self.refused(*number),
-            (Response::Version(version), _) => {
+            (LineResponse::Error(number), _) => self.refused(*number),
+            (LineResponse::Version(version), _) => {
                 version.clone_into(&mut self.reported.version);
-                Outcome::Waits
+                OpeningAction::Waits
             }
-            (Response::Options(blocks, bytes), _) => {
+            (LineResponse::Options(blocks, bytes), _) => {
                 (self.board.blocks, self.board.receive_bytes) = (*blocks, *bytes);
-                Outcome::Waits
+                OpeningAction::Waits
             }
-            (Response::Axes(axes), _) => {
+            (LineResponse::Axes(axes), _) => {
                 self.reported.axes = Some(axes.clone());
-                Outcome::Waits
+                OpeningAction::Waits
             }
-            (Response::Firmware(name), _) => {
+            (LineResponse::Firmware(name), _) => {
                 self.reported.firmware = Some(name.clone());
-                Outcome::Waits
+                OpeningAction::Waits
             }
-            (Response::NewOptions(options), _) => {
+            (LineResponse::NewOptions(options), _) => {
                 self.board.spindle_sync = options.split(',').any(|option| option == "SS");
-                Outcome::Waits
+                OpeningAction::Waits
             }
-            (Response::Offset(set), _) => {
+            (LineResponse::Offset(set), _) => {
                 self.offset |= *set;
-                Outcome::Waits
+                OpeningAction::Waits
             }
-            (Response::Setting(number, value), _) => {
+            (LineResponse::Setting(number, value), _) => {
                 self.reported.settings.push((*number, *value));
-                Outcome::Waits
+                OpeningAction::Waits
             }
-            _ => Outcome::Waits,
+            _ => OpeningAction::Waits,
         }
     }
 
-    fn refused(&self, number: u16) -> Outcome {
-        let Step::Writing(index) = self.step else {
-            return Outcome::Fails(
+    fn refused(&self, number: u16) -> OpeningAction {
+        let OpeningStep::Writing(index) = self.step else {
+            return OpeningAction::Fails(
                 alarm::BOARD_UNSUPPORTED,
                 say::board_refuses_question(number),
             );
@@ -336,20 +350,25 @@ impl Opening {
             Some(line) => say::board_refuses_line(line, number),
             None => say::board_refuses_setting(number),
         };
-        Outcome::Fails(alarm::BOARD_SETTINGS, text)
+        OpeningAction::Fails(alarm::BOARD_SETTINGS, text)
     }
 
-    fn answered(&mut self, question: usize, required: &Required, now: HostTime) -> Outcome {
+    fn answered(
+        &mut self,
+        question: usize,
+        required: &RequiredSettings,
+        now: HostTime,
+    ) -> OpeningAction {
         if question == 0
             && let Err(error) = self.identify()
         {
-            return Outcome::Fails(alarm::BOARD_UNSUPPORTED, error.message());
+            return OpeningAction::Fails(alarm::BOARD_UNSUPPORTED, error.message());
         }
-        if question + 1 < self.family.questions().len() {
+        if question + 1 < self.family.queries().len() {
             return self.ask(question + 1, now);
         }
         if let Err(error) = self.measure() {
-            return Outcome::Fails(alarm::BOARD_UNSUPPORTED, error.message());
+            return OpeningAction::Fails(alarm::BOARD_UNSUPPORTED, error.message());
         }
         self.prepared = self.prepares();
         self.alone = self.returns_alone();
@@ -358,7 +377,7 @@ impl Opening {
 
     fn identify(&mut self) -> Result<(), Unsupported> {
         if let Some(name) = self.reported.fluidnc() {
-            self.family = Family::FluidNc;
+            self.family = FirmwareFamily::FluidNc;
             self.board.firmware = name.to_owned();
             self.board.forgets = true;
             return Ok(());
@@ -369,8 +388,8 @@ impl Opening {
         let family = self.reported.firmware.as_deref().unwrap_or("Grbl");
         self.board.firmware = format!("{family} {}", self.reported.version);
         self.family = match family {
-            "Grbl" => Family::Grbl,
-            "grblHAL" => Family::GrblHal,
+            "Grbl" => FirmwareFamily::Grbl,
+            "grblHAL" => FirmwareFamily::GrblHal,
             _ => return Err(Unsupported::Firmware(family.to_owned())),
         };
         let version = self
@@ -378,7 +397,7 @@ impl Opening {
             .version
             .strip_prefix("1.1")
             .unwrap_or_default();
-        if self.family == Family::Grbl && !version.starts_with(|letter| letter >= 'f') {
+        if self.family == FirmwareFamily::Grbl && !version.starts_with(|letter| letter >= 'f') {
             return Err(Unsupported::Old(self.reported.version.clone()));
         }
         if let Some(axes) = &self.reported.axes
@@ -389,14 +408,14 @@ impl Opening {
         Ok(())
     }
 
-    /// How much the board holds.
+    /// Reads the sizes of the motion queue and the receive buffer.
     fn measure(&mut self) -> Result<(), Unsupported> {
-        let source = if self.family == Family::FluidNc {
-            let places = self
+        let source = if self.family == FirmwareFamily::FluidNc {
+            let blocks = self
                 .item("planner_blocks")
-                .and_then(|told| told.parse().ok());
-            self.board.blocks = places.map_or(0, |places: u16| places.saturating_sub(1));
-            self.board.receive_bytes = LEAST_RECEIVED;
+                .and_then(|text| text.parse().ok());
+            self.board.blocks = blocks.map_or(0, |blocks: u16| blocks.saturating_sub(1));
+            self.board.receive_bytes = MIN_RECEIVE_BYTES;
             "planner_blocks"
         } else {
             "[OPT:…]"
@@ -407,33 +426,36 @@ impl Opening {
         Ok(())
     }
 
-    fn compare(&mut self, required: &Required, now: HostTime) -> Outcome {
+    fn compare(&mut self, required: &RequiredSettings, now: HostTime) -> OpeningAction {
         let deviations = self.deviations(required);
         if deviations.is_empty() {
-            self.go(Step::Known, now);
-            return Outcome::Done;
+            self.enter_step(OpeningStep::Known, now);
+            return OpeningAction::Done;
         }
         if self.written {
             let lines = deviations.iter().filter_map(|one| one.line.clone());
             let list = lines.collect::<Vec<_>>().join(", ");
-            return Outcome::Fails(alarm::BOARD_SETTINGS, say::board_settings_not_kept(list));
+            return OpeningAction::Fails(alarm::BOARD_SETTINGS, say::board_settings_not_kept(list));
         }
         let differences = deviations.iter().map(|one| one.difference.clone());
         let differences = differences.collect();
         self.to_write = deviations;
-        self.go(Step::Differs, now);
-        Outcome::Differs(differences)
+        self.enter_step(OpeningStep::Differs, now);
+        OpeningAction::Differs(differences)
     }
 
-    fn deviations(&self, required: &Required) -> Vec<Deviation> {
-        let settings = required.settings.iter().map(|one| one.of(self.family));
+    fn deviations(&self, required: &RequiredSettings) -> Vec<SettingDeviation> {
+        let settings = required
+            .settings
+            .iter()
+            .map(|one| one.adapted_to(self.family));
         let numbered = settings.filter_map(|setting| {
             let board = self.reported.setting(setting.number);
             if board.is_some_and(|value| setting.is_met_by(value)) {
                 return None;
             }
-            Some(Deviation {
-                difference: Difference {
+            Some(SettingDeviation {
+                difference: SettingDifference {
                     number: setting.number,
                     name: format!("${}", setting.number),
                     board: board.map(|value| value.to_string()),
@@ -442,19 +464,19 @@ impl Opening {
                 line: Some(setting.line()),
             })
         });
-        if self.family != Family::FluidNc {
+        if self.family != FirmwareFamily::FluidNc {
             return numbered.collect();
         }
         let named = self.reported.items.deviations(&required.settings);
-        // What a report tells has a number everywhere.
+        // The report setting has a number in all firmwares.
         let reports = numbered.filter(|one| one.difference.number == REPORT);
         reports.chain(named).collect()
     }
 
-    /// Writes what differs: the operator has said so.
-    pub(super) fn write_settings(&mut self, now: HostTime) -> Outcome {
-        if self.step != Step::Differs {
-            return Outcome::Waits;
+    /// Writes the settings that differ; the operator has confirmed it.
+    pub(super) fn write_settings(&mut self, now: HostTime) -> OpeningAction {
+        if self.step != OpeningStep::Differs {
+            return OpeningAction::Waits;
         }
         let mine = self.to_write.iter().filter(|one| one.line.is_none());
         let list: Vec<_> = mine
@@ -462,16 +484,16 @@ impl Opening {
             .collect();
         if !list.is_empty() {
             let list = list.join(", ");
-            return Outcome::Fails(alarm::BOARD_SETTINGS, say::board_settings_of_file(list));
+            return OpeningAction::Fails(alarm::BOARD_SETTINGS, say::board_settings_of_file(list));
         }
         self.write(0, now)
     }
 
-    fn write(&mut self, index: usize, now: HostTime) -> Outcome {
+    fn write(&mut self, index: usize, now: HostTime) -> OpeningAction {
         match self.to_write.get(index).and_then(|one| one.line.clone()) {
             Some(line) => {
-                self.go(Step::Writing(index), now);
-                Outcome::Send(line)
+                self.enter_step(OpeningStep::Writing(index), now);
+                OpeningAction::Send(line)
             }
             None => {
                 self.reported.settings.clear();

@@ -1,11 +1,11 @@
-//! Real-time commands: single characters that act at once, wherever the board is in its
-//! lines, and that its receive buffer does not count.
+//! Real-time commands: single characters that the board executes immediately. They do not
+//! count against its receive buffer.
 
-/// Asks for a status report.
+/// Queries a status report.
 pub(super) const STATUS_QUERY: u8 = b'?';
-/// Feed hold: the board brakes and keeps its position.
+/// Feed hold: the board decelerates and keeps its position.
 pub(super) const FEED_HOLD: u8 = b'!';
-/// Goes on behind a hold; the link never sends it.
+/// Resumes after a feed hold; the link never sends it.
 pub(super) const CYCLE_START: u8 = b'~';
-/// Ctrl-X, soft reset: the board drops everything and starts anew.
+/// Ctrl-X, soft reset: the board drops all motion and restarts.
 pub(super) const SOFT_RESET: u8 = 0x18;

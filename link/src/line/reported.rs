@@ -1,28 +1,28 @@
-//! What a board says of itself while the link is opened.
+//! The properties that a line board reports during the opening.
 
 use gsk_messages::{Message, say};
 use thiserror::Error;
 
 use super::fluidnc_config::FluidNcConfig;
 
-/// Why a board is not one that the link can drive.
+/// Why the link does not support a board.
 #[derive(Debug, Error)]
 #[error("{}", self.message())]
 pub(super) enum Unsupported {
-    /// It is older than the answer to `$I` that tells, or no Grbl at all.
+    /// The answer to `$I` has no version: too old, or not Grbl.
     NoVersion,
-    /// Another firmware.
+    /// An unknown firmware, by name.
     Firmware(String),
-    /// Version of a Grbl that is too old.
+    /// A Grbl version before 1.1f.
     Old(String),
-    /// Letters of its axes.
+    /// The board has no X or no Z; the letters of its axes.
     Axes(String),
-    /// Where it should have said what its queue and its receive buffer hold.
+    /// The sizes of queue and receive buffer are missing or too small; their source.
     NoSizes(&'static str),
 }
 
 impl Unsupported {
-    /// In words.
+    /// The text for the operator.
     pub(super) fn message(&self) -> Message {
         match self {
             Self::NoVersion => say::board_version_missing(say::board_is_another()),
@@ -34,27 +34,29 @@ impl Unsupported {
     }
 }
 
-/// What the board has reported of itself.
+/// The properties that the board has reported.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Reported {
     pub(super) version: String,
     pub(super) firmware: Option<String>,
     pub(super) axes: Option<String>,
-    /// Settings with numbers, and with names.
+    /// Numbered settings, in the order of the reports.
     pub(super) settings: Vec<(u16, f64)>,
+    /// Named settings of FluidNC.
     pub(super) items: FluidNcConfig,
 }
 
 impl Reported {
-    /// A setting as it was last reported.
+    /// The last reported value of a setting.
     pub(super) fn setting(&self, number: u16) -> Option<f64> {
-        let mut told = self.settings.iter().rev();
-        told.find(|(told, _)| *told == number)
+        let mut newest_first = self.settings.iter().rev();
+        newest_first
+            .find(|(reported, _)| *reported == number)
             .map(|(_, value)| *value)
     }
 
-    /// Name and version out of `4.0 FluidNC v4.0.4 (esp32-wifi) :`, the version that such a
-    /// board reports.
+    /// Extracts name and version of FluidNC from a version report like
+    /// `4.0 FluidNC v4.0.4 (esp32-wifi) :`.
     pub(super) fn fluidnc(&self) -> Option<&str> {
         let (_, name) = self.version.split_once(' ')?;
         let name = name.split('(').next()?.trim();

@@ -1,35 +1,34 @@
-//! What the settings of the board have to be for the kernel's motion to come out
-//! as it was made.
+//! The settings that a line board needs to execute the kernel's motion unchanged.
 
-use super::Family;
+use super::FirmwareFamily;
 use crate::drives::Drives;
-use crate::{Difference, LinkConfig};
+use crate::{LinkConfig, SettingDifference};
 
-/// Homing cycle; bit 0 turns it on.
+/// Setting of the homing cycle; bit 0 enables it.
 const HOMING: u16 = 22;
-/// The value of S that stands for 10 V.
+/// The value of S at 10 V.
 const FULL_SPEED: f64 = 1000.0;
-/// What a report names; the larger board has a switch for each field.
+/// Setting of the fields of a status report; grblHAL has a bit for each field.
 pub(super) const REPORT: u16 = 10;
 const ALL_FIELDS: f64 = 511.0;
-/// A value differs when it is off by more than the board's rounding, of three decimals or
-/// of a number of 32 bits.
+/// Tolerance for values that the board rounds to three decimals.
 const ROUNDING: f64 = 0.000_6;
+/// Relative tolerance for values that the board stores in 32 bits.
 const SINGLE: f64 = 1e-7;
 
-/// A setting and the value it must have.
+/// A numbered setting and its required value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// Number behind the `$`.
+    /// The number after `$`.
     pub number: u16,
-    /// Value.
+    /// The required value, in Grbl's unit.
     pub value: f64,
 }
 
 impl Setting {
-    /// The same for a board of this family.
-    pub(super) fn of(self, family: Family) -> Self {
-        if self.number == REPORT && family == Family::GrblHal {
+    /// Adapts the value to a firmware.
+    pub(super) fn adapted_to(self, family: FirmwareFamily) -> Self {
+        if self.number == REPORT && family == FirmwareFamily::GrblHal {
             return Self {
                 value: ALL_FIELDS,
                 ..self
@@ -38,30 +37,30 @@ impl Setting {
         self
     }
 
-    /// Whether the board's value is the wanted one.
+    /// Whether the value in the board is right.
     pub(crate) fn is_met_by(self, board: f64) -> bool {
         if self.number == HOMING {
-            // The larger boards keep more switches in the same number.
+            // grblHAL has more bits in this setting.
             return board as u32 & 1 == 1;
         }
         (board - self.value).abs() <= ROUNDING.max(self.value.abs() * SINGLE)
     }
 
-    /// The line that writes it.
+    /// The line that writes the setting.
     pub fn line(self) -> String {
         format!("${}={}", self.number, figure(self.value))
     }
 }
 
-/// A setting that is not as it must be, and the line that mends it; none where only the
-/// owner can, in the board's own file.
+/// A setting that differs, with the line that corrects it. Without a line only the owner
+/// can correct it, in the configuration file of the board.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Deviation {
-    pub(super) difference: Difference,
+pub(super) struct SettingDeviation {
+    pub(super) difference: SettingDifference,
     pub(super) line: Option<String>,
 }
 
-/// A figure as boards read it.
+/// Formats a number for the board.
 pub(super) fn figure(value: f64) -> String {
     if value.fract() == 0.0 {
         format!("{value:.0}")
@@ -70,20 +69,20 @@ pub(super) fn figure(value: f64) -> String {
     }
 }
 
-/// Everything the board must be set to.
+/// All required settings of a board.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Required {
-    /// The settings, by number.
+pub struct RequiredSettings {
+    /// The settings, sorted by number.
     pub settings: Vec<Setting>,
     /// Pulses per mm of slide travel, X and Z.
     pub pulses_per_mm: [f64; 2],
 }
 
-impl Required {
-    /// From the drives and the machine file.
+impl RequiredSettings {
+    /// Computes the settings from the drives and the machine file.
     pub fn new(drives: &Drives, config: &LinkConfig) -> Self {
         let weights = [drives.pulse_weight.x, drives.pulse_weight.z];
-        // The board takes three decimals.
+        // The board rounds to three decimals.
         let pulses_per_mm = weights.map(|weight| (1000.0 / weight).round() / 1000.0);
         let rates = [drives.rates.x, drives.rates.z];
         let mask = |x: bool, z: bool| f64::from(u8::from(x) | u8::from(z) << 2);

@@ -1,85 +1,85 @@
-//! What a board says, line by line.
+//! Parses the lines that a line board sends.
 
 use crate::Pins;
 
-/// No board counts farther, mm: its counter has 32 bits.
-const FARTHEST: f64 = 1e6;
+/// Greatest position, mm: the counters of the boards have 32 bits.
+const MAX_POSITION_MM: f64 = 1e6;
 
-/// One line from the board.
+/// A line from the board.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Response {
-    /// The oldest unanswered line was read.
+pub enum LineResponse {
+    /// `ok`: the board has read the oldest unanswered line.
     Ok,
-    /// The oldest unanswered line was refused.
+    /// `error:N`: the board has refused the oldest unanswered line.
     Error(u16),
-    /// The board stopped by itself.
+    /// `ALARM:N`: the board has stopped without a command.
     Alarm(u16),
-    /// Response to `?`.
-    Status(Status),
-    /// The board has just started.
+    /// `<…>`: the answer to `?`.
+    StatusReport(StatusReport),
+    /// The banner of a board that has started.
     Banner(String),
-    /// The chip of an ESP32 board starts; its firmware greets later.
+    /// The boot message of an ESP32; the banner follows.
     Starts,
-    /// A line of `$$`.
+    /// `$N=V`: a line of the answer to `$$`.
     Setting(u16, f64),
-    /// `[VER:…]`
+    /// `[VER:…]`: the version.
     Version(String),
-    /// `[OPT:…]`: places in the queue, receive buffer.
+    /// `[OPT:…]`: entries of the queue, bytes of the receive buffer.
     Options(u16, u16),
     /// `[AXS:…]`: letters of the axes.
     Axes(String),
-    /// `[FIRMWARE:…]`
+    /// `[FIRMWARE:…]`: name of the firmware.
     Firmware(String),
-    /// `[NEWOPT:…]`
+    /// `[NEWOPT:…]`: names of options.
     NewOptions(String),
-    /// `[G54:…]`, `[G92:…]`, `[TLO:…]`: whether any of its figures is not 0.
+    /// `[G54:…]`, `[G92:…]`, `[TLO:…]`: whether one of the values is not 0.
     Offset(bool),
-    /// `[MSG:…]`
+    /// `[MSG:…]`: a message.
     Message(String),
-    /// Anything else in brackets, and empty lines.
+    /// Other lines in brackets, and empty lines.
     Information,
-    /// Not a line any board of the family says.
+    /// An invalid line.
     Garbage,
 }
 
-/// What a board is doing.
+/// The state in a status report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoardState {
-    /// Nothing.
+    /// `Idle`: the axes are at standstill.
     Idle,
-    /// Moving.
+    /// `Run`: the axes move.
     Run,
-    /// Braking.
+    /// `Hold:1`: the axes decelerate after a feed hold.
     Braking,
-    /// Held.
+    /// `Hold:0`: the axes are at standstill after a feed hold.
     Held,
-    /// Homing.
+    /// `Home`: the board is homing.
     Home,
-    /// Locked.
+    /// `Alarm`: the board is locked.
     Alarm,
-    /// Door, Tool, Sleep, Check, Jog: never asked for by us.
+    /// Door, Tool, Sleep, Check or Jog: states that the link never requests.
     Other,
 }
 
-/// A report.
+/// A status report.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Status {
-    /// What the board is doing.
+pub struct StatusReport {
+    /// The state of the board.
     pub state: BoardState,
-    /// Machine position X and Z, mm.
+    /// Machine position of X and Z, mm.
     pub position: Option<[f64; 2]>,
-    /// Free places in the motion queue.
+    /// Free entries of the motion queue.
     pub free_blocks: Option<u16>,
     /// Speed along the path, mm/min.
     pub feed: Option<f64>,
-    /// Speed of the spindle as its encoder counts it, r/min.
+    /// Measured spindle speed, r/min.
     pub spindle: Option<f64>,
-    /// Switches operated.
+    /// The operated switches.
     pub pins: Pins,
 }
 
-impl Response {
-    /// Reads a line without its end.
+impl LineResponse {
+    /// Parses a line without its line end.
     pub fn parse(line: &str) -> Self {
         let line = line.trim();
         if line.is_empty() || line.starts_with('>') {
@@ -98,7 +98,7 @@ impl Response {
             .strip_prefix('<')
             .and_then(|rest| rest.strip_suffix('>'))
         {
-            return status(report).map_or(Self::Garbage, Self::Status);
+            return status(report).map_or(Self::Garbage, Self::StatusReport);
         }
         if let Some(text) = line
             .strip_prefix('[')
@@ -110,7 +110,7 @@ impl Response {
             return setting
                 .split_once('=')
                 .and_then(|(number, value)| {
-                    // Some builds write a remark behind the value.
+                    // Some builds write a comment after the value.
                     let value = value.split_whitespace().next()?;
                     Some(Self::Setting(number.parse().ok()?, value.parse().ok()?))
                 })
@@ -127,41 +127,41 @@ impl Response {
     }
 }
 
-fn information(text: &str) -> Response {
+fn information(text: &str) -> LineResponse {
     let Some((name, value)) = text.split_once(':') else {
-        return Response::Information;
+        return LineResponse::Information;
     };
     match name {
-        "VER" => Response::Version(value.trim_end_matches(':').to_owned()),
+        "VER" => LineResponse::Version(value.trim_end_matches(':').to_owned()),
         "OPT" => {
             let mut fields = value.split(',').skip(1);
             let mut next = || fields.next().and_then(|field| field.parse().ok());
             match (next(), next()) {
-                (Some(blocks), Some(bytes)) => Response::Options(blocks, bytes),
-                // FluidNC does not tell them there.
-                _ if !value.contains(',') => Response::Information,
-                _ => Response::Garbage,
+                (Some(blocks), Some(bytes)) => LineResponse::Options(blocks, bytes),
+                // FluidNC does not report the sizes here.
+                _ if !value.contains(',') => LineResponse::Information,
+                _ => LineResponse::Garbage,
             }
         }
-        "AXS" => Response::Axes(value.rsplit(':').next().unwrap_or_default().to_owned()),
-        "FIRMWARE" => Response::Firmware(value.to_owned()),
+        "AXS" => LineResponse::Axes(value.rsplit(':').next().unwrap_or_default().to_owned()),
+        "FIRMWARE" => LineResponse::Firmware(value.to_owned()),
         "G54" | "G92" | "TLO" => {
             let figures: Result<Vec<f64>, _> = value.split(',').map(str::parse).collect();
-            figures.map_or(Response::Garbage, |figures| {
-                Response::Offset(figures.iter().any(|figure| *figure != 0.0))
+            figures.map_or(LineResponse::Garbage, |figures| {
+                LineResponse::Offset(figures.iter().any(|figure| *figure != 0.0))
             })
         }
-        "MSG" => Response::Message(value.to_owned()),
-        "NEWOPT" => Response::NewOptions(value.to_owned()),
-        _ => Response::Information,
+        "MSG" => LineResponse::Message(value.to_owned()),
+        "NEWOPT" => LineResponse::NewOptions(value.to_owned()),
+        _ => LineResponse::Information,
     }
 }
 
-fn status(report: &str) -> Option<Status> {
+fn status(report: &str) -> Option<StatusReport> {
     let mut fields = report.split('|');
     let state = match fields.next()? {
         "Idle" => BoardState::Idle,
-        // A hold that waits for the end of a thread.
+        // Run:1 is a feed hold that waits for the end of a thread pass.
         "Run" | "Run:1" => BoardState::Run,
         "Hold:0" => BoardState::Held,
         "Hold:1" => BoardState::Braking,
@@ -170,7 +170,7 @@ fn status(report: &str) -> Option<Status> {
         state if state.starts_with(|letter: char| letter.is_ascii_uppercase()) => BoardState::Other,
         _ => return None,
     };
-    let mut status = Status {
+    let mut status = StatusReport {
         state,
         position: None,
         free_blocks: None,
@@ -184,7 +184,7 @@ fn status(report: &str) -> Option<Status> {
             "MPos" => {
                 let mut numbers = value.split(',').map(|number| number.parse::<f64>().ok());
                 let (x, z) = (numbers.next()??, numbers.nth(1)??);
-                let countable = |place: &f64| place.abs() <= FARTHEST;
+                let countable = |position: &f64| position.abs() <= MAX_POSITION_MM;
                 if ![x, z].iter().all(countable) {
                     return None;
                 }
@@ -192,7 +192,7 @@ fn status(report: &str) -> Option<Status> {
             }
             "Bf" => status.free_blocks = Some(value.split(',').next()?.parse().ok()?),
             "FS" => {
-                // Feed, commanded speed, measured speed.
+                // Feed, commanded spindle speed, measured spindle speed.
                 let mut figures = value.split(',').map(|figure| {
                     let figure = figure.parse::<f64>().ok();
                     figure.filter(|figure| figure.is_finite())
@@ -228,18 +228,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_place_no_board_can_count_is_garbage() {
-        for place in ["99999999999999999999", "-1000001", "inf", "nan"] {
-            let line = format!("<Idle|MPos:0.000,0.000,{place}|Bf:15,128|FS:0,0>");
-            assert_eq!(Response::parse(&line), Response::Garbage, "{line}");
+    fn an_impossible_position_is_garbage() {
+        for position in ["99999999999999999999", "-1000001", "inf", "nan"] {
+            let line = format!("<Idle|MPos:0.000,0.000,{position}|Bf:15,128|FS:0,0>");
+            assert_eq!(LineResponse::parse(&line), LineResponse::Garbage, "{line}");
         }
     }
 
     #[test]
-    fn reports_are_read() {
+    fn status_reports_are_parsed() {
         let line =
             "<Run|MPos:-1.005,0.000,12.340|Bf:3,101|FS:600,0|Pn:XZPHS|WCO:0.000,0.000,0.000>";
-        let Response::Status(status) = Response::parse(line) else {
+        let LineResponse::StatusReport(status) = LineResponse::parse(line) else {
             panic!("{line}")
         };
         assert_eq!(status.state, BoardState::Run);
@@ -250,7 +250,7 @@ mod tests {
         assert!(!pins.door && !pins.emergency);
         assert_eq!((status.feed, status.spindle), (Some(600.0), None));
         let line = "<Run:1|MPos:0.000,0.000,0.000|FS:600,500,498>";
-        let Response::Status(status) = Response::parse(line) else {
+        let LineResponse::StatusReport(status) = LineResponse::parse(line) else {
             panic!("{line}")
         };
         assert_eq!(
@@ -260,28 +260,31 @@ mod tests {
     }
 
     #[test]
-    fn identity_of_either_firmware_is_read() {
+    fn identification_of_both_firmwares_is_parsed() {
         assert_eq!(
-            Response::parse("[VER:1.1h.20190825:]"),
-            Response::Version("1.1h.20190825".into())
+            LineResponse::parse("[VER:1.1h.20190825:]"),
+            LineResponse::Version("1.1h.20190825".into())
         );
         assert_eq!(
-            Response::parse("[OPT:V,15,128]"),
-            Response::Options(15, 128)
+            LineResponse::parse("[OPT:V,15,128]"),
+            LineResponse::Options(15, 128)
         );
         assert_eq!(
-            Response::parse("[OPT:VNMSL,100,1024,3,0]"),
-            Response::Options(100, 1024)
+            LineResponse::parse("[OPT:VNMSL,100,1024,3,0]"),
+            LineResponse::Options(100, 1024)
         );
-        assert_eq!(Response::parse("[AXS:3:XYZ]"), Response::Axes("XYZ".into()));
         assert_eq!(
-            Response::parse("$110=500.000"),
-            Response::Setting(110, 500.0)
+            LineResponse::parse("[AXS:3:XYZ]"),
+            LineResponse::Axes("XYZ".into())
+        );
+        assert_eq!(
+            LineResponse::parse("$110=500.000"),
+            LineResponse::Setting(110, 500.0)
         );
     }
 
     #[test]
-    fn broken_lines_are_garbage_not_a_guess() {
+    fn damaged_lines_are_garbage() {
         for line in [
             "o",
             "okok",
@@ -295,7 +298,7 @@ mod tests {
             "$1=",
             "\u{fffd}",
         ] {
-            assert_eq!(Response::parse(line), Response::Garbage, "{line}");
+            assert_eq!(LineResponse::parse(line), LineResponse::Garbage, "{line}");
         }
     }
 }

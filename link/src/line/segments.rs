@@ -1,23 +1,23 @@
-//! Samples of a millisecond become segments of the board's period.
+//! Collects samples of one millisecond into segments of the board's period.
 
 use core::fmt::Write;
 
-use super::super::{Refused, RunTime, Sample};
+use super::super::{MotionRefused, RunTime, Sample};
 use gsk_units::{PerAxis, Pulses};
 
-/// Standstill longer than this is not carried into the next segment.
+/// Greatest duration of a standstill at the start of a segment.
 const LONGEST: RunTime = RunTime::from_millis(500);
 
-/// A straight piece of motion for the board.
+/// A straight segment of motion.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Segment {
-    /// Its line, with the line end.
+    /// The line for the board, with its line end.
     pub(super) line: String,
-    /// How long it lasts.
+    /// Duration of the segment.
     pub(super) duration: RunTime,
-    /// When it is to end.
+    /// Time of its end.
     pub(super) end: RunTime,
-    /// Where it ends.
+    /// Position at its end.
     pub(super) pulses: PerAxis<Pulses>,
 }
 
@@ -30,9 +30,9 @@ pub(super) struct Segments {
     /// End of the last segment.
     from: RunTime,
     at: PerAxis<Pulses>,
-    /// The newest sample behind it.
+    /// The newest sample after it.
     newest: Option<Sample>,
-    /// The next segment ends with its first pulse and takes this long at least.
+    /// If not 0: the next segment ends with its first pulse and has this duration at least.
     run_up: RunTime,
 }
 
@@ -49,33 +49,33 @@ impl Segments {
         }
     }
 
-    /// The board stands with nothing to make, and keeps a few lines only that it has not
-    /// read: while it makes the first pulse, slowly, it reads the next ones. Without that
-    /// a short pause of the host at the begin of a motion would leave it without motion.
+    /// Makes the first pulse of a motion slow. While the board makes it, the board reads the
+    /// next lines into its queue. Otherwise a short pause of the host at the start of a
+    /// motion would leave the board without motion.
     pub(super) const fn begin_slowly(&mut self, run_up: RunTime) {
         self.run_up = run_up;
     }
 
-    /// Begins anew at a place and time.
+    /// Restarts at a position and time.
     pub(super) fn begin(&mut self, at: PerAxis<Pulses>, from: RunTime) {
         self.at = at;
         self.from = from;
         self.newest = None;
     }
 
-    /// Motion taken that is not in a segment yet.
+    /// Duration of the motion that is not in a segment yet.
     pub(super) fn pending(&self) -> RunTime {
         self.newest
             .filter(|sample| sample.pulses != self.at)
             .map_or(RunTime::ZERO, |sample| sample.end.saturating_sub(self.from))
     }
 
-    /// Takes a sample; a segment when one is due.
+    /// Takes a sample and returns a segment if one is due.
     pub(super) fn push(
         &mut self,
         sample: Sample,
         offset: PerAxis<Pulses>,
-    ) -> Result<Option<Segment>, Refused> {
+    ) -> Result<Option<Segment>, MotionRefused> {
         if self.newest.is_some_and(|before| self.turns(before, sample)) {
             let turning = self.cut(offset)?;
             self.newest = Some(sample);
@@ -96,8 +96,8 @@ impl Segments {
         self.cut(offset)
     }
 
-    /// Whether an axis goes back from where the segment so far has taken it: it has to end
-    /// there, or the board would turn short of it.
+    /// Whether an axis reverses with this sample. The segment must end at the reversal, or
+    /// the board would not reach it.
     fn turns(&self, before: Sample, sample: Sample) -> bool {
         let turns = |at: Pulses, before: Pulses, now: Pulses| {
             (before.0 - at.0).signum() * (now.0 - before.0).signum() < 0
@@ -106,12 +106,15 @@ impl Segments {
         turns(at.x, before.x, now.x) || turns(at.z, before.z, now.z)
     }
 
-    /// The rest, however short: the kernel stands.
-    pub(super) fn finish(&mut self, offset: PerAxis<Pulses>) -> Result<Option<Segment>, Refused> {
+    /// Returns the rest as a segment of any duration; the kernel is at standstill.
+    pub(super) fn finish(
+        &mut self,
+        offset: PerAxis<Pulses>,
+    ) -> Result<Option<Segment>, MotionRefused> {
         match self.newest {
             Some(sample) if sample.pulses != self.at => self.cut(offset),
             Some(sample) => {
-                // The next motion begins when it begins, not when the last one ended.
+                // The next motion does not continue from the end of this one.
                 self.from = sample.end;
                 self.newest = None;
                 Ok(None)
@@ -120,7 +123,7 @@ impl Segments {
         }
     }
 
-    fn cut(&mut self, offset: PerAxis<Pulses>) -> Result<Option<Segment>, Refused> {
+    fn cut(&mut self, offset: PerAxis<Pulses>) -> Result<Option<Segment>, MotionRefused> {
         let Some(sample) = self.newest.take() else {
             return Ok(None);
         };
@@ -131,16 +134,16 @@ impl Segments {
             sample.pulses.x.0 - self.at.x.0,
             sample.pulses.z.0 - self.at.z.0,
         ];
-        // In a short piece the last pulse may be one that the next piece has less.
+        // A segment shorter than the period may contain a pulse of the next one.
         let whole = u64::from(duration < self.period);
         if steps.iter().any(|count| {
             count.unsigned_abs().saturating_sub(whole) as f64 / seconds > self.max_rate
         }) {
-            return Err(Refused::TooFast);
+            return Err(MotionRefused::TooFast);
         }
-        // Machine coordinates: whatever work offset another program has left in the board.
+        // G53: machine coordinates ignore work offsets in the board.
         let mut line = String::from("G53");
-        let places = [
+        let positions = [
             (
                 'X',
                 steps[0],
@@ -154,18 +157,18 @@ impl Segments {
                 self.pulses_per_mm[1],
             ),
         ];
-        // A `String` takes everything that is written to it.
-        for (letter, steps, place, per_mm) in places {
+        // Writing to a `String` cannot fail.
+        for (letter, steps, position, per_mm) in positions {
             if steps != 0 {
-                let _ = write!(line, "{letter}{:.4}", place as f64 / per_mm);
+                let _ = write!(line, "{letter}{:.4}", position as f64 / per_mm);
             }
         }
-        // The feed, not the time (G93): to a place that was damaged on the wire the board
-        // then goes at the feed, not as fast as it can.
-        let way = [0, 1].map(|axis| steps[axis] as f64 / self.pulses_per_mm[axis]);
-        let length = libm::hypot(way[0], way[1]);
+        // The feed, not the time (G93): if the position is damaged on the wire, the board
+        // moves there at the feed and not at its greatest rate.
+        let moved = [0, 1].map(|axis| steps[axis] as f64 / self.pulses_per_mm[axis]);
+        let length = libm::hypot(moved[0], moved[1]);
         let feed = length / seconds * 60.0;
-        // A line takes its time on the wire: four figures will do.
+        // Four digits are enough; a longer line takes more time on the wire.
         let decimals = if feed < 100.0 { 2 } else { 1 };
         let _ = writeln!(line, "F{feed:.decimals$}");
         self.from = sample.end;
@@ -188,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn ten_samples_make_a_segment() {
+    fn ten_samples_give_a_segment() {
         let mut segments = Segments::new(RunTime::from_millis(10), 30_000, [400.0, 200.0]);
         let offset = PerAxis::new(Pulses(0), Pulses(0));
         for ms in 1..10 {
@@ -200,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_pulse_takes_its_time() {
+    fn the_first_pulse_of_a_motion_is_slow() {
         let mut segments = Segments::new(RunTime::from_millis(10), 30_000, [400.0, 200.0]);
         let offset = PerAxis::default();
         segments.begin_slowly(RunTime::from_millis(80));
@@ -214,10 +217,10 @@ mod tests {
     }
 
     #[test]
-    fn a_segment_ends_where_an_axis_turns() {
+    fn a_segment_ends_where_an_axis_reverses() {
         let mut segments = Segments::new(RunTime::from_millis(10), 30_000, [400.0, 200.0]);
         let offset = PerAxis::default();
-        // X goes on, Z turns at 4 in the fourth millisecond.
+        // X continues, Z reverses at 4 in the fourth millisecond.
         for (ms, z) in [(1, 1), (2, 2), (3, 3), (4, 4)] {
             assert_eq!(segments.push(sample(ms, ms as i64, z), offset), Ok(None));
         }
@@ -232,22 +235,22 @@ mod tests {
         }
         let next = segments.push(sample(14, 14, -6), offset).unwrap().unwrap();
         assert_eq!(next.duration, RunTime::from_millis(10));
-        // The next one goes on the other way: nothing turns inside it.
+        // The next reversal is at the end of the segment: none within it.
         assert_eq!(segments.push(sample(15, 14, -5), offset), Ok(None));
     }
 
     #[test]
-    fn a_rate_the_board_cannot_make_is_refused() {
+    fn a_rate_above_the_limit_is_refused() {
         let mut segments = Segments::new(RunTime::from_millis(10), 30_000, [400.0, 200.0]);
         let offset = PerAxis::default();
         assert_eq!(
             segments.push(sample(10, 301, 0), offset),
-            Err(Refused::TooFast)
+            Err(MotionRefused::TooFast)
         );
     }
 
     #[test]
-    fn standstill_is_not_hoarded() {
+    fn a_long_standstill_is_not_carried_into_a_segment() {
         let mut segments = Segments::new(RunTime::from_millis(10), 30_000, [400.0, 200.0]);
         let offset = PerAxis::default();
         for ms in 1..=5000 {

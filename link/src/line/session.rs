@@ -1,4 +1,4 @@
-//! The link with a board that reads lines, from the first byte to the last.
+//! The link to a line board.
 
 mod backend;
 mod homing;
@@ -15,81 +15,80 @@ mod wire;
 use core::time::Duration;
 
 use super::opening::Opening;
-use super::required::Required;
-use super::response::{BoardState, Status};
+use super::required::RequiredSettings;
+use super::response::{BoardState, StatusReport};
 use super::segments::Segments;
 use crate::drives::Drives;
 use crate::limits::Limits;
-use crate::session::Session;
+use crate::session::LinkSession;
 use crate::{HostTime, LinkConfig, LinkState};
 use homing::Homing;
-use motion::Motion;
+use motion::LineMotion;
 use outputs::Outputs;
-use pass::ThreadPass;
+use pass::PassTracker;
 use reports::Reports;
 use startup::Startup;
 use stops::{Halt, Stopping};
 use wire::Wire;
 
-/// A board that answers does so within this.
-const HEARD: Duration = Duration::from_millis(100);
-/// Modal words of all motion.
-/// A code of motion wants its F here, way or not.
+/// Greatest time for an answer of a board that is not lost.
+const ANSWER_TIME: Duration = Duration::from_millis(100);
+/// Modal words before all motion. G1 needs an F word even without motion.
 const MODES: [&str; 2] = ["G21G18G90", "G1G94F60"];
 
-/// A link to one board.
+/// A link to one line board.
 #[derive(Clone, Debug)]
 pub struct LineLink {
     config: LinkConfig,
-    required: Required,
-    session: Session,
+    required: RequiredSettings,
+    session: LinkSession,
     opening: Opening,
     wire: Wire,
     reports: Reports,
-    motion: Motion,
+    motion: LineMotion,
     limits: Limits,
     stopping: Stopping,
     startup: Startup,
     homing: Option<Homing>,
-    thread: ThreadPass,
+    thread: PassTracker,
     outputs: Outputs,
 }
 
 impl LineLink {
-    /// A link whose port has just been opened.
+    /// Starts the dialogue with a board whose port was just opened.
     pub fn open(config: LinkConfig, drives: &Drives, now: HostTime) -> Self {
-        let required = Required::new(drives, &config);
+        let required = RequiredSettings::new(drives, &config);
         let pulses_per_mm = required.pulses_per_mm;
         let period = Duration::from_millis(config.line.period_ms.into());
         let segments = Segments::new(period, config.line.max_rate, pulses_per_mm);
         Self {
             config,
             required,
-            session: Session::new(now),
+            session: LinkSession::new(now),
             opening: Opening::new(now),
             wire: Wire::default(),
             reports: Reports::new(now),
-            motion: Motion::new(segments, pulses_per_mm, now),
+            motion: LineMotion::new(segments, pulses_per_mm, now),
             limits: Limits::new(pulses_per_mm),
             stopping: Stopping::none(),
             startup: Startup::default(),
             homing: None,
-            thread: ThreadPass::default(),
+            thread: PassTracker::default(),
             outputs: Outputs::default(),
         }
     }
 
-    /// What the board has to be set to.
-    pub const fn required(&self) -> &Required {
+    /// The settings that the board must have.
+    pub const fn required(&self) -> &RequiredSettings {
         &self.required
     }
 
-    /// The newest report.
-    pub const fn status(&self) -> Option<Status> {
+    /// The last status report.
+    pub const fn status(&self) -> Option<StatusReport> {
         self.reports.status
     }
 
-    /// Whether questions and orders are answered now.
+    /// Whether the board answers queries and commands in this state.
     const fn is_open(&self) -> bool {
         matches!(
             self.session.state,
@@ -97,7 +96,7 @@ impl LineLink {
         )
     }
 
-    /// Whether the board stands in one of these states and nothing is on its way to it.
+    /// Whether the board reports one of these states and has answered all lines.
     fn stands_in(&self, states: &[BoardState]) -> bool {
         self.stopping.is_none()
             && self.wire.is_answered()
@@ -110,7 +109,7 @@ impl LineLink {
 
     fn enter(&mut self, state: LinkState) {
         if state == LinkState::Moving && self.session.state != state {
-            // What was reported before says nothing about this motion.
+            // Earlier reports do not describe this motion.
             self.reports.forget_standstill();
         }
         self.session.enter(state);
@@ -120,7 +119,8 @@ impl LineLink {
         self.wire.send(line, is_segment, self.session.now);
     }
 
-    /// All answered segments but the newest `held` have left the queue of the board.
+    /// Notes that all answered segments except the newest `held` have left the board's
+    /// queue.
     fn retire(&mut self, held: u16) {
         self.motion
             .retire(held.into(), self.opening.prepared, self.session.now);

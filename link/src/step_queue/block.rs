@@ -1,22 +1,21 @@
-//! Blocks on the wire, `len seq content crc crc 7E`, and the integers in them.
+//! Encodes and decodes blocks, `len seq content crc crc 7E`, and the VLQ integers in them.
 
-/// A block without content.
+/// Length of a block without content, bytes.
 pub(super) const LEAST: usize = 5;
-/// The longest block.
+/// Greatest length of a block, bytes.
 const MOST: usize = 64;
-/// The longest content.
+/// Greatest length of the content, bytes.
 pub(super) const CONTENT: usize = MOST - LEAST;
-/// Ends every block.
+/// The last byte of each block.
 const SYNC: u8 = 0x7E;
-/// High bits of every sequence byte.
+/// High bits of each sequence byte.
 const SEQUENCE: u8 = 0x10;
-/// Blocks are numbered so far, then from 0 again.
+/// Number of different sequence numbers on the wire.
 pub(super) const NUMBERS: u64 = 16;
-/// Behind these every reader begins with a new block, however the last one was broken
-/// off.
+/// After these bytes each reader expects a new block, also after an incomplete one.
 pub(super) const ENDS: [u8; MOST] = [SYNC; MOST];
 
-/// CRC-16 of a block over everything before it.
+/// CRC-16 of the bytes before it in a block.
 fn crc16(bytes: &[u8]) -> u16 {
     bytes.iter().fold(0xFFFF, |crc: u16, byte| {
         let mut byte = byte ^ crc.to_le_bytes()[0];
@@ -26,7 +25,7 @@ fn crc16(bytes: &[u8]) -> u16 {
     })
 }
 
-/// A whole block.
+/// Encodes a block.
 pub(super) fn encode_block(sequence: u64, content: &[u8]) -> Vec<u8> {
     let length = u8::try_from(content.len() + LEAST).unwrap_or(u8::MAX);
     let mut bytes = Vec::with_capacity(content.len() + LEAST);
@@ -38,7 +37,8 @@ pub(super) fn encode_block(sequence: u64, content: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// Appends an integer as a variable-length quantity (VLQ): seven bits a byte, the most significant first.
+/// Appends an integer as a variable-length quantity (VLQ): seven bits per byte, the most
+/// significant first.
 pub(super) fn encode_vlq(out: &mut Vec<u8>, value: i64) {
     for bytes in (2_u32..=5).rev() {
         let least = -(1_i64 << (7 * bytes - 9));
@@ -49,7 +49,7 @@ pub(super) fn encode_vlq(out: &mut Vec<u8>, value: i64) {
     out.push((value & 0x7F) as u8);
 }
 
-/// Decodes a VLQ from the front: its 32 bits, signed or not.
+/// Decodes a VLQ from the front of `bytes` to 32 bits, signed or unsigned.
 pub(super) fn decode_vlq(bytes: &mut &[u8]) -> Option<u32> {
     let (&first, mut rest) = bytes.split_first()?;
     let mut value = u32::from(first & 0x7F);
@@ -61,9 +61,9 @@ pub(super) fn decode_vlq(bytes: &mut &[u8]) -> Option<u32> {
         if last & 0x80 == 0 {
             break;
         }
-        let (&next, behind) = rest.split_first()?;
+        let (&next, remaining) = rest.split_first()?;
         value = value << 7 | u32::from(next & 0x7F);
-        (last, rest) = (next, behind);
+        (last, rest) = (next, remaining);
     }
     if last & 0x80 != 0 {
         return None;
@@ -72,26 +72,26 @@ pub(super) fn decode_vlq(bytes: &mut &[u8]) -> Option<u32> {
     Some(value)
 }
 
-/// A block that came whole.
+/// A complete and undamaged block.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Block {
-    /// The four bits of the sequence.
+    /// The low four bits of the sequence number.
     pub(super) sequence: u8,
-    /// What is in it; nothing is an acknowledgement, or a complaint.
+    /// The content; empty in an acknowledgement or a NAK.
     pub(super) content: Vec<u8>,
 }
 
-/// Finds the blocks in a stream of bytes.
+/// Extracts the blocks from a stream of bytes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Reader {
     bytes: Vec<u8>,
     out_of_step: bool,
-    /// Pieces that were no block.
+    /// Number of damaged blocks.
     pub(super) garbage: u64,
 }
 
 impl Reader {
-    /// What is not whole yet never will be.
+    /// Drops an incomplete block.
     pub(super) fn forget(&mut self) {
         self.bytes.clear();
         self.out_of_step = false;
@@ -101,7 +101,7 @@ impl Reader {
         self.bytes.extend_from_slice(bytes);
     }
 
-    /// The next block. Never keeps more than one that is not complete.
+    /// Returns the next block. Keeps no more than one incomplete block.
     pub(super) fn next(&mut self) -> Option<Block> {
         loop {
             if self.out_of_step {
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn integers_as_the_boards_have_them() {
+    fn integers_are_encoded_as_in_klipper() {
         let table: [(i64, &[u8]); 9] = [
             (95, &[0x5f]),
             (96, &[0x80, 0x60]),
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_as_the_boards_have_them() {
+    fn blocks_are_encoded_as_in_klipper() {
         let identify = [integer(1), integer(0), integer(40)].concat();
         assert_eq!(
             encode_block(1, &identify),
@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn integers_without_an_end_are_none() {
+    fn endless_integers_are_refused() {
         assert_eq!(decode_vlq(&mut &[0x80_u8, 0x80][..]), None);
         assert_eq!(
             decode_vlq(&mut &[0x80_u8, 0x80, 0x80, 0x80, 0x80, 0x00][..]),
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn behind_a_bad_block_the_next_is_found() {
+    fn the_block_after_a_bad_one_is_found() {
         let mut reader = Reader::default();
         let mut bad = encode_block(1, &[1, 2, 3]);
         bad[3] ^= 0x40;
@@ -233,7 +233,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_encoded_is_decoded(value in i64::from(i32::MIN)..=i64::from(u32::MAX)) {
+        fn encoded_integers_are_decoded(value in i64::from(i32::MIN)..=i64::from(u32::MAX)) {
             let bytes = integer(value);
             let mut rest = bytes.as_slice();
             prop_assert_eq!(decode_vlq(&mut rest), Some(value as u32));
@@ -241,7 +241,7 @@ mod tests {
         }
 
         #[test]
-        fn blocks_come_through(
+        fn blocks_survive_any_chunking(
             contents in prop::collection::vec(prop::collection::vec(any::<u8>(), 0..=CONTENT), 1..20),
             piece in 1usize..30,
         ) {
@@ -260,7 +260,7 @@ mod tests {
         }
 
         #[test]
-        fn any_bytes_keep_little(bytes in prop::collection::vec(any::<u8>(), 0..2000)) {
+        fn the_reader_never_keeps_more_than_a_block(bytes in prop::collection::vec(any::<u8>(), 0..2000)) {
             let mut reader = Reader::default();
             for byte in bytes {
                 reader.give(&[byte]);

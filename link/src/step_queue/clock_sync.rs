@@ -1,51 +1,57 @@
-//! The clock of the board, as the host estimates it.
+//! Clock sync: estimates the clock of the board from the times of its answers.
 
 use core::time::Duration;
 
 use super::super::HostTime;
 
-/// Answers kept, and how many of them, the quickest, make the line.
-const KEPT: usize = 8;
-const USED: usize = 4;
-/// An answer loses so much of its worth as it grows old, s a s.
-const AGES: f64 = 1e-4;
-/// A quartz is no farther off than this.
-const DRIFT: f64 = 300e-6;
-/// Over less time the rate cannot be told.
-const LEAST_SPAN: f64 = 1.0;
-/// The estimate is good when no answer lies farther off.
-const SPREAD: f64 = 1e-3;
+/// Number of answers that are kept.
+const KEPT_ANSWERS: usize = 8;
+/// Number of the best answers that define the line.
+const FITTED_ANSWERS: usize = 4;
+/// Growth of an answer's uncertainty with its age, s per s.
+const AGE_PENALTY: f64 = 1e-4;
+/// Greatest relative error of a quartz.
+const MAX_DRIFT: f64 = 300e-6;
+/// Least time span for an estimate of the rate, s.
+const MIN_SPAN_S: f64 = 1.0;
+/// Greatest distance of an answer from the line for a good estimate, s.
+const MAX_SPREAD_S: f64 = 1e-3;
 
 #[derive(Clone, Copy, Debug)]
 struct Answer {
-    /// In the middle between question and answer, s.
-    at: f64,
-    round_trip: f64,
-    clock: f64,
+    /// Host time in the middle between query and answer, s.
+    host_s: f64,
+    round_trip_s: f64,
+    /// The board's clock in the answer, ticks.
+    clock_ticks: f64,
 }
 
 impl Answer {
-    /// How far off it may lie, s.
+    /// Possible error of the answer, s.
     fn uncertainty(&self, now: f64) -> f64 {
-        self.round_trip / 2.0 + (now - self.at) * AGES
+        self.round_trip_s / 2.0 + (now - self.host_s) * AGE_PENALTY
     }
 }
 
-/// Ticks of the board over time of the host.
+/// A line of board ticks over host time.
 #[derive(Clone, Debug)]
 pub(super) struct ClockSync {
-    /// Ticks a second, as the board says.
+    /// Nominal clock rate of the board, ticks per second.
     pub(super) rate: f64,
     answers: Vec<Answer>,
-    /// One of the first.
+    /// The best of the first answers.
     origin: Option<Answer>,
-    /// A point of the line, and its slope.
-    at: f64,
-    ticks: f64,
-    slope: f64,
-    spread: f64,
-    round_trip: f64,
-    /// How long the last report was on its way.
+    /// Host time of a point on the line, s.
+    last_host_s: f64,
+    /// Board clock of that point, ticks.
+    last_clock_ticks: f64,
+    /// Slope of the line, ticks per second.
+    ticks_per_s: f64,
+    /// Greatest distance of a fitted answer from the line, s.
+    spread_s: f64,
+    /// Round trip of the best answer, s.
+    round_trip_s: f64,
+    /// Transmission time of the last report.
     report_delay: Duration,
 }
 
@@ -55,107 +61,114 @@ impl ClockSync {
             rate,
             answers: Vec::new(),
             origin: None,
-            at: 0.0,
-            ticks: 0.0,
-            slope: rate,
-            spread: f64::INFINITY,
-            round_trip: 0.0,
+            last_host_s: 0.0,
+            last_clock_ticks: 0.0,
+            ticks_per_s: rate,
+            spread_s: f64::INFINITY,
+            round_trip_s: 0.0,
             report_delay: Duration::ZERO,
         }
     }
 
-    /// The board said its clock.
-    pub(super) fn add_answer(&mut self, asked: HostTime, now: HostTime, clock: u64) {
-        let (asked, now) = (asked.as_secs_f64(), now.as_secs_f64());
+    /// Takes an answer with the board's clock. The query was sent at `queried_at`.
+    pub(super) fn add_answer(&mut self, queried_at: HostTime, now: HostTime, clock: u64) {
+        let (queried_at, now) = (queried_at.as_secs_f64(), now.as_secs_f64());
         let answer = Answer {
-            at: (asked + now) / 2.0,
-            round_trip: now - asked,
-            clock: clock as f64,
+            host_s: (queried_at + now) / 2.0,
+            round_trip_s: now - queried_at,
+            clock_ticks: clock as f64,
         };
         if self.is_ready() && self.contradicts(&answer) {
-            // One of the clocks has jumped: a computer that slept, for instance.
+            // One of the clocks has jumped, for instance because the computer was suspended.
             self.answers.clear();
             self.origin = None;
         }
         self.answers.push(answer);
-        // An answer that took long says little, even if it is the newest: on a line
-        // that has become slow the older ones are held on to.
+        // A slow answer is uncertain, even if it is the newest: on a line that has become
+        // slow the older answers remain the best.
         let mut best = self.answers.clone();
         best.sort_by(|a, b| a.uncertainty(now).total_cmp(&b.uncertainty(now)));
-        best.truncate(KEPT);
+        best.truncate(KEPT_ANSWERS);
         self.answers.clone_from(&best);
-        best.truncate(USED);
+        best.truncate(FITTED_ANSWERS);
         let count = best.len() as f64;
         let mean = |value: fn(&Answer) -> f64| best.iter().map(value).sum::<f64>() / count;
-        self.at = mean(|answer| answer.at);
-        self.ticks = mean(|answer| answer.clock);
-        // Far apart, what the answers are off matters little.
+        self.last_host_s = mean(|answer| answer.host_s);
+        self.last_clock_ticks = mean(|answer| answer.clock_ticks);
+        // Over a long span the errors of single answers have little effect on the slope.
         let origin = *self.origin.get_or_insert(best[0]);
-        let span = self.at - origin.at;
-        self.slope = self.rate;
-        if span >= LEAST_SPAN {
-            let slope = (self.ticks - origin.clock) / span;
-            self.slope = slope.clamp(self.rate * (1.0 - DRIFT), self.rate * (1.0 + DRIFT));
+        let span = self.last_host_s - origin.host_s;
+        self.ticks_per_s = self.rate;
+        if span >= MIN_SPAN_S {
+            let slope = (self.last_clock_ticks - origin.clock_ticks) / span;
+            let (least, most) = (self.rate * (1.0 - MAX_DRIFT), self.rate * (1.0 + MAX_DRIFT));
+            self.ticks_per_s = slope.clamp(least, most);
         }
-        let off = |answer: &Answer| {
-            (self.ticks + (answer.at - self.at) * self.slope - answer.clock).abs() / self.rate
-        };
-        self.spread = best.iter().map(off).fold(0.0, f64::max);
-        self.round_trip = best.first().map_or(0.0, |answer| answer.round_trip);
+        self.spread_s = best
+            .iter()
+            .map(|answer| self.distance_to_line(answer))
+            .fold(0.0, f64::max);
+        self.round_trip_s = best.first().map_or(0.0, |answer| answer.round_trip_s);
     }
 
-    /// The answer cannot belong to the line.
+    /// Distance of an answer from the line, s.
+    fn distance_to_line(&self, answer: &Answer) -> f64 {
+        let line = self.last_clock_ticks + (answer.host_s - self.last_host_s) * self.ticks_per_s;
+        (line - answer.clock_ticks).abs() / self.rate
+    }
+
+    /// Whether an answer is farther from the line than its uncertainty.
     fn contradicts(&self, answer: &Answer) -> bool {
-        let line = self.ticks + (answer.at - self.at) * self.slope;
-        let off = (line - answer.clock).abs() / self.rate;
-        off > answer.round_trip / 2.0 + 2.0 * SPREAD
+        self.distance_to_line(answer) > answer.round_trip_s / 2.0 + 2.0 * MAX_SPREAD_S
     }
 
-    /// Enough is known to name times to the board.
+    /// Whether the estimate is good enough for commands with a time.
     pub(super) fn is_ready(&self) -> bool {
-        self.answers.len() >= USED && self.spread <= SPREAD
+        self.answers.len() >= FITTED_ANSWERS && self.spread_s <= MAX_SPREAD_S
     }
 
-    /// The clock at a moment.
+    /// The board clock at a host time.
     pub(super) fn at(&self, now: HostTime) -> u64 {
-        let ticks = self.ticks + (now.as_secs_f64() - self.at) * self.slope;
+        let elapsed = now.as_secs_f64() - self.last_host_s;
+        let ticks = self.last_clock_ticks + elapsed * self.ticks_per_s;
         ticks.max(0.0) as u64
     }
 
-    /// The moment of a clock.
+    /// The host time of a board clock.
     pub(super) fn moment(&self, clock: u64) -> HostTime {
-        let seconds = self.at + (clock as f64 - self.ticks) / self.slope;
+        let ticks = clock as f64 - self.last_clock_ticks;
+        let seconds = self.last_host_s + ticks / self.ticks_per_s;
         Duration::try_from_secs_f64(seconds).unwrap_or_default()
     }
 
-    /// Ticks of a duration.
+    /// Converts a duration to ticks.
     pub(super) fn ticks(&self, duration: Duration) -> u64 {
         (duration.as_secs_f64() * self.rate).round() as u64
     }
 
-    /// Duration of so many ticks.
+    /// Converts ticks to a duration.
     pub(super) fn duration(&self, ticks: u64) -> Duration {
         Duration::try_from_secs_f64(ticks as f64 / self.rate).unwrap_or_default()
     }
 
-    /// A report with the clock at which it was sent.
+    /// Takes a report with the low half of the clock at which the board sent it.
     pub(super) fn clock_report(&mut self, now: HostTime, clock: u32) {
         let sent = self.moment(near(clock, self.at(now)));
         self.report_delay = now.saturating_sub(sent);
     }
 
-    /// How long the last report was on its way.
+    /// Transmission time of the last report.
     pub(super) const fn report_delay(&self) -> Duration {
         self.report_delay
     }
 
-    /// The shortest round trip of late.
+    /// The round trip of the best recent answer.
     pub(super) fn round_trip(&self) -> Duration {
-        Duration::try_from_secs_f64(self.round_trip).unwrap_or_default()
+        Duration::try_from_secs_f64(self.round_trip_s).unwrap_or_default()
     }
 }
 
-/// The whole clock of which a message names the low half, near a known one.
+/// Extends the low half of a clock to the full clock that is nearest to a known one.
 pub(super) fn near(low: u32, known: u64) -> u64 {
     let away = low.wrapping_sub(known as u32) as i32;
     known.saturating_add_signed(i64::from(away))
@@ -166,15 +179,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_drifting_board_is_followed() {
+    fn the_estimate_follows_a_drifting_clock() {
         for ppm in [-100.0, 0.0, 100.0] {
             let rate = 16e6 * (1.0 + ppm * 1e-6);
             let board = |seconds: f64| (5e9 + rate * seconds) as u64;
             let mut clock = ClockSync::new(16e6);
             let mut slow = 1_u64;
             for count in 0..40_u64 {
-                let asked = Duration::from_millis(count * 500);
-                // Now and then an answer is held up.
+                let queried_at = Duration::from_millis(count * 500);
+                // Some answers are delayed.
                 slow = slow
                     .wrapping_mul(6_364_136_223_846_793_005)
                     .wrapping_add(99);
@@ -182,9 +195,9 @@ mod tests {
                 let there = Duration::from_micros(900);
                 let back = Duration::from_micros(1100) + extra;
                 clock.add_answer(
-                    asked,
-                    asked + there + back,
-                    board((asked + there).as_secs_f64()),
+                    queried_at,
+                    queried_at + there + back,
+                    board((queried_at + there).as_secs_f64()),
                 );
             }
             assert!(clock.is_ready());
@@ -196,14 +209,14 @@ mod tests {
         }
     }
 
-    /// Answers that are all held up on the way back say next to nothing.
+    /// Answers delayed on their way back must not shift the estimate.
     #[test]
     fn a_line_that_becomes_slow_does_not_shift_the_clock() {
         let rate = 16e6 * (1.0 + 100e-6);
         let board = |seconds: f64| (5e9 + rate * seconds) as u64;
         let mut clock = ClockSync::new(16e6);
         for count in 0..120_u64 {
-            let asked = Duration::from_millis(count * 500);
+            let queried_at = Duration::from_millis(count * 500);
             let there = Duration::from_micros(900);
             let slow = if count >= 40 {
                 100_000
@@ -211,27 +224,31 @@ mod tests {
                 200 * (count % 5)
             };
             let back = Duration::from_micros(1100 + slow);
-            let now = asked + there + back;
-            clock.add_answer(asked, now, board((asked + there).as_secs_f64()));
+            let now = queried_at + there + back;
+            clock.add_answer(queried_at, now, board((queried_at + there).as_secs_f64()));
             if count >= 20 {
                 let now = now.as_secs_f64();
                 let off = clock.at(Duration::from_secs_f64(now)).abs_diff(board(now));
                 assert!(off < 16_000 * 3, "{count}: {off}");
             }
         }
-        // The computer slept: the clocks go together no more.
-        let asked = Duration::from_secs(90);
-        clock.add_answer(asked, asked + Duration::from_millis(2), board(60.001));
+        // After a suspend of the computer the estimate restarts.
+        let queried_at = Duration::from_secs(90);
+        clock.add_answer(
+            queried_at,
+            queried_at + Duration::from_millis(2),
+            board(60.001),
+        );
         assert!(
             clock
-                .at(asked + Duration::from_millis(1))
+                .at(queried_at + Duration::from_millis(1))
                 .abs_diff(board(60.001))
                 < 16
         );
     }
 
     #[test]
-    fn the_high_half_is_found() {
+    fn the_low_half_of_a_clock_is_extended() {
         assert_eq!(near(5, 0xFFFF_FFFF), 0x1_0000_0005);
         assert_eq!(near(0xFFFF_FFF0, 0x1_0000_0005), 0xFFFF_FFF0);
     }

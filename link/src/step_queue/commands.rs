@@ -1,15 +1,15 @@
-//! The messages of the protocol that are used, as the boards spell them.
+//! The commands and replies of Klipper's protocol that the link uses.
 
-/// When a board must know a command.
+/// When a board must have a command or reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Need {
-    /// Always.
+pub(super) enum Requirement {
+    /// In all cases.
     Always,
-    /// One of these is enough.
+    /// One command of this group is enough.
     Restart,
-    /// When the spindle speed is wired.
+    /// If the spindle speed output is wired.
     Speed,
-    /// When the spindle index is wired.
+    /// If the one-turn signal of the spindle is wired.
     Index,
 }
 
@@ -19,9 +19,9 @@ macro_rules! commands {
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(super) enum Command { $($name),* }
 
-        /// Every command: when it is needed, and its text, which is compared to the letter.
-        pub(super) const COMMANDS: &[(Command, Need, &str)] =
-            &[$((Command::$name, Need::$need, $text)),*];
+        /// All commands with their requirement and their exact text in the dictionary.
+        pub(super) const COMMANDS: &[(Command, Requirement, &str)] =
+            &[$((Command::$name, Requirement::$need, $text)),*];
     };
 }
 
@@ -56,56 +56,60 @@ commands! {
     QueryCounter Index "query_counter oid=%c clock=%u poll_ticks=%u sample_ticks=%u"
 }
 
-/// Replies that are read, and whether the board must have them.
-pub(super) const REPLIES: [(Kind, Need, &str); 10] = [
+/// All replies with their requirement and their exact text in the dictionary.
+pub(super) const REPLIES: [(ReplyKind, Requirement, &str); 10] = [
     (
-        Kind::Identify,
-        Need::Always,
+        ReplyKind::Identify,
+        Requirement::Always,
         "identify_response offset=%u data=%.*s",
     ),
     (
-        Kind::Config,
-        Need::Always,
+        ReplyKind::Config,
+        Requirement::Always,
         "config is_config=%c crc=%u is_shutdown=%c move_count=%hu",
     ),
-    (Kind::Uptime, Need::Always, "uptime high=%u clock=%u"),
     (
-        Kind::Position,
-        Need::Always,
+        ReplyKind::Uptime,
+        Requirement::Always,
+        "uptime high=%u clock=%u",
+    ),
+    (
+        ReplyKind::Position,
+        Requirement::Always,
         "stepper_position oid=%c pos=%i",
     ),
     (
-        Kind::Group,
-        Need::Always,
+        ReplyKind::Group,
+        Requirement::Always,
         "trsync_state oid=%c can_trigger=%c trigger_reason=%c clock=%u",
     ),
     (
-        Kind::Endstop,
-        Need::Always,
+        ReplyKind::Endstop,
+        Requirement::Always,
         "endstop_state oid=%c homing=%c next_clock=%u pin_value=%c",
     ),
     (
-        Kind::Shutdown,
-        Need::Always,
+        ReplyKind::Shutdown,
+        Requirement::Always,
         "shutdown clock=%u static_string_id=%hu",
     ),
     (
-        Kind::IsShutdown,
-        Need::Always,
+        ReplyKind::IsShutdown,
+        Requirement::Always,
         "is_shutdown static_string_id=%hu",
     ),
     (
-        Kind::Counter,
-        Need::Index,
+        ReplyKind::Counter,
+        Requirement::Index,
         "counter_state oid=%c next_clock=%u count=%u count_clock=%u",
     ),
-    // Not in every version: told by boards that have just started.
-    (Kind::Starting, Need::Restart, "starting"),
+    // Sent by a board that has just started; not in all versions.
+    (ReplyKind::Starting, Requirement::Restart, "starting"),
 ];
 
-/// What a reply is about.
+/// The kind of a reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum ReplyKind {
     Identify,
     Config,
     Uptime,
@@ -118,10 +122,10 @@ pub(super) enum Kind {
     Starting,
 }
 
-/// A reply of the board, the numbers as they stand in its text.
+/// A reply of the board; its numbers are in the order of its text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Reply {
-    pub(super) kind: Kind,
+    pub(super) kind: ReplyKind,
     pub(super) numbers: [u32; 4],
     pub(super) data: Vec<u8>,
 }

@@ -1,15 +1,15 @@
-//! Blocks as text, for who watches the traffic.
+//! Formats blocks as text for the log.
 
 use core::fmt::Write;
 
 use super::block::{self, LEAST};
 use super::dictionary::Dictionary;
 
-/// What stands in a whole block, or in a piece of none.
+/// Formats a block; other bytes become `\\xNN`.
 pub(super) fn block(board: &Dictionary, outward: bool, bytes: &[u8]) -> String {
     let whole = bytes.len() >= LEAST && usize::from(bytes[0]) == bytes.len();
     let mut text = String::new();
-    // A `String` takes everything that is written to it.
+    // Writing to a `String` cannot fail.
     if !whole {
         for byte in bytes {
             let _ = write!(text, "\\x{byte:02X}");
@@ -52,8 +52,8 @@ fn message(board: &Dictionary, outward: bool, content: &mut &[u8]) -> Option<Str
     Some(text)
 }
 
-/// Takes the next block, or the piece before the next, from bytes that are collected;
-/// none: it is not whole yet.
+/// Takes the next block, or the invalid bytes before it, from the collected bytes. `None` if
+/// the block is incomplete.
 pub(super) fn next_block(collected: &mut Vec<u8>) -> Option<Vec<u8>> {
     let length = usize::from(*collected.first()?);
     if (LEAST..=LEAST + block::CONTENT).contains(&length) {

@@ -1,4 +1,4 @@
-//! What a board says it understands: its compressed dictionary.
+//! Decodes the dictionary of a board: its commands, replies, pins and constants.
 
 use std::collections::BTreeMap;
 
@@ -9,12 +9,13 @@ use serde_json::Value;
 use thiserror::Error;
 
 use super::block;
-use super::commands::{COMMANDS, Command, Kind, Need, REPLIES, Reply};
+use super::commands::{COMMANDS, Command, REPLIES, Reply, ReplyKind, Requirement};
 
-/// No dictionary is longer, packed and unpacked.
+/// Greatest length of a compressed dictionary, bytes.
 pub(super) const LONGEST_PACKED: usize = 1 << 17;
+/// Greatest length of an uncompressed dictionary, bytes.
 const LONGEST: usize = 1 << 20;
-/// `identify` and its response, before anything else is known.
+/// Numbers of `identify` and its response; they are the same in all boards.
 const IDENTIFY: i64 = 1;
 const IDENTIFY_RESPONSE: u32 = 0;
 
@@ -27,7 +28,7 @@ enum Parameter {
 
 #[derive(Clone, Debug, PartialEq)]
 struct Form {
-    kind: Option<Kind>,
+    kind: Option<ReplyKind>,
     parameters: Vec<Parameter>,
 }
 
@@ -39,12 +40,12 @@ pub(super) struct Dictionary {
     pins: BTreeMap<String, u32>,
     texts: BTreeMap<u32, String>,
     constants: BTreeMap<String, Value>,
-    /// Texts of all messages, to the board and from it.
+    /// Texts of all messages by number: to the board, and from the board.
     forms: [BTreeMap<u32, String>; 2],
     pub(super) version: String,
 }
 
-/// As it is written.
+/// The JSON of a dictionary.
 #[derive(Deserialize)]
 struct Written {
     #[serde(default)]
@@ -60,13 +61,13 @@ struct Written {
 }
 
 impl Default for Dictionary {
-    /// What can be said and understood before the board has been asked.
+    /// The dictionary before the opening: `identify` and its response only.
     fn default() -> Self {
         let ids = COMMANDS
             .iter()
             .map(|(command, ..)| (*command == Command::Identify).then_some(IDENTIFY));
         let response = Form {
-            kind: Some(Kind::Identify),
+            kind: Some(ReplyKind::Identify),
             parameters: vec![Parameter::Number, Parameter::Bytes],
         };
         Self {
@@ -84,22 +85,22 @@ impl Default for Dictionary {
     }
 }
 
-/// Why a dictionary is not understood.
+/// Why a dictionary is invalid.
 #[derive(Debug, Error)]
 #[error("{}", self.message())]
 pub(super) enum DictionaryError {
-    /// It is not what zlib packs, or far too long.
+    /// The bytes are not valid zlib data, or too long.
     Packed,
-    /// It is not the JSON of a dictionary.
+    /// The text is not the JSON of a dictionary.
     Json(#[from] serde_json::Error),
-    /// A reply has parameters of a kind that nobody knows.
+    /// A reply has parameters of an unknown type.
     Reply(String),
-    /// A range of pins is none.
+    /// An invalid range of pins.
     Pins(String),
 }
 
 impl DictionaryError {
-    /// In words.
+    /// The text for the operator.
     pub(super) fn message(&self) -> Message {
         match self {
             Self::Packed => say::dictionary_packed_wrong(),
@@ -111,7 +112,7 @@ impl DictionaryError {
 }
 
 impl Dictionary {
-    /// From the bytes of the board.
+    /// Decompresses and parses a dictionary.
     pub(super) fn unpack(packed: &[u8]) -> Result<Self, DictionaryError> {
         let text = decompress_to_vec_zlib_with_limit(packed, LONGEST)
             .map_err(|_| DictionaryError::Packed)?;
@@ -156,13 +157,14 @@ impl Dictionary {
         })
     }
 
-    /// The first message that is needed and missing.
+    /// The first required command or reply that is missing. `speed` and `index` tell whether
+    /// the spindle speed and the one-turn signal are wired.
     pub(super) fn missing(&self, speed: bool, index: bool) -> Option<&'static str> {
-        let wanted = |need: &Need| match need {
-            Need::Always => true,
-            Need::Speed => speed,
-            Need::Index => index,
-            Need::Restart => false,
+        let wanted = |need: &Requirement| match need {
+            Requirement::Always => true,
+            Requirement::Speed => speed,
+            Requirement::Index => index,
+            Requirement::Restart => false,
         };
         let has = |text: &str| {
             let known = REPLIES.iter().find(|(.., known)| *known == text);
@@ -183,7 +185,7 @@ impl Dictionary {
         commands.chain(replies).chain(restart).next()
     }
 
-    /// Whether the board knows a command.
+    /// Whether the board has a command.
     pub(super) fn has(&self, command: Command) -> bool {
         self.id(command).is_some()
     }
@@ -192,7 +194,7 @@ impl Dictionary {
         self.ids.get(command as usize).copied().flatten()
     }
 
-    /// A command with its arguments; empty when the board does not know it.
+    /// Encodes a command with its arguments; empty if the board does not have it.
     pub(super) fn message(&self, command: Command, arguments: &[i64]) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(16);
         if let Some(id) = self.id(command) {
@@ -204,32 +206,32 @@ impl Dictionary {
         bytes
     }
 
-    /// The text of a message.
+    /// The text of a message by its number.
     pub(super) fn form(&self, outward: bool, id: u32) -> Option<&str> {
         self.forms[usize::from(!outward)]
             .get(&id)
             .map(String::as_str)
     }
 
-    /// The replies in the content of a block; `None` where it makes no sense.
+    /// Decodes the replies in the content of a block; `None` if it is invalid.
     pub(super) fn replies(&self, mut content: &[u8]) -> Option<Vec<Reply>> {
         let mut replies = Vec::new();
         while !content.is_empty() {
             let form = self.replies.get(&block::decode_vlq(&mut content)?)?;
             let mut numbers = [0; 4];
             let mut data = Vec::new();
-            for (place, parameter) in form.parameters.iter().enumerate() {
+            for (index, parameter) in form.parameters.iter().enumerate() {
                 match parameter {
                     Parameter::Number => {
                         let number = block::decode_vlq(&mut content)?;
-                        if let Some(place) = numbers.get_mut(place) {
-                            *place = number;
+                        if let Some(slot) = numbers.get_mut(index) {
+                            *slot = number;
                         }
                     }
                     Parameter::Bytes => {
-                        let (&count, behind) = content.split_first()?;
-                        data = behind.get(..usize::from(count))?.to_vec();
-                        content = &behind[usize::from(count)..];
+                        let (&count, rest) = content.split_first()?;
+                        data = rest.get(..usize::from(count))?.to_vec();
+                        content = &rest[usize::from(count)..];
                     }
                 }
             }
@@ -244,12 +246,12 @@ impl Dictionary {
         Some(replies)
     }
 
-    /// The number of a pin.
+    /// The number of a pin by its name.
     pub(super) fn pin(&self, name: &str) -> Option<u32> {
         self.pins.get(name).copied()
     }
 
-    /// What a shutdown says.
+    /// The text of a shutdown reason by its number.
     pub(super) fn text(&self, id: u32) -> String {
         match self.texts.get(&id) {
             Some(text) => text.clone(),
@@ -257,14 +259,14 @@ impl Dictionary {
         }
     }
 
-    /// A number among the board's constants.
+    /// A numeric constant of the board.
     pub(super) fn constant(&self, name: &str) -> Option<u32> {
         let value = self.constants.get(name)?;
         u32::try_from(value.as_u64()?).ok()
     }
 
-    /// What the board needs a pin for by itself, where it says so: `RESERVE_PINS_serial`
-    /// and such, lists of pins.
+    /// The purpose for which the board reserves a pin, from constants like
+    /// `RESERVE_PINS_serial`.
     pub(super) fn reserved(&self, pin: &str) -> Option<&str> {
         self.constants.iter().find_map(|(name, value)| {
             let purpose = name.strip_prefix("RESERVE_PINS_")?;
@@ -274,7 +276,7 @@ impl Dictionary {
         })
     }
 
-    /// Name of the processor.
+    /// The name of the processor; empty if unknown.
     pub(super) fn processor(&self) -> &str {
         let name = self.constants.get("MCU").and_then(Value::as_str);
         name.unwrap_or_default()
@@ -290,11 +292,11 @@ fn parameters(text: &str) -> Result<Vec<Parameter>, DictionaryError> {
     text.split_whitespace().skip(1).map(kind).collect()
 }
 
-/// Pins by name; `"PA0": [0, 8]` stands for PA0 to PA7.
+/// Expands the pins of a dictionary; `"PA0": [0, 8]` stands for PA0 to PA7.
 fn pins(
     written: Option<&BTreeMap<String, Value>>,
 ) -> Result<BTreeMap<String, u32>, DictionaryError> {
-    /// No board has more in one row.
+    /// Greatest number of pins in a range.
     const MOST: u64 = 1024;
     let mut pins = BTreeMap::new();
     for (name, value) in written.into_iter().flatten() {
@@ -373,7 +375,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_told() {
+    fn invalid_dictionaries_are_refused() {
         for text in [
             "{",
             r#"{"responses": {"stats x=%q": 1}}"#,
@@ -386,27 +388,29 @@ mod tests {
     }
 
     #[test]
-    fn replies_are_told_from_each_other() {
+    fn replies_are_distinguished() {
         let board = Dictionary::read(all_commands(-5).as_bytes()).unwrap();
         let mut content = Vec::new();
         for number in [-5 - 2, 1, 99, -5 - 9, -5 - 3, 0, -7] {
             block::encode_vlq(&mut content, number);
         }
-        let kinds: Vec<Kind> = board
+        let kinds: Vec<ReplyKind> = board
             .replies(&content)
             .unwrap()
             .iter()
             .map(|reply| reply.kind)
             .collect();
-        assert_eq!(kinds, [Kind::Uptime, Kind::Starting, Kind::Position]);
+        assert_eq!(
+            kinds,
+            [ReplyKind::Uptime, ReplyKind::Starting, ReplyKind::Position]
+        );
         assert_eq!(board.replies(&content).unwrap()[2].numbers[1] as i32, -7);
         assert_eq!(board.replies(&content[..2]), None);
     }
 
     proptest! {
-        /// Whatever number a board gives its messages, they come through.
         #[test]
-        fn any_numbers_do(first in -40_000i64..40_000, arguments in prop::collection::vec(any::<u32>(), 4)) {
+        fn commands_are_encoded_with_any_message_numbers(first in -40_000i64..40_000, arguments in prop::collection::vec(any::<u32>(), 4)) {
             let board = Dictionary::read(all_commands(first).as_bytes()).unwrap();
             let arguments: Vec<i64> = arguments.into_iter().map(i64::from).collect();
             let bytes = board.message(Command::QueueStep, &arguments);

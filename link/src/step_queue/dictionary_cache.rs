@@ -1,22 +1,22 @@
-//! Dictionaries of boards met before: they need not be read again.
+//! Caches dictionaries of known boards, to save the time of reading them.
 //!
-//! A dictionary comes packed, and its last bytes check all of it: a board whose first
-//! bytes and last ones are those of a known dictionary has that one.
+//! A compressed dictionary ends with a checksum. If the first and the last bytes of a board's
+//! dictionary equal those of a known one, the dictionaries are equal.
 
 use super::dictionary::Dictionary;
 
-/// Bytes at the end that are compared, fewer than are asked for: what comes behind
-/// would show.
+/// Number of last bytes that are compared. A query requests more: further bytes show that
+/// the dictionary is longer.
 const END: usize = 36;
-/// No more are kept.
+/// Greatest number of dictionaries.
 const MOST: usize = 16;
 
-/// Known dictionaries, packed.
+/// Known dictionaries, compressed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct DictionaryCache(Vec<Vec<u8>>);
 
 impl DictionaryCache {
-    /// Puts one there, unless it is damaged.
+    /// Adds a dictionary unless it is damaged or known.
     pub(super) fn insert(&mut self, packed: Vec<u8>) {
         if packed.len() > END && !self.0.contains(&packed) && Dictionary::unpack(&packed).is_ok() {
             self.0.insert(0, packed);
@@ -24,14 +24,14 @@ impl DictionaryCache {
         }
     }
 
-    /// The next one, from this index on, that begins so.
+    /// The index of the next dictionary, from an index on, that begins with these bytes.
     pub(super) fn find(&self, from: usize, begin: &[u8]) -> Option<usize> {
         let rest = self.0.iter().enumerate().skip(from);
         let mut rest = rest.filter(|(_, known)| known.starts_with(begin));
         rest.next().map(|(index, _)| index)
     }
 
-    /// Its end, and where that begins.
+    /// The offset of the last bytes of a dictionary, and these bytes.
     pub(super) fn end(&self, index: usize) -> Option<(usize, &[u8])> {
         let known = self.0.get(index)?;
         let from = known.len().checked_sub(END)?;

@@ -1,20 +1,19 @@
-//! Boards that execute times of steps: unmodified Klipper firmware.
+//! Boards that execute timed steps: unmodified Klipper firmware.
 //!
 //! ```text
 //!  samples ─► Steps: times of pulses ─► runs ──────┐
-//!  outputs, heartbeat, questions ─────────────────►┴► SendQueue ─► blocks ─► board
+//!  outputs, heartbeat, queries ───────────────────►┴► SendQueue ─► blocks ─► board
 //!  events ◄─ session ◄─ replies ◄─ Dictionary ◄──────── Reader ◄─ blocks ◄─┘
 //! ```
 //!
-//! Every step has its time on the clock of the board, which is asked and
-//! extrapolated. The host is not trusted to live: a stop group in the board stops
-//! both axes when it is not renewed, and so does every limit switch, without the
-//! host having a part in it. Where the axes then stand the board knows to the pulse.
+//! Each step has its time on the clock of the board. The link queries this clock and
+//! extrapolates it. A stop group in the board (Klipper's `trsync`) stops both axes without
+//! the host: at a limit switch, and when the host does not renew it in time. The board then
+//! reports the position of the axes to the pulse.
 
 mod block;
 mod clock_sync;
 mod commands;
-mod compression;
 mod describe;
 mod dictionary;
 mod dictionary_cache;
@@ -27,6 +26,7 @@ mod session;
 mod shutdown;
 mod slowdown;
 mod spindle_estimator;
+mod step_compress;
 mod steps;
 mod wiring;
 

@@ -1,16 +1,17 @@
-//! How many messages a board is given: a small processor that reads too many loses
-//! the time for its steps.
+//! Limits the number of messages per second: a small processor that reads too many messages
+//! makes its steps late.
 
 use super::super::HostTime;
 
-/// Messages that may go at once; in any second that many more than the rate.
+/// Number of messages that may be sent at once, in addition to the rate.
 const BURST: f64 = 60.0;
+/// Number of messages that may arrive in an earlier second than they were sent for.
 const JITTER: f64 = 5.0;
 
-/// The allowance of messages.
+/// A token bucket for messages.
 #[derive(Clone, Debug)]
 pub(super) struct RateLimit {
-    /// Messages a second; none: as many as the wire takes.
+    /// Messages per second; `None` without a limit.
     rate: Option<f64>,
     left: f64,
     at: HostTime,
@@ -25,9 +26,9 @@ impl RateLimit {
         }
     }
 
-    /// In no second more than so many.
+    /// Sets the greatest number of messages in any second; `None` for no limit.
     pub(super) fn set_rate(&mut self, a_second: Option<u32>) {
-        // Some may arrive closer together than they were sent.
+        // Messages may arrive closer together than they were sent.
         self.rate = a_second.map(|most| (f64::from(most) - BURST - JITTER).max(BURST));
     }
 
@@ -39,23 +40,23 @@ impl RateLimit {
         }
     }
 
-    /// Whether one more message may go.
+    /// Whether another message may be sent.
     pub(super) fn allows(&self) -> bool {
         self.rate.is_none() || self.left >= 1.0
     }
 
-    /// How long so many messages take, once the burst is over.
+    /// The time for a number of messages after the burst.
     pub(super) fn time_for(&self, messages: f64) -> HostTime {
         let seconds = self.rate.map_or(0.0, |rate| messages / rate);
         HostTime::try_from_secs_f64(seconds).unwrap_or_default()
     }
 
-    /// Whether hardly any message may go.
+    /// Whether only few messages may be sent.
     pub(super) fn is_short(&self) -> bool {
         self.rate.is_some() && self.left < BURST / 4.0
     }
 
-    /// A message went; what is urgent goes without being asked.
+    /// Counts a sent message. Urgent messages are sent without [`allows`](Self::allows).
     pub(super) fn take(&mut self) {
         if self.rate.is_some() {
             self.left -= 1.0;
@@ -68,14 +69,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_second_has_more_than_the_most() {
+    fn no_second_exceeds_the_limit() {
         let mut rate_limit = RateLimit::unlimited();
         rate_limit.set_rate(Some(700));
         let mut sent: Vec<u64> = Vec::new();
         for ms in 0..5000 {
             rate_limit.refill(HostTime::from_millis(ms));
             if ms % 50 == 0 {
-                // The heartbeat asks nobody.
+                // The heartbeat is urgent: it ignores the limit.
                 rate_limit.take();
                 sent.push(ms);
             }

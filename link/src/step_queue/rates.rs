@@ -1,11 +1,10 @@
-//! How many steps a second a board makes.
+//! Step rates and timing of boards by their processor.
 
-use super::super::{LinkConfig, PulseRates, Refused};
-use super::compression::Ticks;
+use super::super::{LinkConfig, MotionRefused, PulseRates};
+use super::step_compress::Ticks;
 use super::steps::Timing;
 
-/// Steps a second of both axes together that processors were measured to make; half
-/// of it is used.
+/// Measured steps per second of both axes together, by processor. The link uses half.
 const MEASURED: [(&str, u32); 7] = [
     ("stm32g0b1", 790_000),
     ("stm32f103", 820_000),
@@ -15,23 +14,24 @@ const MEASURED: [(&str, u32); 7] = [
     ("rp2350", 2_600_000),
     ("stm32h723", 8_600_000),
 ];
-/// Of a processor nobody has measured.
+/// Steps per second of an unknown processor.
 const UNKNOWN: u32 = 100_000;
-/// Of each axis of the small AVR boards, which are also coarser in time.
+/// Steps per second of each axis of an AVR processor.
 const AVR: u32 = 32_000;
-/// Messages a second of such a board.
+/// Messages per second of an AVR processor.
 const AVR_MESSAGES: u32 = 700;
-/// Farthest a step may lie from its time, µs.
-const AVR_OFF: f64 = 5.0;
-const USUAL_OFF: f64 = 2.0;
+/// Greatest time error of a step of an AVR processor, µs.
+const AVR_STEP_ERROR_US: f64 = 5.0;
+/// Greatest time error of a step of other processors, µs.
+const USUAL_STEP_ERROR_US: f64 = 2.0;
 
-/// What a board can do.
+/// The rates and the timing of a board.
 #[derive(Clone, Debug)]
 pub(super) struct Rates {
     pub(super) timing: [Timing; 2],
-    /// Steps a second of each axis, and of both.
+    /// Greatest step rates.
     pub(super) most: PulseRates,
-    /// Most messages a second, where they are counted.
+    /// Greatest number of messages per second; `None` without a limit.
     pub(super) messages: Option<u32>,
 }
 
@@ -56,16 +56,21 @@ impl Rates {
         let axes = [&config.x, &config.z];
         let each = axes.map(|axis| f64::from(axis.max_rate.unwrap_or(usual)));
         let ticks = |micros: f64| (micros * rate / 1e6) as Ticks;
-        let off = ticks(if avr { AVR_OFF } else { USUAL_OFF }).max(2);
+        let max_error = ticks(if avr {
+            AVR_STEP_ERROR_US
+        } else {
+            USUAL_STEP_ERROR_US
+        })
+        .max(2);
         let timing = [0, 1].map(|axis| {
-            let apart = (rate / each[axis]) as Ticks;
+            let min_interval = (rate / each[axis]) as Ticks;
             let pause = axes[axis].dir_setup_us + axes[axis].step_pulse_us;
-            let turn = ticks(pause.into()).max(apart) + 2 * off;
+            let reversal = ticks(pause.into()).max(min_interval) + 2 * max_error;
             Timing {
                 rate,
-                off,
-                apart,
-                turn,
+                max_error,
+                min_interval,
+                reversal,
             }
         });
         Self {
@@ -78,8 +83,8 @@ impl Rates {
         }
     }
 
-    /// Whether so many pulses in so many seconds can be made.
-    pub(super) fn allow(&self, moves: [i64; 2], seconds: f64) -> Result<(), Refused> {
+    /// Checks that the board can make a number of pulses in a time, s.
+    pub(super) fn allow(&self, moves: [i64; 2], seconds: f64) -> Result<(), MotionRefused> {
         let counts = moves.map(|count| count.unsigned_abs() as f64);
         let too_fast = |count: f64, rate: f64| count > rate * seconds + 1.0;
         let PulseRates { each, both } = self.most;
@@ -87,7 +92,7 @@ impl Rates {
             || too_fast(counts[1], each[1])
             || too_fast(counts[0] + counts[1] - 1.0, both)
         {
-            return Err(Refused::TooFast);
+            return Err(MotionRefused::TooFast);
         }
         Ok(())
     }
@@ -98,15 +103,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn processors_have_their_rates() {
+    fn rates_depend_on_the_processor() {
         let config = LinkConfig::default();
         let avr = Rates::new(&config, "atmega2560", 16e6);
         assert_eq!(avr.allow([33, 33], 1e-3), Ok(()));
-        assert_eq!(avr.allow([34, 0], 1e-3), Err(Refused::TooFast));
-        assert_eq!((avr.timing[0].off, avr.timing[0].apart), (80, 500));
+        assert_eq!(avr.allow([34, 0], 1e-3), Err(MotionRefused::TooFast));
+        let timing = avr.timing[0];
+        assert_eq!((timing.max_error, timing.min_interval), (80, 500));
         let arm = Rates::new(&config, "rp2040", 12e6);
         assert_eq!(arm.allow([600, 600], 1e-3), Ok(()));
-        assert_eq!(arm.allow([700, 600], 1e-3), Err(Refused::TooFast));
-        assert_eq!(arm.timing[0].off, 24);
+        assert_eq!(arm.allow([700, 600], 1e-3), Err(MotionRefused::TooFast));
+        assert_eq!(arm.timing[0].max_error, 24);
     }
 }

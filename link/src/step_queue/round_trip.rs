@@ -1,22 +1,23 @@
-//! How long a block takes to the board and its answer back, and when it is sent again.
+//! Measures the round trip of blocks and derives the retransmission timeout.
 
 use core::time::Duration;
 
-/// Sent again after this or four round trips; doubled to the most.
+/// Least retransmission timeout; otherwise it is four round trips.
 const LEAST_WAIT: Duration = Duration::from_millis(25);
+/// Greatest retransmission timeout; it doubles after each retransmission.
 const MOST_WAIT: Duration = Duration::from_secs(1);
-/// A line that takes longer than this to answer is slow; it is not waited for longer
-/// than that.
+/// Greatest round trip of a line that does not count as slow.
 pub(super) const USUAL_TRIP: Duration = Duration::from_millis(25);
+/// Greatest round trip that the link allows for.
 pub(super) const SLOWEST_TRIP: Duration = Duration::from_millis(200);
 
-/// Round trips of late.
+/// Recent round trips.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RoundTrip {
-    /// The usual one, smoothed.
+    /// Smoothed round trip.
     smooth: Option<Duration>,
     last: Duration,
-    /// An answer is waited for so long.
+    /// Retransmission timeout.
     wait: Duration,
 }
 
@@ -31,40 +32,39 @@ impl Default for RoundTrip {
 }
 
 impl RoundTrip {
-    /// A block was confirmed after so long.
+    /// Takes the round trip of a confirmed block.
     pub(super) fn add(&mut self, trip: Duration) {
         self.smooth = Some(self.smooth.map_or(trip, |old| (old * 7 + trip) / 8));
         self.last = trip;
     }
 
-    /// The usual round trip; zero: not known yet.
+    /// The smoothed round trip; 0 if unknown.
     pub(super) fn usual(&self) -> Duration {
         self.smooth.unwrap_or_default()
     }
 
-    /// How long an answer is waited for before a block is sent again.
+    /// The retransmission timeout.
     pub(super) const fn wait(&self) -> Duration {
         self.wait
     }
 
-    /// A block was confirmed: the next is waited for as usual.
+    /// Resets the timeout after a confirmed block.
     pub(super) fn reset_wait(&mut self) {
         self.wait = (self.usual() * 4).clamp(LEAST_WAIT, MOST_WAIT);
     }
 
-    /// Nothing was confirmed in time.
+    /// Doubles the timeout after a retransmission.
     pub(super) fn wait_longer(&mut self) {
         self.wait = (self.wait * 2).min(MOST_WAIT);
     }
 
-    /// How long the last block that was confirmed was under way, there and back, when
-    /// that is longer than a line takes whose blocks wait for one another. One that was
-    /// lost counts from its first sending: what goes now may be lost as well.
+    /// The round trip of the last confirmed block if it was slow. For a retransmitted block
+    /// it counts from the first transmission: the next block may be lost, too.
     pub(super) fn last_slow(&self) -> Option<Duration> {
         (self.last > USUAL_TRIP).then_some(self.last.min(SLOWEST_TRIP))
     }
 
-    /// How much longer than usual a message took of late.
+    /// How much the smoothed round trip exceeds that of a fast line.
     pub(super) fn slowness(&self) -> Duration {
         self.usual().min(SLOWEST_TRIP).saturating_sub(USUAL_TRIP)
     }

@@ -1,8 +1,7 @@
-//! Messages reach the board once and in order, or the link is lost.
+//! The send queue: delivers messages to the board once and in order, with retransmission.
 //!
-//! Every block of the board carries the number of the block it expects next. An
-//! empty block that says the same number again complains about a block that came
-//! damaged.
+//! Each block of the board has the sequence number of the block that it expects next. An
+//! empty block that repeats the number is a NAK: a block was damaged.
 
 use core::time::Duration;
 use std::collections::VecDeque;
@@ -13,41 +12,43 @@ use super::rate_limit::RateLimit;
 use super::round_trip::{RoundTrip, SLOWEST_TRIP, USUAL_TRIP};
 use super::sequence::Sequence;
 
-/// Unanswered bytes before the board has said how many it can keep, and when it
-/// does not report.
+/// Receive window before the board has reported its size, bytes.
 const FIRST_WINDOW: usize = 64;
+/// Receive window of a board that does not report its size, bytes.
 const USUAL_WINDOW: usize = 1024;
-/// Blocks under way at once.
+/// Greatest number of unconfirmed blocks.
 const MOST_BLOCKS: u64 = 12;
-/// Blocks and bytes of the window that motion leaves to what is urgent.
+/// Number of blocks that motion leaves free for urgent messages.
 const KEPT_BLOCKS: u64 = 2;
+/// Number of bytes that motion leaves free for urgent messages.
 const KEPT_BYTES: usize = 20;
-/// A block that has waited so long for its answer tells of a line that may take as
-/// long as that.
+/// Age of an unconfirmed block from which on the line may be slow.
 const LONG_TRIP: Duration = Duration::from_millis(8);
+/// Assumed round trip of a line that may be slow.
 const SUSPECTED_TRIP: Duration = Duration::from_millis(75);
-/// Bytes of a message.
+/// Average length of a message, bytes.
 const USUAL_MESSAGE: f64 = 8.0;
-/// Without progress for so long the board is lost.
+/// Time without a confirmation after which the board is lost.
 const SILENCE: Duration = Duration::from_millis(500);
-/// A message and what it is for.
+
+/// A message with its delivery requirements.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Message {
     pub(super) bytes: Vec<u8>,
-    /// Board clock before which it must have arrived.
+    /// Board clock before which the message must arrive.
     pub(super) due: Option<u64>,
-    /// It moves an axis: dropped when motion is.
+    /// Whether the message belongs to motion and is dropped with it.
     pub(super) motion: bool,
-    /// It makes steps of this axis, the first at `due`.
+    /// The axis of a step message, whose first step is at `due`.
     pub(super) axis: Option<usize>,
-    /// It must not be left out when it is late.
+    /// Whether the link stops when the message is late. Otherwise a late message is dropped.
     pub(super) vital: bool,
-    /// It asks for a reply that must not be mistaken for an older one.
+    /// The kind of a query whose reply must not be an older one.
     pub(super) mark: Option<Mark>,
 }
 
 impl Message {
-    /// Whenever there is room.
+    /// A message without requirements.
     pub(super) const fn plain(bytes: Vec<u8>) -> Self {
         Self {
             bytes,
@@ -64,7 +65,7 @@ impl Message {
     }
 }
 
-/// Replies that must belong to the newest question.
+/// Kinds of queries whose reply must belong to the newest query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mark {
     Uptime,
@@ -74,34 +75,34 @@ pub(super) enum Mark {
     Switch,
 }
 
-/// What a block of the board tells of the blocks sent.
+/// The acknowledgement in a block of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ack {
-    /// So many blocks have arrived.
+    /// The board expects this sequence number next.
     Expects(u64),
-    /// A number that cannot be.
+    /// An impossible sequence number.
     Strange,
 }
 
-/// Board clocks that tell what is still in time.
+/// Board clocks for the check whether a message is in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Times {
-    /// The clock now.
+    /// The current clock.
     pub(super) now: u64,
-    /// Nothing that is sent now is sure to arrive before this.
+    /// The clock at which a message sent now arrives at the latest.
     pub(super) earliest: u64,
-    /// The same, on a line that does not answer.
+    /// The same for a retransmission on a line that does not answer.
     pub(super) again: u64,
 }
 
-/// What went wrong.
+/// Why the link must stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SendError {
-    /// No answer.
+    /// The board does not answer.
     Silent,
-    /// The board counts its blocks anew: it was reset.
+    /// The board has restarted its sequence: it was reset.
     Restarted,
-    /// A message would come too late for the time it names.
+    /// A vital message would arrive after its due time.
     Late,
 }
 
@@ -109,30 +110,31 @@ pub(super) enum SendError {
 struct Sent {
     messages: Vec<Message>,
     bytes: usize,
-    /// When it was sent first, and when last.
+    /// Time of the first transmission.
     first: HostTime,
+    /// Time of the last transmission.
     at: HostTime,
 }
 
-/// What is on its way to the board.
+/// The waiting and the unconfirmed messages of a board.
 #[derive(Clone, Debug)]
 pub(super) struct SendQueue {
     window: usize,
     urgent: VecDeque<Message>,
     waiting: VecDeque<Message>,
-    /// Blocks the board has not confirmed, the oldest first.
+    /// Unconfirmed blocks, the oldest first.
     in_flight: VecDeque<Sent>,
     sequence: Sequence,
     round_trip: RoundTrip,
-    /// The board has complained about a block that came damaged.
+    /// Whether the board has sent a NAK.
     nak_received: bool,
-    /// When the board last confirmed something.
+    /// Time of the last confirmation.
     progressed: HostTime,
-    /// Number of the block that held the newest question of each kind.
+    /// Sequence number of the block with the newest query of each kind.
     marks: [u64; 5],
-    /// First steps of each axis in the block that was confirmed last, and in what was
-    /// dropped, as clocks.
+    /// Clocks of the first step of each axis in the last confirmed block.
     confirmed_steps: [Option<u64>; 2],
+    /// Clocks of the first dropped step of each axis.
     dropped_steps: [Option<u64>; 2],
     rate_limit: RateLimit,
     pub(super) outgoing: Vec<u8>,
@@ -161,7 +163,7 @@ impl SendQueue {
         }
     }
 
-    /// Forgets everything and learns anew which block the board expects.
+    /// Drops all messages and queries the expected sequence number.
     pub(super) fn begin(&mut self) {
         *self = Self {
             sequence: Sequence::unknown(),
@@ -173,23 +175,23 @@ impl SendQueue {
         };
     }
 
-    /// So many bytes the board keeps; `None`: it does not report.
+    /// Sets the receive window of the board; `None` if it is unknown.
     pub(super) fn set_window(&mut self, bytes: Option<u32>) {
         let bytes = bytes.map_or(USUAL_WINDOW, |bytes| bytes as usize);
         self.window = bytes.clamp(FIRST_WINDOW, 1 << 16);
     }
 
-    /// In no second the board is given more messages; none: as many as the wire takes.
+    /// Sets the greatest number of messages per second; `None` for no limit.
     pub(super) fn set_message_rate(&mut self, a_second: Option<u32>) {
         self.rate_limit.set_rate(a_second);
     }
 
-    /// Motion waits for the wire, for answers, or for its share of the messages.
+    /// Whether motion waits for the window or the rate limit.
     pub(super) fn is_congested(&self) -> bool {
         self.waiting.iter().any(|message| message.motion)
     }
 
-    /// Time until all messages that wait, and so many more, have gone.
+    /// Time for sending all waiting messages and `more` further ones.
     pub(super) fn time_for(&self, more: f64) -> Duration {
         let bytes = self.backlog() as f64 + more * USUAL_MESSAGE;
         let windows = bytes / self.window.saturating_sub(KEPT_BYTES).max(1) as f64;
@@ -199,77 +201,77 @@ impl SendQueue {
         by_count.max(by_window)
     }
 
-    /// The host was away for so long: what came meanwhile is heard only now.
-    pub(super) fn was_away(&mut self, gap: Duration) {
+    /// Extends the timeouts by the duration of a gap in the host.
+    pub(super) fn skip_absence(&mut self, gap: Duration) {
         for sent in &mut self.in_flight {
             sent.first += gap;
         }
     }
 
-    /// Motion waits because the board is not to be given more messages now.
+    /// Whether motion waits for the rate limit.
     pub(super) fn is_rate_limited(&self) -> bool {
         self.is_congested() && self.rate_limit.is_short()
     }
 
-    /// How long the last block that was confirmed was under way, where that is long.
+    /// The round trip of the last confirmed block if it was slow.
     pub(super) fn last_slow_trip(&self) -> Option<Duration> {
         self.round_trip.last_slow()
     }
 
-    /// How much longer than usual it may take now.
+    /// How much longer than on a fast line a message may take now.
     pub(super) fn slowness_now(&self, now: HostTime) -> Duration {
         let oldest = self.in_flight.front();
         let waits = oldest.map_or(Duration::ZERO, |sent| now.saturating_sub(sent.first));
         if waits < LONG_TRIP {
             return self.round_trip.slowness();
         }
-        // What goes now may be all that goes before the line answers again.
+        // The line may stay silent: allow for its current delay.
         let waits = waits.clamp(SUSPECTED_TRIP, SLOWEST_TRIP);
         waits
             .saturating_sub(USUAL_TRIP)
             .max(self.round_trip.slowness())
     }
 
-    /// When the board last confirmed something.
+    /// Time of the last confirmation.
     pub(super) const fn progressed(&self) -> HostTime {
         self.progressed
     }
 
-    /// Whether it is known which block the board expects.
+    /// Whether the expected sequence number is known.
     pub(super) const fn is_synced(&self) -> bool {
         self.sequence.is_synced()
     }
 
-    /// How often that was asked.
+    /// The number of queries for the expected sequence number.
     pub(super) const fn tries(&self) -> u32 {
         self.sequence.tries()
     }
 
-    /// Nothing waits and nothing is unconfirmed.
+    /// Whether no message waits or is unconfirmed.
     pub(super) fn is_empty(&self) -> bool {
         self.urgent.is_empty() && self.waiting.is_empty() && self.in_flight.is_empty()
     }
 
-    /// Bytes that wait or are unconfirmed.
+    /// The number of waiting bytes.
     pub(super) fn backlog(&self) -> usize {
         self.waiting.iter().map(|message| message.bytes.len()).sum()
     }
 
     pub(super) fn push(&mut self, message: Message) {
         if message.axis.is_some() {
-            // Motion begins anew.
+            // A new motion begins.
             self.dropped_steps = [None; 2];
         }
         self.waiting.push_back(message);
     }
 
-    /// Before everything that waits.
+    /// Adds a message before all waiting ones.
     pub(super) fn push_urgent(&mut self, message: Message) {
         self.urgent.push_back(message);
     }
 
-    /// Drops all motion the board has not got. Blocks that may have arrived keep
-    /// their number: either the old one was taken, or the new one will be.
+    /// Drops all motion that is not confirmed. A block that may have arrived keeps its
+    /// sequence number: the board accepts either the old or the new content.
     pub(super) fn drop_motion(&mut self) {
         self.dropped_steps = self.first_missing(false);
         self.waiting.retain(|message| !message.motion);
@@ -278,8 +280,8 @@ impl SendQueue {
         }
     }
 
-    /// The first steps of each axis that the board has not confirmed, as clocks; of the
-    /// block it confirmed last, too, when it may have given up in it.
+    /// Clocks of the first unconfirmed step of each axis. With `in_last` the last confirmed
+    /// block counts as unconfirmed, because the board may have shut down in it.
     pub(super) fn first_missing(&self, in_last: bool) -> [Option<u64>; 2] {
         let last = if in_last {
             self.confirmed_steps
@@ -294,12 +296,13 @@ impl SendQueue {
         })
     }
 
-    /// Whether a reply that came with `expects` answers the newest question.
+    /// Whether a reply in a block with the sequence number `expects` answers the newest
+    /// query.
     pub(super) fn answers(&self, mark: Mark, expects: u64) -> bool {
         self.marks[mark as usize] < expects
     }
 
-    /// A block came.
+    /// Takes the sequence number of a block of the board.
     pub(super) fn block_received(
         &mut self,
         sequence: u8,
@@ -328,8 +331,8 @@ impl SendQueue {
     fn confirm(&mut self, count: u64, now: HostTime) {
         for _ in 0..count {
             if let Some(sent) = self.in_flight.pop_front() {
-                // From its first sending: a line that has become slow shows at once,
-                // and a lost block does not make much of a difference.
+                // From the first transmission: this shows a slow line immediately, and a
+                // lost block has little effect.
                 self.round_trip.add(now.saturating_sub(sent.first));
                 self.confirmed_steps = first_steps(&sent.messages);
             }
@@ -338,11 +341,11 @@ impl SendQueue {
         self.round_trip.reset_wait();
     }
 
-    /// Puts on the wire what may go.
+    /// Sends what window, rate limit and timeouts allow.
     pub(super) fn send(&mut self, now: HostTime, times: Option<Times>) -> Result<(), SendError> {
         self.rate_limit.refill(now);
         if !self.is_synced() {
-            if self.sequence.ask_again(now) {
+            if self.sequence.is_resync_due(now) {
                 self.outgoing.extend(block::encode_block(0, &[]));
             }
             return Ok(());
@@ -363,9 +366,9 @@ impl SendQueue {
         self.send_new(now, times)
     }
 
-    /// Blocks that are in doubt go once more, unless a step in them would come late:
-    /// they may have arrived, and their confirmation be on its way. Only when the step
-    /// should have been made there is nothing left to wait for.
+    /// Retransmits the unconfirmed blocks, unless a step in them would be late. Such a block
+    /// may have arrived, with its confirmation in transit. When the due time of the step
+    /// has passed the link stops.
     fn retransmit(
         &mut self,
         now: HostTime,
@@ -381,11 +384,11 @@ impl SendQueue {
                 let vital = sent.messages.iter().filter(|message| message.vital);
                 vital.filter_map(|message| message.due).min()
             };
-            // Longer than that no confirmation takes.
-            let patience = 2 * self.round_trip.usual() + USUAL_TRIP;
+            // Greatest time for a confirmation.
+            let timeout = 2 * self.round_trip.usual() + USUAL_TRIP;
             let missed = |sent: &Sent| {
                 due_in(sent).is_some_and(|due| due < times.now)
-                    && now.saturating_sub(sent.first) >= patience
+                    && now.saturating_sub(sent.first) >= timeout
             };
             if self.in_flight.iter().any(missed) {
                 return Err(SendError::Late);
@@ -399,7 +402,7 @@ impl SendQueue {
         if overdue {
             self.round_trip.wait_longer();
         }
-        // Blocks that come twice are answered as if something were missing.
+        // The board answers duplicates like missing blocks.
         self.sequence.ignore_naks();
         let first = self.sequence.next() - self.in_flight.len() as u64;
         for (number, sent) in (first..).zip(&mut self.in_flight) {
@@ -442,7 +445,7 @@ impl SendQueue {
                         if message.vital {
                             return Err(SendError::Late);
                         }
-                        // What is renewed all the time does no harm when it is missing.
+                        // A message that is renewed periodically may be dropped.
                         queue.pop_front();
                         continue;
                     }
@@ -480,7 +483,7 @@ impl SendQueue {
     }
 }
 
-/// Clocks of the first steps of each axis in some messages.
+/// Clocks of the first step of each axis in messages.
 fn first_steps<'a>(messages: impl IntoIterator<Item = &'a Message>) -> [Option<u64>; 2] {
     let mut first: [Option<u64>; 2] = [None; 2];
     for message in messages {

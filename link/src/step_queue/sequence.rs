@@ -1,32 +1,33 @@
-//! Sequence numbers of the blocks: which one goes next, and which one the board expects.
+//! Sequence numbers of blocks: the next one to send, and the one the board expects.
 
 use core::time::Duration;
 
 use crate::HostTime;
 
-/// Between two tries to learn the next number, and how many.
+/// Interval of queries for the number that the board expects.
 const RESYNC_EVERY: Duration = Duration::from_millis(100);
-/// A number that cannot be the next, said for so long: the board counts anew.
+/// Time of impossible numbers after which the board counts as restarted.
 const UNEXPECTED: Duration = Duration::from_millis(100);
 
-/// Blocks are numbered; on the wire go the low four bits.
+/// The sequence numbers of a link. The wire carries their low four bits.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sequence {
-    /// Of the next block to send, and of the next one the board expects.
+    /// Number of the next block to send.
     next: u64,
+    /// Number of the next block that the board expects.
     expected: u64,
-    /// What the last empty block of the board said that it expects.
+    /// The number in the last empty block of the board.
     last_empty: Option<u64>,
-    /// Complaints below this are about blocks that were sent again already.
+    /// NAKs below this number are for blocks that were retransmitted already.
     ignored_below: u64,
-    /// Since when the board has said numbers that cannot be.
+    /// Since when the board has sent impossible numbers.
     unexpected_since: Option<HostTime>,
-    /// Tries to learn the number the board expects; none: it is known.
+    /// Number and time of queries for the expected number; `None` if it is known.
     resync: Option<(u32, HostTime)>,
 }
 
 impl Sequence {
-    /// The board is to be asked which number it expects.
+    /// A sequence whose expected number must be queried.
     pub(super) fn unknown() -> Self {
         Self {
             resync: Some((0, HostTime::ZERO)),
@@ -34,12 +35,12 @@ impl Sequence {
         }
     }
 
-    /// Whether it is known which number the board expects.
+    /// Whether the expected number is known.
     pub(super) const fn is_synced(&self) -> bool {
         self.resync.is_none()
     }
 
-    /// How often it was asked.
+    /// The number of queries for the expected number.
     pub(super) const fn tries(&self) -> u32 {
         match self.resync {
             Some((tries, _)) => tries,
@@ -47,8 +48,8 @@ impl Sequence {
         }
     }
 
-    /// Whether it is to be asked now.
-    pub(super) fn ask_again(&mut self, now: HostTime) -> bool {
+    /// Whether a query for the expected number is due; counts it.
+    pub(super) fn is_resync_due(&mut self, now: HostTime) -> bool {
         let tries = self.tries();
         let due = self
             .resync
@@ -59,7 +60,7 @@ impl Sequence {
         due
     }
 
-    /// The board has said which it expects.
+    /// Takes the board's answer with the expected number.
     pub(super) fn sync(&mut self, sequence: u8) {
         self.next = 16 + u64::from(sequence);
         self.expected = self.next;
@@ -67,20 +68,20 @@ impl Sequence {
         self.resync = None;
     }
 
-    /// Number of the next block.
+    /// The number of the next block.
     pub(super) const fn next(&self) -> u64 {
         self.next
     }
 
-    /// The same, for a block that is sent now.
+    /// Returns the number of the next block and counts it as sent.
     pub(super) const fn take(&mut self) -> u64 {
         let next = self.next;
         self.next += 1;
         next
     }
 
-    /// The number that the board expects next, and how many blocks have arrived since it
-    /// last said one; none: that cannot be.
+    /// Takes the number in a block of the board. Returns the number that the board expects
+    /// and the count of newly confirmed blocks; `None` if the number is impossible.
     pub(super) fn received(&mut self, sequence: u8, now: HostTime) -> Option<(u64, u64)> {
         let ahead = u64::from(sequence.wrapping_sub((self.expected & 0x0F) as u8) & 0x0F);
         let expects = self.expected + ahead;
@@ -93,8 +94,8 @@ impl Sequence {
         Some((expects, ahead))
     }
 
-    /// Whether an empty block of the board says that a block came damaged, which was not
-    /// sent again already.
+    /// Whether an empty block of the board is a NAK for a block that was not retransmitted
+    /// yet.
     pub(super) fn is_nak(&mut self, expects: u64, under_way: bool) -> bool {
         let complains =
             self.last_empty == Some(expects) && under_way && expects >= self.ignored_below;
@@ -105,13 +106,13 @@ impl Sequence {
         complains
     }
 
-    /// All blocks so far are sent again: blocks that come twice are answered as if
-    /// something were missing.
+    /// Ignores NAKs for all blocks sent so far. The board answers duplicates like missing
+    /// blocks.
     pub(super) const fn ignore_naks(&mut self) {
         self.ignored_below = self.next;
     }
 
-    /// Whether the board counts its blocks anew: it was reset.
+    /// Whether the board has restarted its count: it was reset.
     pub(super) fn is_reset(&self, now: HostTime) -> bool {
         self.unexpected_since
             .is_some_and(|since| now.saturating_sub(since) >= UNEXPECTED)

@@ -1,4 +1,4 @@
-//! The link with a board of timed steps, from the first byte to the last.
+//! The link to a board with timed steps.
 
 mod backend;
 mod group;
@@ -19,74 +19,75 @@ use crate::position::Positioned;
 use core::time::Duration;
 
 use super::clock_sync::{ClockSync, near};
-use super::commands::{Command, Kind, Reply};
+use super::commands::{Command, Reply, ReplyKind};
 use super::send_queue::{Mark, SendError, Times};
 use super::shutdown;
 use super::wiring::Wiring;
 use crate::drives::Drives;
-use crate::session::Session;
+use crate::session::LinkSession;
 use crate::{HostTime, Input, LinkConfig, LinkState, Stop, Uncertainty};
 use group::Group;
 use gsk_messages::{Message, say};
 use gsk_units::{PerAxis, Pulses, alarm};
-use motion::Motion;
+use motion::StepMotion;
 use opening::Opening;
 use periodic::Periodic;
 use spindle::Spindle;
 use stops::Stopping;
 use wire::Wire;
 
-/// No step is sent that would be made sooner than this.
+/// Least time between sending a step and its execution.
 const LATEST: Duration = Duration::from_millis(20);
-/// A slower line is not waited for.
+/// Greatest transmission time that the link allows for.
 const SLOWEST: Duration = Duration::from_millis(200);
-/// A host that looks at its port so late has done something else.
+/// Gap between two calls from which on the host counts as suspended.
 const AWAY: Duration = Duration::from_millis(10);
-/// A question is asked again after this, and given up after that.
+/// Interval at which an unanswered query is repeated.
 const ASK_AGAIN: Duration = Duration::from_millis(100);
+/// Time after which an unanswered query ends the link.
 const GIVE_UP: Duration = Duration::from_millis(600);
 
-/// What the position of the axes is asked for.
+/// The purpose of a position query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Purpose {
-    /// The dialogue begins.
+enum QueryPurpose {
+    /// The link is being opened.
     Opening,
-    /// All motion is made: does the count agree?
+    /// All motion is executed: compare the counts.
     Verify,
-    /// Does it still agree? Told when somebody wants to know.
-    Look { asked: bool },
+    /// Compare the counts at standstill; report the position if the kernel requested it.
+    Look { requested: bool },
     /// The axes were stopped.
     Stopped,
 }
 
-/// The position of the axes, asked and not answered.
+/// A pending position query.
 #[derive(Clone, Copy, Debug)]
 struct PositionQuery {
-    purpose: Purpose,
+    purpose: QueryPurpose,
     since: HostTime,
-    asked: HostTime,
+    queried_at: HostTime,
     got: [Option<u32>; 2],
 }
 
-/// Where the axes stand, as the board is asked.
+/// The position queries of a link.
 #[derive(Clone, Copy, Debug, Default)]
 struct PositionQueries {
     pending: Option<PositionQuery>,
-    /// When the position of standing axes is looked at again.
+    /// Time of the next comparison at standstill.
     look_due: HostTime,
 }
 
-/// A link to one board.
+/// A link to one board with timed steps.
 #[derive(Clone, Debug)]
 pub struct StepLink {
     config: LinkConfig,
     pulses_per_mm: [f64; 2],
-    session: Session,
+    session: LinkSession,
     opening: Opening,
     wiring: Option<Wiring>,
     wire: Wire,
     clock: ClockSync,
-    motion: Motion,
+    motion: StepMotion,
     group: Group,
     stopping: Option<Stopping>,
     query: PositionQueries,
@@ -95,17 +96,17 @@ pub struct StepLink {
 }
 
 impl StepLink {
-    /// A link whose port has just been opened.
+    /// Starts the dialogue with a board whose port was just opened.
     pub fn open(config: LinkConfig, drives: &Drives, now: HostTime) -> Self {
         let mut link = Self {
             config,
             pulses_per_mm: drives.pulses_per_mm(),
-            session: Session::new(now),
+            session: LinkSession::new(now),
             opening: Opening::new(now),
             wiring: None,
             wire: Wire::new(),
             clock: ClockSync::new(1.0),
-            motion: Motion::new(drives.pulses_per_mm()),
+            motion: StepMotion::new(drives.pulses_per_mm()),
             group: Group::default(),
             stopping: None,
             query: PositionQueries::default(),
@@ -116,31 +117,36 @@ impl StepLink {
         link
     }
 
-    /// Where the slides stand, as far as that is certain.
+    /// The position of the slides; `None` during motion or if it is uncertain.
     pub fn position(&self) -> Option<PerAxis<Pulses>> {
         (self.session.knows_position() && !self.motion.is_under_way())
             .then_some(self.motion.count.commanded)
     }
 
-    fn pass(&mut self, now: HostTime) {
+    fn advance_time(&mut self, now: HostTime) {
         let gap = now.saturating_sub(self.session.now);
         self.session.now += gap;
         if gap >= AWAY {
-            self.wire.send_queue.was_away(gap);
+            self.wire.send_queue.skip_absence(gap);
         }
     }
 
-    /// A board that counts its blocks anew may say why.
+    /// Handles a block with an impossible sequence number: a restarted board reports
+    /// `starting`.
     fn unexpected_sequence(&mut self, content: &[u8]) {
         let replies = self.wire.dictionary.replies(content).unwrap_or_default();
-        if self.is_opened() && replies.iter().any(|reply| reply.kind == Kind::Starting) {
+        if self.is_opened()
+            && replies
+                .iter()
+                .any(|reply| reply.kind == ReplyKind::Starting)
+        {
             self.board_restarted();
         }
     }
 
-    /// The port failed, or the board answers no more.
+    /// Handles a failed port or a silent board.
     pub(super) fn lose_board(&mut self, cause: Message) {
-        if self.session.is_over() {
+        if self.session.is_closed() {
             return;
         }
         self.estimate_position(self.wire.send_queue.progressed());
@@ -155,15 +161,15 @@ impl StepLink {
         self.session.enter(LinkState::Lost);
     }
 
-    /// Stops the board at once.
+    /// Stops the board immediately.
     pub(super) fn stop_at_once(&mut self, stop: Stop) {
         if !self.is_running() || self.session.state == LinkState::Lost {
             return;
         }
         match stop {
             Stop::Flush => self.flush(),
-            // Its own contact: the stop group does it, and a board that is not shut down
-            // tells when it is released.
+            // The board has its own contact: the stop group stops the axes. Unlike a board
+            // that was shut down, it reports when the contact is released.
             Stop::Kill if self.input(Input::EmergencyStop) == Some(true) => self.trip(),
             Stop::Kill => {
                 self.estimate_position(self.session.now);
@@ -178,9 +184,9 @@ impl StepLink {
         }
     }
 
-    /// The operator pressed RESET.
+    /// Handles RESET.
     pub(super) fn reset_faults(&mut self) {
-        self.motion.limits.look();
+        self.motion.limits.confirm_position_checked();
         let still = |input| self.input(input) == Some(true);
         match self.session.state {
             LinkState::Moving => self.flush(),
@@ -224,9 +230,9 @@ impl StepLink {
         }
     }
 
-    /// Nothing that is sent now is sure to arrive before this clock.
+    /// The clock at which a message sent now arrives at the latest.
     fn earliest(&self) -> u64 {
-        // Of the last trip all but what is known to belong to the way back.
+        // The last slow round trip without the known transmission time of the answer.
         let there = self.wire.send_queue.last_slow_trip();
         let there = there.map_or(Duration::ZERO, |trip| {
             trip.saturating_sub(self.clock.report_delay()) + LATEST / 2
@@ -238,18 +244,18 @@ impl StepLink {
         LATEST + (self.clock.round_trip() / 2).min(SLOWEST)
     }
 
-    /// How far ahead the motion is that is handed over now: the lookahead, and on a
-    /// line that has become slow what it takes longer, there and to send it again.
+    /// How far ahead of execution motion is sent: the lookahead, and on a slow line the
+    /// additional time for a transmission and a retransmission.
     fn ahead(&self) -> Duration {
         self.config.lookahead() + 2 * self.wire.send_queue.slowness_now(self.session.now)
     }
 
-    /// A question is asked again after this.
-    fn patience(&self) -> Duration {
+    /// Time after which an unanswered query is repeated.
+    fn query_timeout(&self) -> Duration {
         ASK_AGAIN + 2 * self.wire.send_queue.slowness_now(self.session.now)
     }
 
-    /// A clock for things that are to happen soon, and surely not too late.
+    /// The earliest clock for a command that must not be late.
     fn soon(&self) -> u64 {
         self.clock
             .at(self.session.now + self.ahead() + self.margin())
@@ -258,35 +264,35 @@ impl StepLink {
     fn take(&mut self, reply: &Reply, expects: u64) {
         let numbers = reply.numbers;
         match reply.kind {
-            Kind::Identify => self.identify_reply(numbers[0], &reply.data),
-            Kind::Config if self.wire.send_queue.answers(Mark::Config, expects) => {
+            ReplyKind::Identify => self.identify_reply(numbers[0], &reply.data),
+            ReplyKind::Config if self.wire.send_queue.answers(Mark::Config, expects) => {
                 self.config_reply(numbers);
             }
-            Kind::Uptime if self.wire.send_queue.answers(Mark::Uptime, expects) => {
+            ReplyKind::Uptime if self.wire.send_queue.answers(Mark::Uptime, expects) => {
                 self.uptime_reply(numbers);
             }
-            Kind::Position if self.wire.send_queue.answers(Mark::Position, expects) => {
+            ReplyKind::Position if self.wire.send_queue.answers(Mark::Position, expects) => {
                 self.position_reply(i64::from(numbers[0]), numbers[1]);
             }
-            Kind::Group if self.wire.send_queue.answers(Mark::Group, expects) => {
+            ReplyKind::Group if self.wire.send_queue.answers(Mark::Group, expects) => {
                 self.trsync_report(numbers);
             }
-            Kind::Endstop => {
-                let told = self.wiring.as_ref();
+            ReplyKind::Endstop => {
+                let wiring = self.wiring.as_ref();
                 self.periodic
                     .switches
-                    .report(told, i64::from(numbers[0]), numbers[3]);
+                    .report(wiring, i64::from(numbers[0]), numbers[3]);
                 if self.wire.send_queue.answers(Mark::Switch, expects) {
                     self.level_reply(numbers[0].into(), numbers[3].into());
                 }
             }
-            Kind::Counter => self.counter_report(numbers[2], numbers[3]),
-            Kind::Shutdown => {
+            ReplyKind::Counter => self.counter_report(numbers[2], numbers[3]),
+            ReplyKind::Shutdown => {
                 let clock = near(numbers[0], self.clock.at(self.session.now));
                 self.shut_down(numbers[1], self.clock.moment(clock));
             }
-            Kind::IsShutdown => self.shut_down(numbers[0], self.wire.send_queue.progressed()),
-            Kind::Starting if self.is_opened() => self.board_restarted(),
+            ReplyKind::IsShutdown => self.shut_down(numbers[0], self.wire.send_queue.progressed()),
+            ReplyKind::Starting if self.is_opened() => self.board_restarted(),
             _ => {}
         }
     }
@@ -298,7 +304,7 @@ impl StepLink {
         let text = self.wire.dictionary.text(text);
         let known = shutdown::alarm(&text);
         self.opening.shut_down();
-        // Steps too late and orders without sense it meets when it reads them.
+        // A board detects late steps and invalid commands when it reads a block.
         let in_last = known.as_ref().is_some_and(|(number, _)| {
             matches!(*number, alarm::LINK_PROTOCOL | alarm::STEPS_TOO_LATE)
         });
@@ -312,10 +318,10 @@ impl StepLink {
         self.session.enter(LinkState::Fault);
     }
 
-    /// The board started by itself: power or its reset line.
+    /// Handles an unexpected restart of the board, by power or its reset input.
     fn board_restarted(&mut self) {
         if self.opening.is_shut_down() && !self.session.knows_position() {
-            // It was to be reset anyway.
+            // The board has to be reset in any case.
             return;
         }
         self.opening.shut_down();

@@ -1,57 +1,60 @@
-//! Why a board shuts down, which alarm that is, and what the operator does.
+//! Maps the shutdown reason of a board to an alarm and its remedy.
 
 use gsk_messages::{Message, say};
 use gsk_units::alarm;
 
-/// Whose fault it is.
+/// The cause of a shutdown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Cause {
-    /// Steps came too late.
-    Hurried,
-    /// What the board was told was damaged on the way.
-    Confused,
-    /// The board was not told what it waited for.
-    LeftAlone,
-    /// The board itself.
-    Broken,
+enum ShutdownCause {
+    /// Steps arrived too late.
+    StepsLate,
+    /// A command was damaged on the wire.
+    DamagedCommand,
+    /// The host did not renew an output in time.
+    HostSilent,
+    /// A fault of the board.
+    BoardFault,
 }
 
-impl Cause {
-    /// The alarm, and what helps against it.
-    fn judged(self) -> (u16, Message) {
+impl ShutdownCause {
+    /// The alarm number and the remedy.
+    fn to_alarm(self) -> (u16, Message) {
         match self {
-            Self::Hurried => (alarm::STEPS_TOO_LATE, say::shutdown_steps_late()),
-            Self::Confused => (alarm::LINK_PROTOCOL, say::shutdown_wire_failed()),
-            Self::LeftAlone => (alarm::LINK_LOST, say::shutdown_computer_silent()),
-            Self::Broken => (alarm::BOARD_FAULT, say::shutdown_board_failed()),
+            Self::StepsLate => (alarm::STEPS_TOO_LATE, say::shutdown_steps_late()),
+            Self::DamagedCommand => (alarm::LINK_PROTOCOL, say::shutdown_wire_failed()),
+            Self::HostSilent => (alarm::LINK_LOST, say::shutdown_computer_silent()),
+            Self::BoardFault => (alarm::BOARD_FAULT, say::shutdown_board_failed()),
         }
     }
 }
 
-/// Texts by their beginning.
-const TEXTS: [(&str, Cause); 9] = [
-    ("Timer too close", Cause::Hurried),
-    ("Stepper too far in past", Cause::Hurried),
-    ("Rescheduled timer in the past", Cause::Hurried),
-    ("Move queue overflow", Cause::Confused),
-    ("Invalid count parameter", Cause::Confused),
-    ("Can't reset time when stepper active", Cause::Confused),
-    ("Command parser error", Cause::Confused),
-    ("Invalid command", Cause::Confused),
+/// Beginnings of shutdown texts, with their cause.
+const TEXTS: [(&str, ShutdownCause); 9] = [
+    ("Timer too close", ShutdownCause::StepsLate),
+    ("Stepper too far in past", ShutdownCause::StepsLate),
+    ("Rescheduled timer in the past", ShutdownCause::StepsLate),
+    ("Move queue overflow", ShutdownCause::DamagedCommand),
+    ("Invalid count parameter", ShutdownCause::DamagedCommand),
+    (
+        "Can't reset time when stepper active",
+        ShutdownCause::DamagedCommand,
+    ),
+    ("Command parser error", ShutdownCause::DamagedCommand),
+    ("Invalid command", ShutdownCause::DamagedCommand),
     // "digital out event", "pwm event", "hard pwm event".
-    ("Missed scheduling of next", Cause::LeftAlone),
+    ("Missed scheduling of next", ShutdownCause::HostSilent),
 ];
-/// What our own emergency stop is called.
-const ASKED_FOR: &str = "Command request";
+/// The text of a shutdown by the link's own emergency stop.
+const OWN_STOP: &str = "Command request";
 
-/// The alarm of a shutdown and what helps; none: it was asked for.
+/// The alarm number and the remedy of a shutdown; `None` if the link has requested it.
 pub(super) fn alarm(text: &str) -> Option<(u16, Message)> {
-    if text == ASKED_FOR {
+    if text == OWN_STOP {
         return None;
     }
     let known = TEXTS.iter().find(|(begin, _)| text.starts_with(begin));
-    let cause = known.map_or(Cause::Broken, |(_, cause)| *cause);
-    Some(cause.judged())
+    let cause = known.map_or(ShutdownCause::BoardFault, |(_, cause)| *cause);
+    Some(cause.to_alarm())
 }
 
 #[cfg(test)]
@@ -59,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn texts_have_their_alarms() {
+    fn shutdown_texts_map_to_alarms() {
         let number = |text| alarm(text).map(|(number, _)| number);
         assert_eq!(number("Timer too close"), Some(612));
         assert_eq!(number("Missed scheduling of next pwm event"), Some(605));

@@ -1,27 +1,28 @@
-//! Motion that turns and bends more often than the board can be sent is made slower.
+//! Slows motion down that needs more messages than the wire can carry.
 
 use core::time::Duration;
 
-/// Motion over which the messages it takes are averaged, ms.
+/// Duration of motion over which the number of messages is averaged, ms.
 const AVERAGED: f64 = 30.0;
-/// So long the messages that wait may take, s; and how much longer they take at twice
-/// the time of the kernel.
+/// Transmission time of the waiting messages up to which motion is not slowed, s.
 const USUAL: f64 = 0.03;
+/// Additional transmission time at which motion takes twice its time, s.
 const TWICE: f64 = 0.03;
-/// The slowest, as a multiple of the kernel's time.
+/// Greatest factor of the slowdown.
 const SLOWEST: f64 = 8.0;
-/// Change of that in a ms of motion: slower, and back. As soft as a ramp of the axes.
+/// Greatest increase of the factor per ms of motion; about an acceleration of the axes.
 const BRAKES: f64 = 0.01;
+/// Greatest decrease of the factor per ms of motion.
 const RELEASES: f64 = 0.002;
 
-/// Slowdown of the board against the kernel's.
+/// The slowdown of motion in the board against the kernel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slowdown {
-    /// How many times as long as the kernel's a piece of motion takes.
+    /// Duration of motion in the board, divided by that of the kernel.
     factor: f64,
-    /// Messages that a ms of motion took of late.
+    /// Recent number of messages per ms of motion.
     density: f64,
-    /// Motion that is not compressed, ms.
+    /// Duration of the motion that is not compressed yet, ms.
     uncompressed: f64,
 }
 
@@ -36,13 +37,13 @@ impl Default for Slowdown {
 }
 
 impl Slowdown {
-    /// Messages that the motion which is not compressed will take.
+    /// Expected number of messages for the motion that is not compressed yet.
     pub(super) fn expected(&self) -> f64 {
         self.density * self.uncompressed
     }
 
-    /// How many times as long as the kernel's the next piece of motion takes, when the
-    /// messages that wait need so long.
+    /// Computes the factor for the next motion of a duration. `need` is the transmission
+    /// time of the waiting messages.
     pub(super) fn factor(&mut self, duration: Duration, need: Duration) -> f64 {
         let ms = duration.as_secs_f64() * 1000.0;
         self.uncompressed += ms;
@@ -52,7 +53,7 @@ impl Slowdown {
         self.factor
     }
 
-    /// What was not compressed has taken so many messages.
+    /// Notes the number of messages for the motion that was compressed.
     pub(super) fn compressed(&mut self, messages: u32) {
         if self.uncompressed > 0.0 {
             let weight = self.uncompressed / (self.uncompressed + AVERAGED);

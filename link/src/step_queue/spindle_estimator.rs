@@ -1,4 +1,4 @@
-//! Angle and speed of the spindle, estimated from the counter of its one-turn signal.
+//! Estimates angle and speed of the spindle from the counter of its one-turn signal.
 //!
 //! ```text
 //!  pin      ─┐_______┌─┐_______┌─┐____
@@ -8,57 +8,62 @@
 
 use std::collections::VecDeque;
 
-use super::compression::Ticks;
+use super::step_compress::Ticks;
 
-/// The board looks at the pin so often, s.
+/// Interval at which the board polls the pin, s.
 pub(super) const POLL: f64 = 100e-6;
-/// The line goes through so many turns, or those of so long if they are more, s: a
-/// poll is a large part of a quick turn.
+/// Number of turns through which the line is fitted.
 const LINE_TURNS: i64 = 4;
+/// If this is longer: time over which the line is fitted, s. A poll is a large share of a
+/// fast turn.
 const LINE_TIME: f64 = 0.4;
+/// Least number of index pulses for a line.
 const LEAST_POINTS: usize = 3;
-/// Over so many turns, and at least so long, s, the variation is told.
+/// Least number of turns for the variation.
 const STEADY_TURNS: i64 = 20;
+/// Least time for the variation, s.
 const STEADY_TIME: f64 = 2.0;
-/// Periods are compared over about so long, s: within it a poll says little.
+/// Time over which periods are compared, s; a poll is a small share of it.
 const PERIOD_TIME: f64 = 0.1;
+/// Greatest number of turns over which periods are compared.
 const LONGEST_PERIOD: i64 = 10;
-/// So long a report may take, s.
+/// Greatest transmission time of a report, s.
 const REPORT: f64 = 0.05;
-/// Without an index for so many turns the angle is not known, the signal is lost, or
-/// the spindle stands.
+/// Number of turns without an index pulse after which the angle is unknown.
 const UNCERTAIN: f64 = 1.5;
+/// Number of turns without an index pulse after which the signal is lost.
 const LOST: f64 = 2.0;
+/// Number of turns without an index pulse after which the spindle counts as stopped.
 const STANDS: f64 = 4.0;
-/// A spindle slower than a turn in this time stands, s.
+/// Time of a turn from which on the spindle counts as stopped, s.
 const SLOWEST: f64 = 10.0;
 
-/// One passing of the index.
+/// An index pulse: the number of the turn and its clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct IndexPulse {
     pub(super) turn: i64,
     pub(super) clock: Ticks,
 }
 
-/// Turns over clock.
+/// A line of turns over the board clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Line {
     turn: f64,
     clock: f64,
-    /// Turns a tick of the clock.
+    /// Turns per tick.
     rate: f64,
 }
 
-/// What is known of the turns.
+/// The estimate of the spindle.
 #[derive(Clone, Debug)]
 pub(super) struct SpindleEstimator {
-    /// Ticks a second.
+    /// Clock rate of the board, ticks per second.
     rate: f64,
-    /// The count last reported, and the last even one.
+    /// The last reported count.
     reported: Option<u32>,
+    /// The last even count.
     count: Option<u32>,
-    /// Clock of the newest edge of either kind: reports may show the other one for a
-    /// while.
+    /// Clock of the newest edge of either direction.
     alive: Ticks,
     index_pulses: VecDeque<IndexPulse>,
     line: Option<Line>,
@@ -78,28 +83,28 @@ impl SpindleEstimator {
         }
     }
 
-    /// What was learned does not go on: the spindle has stood or was reversed.
+    /// Restarts the estimate after a stop or a reversal of the spindle.
     pub(super) fn begin_anew(&mut self) {
         let newest = self.index_pulses.back().copied();
         self.index_pulses.clear();
         self.line = None;
         self.variation = None;
-        // The number goes on, the time does not.
+        // Keep the number of the turn.
         self.index_pulses.extend(newest);
     }
 
-    /// The board reports its count and the clock of the newest edge; the passing of
-    /// the index that it tells of, if that is a new one.
+    /// Takes a report of the count and the clock of the newest edge. Returns the index pulse
+    /// if it is new.
     pub(super) fn counter_report(&mut self, count: u32, clock: u64) -> Option<IndexPulse> {
         if self.reported == Some(count) {
             return None;
         }
         if self.reported.replace(count).is_none() {
-            // Whenever that was.
+            // The time of the first edge is unknown.
             self.count = count.is_multiple_of(2).then_some(count);
             return None;
         }
-        let over = self.is_over(clock as Ticks);
+        let over = self.has_stopped(clock as Ticks);
         self.alive = clock as Ticks;
         if !count.is_multiple_of(2) {
             return None;
@@ -137,14 +142,14 @@ impl SpindleEstimator {
         }
     }
 
-    /// The line through the last turns.
+    /// Fits the line through the last turns.
     fn fit_line(&self) -> Option<Line> {
         let newest = *self.index_pulses.back()?;
         let time = self.ticks(LINE_TIME);
         let used = |pulse: &&IndexPulse| {
             newest.turn - pulse.turn <= LINE_TURNS || newest.clock - pulse.clock <= time
         };
-        // Relative to the newest, the numbers are small.
+        // Coordinates relative to the newest pulse keep the numbers small.
         let newer = self.index_pulses.iter().rev().take_while(used).count();
         let points = || {
             let points = self.index_pulses.iter().rev().take(newer.max(LEAST_POINTS));
@@ -168,7 +173,7 @@ impl SpindleEstimator {
             over += (turns - turn) * (turns - turn);
             under += (turns - turn) * (at - clock);
         }
-        // The turns are exact, the clocks are not.
+        // Minimize the errors of the clocks: the turns are exact.
         (under > 0.0).then(|| Line {
             turn: newest.turn as f64 + turn,
             clock: newest.clock as f64 + clock,
@@ -176,8 +181,8 @@ impl SpindleEstimator {
         })
     }
 
-    /// Greatest difference of the periods of late, as a part of their mean, without
-    /// what the polling makes of it; none: too few turns yet.
+    /// Greatest difference of recent periods as a fraction of their mean, less the error of
+    /// polling. `None` with too few turns.
     fn vary(&self) -> Option<f64> {
         let (oldest, newest) = (*self.index_pulses.front()?, *self.index_pulses.back()?);
         let (turns, time) = (newest.turn - oldest.turn, newest.clock - oldest.clock);
@@ -200,51 +205,51 @@ impl SpindleEstimator {
         Some(((most - least - polling) / mean).max(0.0))
     }
 
-    /// Time since the newest edge, in turns of the line beyond what a report takes.
+    /// Time since the newest edge less the time of a report, in turns of the line.
     fn age(&self, now: Ticks) -> Option<f64> {
         let past = now - self.alive - self.ticks(REPORT);
         Some(past as f64 * self.line?.rate)
     }
 
-    fn is_over(&self, now: Ticks) -> bool {
+    fn has_stopped(&self, now: Ticks) -> bool {
         let slow = now - self.alive > self.ticks(SLOWEST);
         slow || self.age(now).is_some_and(|age| age > STANDS)
     }
 
-    /// Turns a second; 0: it stands, or nothing is known.
+    /// Speed, turns per second; 0 if the spindle is stopped or no speed is known.
     pub(super) fn speed(&self, now: Ticks) -> f64 {
         let (Some(line), Some(age)) = (self.line, self.age(now)) else {
             return 0.0;
         };
-        if self.is_over(now) {
+        if self.has_stopped(now) {
             0.0
         } else if age > UNCERTAIN {
-            // It has not made its turn: it is no faster than this.
+            // The turn is not complete: the speed is at most this.
             line.rate * self.rate / age
         } else {
             line.rate * self.rate
         }
     }
 
-    /// The signal has not come for too long.
+    /// Whether the one-turn signal is missing for too long.
     pub(super) fn is_lost(&self, now: Ticks) -> bool {
         self.age(now).is_none_or(|age| age > LOST)
     }
 
-    /// Whether the angle can be told ahead.
+    /// Whether the angle can be predicted.
     pub(super) fn is_known(&self, now: Ticks) -> bool {
         let turns = self.index_pulses.front().zip(self.index_pulses.back());
         turns.is_some_and(|(oldest, newest)| newest.turn - oldest.turn >= LINE_TURNS)
             && self.age(now).is_some_and(|age| age <= UNCERTAIN)
     }
 
-    /// SpindleEstimator at a clock, by the line.
+    /// Predicted turns at a clock.
     pub(super) fn at(&self, clock: Ticks) -> Option<f64> {
         let line = self.line?;
         Some(line.turn + (clock as f64 - line.clock) * line.rate)
     }
 
-    /// SpindleEstimator in so many ticks, by the line.
+    /// Turns in a number of ticks.
     pub(super) fn in_ticks(&self, ticks: Ticks) -> f64 {
         self.line.map_or(0.0, |line| ticks as f64 * line.rate)
     }
@@ -260,8 +265,8 @@ mod tests {
 
     const RATE: f64 = 16e6;
 
-    /// Both edges of a spindle, looked at every 0.1 ms, reported every 20 ms; clock
-    /// and truth at the end.
+    /// Simulates both edges of a spindle, polled every 0.1 ms and reported every 20 ms.
+    /// Returns the clock at the end.
     fn spin(turns: &mut SpindleEstimator, seconds: f64, angle: impl Fn(f64) -> f64) -> Ticks {
         let (mut count, mut level, mut edge) = (0_u32, false, 0_u64);
         let polls = (seconds / POLL) as u64;
@@ -280,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn a_steady_spindle_is_foreseen() {
+    fn a_constant_speed_is_predicted() {
         for rpm in [37.0, 111.0, 596.1, 1234.5, 2987.0] {
             let mut turns = SpindleEstimator::new(RATE);
             let angle = |at: f64| at * rpm / 60.0 + 0.37;
@@ -289,19 +294,19 @@ mod tests {
             let speed = turns.speed(now) * 60.0;
             assert!((speed / rpm - 1.0).abs() < 1e-3, "{speed} for {rpm}");
             assert!(turns.variation().unwrap() < 0.001, "{rpm}");
-            // The falling edge is a tenth of a turn behind the index.
+            // Even counts are falling edges, a tenth of a turn after the rising edge.
             let ahead = now + turns.ticks(0.13);
             let foreseen = turns.at(ahead).unwrap();
             let truth = angle(ahead as f64 / RATE) - 0.1;
             let off = (foreseen - truth) - (foreseen - truth).round();
-            // Within a poll.
+            // The error is less than a poll.
             assert!(off.abs() < POLL * rpm / 60.0, "{off} at {rpm}");
         }
     }
 
     #[test]
     fn a_ripple_is_a_variation() {
-        // 1 % up and down at 0.5 Hz, and a tenth of that.
+        // ±1 % at 0.5 Hz, and ±0.05 %.
         for (part, least, most) in [(0.01, 0.015, 0.021), (0.0005, 0.0, 0.0012)] {
             for rpm in [300.0, 600.0, 2000.0] {
                 let mut turns = SpindleEstimator::new(RATE);
@@ -316,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn a_spindle_that_stops_is_slower_and_then_stands() {
+    fn a_missing_signal_lowers_the_speed_to_zero() {
         let mut turns = SpindleEstimator::new(RATE);
         let now = spin(&mut turns, 5.0, |at| at * 10.0);
         assert!((turns.speed(now) - 10.0).abs() < 0.05);
@@ -328,8 +333,8 @@ mod tests {
     }
 
     #[test]
-    fn a_spindle_that_has_stood_for_long_stands() {
-        // 180 MHz: after 12 s the low half of a clock says nothing any more.
+    fn a_stopped_spindle_remains_stopped_when_its_clock_is_ambiguous() {
+        // At 180 MHz the low half of a clock is ambiguous after 12 s.
         let mut turns = SpindleEstimator::new(180e6);
         for turn in 0..30_u32 {
             turns.counter_report(turn * 2, u64::from(turn) * 18_000_000);
@@ -337,15 +342,15 @@ mod tests {
         let stopped = 29 * 18_000_000_u64;
         for seconds in 0..60 {
             let now = stopped + seconds * 180_000_000;
-            let told = super::super::clock_sync::near(stopped as u32, now);
-            turns.counter_report(58, told);
+            let clock = super::super::clock_sync::near(stopped as u32, now);
+            turns.counter_report(58, clock);
             let speed = turns.speed(now as Ticks);
             assert!(seconds == 0 || speed == 0.0, "{speed} after {seconds} s");
         }
     }
 
     #[test]
-    fn counts_and_clocks_pass_their_ends() {
+    fn counts_wrap_and_clocks_exceed_32_bits() {
         let mut turns = SpindleEstimator::new(RATE);
         let mut last = 0;
         for turn in 0..10_u64 {

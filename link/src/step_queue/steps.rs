@@ -1,58 +1,58 @@
-//! One axis: samples become times of pulses, times become runs for the board.
+//! Converts the samples of one axis to times of steps, and these to compressed runs.
 
 use std::collections::VecDeque;
 
 use super::super::FINE;
-use super::compression::{Run, Ticks, Tolerance, longest_run};
+use super::step_compress::{Run, Ticks, Tolerance, longest_run};
 
-/// Before it may be set, the board's step clock must have stood for so long, s.
+/// Time without steps after which the board's step clock may be set, s.
 const SETTLED: f64 = 0.008;
 
-/// Where steps may lie farther from their time: this part of the way between two of
-/// them, at the finest.
+/// Divisor for the time error of steps as a share of their interval, at the finest.
 const FINEST_PART: Ticks = 64;
 
-/// A pulse and when it is due.
+/// The due time of a step and its direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Due {
     at: Ticks,
     up: bool,
 }
 
-/// What the board is sent for some steps.
+/// The commands for a run of steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Entry {
-    /// Sets the step clock first.
+    /// The value to which the step clock is set before the run, if any.
     pub(super) from: Option<Ticks>,
-    /// Sets the direction first.
+    /// The direction that is set before the run, if any.
     pub(super) up: Option<bool>,
     pub(super) run: Run,
-    /// Clock of its first and of its last step.
+    /// Clock of the first step.
     pub(super) first: Ticks,
+    /// Clock of the last step.
     pub(super) last: Ticks,
 }
 
 impl Entry {
-    /// Messages it takes.
+    /// The number of messages.
     pub(super) fn messages(&self) -> u32 {
         1 + u32::from(self.from.is_some()) + u32::from(self.up.is_some())
     }
 }
 
-/// How steps are timed at this board.
+/// The timing of steps at a board.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Timing {
-    /// Ticks a second.
+    /// Clock rate, ticks per second.
     pub(super) rate: f64,
-    /// Farthest a step may lie from its time.
-    pub(super) off: Ticks,
-    /// Least time between two steps.
-    pub(super) apart: Ticks,
-    /// Least time between steps that go different ways.
-    pub(super) turn: Ticks,
+    /// Greatest time error of a step.
+    pub(super) max_error: Ticks,
+    /// Least interval between two steps.
+    pub(super) min_interval: Ticks,
+    /// Least interval between two steps of different directions.
+    pub(super) reversal: Ticks,
 }
 
-/// The ends of a sample, as clocks, and the position there.
+/// Clocks and positions at both ends of a sample.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stretch {
     pub(super) clock: [Ticks; 2],
@@ -60,19 +60,19 @@ pub(super) struct Stretch {
     pub(super) fine: [i64; 2],
 }
 
-/// The steps of an axis.
+/// The due steps of an axis.
 #[derive(Clone, Debug)]
 pub(super) struct Steps {
     timing: Timing,
     due: VecDeque<Due>,
-    /// The newest pulse due.
+    /// The newest due step.
     newest: Option<Due>,
-    /// Clock of the last step compressed; none: the board's step clock must be set.
+    /// Clock of the last compressed step; `None` if the board's step clock must be set.
     last: Option<Ticks>,
-    /// Direction the board has been sent.
+    /// The last direction sent to the board.
     up: Option<bool>,
-    /// How far the last step compressed lies from its time.
-    off: Ticks,
+    /// Time error of the last compressed step.
+    last_error: Ticks,
 }
 
 impl Steps {
@@ -83,11 +83,11 @@ impl Steps {
             newest: None,
             last: None,
             up: None,
-            off: 0,
+            last_error: 0,
         }
     }
 
-    /// The board has dropped everything and knows no time and no direction.
+    /// Drops all steps; the board needs step clock and direction again.
     pub(super) fn forget(&mut self) {
         *self = Self::new(self.timing);
     }
@@ -96,18 +96,18 @@ impl Steps {
         self.due.is_empty()
     }
 
-    /// When the first pulse is due that is not compressed.
+    /// The time of the first step that is not compressed yet.
     pub(super) fn first(&self) -> Option<Ticks> {
         self.due.front().map(|due| due.at)
     }
 
-    /// Each pulse of a sample is due where the position, straight in between, passes the
-    /// half before it.
+    /// Adds the steps of a sample. A step is due when the linearly interpolated position is
+    /// halfway between two pulses.
     pub(super) fn sample(&mut self, stretch: Stretch) {
         let [from, to] = stretch.count;
         let up = to > from;
         let [fine, fine_end] = stretch.fine;
-        let way = (fine_end - fine) as f64;
+        let distance = (fine_end - fine) as f64;
         let [begin, end] = stretch.clock;
         let duration = (end - begin) as f64;
         for passed in 0..(to - from).abs() {
@@ -116,21 +116,21 @@ impl Steps {
             } else {
                 (from - passed) * FINE - FINE / 2
             };
-            // A position that misses its half by rounding has the pulse at the end.
-            let share = if way == 0.0 {
+            // Without any motion in fine units the step is due at the end.
+            let share = if distance == 0.0 {
                 1.0
             } else {
-                (half - fine) as f64 / way
+                (half - fine) as f64 / distance
             };
             let share = share.clamp(0.0, 1.0);
             let at = begin + (share * duration) as Ticks;
             let least = self.newest.map_or(Ticks::MIN, |newest| {
-                let apart = if newest.up == up {
-                    self.timing.apart
+                let interval = if newest.up == up {
+                    self.timing.min_interval
                 } else {
-                    self.timing.turn
+                    self.timing.reversal
                 };
-                newest.at + apart
+                newest.at + interval
             });
             let due = Due {
                 at: at.max(least),
@@ -141,37 +141,38 @@ impl Steps {
         }
     }
 
-    /// All pulses due as runs. `now` is the board's clock, at most a little late; a
-    /// step may lie `coarse` times as far from its time as usual.
+    /// Compresses all due steps into runs. `now` is the board's clock or slightly earlier.
+    /// Steps may have `coarse` times the usual time error.
     pub(super) fn compress(&mut self, now: Ticks, coarse: Ticks, entries: &mut Vec<Entry>) {
         let due: Vec<Due> = self.due.drain(..).collect();
         for same in due.chunk_by(|a, b| a.up == b.up) {
             let times: Vec<Ticks> = same.iter().map(|due| due.at).collect();
             let up = same[0].up;
             let mut rest = times.as_slice();
-            let mut turns = self.up.is_some_and(|before| before != up);
+            let mut reverses = self.up.is_some_and(|before| before != up);
             while let Some(&first) = rest.first() {
                 let settled = (SETTLED * self.timing.rate) as Ticks;
                 let (last, from) = match self.last.filter(|last| now - last < settled) {
                     Some(last) => (last, None),
                     None => {
-                        // As if a step had come one interval before.
+                        // Set the step clock one interval before the first step.
                         let gap = rest
                             .get(1)
-                            .map_or(self.timing.turn, |second| second - first);
-                        let gap = gap.clamp(self.timing.turn, self.timing.turn.max(settled));
+                            .map_or(self.timing.reversal, |second| second - first);
+                        let longest = self.timing.reversal.max(settled);
+                        let gap = gap.clamp(self.timing.reversal, longest);
                         (first - gap, Some(first - gap))
                     }
                 };
                 let limits = Tolerance {
-                    // What lies farther off already is made up for without haste.
-                    off: (self.timing.off * coarse).max(self.off),
-                    part: (coarse > 1).then_some(FINEST_PART / coarse),
-                    apart: self.timing.apart,
-                    first: if turns && from.is_none() {
-                        self.timing.turn - 2 * self.timing.off
+                    // A larger error that exists already may shrink slowly.
+                    max_error: (self.timing.max_error * coarse).max(self.last_error),
+                    error_divisor: (coarse > 1).then_some(FINEST_PART / coarse),
+                    min_interval: self.timing.min_interval,
+                    min_first_interval: if reverses && from.is_none() {
+                        self.timing.reversal - 2 * self.timing.max_error
                     } else {
-                        self.timing.apart
+                        self.timing.min_interval
                     },
                 };
                 let Some(run) = longest_run(last, rest, limits) else {
@@ -186,9 +187,9 @@ impl Steps {
                     last: end,
                 });
                 self.up = Some(up);
-                self.off = (end - rest[usize::from(run.count).min(rest.len()) - 1]).abs();
+                self.last_error = (end - rest[usize::from(run.count).min(rest.len()) - 1]).abs();
                 self.last = Some(end);
-                turns = false;
+                reverses = false;
                 rest = &rest[usize::from(run.count).min(rest.len())..];
             }
         }
@@ -202,13 +203,13 @@ mod tests {
 
     const TIMING: Timing = Timing {
         rate: 16e6,
-        off: 80,
-        apart: 500,
-        turn: 660,
+        max_error: 80,
+        min_interval: 500,
+        reversal: 660,
     };
 
-    /// Samples of a millisecond along a path in pulses; every step of every run is
-    /// compared with its time, and the pulses counted.
+    /// Follows a path in pulses with samples of a millisecond. Compares each step of each run
+    /// with its due time, and counts the steps.
     fn follow(path: &[f64], timing: Timing, flush: usize) -> u64 {
         let mut steps = Steps::new(timing);
         let ms = (timing.rate / 1000.0) as Ticks;
@@ -237,18 +238,18 @@ mod tests {
             up = entry.up.or(up);
             for k in 1..=Ticks::from(entry.run.count) {
                 let at = start + entry.run.step(k);
-                let apart = if turned && k == 1 {
-                    timing.turn - 2 * timing.off
+                let interval = if turned && k == 1 {
+                    timing.reversal - 2 * timing.max_error
                 } else {
-                    timing.apart
+                    timing.min_interval
                 };
                 assert!(
-                    last == Ticks::MIN || at - last >= apart,
+                    last == Ticks::MIN || at - last >= interval,
                     "{entry:?} step {k} at {at} after {last}"
                 );
                 let due = wanted.next().unwrap();
                 assert!(
-                    (due.at - at).abs() <= timing.off,
+                    (due.at - at).abs() <= timing.max_error,
                     "{entry:?} step {k} at {at}: {due:?}"
                 );
                 assert_eq!(Some(due.up), up);
@@ -262,7 +263,7 @@ mod tests {
         made
     }
 
-    /// Speeds in pulses a millisecond, reached with ramps.
+    /// A path from parts of target speed, duration and acceleration, in pulses and ms.
     fn trapezoids(parts: &[(f64, usize, f64)]) -> Vec<f64> {
         let (mut path, mut speed) = (vec![0.0], 0.0_f64);
         let mut place = 0.0;
@@ -281,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_is_due_where_its_half_is_passed() {
+    fn a_step_is_due_halfway_between_two_pulses() {
         let mut steps = Steps::new(TIMING);
         steps.sample(Stretch {
             clock: [0, 16_000],
@@ -298,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn the_step_clock_is_set_only_when_the_axis_has_stood() {
+    fn the_step_clock_is_set_after_a_standstill_only() {
         let mut steps = Steps::new(TIMING);
         let mut entries = Vec::new();
         let mut one = |steps: &mut Steps, clock: Ticks, now: Ticks, from: i64| {
@@ -312,13 +313,13 @@ mod tests {
             entries[0]
         };
         assert!(one(&mut steps, 2_000_000, 400_000, 0).from.is_some());
-        // The last step is made only later than now.
+        // The last step is not executed yet.
         let entry = one(&mut steps, 3_600_000, 2_000_000, 1);
         assert_eq!((entry.from, entry.run.interval), (None, 1_600_000));
         assert!(one(&mut steps, 9_000_000, 7_400_000, 2).from.is_some());
     }
 
-    /// STEPS=1000000 in the environment tries so many steps.
+    /// The environment variable STEPS sets the number of steps.
     #[test]
     fn no_step_misses_its_time() {
         let wanted: u64 = std::env::var("STEPS")
@@ -340,9 +341,9 @@ mod tests {
             } else {
                 Timing {
                     rate: 180e6,
-                    off: 360,
-                    apart: 900,
-                    turn: 3000,
+                    max_error: 360,
+                    min_interval: 900,
+                    reversal: 3000,
                 }
             };
             let path = match random(3) {
@@ -358,7 +359,7 @@ mod tests {
                     trapezoids(&parts)
                 }
                 1 => {
-                    // An arc, one axis of it: radius in pulses, a tick turns by an angle.
+                    // An arc, one axis of it: radius in pulses, a tick reverses by an angle.
                     let (radius, turn) = (random(4000) as f64, (1 + random(60)) as f64 * 1e-4);
                     (0..1500)
                         .map(|k| radius * libm::sin(f64::from(k) * turn))
@@ -376,7 +377,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn reversals_keep_their_distance(parts in prop::collection::vec((-20.0f64..20.0, 0usize..8, 0.5f64..20.0), 1..20)) {
+        fn reversals_keep_their_interval(parts in prop::collection::vec((-20.0f64..20.0, 0usize..8, 0.5f64..20.0), 1..20)) {
             follow(&trapezoids(&parts), TIMING, 10);
         }
     }

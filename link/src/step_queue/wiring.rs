@@ -1,4 +1,4 @@
-//! What hangs on which pin: the configuration the board is given.
+//! Builds the configuration of a board from the wiring in the machine file.
 
 use core::fmt::Write;
 
@@ -10,48 +10,47 @@ use gsk_messages::{Message, say};
 use gsk_units::PerAxis;
 use thiserror::Error;
 
-/// The drives lose their enable so long after the PC has fallen silent, ms.
+/// Time without a command after which the board disables the drives, ms.
 const ENABLE_MS: u64 = 500;
-/// Cycles of the spindle voltage a second.
+/// Frequency of the pulse width modulation for the spindle voltage, Hz.
 const SPEED_CYCLES: u64 = 1000;
-/// Full voltage, where the board does not report.
+/// Value of the full spindle voltage in boards without the constant `PWM_MAX`.
 const USUAL_FULL: u32 = 255;
 
-/// A switch at the board.
+/// A configured input of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Switch {
     pub(super) input: Input,
     pub(super) oid: i64,
-    /// Level of the pin when it is operated.
+    /// Level of the pin when the switch is operated.
     pub(super) level: i64,
 }
 
-/// An output of the board.
+/// A configured output of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Drain {
+pub(super) struct OutputPin {
     pub(super) output: Output,
     pub(super) oid: i64,
     pub(super) inverted: bool,
 }
 
-/// Everything that hangs on the board.
+/// The configuration of a board, with the object numbers (oid) of all parts.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Wiring {
     pub(super) axes: PerAxis<i64>,
     pub(super) groups: [i64; 2],
-    pub(super) enable: Drain,
+    pub(super) enable: OutputPin,
     pub(super) switches: Vec<Switch>,
-    pub(super) outputs: Vec<Drain>,
+    pub(super) outputs: Vec<OutputPin>,
     pub(super) index: Option<i64>,
-    /// Full spindle voltage.
+    /// Value of the full spindle voltage.
     pub(super) full: u32,
-    /// The messages, without the last one.
+    /// The configuration messages without `finalize_config`.
     pub(super) messages: Vec<Vec<u8>>,
-    /// What tells this configuration from others.
+    /// CRC of the configuration: identifies it in the board.
     pub(super) crc: u32,
 }
 
-/// A pin of the board.
 struct Pin {
     number: i64,
     pull_up: bool,
@@ -65,13 +64,13 @@ struct Writer<'a> {
     messages: Vec<Vec<u8>>,
 }
 
-/// Why a board cannot be wired as the machine file says; keys are those of its `link`.
+/// Why a board cannot have the wiring of the machine file. Keys are those of `link`.
 #[derive(Debug, Error)]
 #[error("{}", self.message())]
 pub(super) enum WiringError {
-    /// The board has no such pin.
+    /// The board has no pin of this name.
     NoPin { key: String, pin: String },
-    /// The board uses the pin.
+    /// The board reserves the pin for a purpose.
     Reserved {
         key: String,
         pin: String,
@@ -80,7 +79,7 @@ pub(super) enum WiringError {
 }
 
 impl WiringError {
-    /// In words.
+    /// The text for the operator.
     pub(super) fn message(&self) -> Message {
         match self {
             Self::NoPin { key, pin } => say::board_pin_missing(key, pin),
@@ -120,7 +119,7 @@ impl Writer<'_> {
         let mut arguments_left = arguments.iter();
         for word in COMMANDS[command as usize].2.split(' ') {
             match (word.split_once('='), arguments_left.len()) {
-                // A `String` takes everything that is written to it.
+                // Writing to a `String` cannot fail.
                 (Some((name, _)), 1..) => {
                     let value = arguments_left.next().copied().unwrap_or_default();
                     let _ = write!(self.text, " {name}={value}");
@@ -134,7 +133,7 @@ impl Writer<'_> {
 }
 
 impl Wiring {
-    /// The configuration of a board at so many ticks a second.
+    /// Builds the configuration of a board with a clock rate in ticks per second.
     pub(super) fn new(
         config: &LinkConfig,
         board: &Dictionary,
@@ -195,7 +194,7 @@ impl Wiring {
                 Command::ConfigPwmOut,
                 &[oid, pin.number, cycle, off, off, 0],
             );
-            outputs.push(Drain {
+            outputs.push(OutputPin {
                 output: Output::SpindleSpeed,
                 oid,
                 inverted: pin.inverted,
@@ -234,7 +233,7 @@ impl Writer<'_> {
         name: &str,
         output: Output,
         longest: u64,
-    ) -> Result<Drain, WiringError> {
+    ) -> Result<OutputPin, WiringError> {
         let pin = self.pin(key, name)?;
         let oid = self.oid();
         let off = i64::from(pin.inverted);
@@ -242,7 +241,7 @@ impl Writer<'_> {
             Command::ConfigDigitalOut,
             &[oid, pin.number, off, off, longest as i64],
         );
-        Ok(Drain {
+        Ok(OutputPin {
             output,
             oid,
             inverted: pin.inverted,
@@ -283,7 +282,7 @@ impl Writer<'_> {
     }
 }
 
-/// The usual 32 bit check (IEEE).
+/// CRC-32 (IEEE 802.3).
 fn crc32(bytes: &[u8]) -> u32 {
     let update = |crc: u32, byte: &u8| {
         (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
@@ -298,7 +297,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_check_is_the_usual_one() {
+    fn the_crc_has_the_standard_check_value() {
         assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
     }
 }

@@ -21,12 +21,12 @@ use gsk_core::preview::{Progress, preview_while};
 use gsk_core::setup::Setup;
 use gsk_core::units::Diameter;
 use gsk_workpiece::grid::{GridPoint, grid};
-use gsk_workpiece::job::{Job, Place};
-use gsk_workpiece::motion::Kind;
-use gsk_workpiece::region::{Bounds, Region};
-use gsk_workpiece::scene::{Cutter, Scene};
+use gsk_workpiece::job::{DiameterPoint, Job};
+use gsk_workpiece::motion::MotionKind;
+use gsk_workpiece::region::{GridBounds, Region};
+use gsk_workpiece::scene::{LatheScene, SceneTool};
 use gsk_workpiece::stock::{Form, Stock};
-use gsk_workpiece::tool::{Shape, Tool};
+use gsk_workpiece::tool::{Tool, ToolShape};
 
 use crate::curves::RapidRates;
 use tools::{Known, Pose};
@@ -66,7 +66,7 @@ const BETTER: f64 = 0.5;
 /// tool stands before the bar at power-on, and no offset is right, so that the tools
 /// must be set by trial cuts.
 pub fn practice() -> Job {
-    let length = |x: f64, z: f64| Place { x: Diameter(x), z };
+    let length = |x: f64, z: f64| DiameterPoint { x: Diameter(x), z };
     let tools = [
         (1, Tool::turning(), length(0.0, 0.0)),
         (2, Tool::grooving(3.0), length(6.4, -2.7)),
@@ -178,7 +178,7 @@ struct Intruded {
     /// In a rapid; else by what does not cut.
     rapid: bool,
     region: Region,
-    bounds: Bounds,
+    bounds: GridBounds,
 }
 
 impl Guess<'_> {
@@ -288,11 +288,11 @@ impl Guess<'_> {
         let radius = self.radii.first().copied().unwrap_or(THINNEST);
         let front = self.fronts.first().copied().unwrap_or(0.0);
         let tools = self.tools(radius, front, &self.slim);
-        let cutters: BTreeMap<u8, Cutter> = tools
+        let cutters: BTreeMap<u8, SceneTool> = tools
             .iter()
-            .map(|(number, tool)| (*number, Cutter::new(Shape::of(tool))))
+            .map(|(number, tool)| (*number, SceneTool::new(ToolShape::from_tool(tool))))
             .collect();
-        let mut scene = Scene::new(&self.stock(radius, front));
+        let mut scene = LatheScene::new(&self.stock(radius, front));
         let mut intrusions = Vec::new();
         for step in self.tried {
             let Some(cutter) = cutters.get(&step.tool) else {
@@ -303,7 +303,7 @@ impl Guess<'_> {
                 if let Some(bounds) = region.bounds() {
                     intrusions.push(Intruded {
                         tool: step.tool,
-                        rapid: rapid || matches!(step.motion.kind, Kind::Rapid),
+                        rapid: rapid || matches!(step.motion.kind, MotionKind::Rapid),
                         region,
                         bounds,
                     });
@@ -394,7 +394,8 @@ impl Guess<'_> {
                     continue;
                 };
                 let through = |it: &&Intruded| {
-                    it.bounds.meets(&bounds) && is_thick(&it.region.common(bar.contours()))
+                    it.bounds.intersects(&bounds)
+                        && is_thick(&it.region.intersection(bar.contours()))
                 };
                 let rapids = intrusions.iter().filter(|it| it.rapid).filter(through);
                 let bodies = || {

@@ -8,7 +8,7 @@ use gsk_core::setup::Setup;
 use gsk_core::units::Point;
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
-use gsk_workpiece::tool::{Insert, Letter, Tool};
+use gsk_workpiece::tool::{Insert, InsertLetter, Tool};
 
 use super::Machining;
 use crate::curves::{RapidRates, arc_points};
@@ -136,7 +136,7 @@ const fn sharp(insert: Insert) -> Insert {
             ..
         } => {
             let (letter, entering) = match letter {
-                Letter::R => (Letter::V, 90.0),
+                InsertLetter::R => (InsertLetter::V, 90.0),
                 letter => (letter, entering),
             };
             Insert::Turning {
@@ -193,7 +193,7 @@ mod tests {
     /// Least and greatest deviation in front of a Z, mm.
     fn range(part: &Region, wanted: &Region) -> (f64, f64) {
         let found = deviations(part, wanted, -25.0);
-        let each = found.iter().flatten().map(|it| it.off);
+        let each = found.iter().flatten().map(|it| it.distance);
         each.fold((0.0, 0.0), |(low, high): (f64, f64), off| {
             (low.min(off), high.max(off))
         })

@@ -5,7 +5,7 @@ use gsk_core::command::{BlockNumber, ProgramId, Source};
 use gsk_core::operation::RunState;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
-use gsk_workpiece::motion::{Kind, Motion};
+use gsk_workpiece::motion::{MotionKind, ToolMotion};
 
 use super::{Finding, Machining};
 
@@ -167,11 +167,11 @@ impl Live {
             return;
         };
         let kind = match (piece.manner.thread, piece.manner.rapid) {
-            (true, _) => Kind::Thread(piece.imprints),
-            (false, true) => Kind::Rapid,
-            (false, false) => Kind::Line,
+            (true, _) => MotionKind::Thread(piece.imprints),
+            (false, true) => MotionKind::Rapid,
+            (false, false) => MotionKind::Line,
         };
-        let motion = Motion {
+        let motion = ToolMotion {
             from: piece.from,
             to: piece.to,
             kind,

@@ -15,10 +15,10 @@ use std::collections::BTreeMap;
 use gsk_core::command::{ExecutedMove, Source};
 use gsk_workpiece::collision::Collision;
 use gsk_workpiece::job::Job;
-use gsk_workpiece::motion::Motion;
+use gsk_workpiece::motion::ToolMotion;
 use gsk_workpiece::region::Region;
-use gsk_workpiece::scene::{Cutter, Outcome, Scene};
-use gsk_workpiece::tool::{Insert, Shape};
+use gsk_workpiece::scene::{LatheScene, MotionEffect, SceneTool};
+use gsk_workpiece::tool::{Insert, ToolShape};
 
 pub use mounting::Mounting;
 use track::Track;
@@ -45,8 +45,8 @@ pub struct Finding {
 #[derive(Clone, Debug)]
 pub struct Machining {
     job: Job,
-    scene: Scene,
-    cutters: BTreeMap<u8, Cutter>,
+    scene: LatheScene,
+    cutters: BTreeMap<u8, SceneTool>,
     track: Track,
     /// Volume of what was parted off, mm³.
     parted: f64,
@@ -59,10 +59,10 @@ impl Machining {
         let cutters = job
             .tools
             .iter()
-            .map(|(number, tool)| (*number, Cutter::new(Shape::of(tool))))
+            .map(|(number, tool)| (*number, SceneTool::new(ToolShape::from_tool(tool))))
             .collect();
         Self {
-            scene: Scene::new(&job.stock),
+            scene: LatheScene::new(&job.stock),
             track: Track::of(&job),
             cutters,
             parted: 0.0,
@@ -77,7 +77,7 @@ impl Machining {
     }
 
     /// Part and clamping.
-    pub const fn scene(&self) -> &Scene {
+    pub const fn scene(&self) -> &LatheScene {
         &self.scene
     }
 
@@ -98,7 +98,7 @@ impl Machining {
 
     /// A new piece of stock is clamped; the tools stay where they are.
     pub fn fresh_stock(&mut self) {
-        self.scene = Scene::new(&self.job.stock);
+        self.scene = LatheScene::new(&self.job.stock);
         self.parted = 0.0;
         self.findings.clear();
     }
@@ -112,11 +112,11 @@ impl Machining {
     }
 
     /// Moves a tool about the part.
-    fn carry_out(&mut self, source: Option<Source>, tool: u8, motion: &Motion) {
+    fn carry_out(&mut self, source: Option<Source>, tool: u8, motion: &ToolMotion) {
         let Some(cutter) = self.cutters.get(&tool) else {
             return;
         };
-        let Outcome { removed, collision } = self.scene.carry_out(cutter, motion);
+        let MotionEffect { removed, collision } = self.scene.move_tool(cutter, motion);
         if let Some(collision) = collision {
             self.note(Finding {
                 source,
@@ -126,7 +126,7 @@ impl Machining {
         }
         let parts = removed.area > 0.0 && motion.to.x <= PARTED && self.is_grooving(tool);
         if parts {
-            let loose = self.scene.drop_loose();
+            let loose = self.scene.drop_loose_pieces();
             self.parted += loose.iter().map(Region::volume).sum::<f64>();
         }
     }
@@ -140,7 +140,7 @@ impl Machining {
         let same = |known: &Finding| {
             known.source == finding.source
                 && known.tool == finding.tool
-                && known.collision.toucher == finding.collision.toucher
+                && known.collision.touching_part == finding.collision.touching_part
                 && known.collision.obstacle == finding.collision.obstacle
         };
         if let Some(known) = self.findings.iter_mut().find(|known| same(known)) {

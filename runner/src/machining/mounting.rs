@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use gsk_core::command::Frame;
 use gsk_core::units::Point;
-use gsk_workpiece::job::{Job, Place};
+use gsk_workpiece::job::{DiameterPoint, Job};
 
 /// Where each tool's tip meets the zero of the part, as machine coordinates of the slide.
 ///
@@ -22,7 +22,7 @@ pub struct Mounting {
 impl Mounting {
     pub(super) fn of(job: &Job) -> Self {
         Self {
-            zero: job.zero.map(Place::point),
+            zero: job.zero.map(DiameterPoint::point),
             lengths: job
                 .lengths
                 .iter()
@@ -98,8 +98,9 @@ mod tests {
     #[test]
     fn a_job_that_knows_better_is_believed() {
         let mut job = Job::new(Stock::bar(50.0, 0.0, 60.0));
-        job.zero = Some(Place::from(Point::new(-90.0, -290.0)));
-        job.lengths.insert(2, Place::from(Point::new(1.0, -2.0)));
+        job.zero = Some(DiameterPoint::from(Point::new(-90.0, -290.0)));
+        job.lengths
+            .insert(2, DiameterPoint::from(Point::new(1.0, -2.0)));
         let mounting = Mounting::of(&job);
         let tip = mounting.tip(2, Point::new(-90.0, -290.0), &frame(7.0));
         assert_eq!(tip, Point::new(-1.0, 2.0));

@@ -9,7 +9,7 @@ use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
-use gsk_workpiece::collision::{Obstacle, Toucher};
+use gsk_workpiece::collision::{Obstacle, TouchingPart};
 use gsk_workpiece::stock::{Form, Stock};
 use gsk_workpiece::tool::{Insert, Tool};
 
@@ -89,7 +89,7 @@ fn what_a_program_does_with_a_tool_shows_what_it_is() {
 fn sharp() -> Tool {
     Tool {
         insert: Insert::Turning {
-            letter: gsk_workpiece::tool::Letter::V,
+            letter: gsk_workpiece::tool::InsertLetter::V,
             entering: 93.0,
             size: 12.7,
             nose: 0.0,
@@ -165,7 +165,7 @@ fn a_rapid_into_the_stock_is_found_at_its_block() {
         panic!("{:?}", machining.findings());
     };
     assert_eq!(finding.source.map(|source| source.line), Some(6));
-    assert_eq!(finding.collision.toucher, Toucher::RapidInsert);
+    assert_eq!(finding.collision.touching_part, TouchingPart::RapidInsert);
     assert_eq!(finding.collision.obstacle, Obstacle::Stock);
 }
 
@@ -181,7 +181,7 @@ fn a_wrong_offset_cuts_wrong_as_on_the_machine() {
     row.x = 1.0;
     setup.memory.offsets.set(1, row).unwrap();
     let machining = carried_out(&setup, job);
-    let radius = machining.scene().part().greatest_radius(-15.0, -5.0);
+    let radius = machining.scene().part().max_radius(-15.0, -5.0);
     assert!((radius - 20.5).abs() < 1e-9, "{radius}");
 }
 
@@ -219,8 +219,10 @@ fn a_thread_of_g76_has_its_pitch_and_its_depth_in_the_part() {
     let machining = carried_out(&setup, job);
     assert_eq!(machining.findings(), []);
     let section = machining.scene().part().section();
-    let features =
-        gsk_workpiece::measure::features(&section, gsk_workpiece::measure::Side::Outside);
+    let features = gsk_workpiece::measure::measure_features(
+        &section,
+        gsk_workpiece::measure::SectionSide::Outside,
+    );
     let thread = features.iter().find_map(|feature| match feature {
         gsk_workpiece::measure::Feature::Thread {
             pitch, diameters, ..
@@ -412,7 +414,7 @@ fn a_machine_zero_that_is_not_known_is_not_in_the_part() {
         let setup = setup(&[&format!("{head}{text}")]);
         let machining = carried_out(&setup, job());
         assert_eq!(machining.findings(), [], "{text}");
-        let radius = machining.scene().part().greatest_radius(-5.0, -2.0);
+        let radius = machining.scene().part().max_radius(-5.0, -2.0);
         assert!((radius - 22.0).abs() < 1e-9, "{text}: {radius}");
     }
     // Where it is known, the way back goes through the bar.

@@ -3,7 +3,7 @@
 use gsk_core::command::{ExecutedMove, MoveKind, ThreadStart};
 use gsk_core::units::{Feed, Point};
 use gsk_workpiece::job::Job;
-use gsk_workpiece::motion::{Kind, Motion, ThreadPath};
+use gsk_workpiece::motion::{MotionKind, ThreadPath, ToolMotion};
 
 use super::Mounting;
 use crate::curves::{RapidRates, rapid_bend};
@@ -37,7 +37,11 @@ impl Track {
 
     /// The motions of a move: none of a dwell, and of one to or from a machine zero that
     /// may lie anywhere; two of a rapid that bends.
-    pub(super) fn motions(&mut self, executed: &ExecutedMove, rates: RapidRates) -> Vec<Motion> {
+    pub(super) fn motions(
+        &mut self,
+        executed: &ExecutedMove,
+        rates: RapidRates,
+    ) -> Vec<ToolMotion> {
         let conditions = &executed.conditions;
         if executed.kind == MoveKind::Dwell || !conditions.unplaced.is_none() {
             return Vec::new();
@@ -50,7 +54,7 @@ impl Track {
         let at = |point: Point| point + shift;
         let (from, to) = (at(executed.from), at(executed.to));
         let turning = conditions.rpm > 0.0;
-        let motion = |from, to, kind| Motion {
+        let motion = |from, to, kind| ToolMotion {
             from,
             to,
             kind,
@@ -59,19 +63,19 @@ impl Track {
         let kind = match executed.kind {
             MoveKind::Dwell | MoveKind::Rapid => {
                 let bend = rapid_bend(from, to, rates).unwrap_or(to);
-                let mut motions = vec![motion(from, bend, Kind::Rapid)];
+                let mut motions = vec![motion(from, bend, MotionKind::Rapid)];
                 if bend != to {
-                    motions.push(motion(bend, to, Kind::Rapid));
+                    motions.push(motion(bend, to, MotionKind::Rapid));
                 }
                 return motions;
             }
-            MoveKind::Feed => Kind::Line,
+            MoveKind::Feed => MotionKind::Line,
             MoveKind::Clockwise | MoveKind::CounterClockwise => match executed.center {
-                Some(center) => Kind::Arc {
+                Some(center) => MotionKind::Arc {
                     center: at(center),
                     clockwise: executed.kind == MoveKind::Clockwise,
                 },
-                None => Kind::Line,
+                None => MotionKind::Line,
             },
             MoveKind::Thread | MoveKind::RunOut => self.thread(executed, from, to),
         };
@@ -79,18 +83,18 @@ impl Track {
     }
 
     /// Where a thread meets the drawn plane; a tap is a straight cut.
-    fn thread(&mut self, executed: &ExecutedMove, from: Point, to: Point) -> Kind {
+    fn thread(&mut self, executed: &ExecutedMove, from: Point, to: Point) -> MotionKind {
         let (Some(thread), Some(Feed::PerRevolution(lead))) =
             (executed.conditions.thread, executed.feed)
         else {
-            return Kind::Line;
+            return MotionKind::Line;
         };
         let path = ThreadPath {
             from,
             to,
-            long: thread.long,
+            lead_axis: thread.long,
             lead,
-            increase: thread.increase,
+            lead_change: thread.increase,
             phase: match thread.start {
                 ThreadStart::AtIndex { degrees } => degrees / 360.0,
                 ThreadStart::Continued => self.phase,
@@ -98,6 +102,6 @@ impl Track {
         };
         let (imprints, phase) = path.imprints();
         self.phase = phase;
-        Kind::Thread(imprints)
+        MotionKind::Thread(imprints)
     }
 }

@@ -11,7 +11,7 @@
 //! ```
 
 use gsk_core::units::{Diameter, Point};
-use gsk_workpiece::measure::{Feature, Measured, Side, measured};
+use gsk_workpiece::measure::{Feature, MeasuredFeature, SectionSide, measure_with_outlines};
 use gsk_workpiece::region::Region;
 
 use super::legend::width;
@@ -44,7 +44,7 @@ struct Surface {
     ends: [Point; 2],
     middle: Point,
     /// Outside, the material lies towards the axis.
-    side: Side,
+    side: SectionSide,
     words: String,
 }
 
@@ -63,14 +63,14 @@ impl Dimensions {
     /// Of a half section.
     pub fn of(section: &Region) -> Self {
         let mut found = Self::default();
-        let sides = [Side::Outside, Side::Inside];
-        let measured = sides.map(|side| (side, measured(section, side)));
+        let sides = [SectionSide::Outside, SectionSide::Inside];
+        let measured = sides.map(|side| (side, measure_with_outlines(section, side)));
         let all = || {
             let each = measured.iter();
             each.flat_map(|(side, surfaces)| surfaces.iter().map(|it| (*side, it)))
         };
         // Where a nose has rounded a corner, the face is the shoulder that is meant.
-        let is_face = |surface: &Measured| matches!(surface.feature, Feature::Face { .. });
+        let is_face = |surface: &MeasuredFeature| matches!(surface.feature, Feature::Face { .. });
         for (side, surface) in all().filter(|(_, it)| is_face(it)) {
             found.add(surface, side);
         }
@@ -80,7 +80,7 @@ impl Dimensions {
         found
     }
 
-    fn add(&mut self, surface: &Measured, side: Side) {
+    fn add(&mut self, surface: &MeasuredFeature, side: SectionSide) {
         let outline = &surface.outline;
         let (Some(first), Some(last)) = (outline.first(), outline.last()) else {
             return;
@@ -112,8 +112,8 @@ impl Dimensions {
             let ((x, y), wide) = (place(surface.middle), width(&surface.words));
             // Y grows downwards.
             let y = match surface.side {
-                Side::Outside => y + GAP,
-                Side::Inside => y - GAP - HEIGHT,
+                SectionSide::Outside => y + GAP,
+                SectionSide::Inside => y - GAP - HEIGHT,
             };
             let left = x - wide / 2.0;
             if taken.take((left, y, left + wide, y + HEIGHT)) {
@@ -207,7 +207,7 @@ mod tests {
             (5.0, -50.0),
         ];
         let contour = outline.map(|(x, z)| to_grid(Point::new(x, z))).to_vec();
-        Dimensions::of(&Region::of(&[contour]))
+        Dimensions::of(&Region::from_contours(&[contour]))
     }
 
     #[test]

@@ -4,9 +4,9 @@
 use std::collections::BTreeMap;
 
 use gsk_core::units::Point;
-use gsk_workpiece::grid::{Contour, from_grid, to_grid};
+use gsk_workpiece::grid::{GridContour, from_grid, to_grid};
 use gsk_workpiece::region::Region;
-use gsk_workpiece::tool::{BodyPart, Shape, Tool};
+use gsk_workpiece::tool::{BodyPart, Tool, ToolShape};
 
 use super::dimensions::Dimensions;
 use super::pens::Pen;
@@ -101,7 +101,7 @@ impl Scenery {
     ) -> impl Iterator<Item = (Look, Vec<Vec<Point>>)> + '_ {
         let window = Region::rectangle(to_grid(low), to_grid(high));
         self.areas.iter().map(move |(look, region)| {
-            let shown = region.common(window.contours());
+            let shown = region.intersection(window.contours());
             let points = |contour: &Vec<_>| contour.iter().map(|it| from_grid(*it)).collect();
             (*look, shown.contours().iter().map(points).collect())
         })
@@ -110,10 +110,10 @@ impl Scenery {
 
 /// Holder and insert of a tool.
 fn drawn(tool: &Tool, tip: Point) -> Vec<(Look, Region)> {
-    let shape = Shape::of(tool);
-    let placed = |contour: &Contour| {
+    let shape = ToolShape::from_tool(tool);
+    let placed = |contour: &GridContour| {
         let points = contour.iter().map(|at| to_grid(from_grid(*at) + tip));
-        Region::of(&[points.collect()])
+        Region::from_contours(&[points.collect()])
     };
     // The insert lies on its holder; the turret would hide the part.
     let mut areas = Vec::new();

@@ -3,7 +3,7 @@
 use gsk_core::command::ProgramId;
 use gsk_core::units::Diameter;
 use gsk_messages::{Language, Message, say};
-use gsk_workpiece::measure::{self, Feature, Side};
+use gsk_workpiece::measure::{self, Feature, SectionSide};
 use serde::Serialize;
 
 use super::said;
@@ -61,8 +61,8 @@ impl PartReport {
         let features = match measure {
             true => {
                 let section = machining.scene().part().section();
-                let sides = [Side::Outside, Side::Inside];
-                let of_side = |side| measure::features(&section, side);
+                let sides = [SectionSide::Outside, SectionSide::Inside];
+                let of_side = |side| measure::measure_features(&section, side);
                 sides
                     .into_iter()
                     .flat_map(of_side)

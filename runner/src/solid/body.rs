@@ -3,9 +3,9 @@
 use core::f32::consts::TAU;
 
 use glam::{Vec2, Vec3, vec3};
-use gsk_workpiece::grid::Contour;
+use gsk_workpiece::grid::GridContour;
 use gsk_workpiece::region::Region;
-use gsk_workpiece::trapezoid::{Filled, trapezoids};
+use gsk_workpiece::trapezoid::{SectionFill, trapezoids};
 
 use super::finish::Finish;
 use super::profile::{self, Edge};
@@ -111,7 +111,7 @@ impl Body {
     /// the spindle; it may be simplified by a tolerance, mm.
     pub(super) fn draw_out(
         &mut self,
-        contour: &Contour,
+        contour: &GridContour,
         (low, high): (f32, f32),
         angle: f32,
         tolerance: f32,
@@ -131,7 +131,7 @@ impl Body {
             }
             self.strip([first, first + 1, first + 2, first + 3]);
         }
-        let region = Region::of(core::slice::from_ref(contour));
+        let region = Region::from_contours(core::slice::from_ref(contour));
         let up = turned(0.0, 0.0, 1.0);
         self.flat(&region, up, |z, x| turned(z, x, high), true);
         self.flat(&region, -up, |z, x| turned(z, x, low), false);
@@ -146,7 +146,7 @@ impl Body {
         place: impl Fn(f32, f32) -> Vec3,
         direct: bool,
     ) {
-        for trapezoid in trapezoids(region, Filled::Material) {
+        for trapezoid in trapezoids(region, SectionFill::Material) {
             let first = self.vertices.len() as u32;
             for (z, x) in trapezoid.corners() {
                 self.vertices.push(Vertex {
@@ -194,7 +194,7 @@ mod tests {
     fn tube() -> Region {
         let corner = |z, x| GridPoint::new(grid(z), grid(x));
         let bar = Region::rectangle(corner(-60.0, 0.0), corner(0.0, 25.0));
-        bar.without(&[vec![
+        bar.difference(&[vec![
             corner(-40.0, 0.0),
             corner(1.0, 0.0),
             corner(1.0, 10.0),

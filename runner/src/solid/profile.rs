@@ -2,7 +2,7 @@
 //! than are seen, with the directions in which it faces.
 
 use glam::{Vec2, vec2};
-use gsk_workpiece::grid::{Contour, GridPoint, from_grid};
+use gsk_workpiece::grid::{GridContour, GridPoint, from_grid};
 use gsk_workpiece::region::Region;
 
 /// Edges that turn less are one smooth surface: the cosine of 15°.
@@ -54,7 +54,7 @@ pub(super) fn lines(region: &Region) -> Vec<(Vec2, Vec2)> {
 }
 
 /// The pieces of one closed polygon; its inside is on the left.
-pub(super) fn of_contour(contour: &Contour, tolerance: f32) -> Vec<Edge> {
+pub(super) fn of_contour(contour: &GridContour, tolerance: f32) -> Vec<Edge> {
     let corners = simplified(contour, tolerance);
     let count = corners.len();
     if count < 3 {
@@ -94,7 +94,7 @@ fn point(point: GridPoint) -> Vec2 {
 
 /// A closed polygon with fewer corners, none of the others farther than a tolerance
 /// from it (Douglas and Peucker, from its first corner to the farthest one and back).
-fn simplified(contour: &Contour, tolerance: f32) -> Vec<Vec2> {
+fn simplified(contour: &GridContour, tolerance: f32) -> Vec<Vec2> {
     let points: Vec<Vec2> = contour.iter().map(|it| point(*it)).collect();
     let Some(first) = points.first().copied() else {
         return points;
@@ -139,8 +139,8 @@ mod tests {
     use super::*;
     use gsk_workpiece::grid::grid;
 
-    fn arc(chords: i32) -> Contour {
-        let mut contour: Contour = (0..=chords)
+    fn arc(chords: i32) -> GridContour {
+        let mut contour: GridContour = (0..=chords)
             .map(|index| {
                 let angle = f64::from(index) / f64::from(chords) * core::f64::consts::FRAC_PI_2;
                 GridPoint::new(
@@ -179,7 +179,7 @@ mod tests {
         let corner = |z, x| GridPoint::new(grid(z), grid(x));
         let stock = Region::rectangle(corner(-60.0, 0.0), corner(0.0, 25.0));
         let turned = Region::rectangle(corner(-30.0, 20.0), corner(1.0, 30.0));
-        let part = stock.without(turned.contours());
+        let part = stock.difference(turned.contours());
         let outline = lines(&stock);
         let skin = edges(&part, 0.01).into_iter();
         let skin: Vec<Edge> = skin.filter(|edge| edge.lies_on(&outline)).collect();

@@ -2,10 +2,10 @@
 
 use core::f32::consts::TAU;
 
-use gsk_workpiece::grid::{Contour, GridPoint, from_grid};
-use gsk_workpiece::region::{Bounds, Region};
+use gsk_workpiece::grid::{GridContour, GridPoint, from_grid};
+use gsk_workpiece::region::{GridBounds, Region};
 use gsk_workpiece::stock::Stock;
-use gsk_workpiece::tool::{BodyPart, Holder, Insert, Shape, Tool};
+use gsk_workpiece::tool::{BodyPart, Holder, Insert, Tool, ToolShape};
 
 use super::body::{Arc, Body, Half};
 use super::finish::Finish;
@@ -83,7 +83,7 @@ pub fn clamping(stock: &Stock, open: bool, fineness: Fineness) -> Vec<Body> {
     let (chuck, jaws) = stock.chuck_section();
     let jaws = if open { stock.open_jaws() } else { jaws };
     // The bar goes into the chuck.
-    let chuck = chuck.without(stock.section().contours());
+    let chuck = chuck.difference(stock.section().contours());
     let sides = fineness.sides(chuck.bounds().map_or(0.0, |it| reach(&it)));
     let mut body = Body::new(Finish::CHUCK);
     let edges = profile::edges(&chuck, fineness.tolerance);
@@ -115,7 +115,7 @@ pub fn clamping(stock: &Stock, open: bool, fineness: Fineness) -> Vec<Body> {
 
 /// A tool, its tip at the zero: its cutting face lies in the plane of the section.
 pub fn tool(tool: &Tool, fineness: Fineness) -> Vec<Body> {
-    let shape = Shape::of(tool);
+    let shape = ToolShape::from_tool(tool);
     let [mut gold, mut steel, mut turret] =
         [Finish::INSERT, Finish::HOLDER, Finish::TURRET].map(Body::new);
     let tolerance = fineness.tolerance;
@@ -139,12 +139,12 @@ pub fn tool(tool: &Tool, fineness: Fineness) -> Vec<Body> {
 }
 
 /// A round bar along Z of which a polygon is the outline, turned about its own middle.
-fn round(body: &mut Body, contour: &Contour, fineness: Fineness) {
-    let Some(Bounds { low, high }) = Bounds::of(contour) else {
+fn round(body: &mut Body, contour: &GridContour, fineness: Fineness) {
+    let Some(GridBounds { low, high }) = GridBounds::from_points(contour) else {
         return;
     };
     let middle = low.y.midpoint(high.y);
-    let lowered: Contour = contour
+    let lowered: GridContour = contour
         .iter()
         .map(|point| GridPoint::new(point.x, point.y.saturating_sub(middle)))
         .collect();
@@ -155,7 +155,7 @@ fn round(body: &mut Body, contour: &Contour, fineness: Fineness) {
             high.y.saturating_sub(middle).max(1),
         ),
     );
-    let half = upper.common(&[lowered]);
+    let half = upper.intersection(&[lowered]);
     let first = body.vertices.len();
     let radius = half.bounds().map_or(0.0, |it| reach(&it));
     let edges = profile::edges(&half, fineness.tolerance);
@@ -167,6 +167,6 @@ fn round(body: &mut Body, contour: &Contour, fineness: Fineness) {
 }
 
 /// The greatest radius in a box, mm.
-fn reach(bounds: &Bounds) -> f32 {
+fn reach(bounds: &GridBounds) -> f32 {
     from_grid(bounds.high).x as f32
 }

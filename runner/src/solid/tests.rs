@@ -1,6 +1,6 @@
 //! Solids on pictures: their size, what covers what, and what no input may do.
 
-use gsk_workpiece::grid::{Contour, GridPoint, grid};
+use gsk_workpiece::grid::{GridContour, GridPoint, grid};
 use gsk_workpiece::stock::Stock;
 use gsk_workpiece::tool::Tool;
 use proptest::prelude::*;
@@ -103,7 +103,7 @@ fn through_the_cut_out_quarter_the_section_is_seen() {
 #[test]
 fn what_was_cut_looks_other_than_the_stock() {
     let stock = rectangle((-80.0, 0.0), (0.0, 25.0));
-    let turned = stock.without(rectangle((-40.0, 1.0), (20.0, 26.0)).contours());
+    let turned = stock.difference(rectangle((-40.0, 1.0), (20.0, 26.0)).contours());
     let seen = picture(&part(&turned, &stock, Fineness::of(4.0)), FLAT);
     let [cut, skin] = [280, 120].map(|column| at(&seen, column, 150 + 40));
     assert!(cut[2] > skin[2] + 10, "{cut:?} {skin:?}");
@@ -208,11 +208,11 @@ proptest! {
         rear: bool,
         scale in 0.01..4000.0_f32,
     ) {
-        let contour = |points: &[(i32, i32)]| -> Contour {
+        let contour = |points: &[(i32, i32)]| -> GridContour {
             points.iter().map(|(z, x)| GridPoint::new(*z, *x)).collect()
         };
-        let region = Region::of(&[contour(&corners), contour(&more)]);
-        let bodies = part(&region, &Region::of(&[contour(&corners)]), Fineness::of(scale));
+        let region = Region::from_contours(&[contour(&corners), contour(&more)]);
+        let bodies = part(&region, &Region::from_contours(&[contour(&corners)]), Fineness::of(scale));
         let view = View {
             turn: Turn::oblique(rear).turned(yaw, pitch),
             centre: (0.0, 0.0),

@@ -66,7 +66,7 @@ fn act(desk: &mut Desk, byte: u8) {
             desk.run += Duration::from_millis(1);
             desk.z -= 2;
             let pulses = PerAxis::new(Pulses(0), Pulses(desk.z));
-            if desk.link.room() > Duration::ZERO {
+            if desk.link.free_lookahead() > Duration::ZERO {
                 let _ = desk.link.push(Sample::new(desk.run, pulses));
             }
         }

@@ -13,7 +13,7 @@ use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::step_queue::StepLink;
-use gsk_link::{Awaited, Backend, Input, LinkConfig, RunTime, Sample, Stop, Until};
+use gsk_link::{AwaitedInput, Backend, Input, InputCondition, LinkConfig, RunTime, Sample, Stop};
 use gsk_twins::klipper::{KlipperHardware, KlipperTwin, encode_block};
 
 use super::watch;
@@ -97,7 +97,7 @@ fn act(desk: &mut Desk, byte: u8) {
             desk.run += Duration::from_millis(1);
             desk.z -= 2;
             let pulses = PerAxis::new(Pulses(0), Pulses(desk.z));
-            if desk.link.room() > Duration::ZERO {
+            if desk.link.free_lookahead() > Duration::ZERO {
                 let _ = desk.link.push(Sample::new(desk.run, pulses));
             }
         }
@@ -122,11 +122,11 @@ fn act(desk: &mut Desk, byte: u8) {
         }
         0xFA => {
             let until = match desk.z.rem_euclid(3) {
-                0 => Until::Operated,
-                1 => Until::Free,
-                _ => Until::Changed,
+                0 => InputCondition::Operated,
+                1 => InputCondition::Free,
+                _ => InputCondition::Changed,
             };
-            let _ = desk.link.arm(Awaited {
+            let _ = desk.link.arm(AwaitedInput {
                 input: Input::DecelerationZ,
                 until,
                 rate: 1000.0,

@@ -7,7 +7,9 @@ use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::line::LineLink;
-use gsk_link::{Backend, Difference, Event, Input, LinkConfig, LinkState, RunTime, Sample, Stop};
+use gsk_link::{
+    Backend, Input, LinkConfig, LinkEvent, LinkState, RunTime, Sample, SettingDifference, Stop,
+};
 use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 use gsk_twins::wire::Damage;
 
@@ -21,7 +23,7 @@ struct Bench {
     twin: GrblTwin,
     run: RunTime,
     at: (i64, i64),
-    events: Vec<Event>,
+    events: Vec<LinkEvent>,
     last_tx: Vec<u8>,
 }
 
@@ -65,7 +67,7 @@ impl Bench {
             ) || bench
                 .events
                 .iter()
-                .any(|event| matches!(event, Event::Differs(_)))
+                .any(|event| matches!(event, LinkEvent::Differs(_)))
         });
         self.link.write_settings();
         self.wait(5000, |bench| bench.link.state() == LinkState::Locked);
@@ -115,7 +117,7 @@ impl Bench {
             if !self.link.state().takes_motion() {
                 return false;
             }
-            if self.link.room() > Duration::ZERO {
+            if self.link.free_lookahead() > Duration::ZERO {
                 self.run += Duration::from_millis(1);
                 self.at = (x, z);
                 let pulses = PerAxis::new(Pulses(x), Pulses(z));
@@ -142,8 +144,8 @@ impl Bench {
     }
 
     fn alarms(&self) -> Vec<u16> {
-        let number = |event: &Event| match event {
-            Event::Alarm { number, .. } => Some(*number),
+        let number = |event: &LinkEvent| match event {
+            LinkEvent::Alarm { number, .. } => Some(*number),
             _ => None,
         };
         self.events.iter().filter_map(number).collect()
@@ -166,7 +168,7 @@ fn a_board_as_delivered_is_refused_until_its_settings_are_written() {
         };
         let per_mm = bench.events.iter().any(|event| {
             *event
-                == Event::Differs(Difference {
+                == LinkEvent::Differs(SettingDifference {
                     number: 100,
                     name: name.into(),
                     board: Some(board.into()),
@@ -198,7 +200,7 @@ fn a_silent_port_is_alarm_601() {
         let count = link.tx().len();
         link.consumed(count);
     }
-    let alarm = |event: &Event| matches!(event, Event::Alarm { number: 601, .. });
+    let alarm = |event: &LinkEvent| matches!(event, LinkEvent::Alarm { number: 601, .. });
     assert!(link.events().iter().any(alarm));
     assert_eq!(link.state(), LinkState::Lost);
 }
@@ -211,7 +213,7 @@ fn a_job_ends_on_the_commanded_pulse() {
         assert!(bench.ends_ready(), "{:?}", bench.events);
         assert_eq!(bench.twin.pulses(), [bench.at.0, bench.at.1]);
         assert_eq!(bench.at, (0, -100));
-        assert!(bench.events.contains(&Event::Drained));
+        assert!(bench.events.contains(&LinkEvent::Drained));
         assert_eq!(bench.alarms(), [0_u16; 0]);
     }
 }
@@ -271,7 +273,7 @@ fn a_flush_in_motion_keeps_the_position() {
             bench.link.stop(Stop::Flush);
             assert!(bench.ends_ready(), "{at}: {:?}", bench.events);
             let [x, z] = bench.twin.pulses();
-            let stood = Event::Position(PerAxis::new(Pulses(x), Pulses(z)));
+            let stood = LinkEvent::Position(PerAxis::new(Pulses(x), Pulses(z)));
             assert!(
                 bench.events.contains(&stood),
                 "{at}: {x} {z} {:?}",
@@ -611,7 +613,7 @@ fn a_report_under_way_when_the_reference_return_begins_tells_no_place() {
         }
         assert!(asked && bench.link.traffic().reports >= reports);
         bench.link.home(PerAxis::new(true, true)).unwrap();
-        let homed = |event: &Event| matches!(event, Event::Homed(_));
+        let homed = |event: &LinkEvent| matches!(event, LinkEvent::Homed(_));
         assert!(bench.wait(120_000, |bench| bench.events.iter().any(homed)));
         let zero = PerAxis::new(Pulses(0), Pulses(0));
         assert!(bench.wait(1000, |bench| bench.link.status().is_some()));
@@ -684,7 +686,7 @@ fn another_firmware_is_602() {
             events.extend(link.events());
         }
         let told = events.iter().any(
-            |event| matches!(event, Event::Alarm { number: 602, detail } if detail.to_string().contains(named)),
+            |event| matches!(event, LinkEvent::Alarm { number: 602, detail } if detail.to_string().contains(named)),
         );
         assert!(told, "{identity}: {events:?}");
         assert_eq!(link.state(), LinkState::Fault);
@@ -732,7 +734,7 @@ fn a_figure_damaged_on_the_way_is_stopped_within_millimetres() {
                 bench.twin.to_board.damage(from + byte, damage);
                 let (mut k, mut farthest) = (300, 0);
                 for _ in 0..1500 {
-                    let room = bench.link.room() >= Duration::from_millis(10);
+                    let room = bench.link.free_lookahead() >= Duration::from_millis(10);
                     if k < 600 && room && bench.link.state().takes_motion() {
                         k += 1;
                         bench.sample(k, -4 * k);
@@ -811,7 +813,7 @@ fn a_computer_that_was_away_is_612_whatever_waited() {
                 assert!(bench.sample(0, 2 * k));
             }
             // Nothing more is answered, and lines wait here.
-            while bench.link.room() > Duration::ZERO {
+            while bench.link.free_lookahead() > Duration::ZERO {
                 let (x, z) = bench.at;
                 assert!(bench.sample(x, z + 2));
             }
@@ -829,7 +831,7 @@ fn a_computer_that_was_away_is_612_whatever_waited() {
             );
             if state == LinkState::Ready {
                 let told = bench.events.iter().rev().find_map(|event| match event {
-                    Event::Position(at) => Some([at.x.0, at.z.0]),
+                    LinkEvent::Position(at) => Some([at.x.0, at.z.0]),
                     _ => None,
                 });
                 assert_eq!(told, Some(bench.twin.pulses()), "{variant:?} {away}");

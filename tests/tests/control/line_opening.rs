@@ -4,8 +4,8 @@ use core::time::Duration;
 
 use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
-use gsk_link::line::{LineLink, Required};
-use gsk_link::{Backend, Event, LinkConfig, LinkState};
+use gsk_link::line::{LineLink, RequiredSettings};
+use gsk_link::{Backend, LinkConfig, LinkEvent, LinkState};
 use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 
 /// What another firmware says when it is spoken to; alarm and text that come of it.
@@ -25,7 +25,7 @@ fn alarm_of(answers: impl Fn(&str) -> String, banner: &str) -> (u16, String, Lin
             link.rx(answers(line).as_bytes(), now);
         }
         for event in link.events() {
-            if let Event::Alarm { number, detail } = event {
+            if let LinkEvent::Alarm { number, detail } = event {
                 return (number, detail.to_string(), link.state());
             }
         }
@@ -46,7 +46,7 @@ fn fluid(changes: &[(&str, &str)]) -> (LineLink, GrblTwin) {
     )
 }
 
-fn pass(link: &mut LineLink, twin: &mut GrblTwin, ms: u32) -> Vec<Event> {
+fn pass(link: &mut LineLink, twin: &mut GrblTwin, ms: u32) -> Vec<LinkEvent> {
     let mut events = Vec::new();
     for _ in 0..ms {
         twin.advance(1_000_000);
@@ -61,9 +61,9 @@ fn pass(link: &mut LineLink, twin: &mut GrblTwin, ms: u32) -> Vec<Event> {
     events
 }
 
-fn alarms(events: &[Event]) -> Vec<(u16, String)> {
-    let alarm = |event: &Event| match event {
-        Event::Alarm { number, detail } => Some((*number, detail.to_string())),
+fn alarms(events: &[LinkEvent]) -> Vec<(u16, String)> {
+    let alarm = |event: &LinkEvent| match event {
+        LinkEvent::Alarm { number, detail } => Some((*number, detail.to_string())),
         _ => None,
     };
     events.iter().filter_map(alarm).collect()
@@ -106,8 +106,8 @@ fn what_only_the_file_of_the_board_can_say_is_named_and_not_written() {
     ] {
         let (mut link, mut twin) = fluid(&[(path, value)]);
         let events = pass(&mut link, &mut twin, 5000);
-        let named = |event: &Event| match event {
-            Event::Differs(one) => one.name == path && one.wanted == wanted,
+        let named = |event: &LinkEvent| match event {
+            LinkEvent::Differs(one) => one.name == path && one.wanted == wanted,
             _ => false,
         };
         assert!(events.iter().any(named), "{path}: {events:?}");
@@ -157,7 +157,7 @@ fn the_example_of_a_config_yaml_fits_its_machine_file() {
         let differs: Vec<_> = events
             .iter()
             .filter_map(|event| match event {
-                Event::Differs(one) => Some(one.name.clone()),
+                LinkEvent::Differs(one) => Some(one.name.clone()),
                 _ => None,
             })
             .collect();
@@ -217,7 +217,7 @@ fn levels_and_the_time_of_a_switch_come_from_the_machine_file() {
         ron::from_str("(line: (invert_step: true, invert_enable: true, debounce_ms: 40))").unwrap();
     config.check().unwrap();
     let value = |config: &LinkConfig, number| {
-        let required = Required::new(&drives(&Parameters::default()), config);
+        let required = RequiredSettings::new(&drives(&Parameters::default()), config);
         let mut settings = required.settings.iter();
         settings
             .find(|setting| setting.number == number)

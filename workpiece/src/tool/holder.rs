@@ -1,41 +1,41 @@
-//! What carries an insert.
+//! Tool holders: shanks and bars.
 
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-use super::insert::within;
+use super::insert::check_range;
 
-/// A holder; the turret begins where it ends.
+/// A tool holder. The turret begins at its end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Holder {
-    /// None that could touch anything.
+    /// No holder: the collision check covers the insert only.
     #[default]
     None,
     /// A square shank across the spindle axis.
     Shank {
-        /// Its width along Z, mm.
+        /// Width along Z, mm.
         width: f64,
-        /// From the tip to the turret, mm.
+        /// Distance from the tip to the turret, mm.
         length: f64,
     },
     /// A round bar along the spindle axis.
     Bar {
-        /// Its diameter, mm.
+        /// Diameter of the bar, mm.
         diameter: f64,
-        /// From the tip to the turret, mm.
+        /// Distance from the tip to the turret, mm.
         length: f64,
     },
 }
 
 impl Holder {
     pub(super) fn check(&self) -> Result<(), Message> {
-        let (across, what, length) = match *self {
+        let (size, size_name, length) = match *self {
             Self::None => return Ok(()),
             Self::Shank { width, length } => (width, say::tool_word_holder_width(), length),
             Self::Bar { diameter, length } => (diameter, say::tool_word_holder_diameter(), length),
         };
-        within(across, 2.0, 100.0, what)?;
-        within(length, 5.0, 500.0, say::tool_word_holder_length())
+        check_range(size, 2.0, 100.0, size_name)?;
+        check_range(length, 5.0, 500.0, say::tool_word_holder_length())
     }
 }

@@ -1,18 +1,18 @@
-//! Inserts and drills.
+//! Cutting inserts and drills.
 
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-/// What cuts.
+/// The cutting part of a tool.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Insert {
     /// An indexable insert for turning, facing and boring.
     Turning {
-        /// Its form by the letter of ISO 1832.
-        letter: Letter,
-        /// Entering angle between the main edge and the feed, degrees; not for round
-        /// ones and for tips 5 to 9, which stand even.
+        /// The form, by the letter of ISO 1832.
+        letter: InsertLetter,
+        /// Entering angle between the main edge and the feed direction, degrees. Round
+        /// inserts and tips 5 to 9 ignore it: those are symmetric.
         #[serde(default = "right_angle")]
         entering: f64,
         /// Diameter of the inscribed circle, mm.
@@ -22,29 +22,29 @@ pub enum Insert {
     },
     /// A parting or grooving insert.
     Grooving {
-        /// Width, mm.
+        /// Width of the cutting edge, mm.
         width: f64,
-        /// Radius of its corners, mm.
+        /// Radius of both corners, mm.
         nose: f64,
-        /// How deep it reaches before the holder, mm.
+        /// Greatest cutting depth in front of the holder, mm.
         reach: f64,
     },
-    /// A threading insert; the middle of its point is programmed.
+    /// A threading insert. The programmed point is the middle of its tip.
     Threading {
-        /// Angle between its flanks, degrees.
+        /// Angle between the flanks, degrees.
         angle: f64,
-        /// Radius of its point, mm.
+        /// Nose radius, mm.
         nose: f64,
-        /// Height of its profile, mm.
+        /// Height of the profile, mm.
         height: f64,
     },
     /// A drill on the spindle axis.
     Drill {
-        /// Diameter, mm.
+        /// Diameter of the drill, mm.
         diameter: f64,
-        /// Angle of its point, degrees; 180 is flat.
+        /// Point angle, degrees; 180 is flat.
         point: f64,
-        /// Length of its flutes, mm.
+        /// Length of the flutes, mm.
         reach: f64,
     },
 }
@@ -53,9 +53,9 @@ const fn right_angle() -> f64 {
     90.0
 }
 
-/// Forms of turning inserts (ISO 1832).
+/// The form of a turning insert (ISO 1832).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Letter {
+pub enum InsertLetter {
     /// Rhombic, 80°.
     C,
     /// Rhombic, 55°.
@@ -72,8 +72,8 @@ pub enum Letter {
     R,
 }
 
-impl Letter {
-    /// All of them.
+impl InsertLetter {
+    /// All letters, in the order of the tool dialog.
     pub const ALL: [Self; 7] = [
         Self::C,
         Self::D,
@@ -84,7 +84,7 @@ impl Letter {
         Self::R,
     ];
 
-    /// The angle at its corner, degrees.
+    /// The corner angle, degrees.
     pub const fn corner(self) -> f64 {
         match self {
             Self::C | Self::W => 80.0,
@@ -105,12 +105,12 @@ impl Insert {
                 size,
                 nose,
             } => {
-                within(size, 2.0, 60.0, say::tool_word_size())?;
-                if letter == Letter::R {
+                check_range(size, 2.0, 60.0, say::tool_word_size())?;
+                if letter == InsertLetter::R {
                     return Ok(());
                 }
-                within(nose, 0.0, size / 4.0, say::tool_word_nose())?;
-                within(
+                check_range(nose, 0.0, size / 4.0, say::tool_word_nose())?;
+                check_range(
                     entering,
                     30.0,
                     178.0 - letter.corner(),
@@ -118,37 +118,37 @@ impl Insert {
                 )
             }
             Self::Grooving { width, nose, reach } => {
-                within(width, 0.3, 30.0, say::tool_word_width())?;
-                within(nose, 0.0, width / 2.0, say::tool_word_nose())?;
-                within(reach, 1.0, 200.0, say::tool_word_reach())
+                check_range(width, 0.3, 30.0, say::tool_word_width())?;
+                check_range(nose, 0.0, width / 2.0, say::tool_word_nose())?;
+                check_range(reach, 1.0, 200.0, say::tool_word_reach())
             }
             Self::Threading {
                 angle,
                 nose,
                 height,
             } => {
-                within(angle, 10.0, 100.0, say::tool_word_flanks())?;
-                within(height, 0.2, 30.0, say::tool_word_height())?;
-                within(nose, 0.0, height / 4.0, say::tool_word_nose())
+                check_range(angle, 10.0, 100.0, say::tool_word_flanks())?;
+                check_range(height, 0.2, 30.0, say::tool_word_height())?;
+                check_range(nose, 0.0, height / 4.0, say::tool_word_nose())
             }
             Self::Drill {
                 diameter,
                 point,
                 reach,
             } => {
-                within(diameter, 0.3, 200.0, say::tool_word_diameter())?;
-                within(point, 60.0, 180.0, say::tool_word_point())?;
-                within(reach, 1.0, 1000.0, say::tool_word_reach())
+                check_range(diameter, 0.3, 200.0, say::tool_word_diameter())?;
+                check_range(point, 60.0, 180.0, say::tool_word_point())?;
+                check_range(reach, 1.0, 1000.0, say::tool_word_reach())
             }
         }
     }
 }
 
-/// Whether a value lies in its range; not a number lies in none.
-pub(crate) fn within(value: f64, least: f64, most: f64, what: Message) -> Result<(), Message> {
+/// Checks that a value is within a range; NaN is not. `name` names the value in the error.
+pub(crate) fn check_range(value: f64, least: f64, most: f64, name: Message) -> Result<(), Message> {
     if (least..=most).contains(&value) {
         Ok(())
     } else {
-        Err(say::tool_value_out_of_range(what, value, least, most))
+        Err(say::tool_value_out_of_range(name, value, least, most))
     }
 }

@@ -1,14 +1,14 @@
-//! Tools: what a person says of one, and the shape that follows from it.
+//! Tools: their description in a job, and the shape computed from it.
 //!
-//! All shapes are relative to the point that the program moves, the imaginary tip of
-//! the insert ([`gsk_units::tip_direction`]):
+//! All shapes are relative to the programmed point, the imaginary tip of the insert
+//! ([`gsk_units::tip_direction`]):
 //!
 //! ```text
 //!            |    holder   |
 //!            |____________ |
 //!          main edge  /
-//!            \       /        body towards +X and +Z: tip 3,
-//!    feed <-  \_.---'         the others are its mirror images
+//!            \       /        tip 3: the body is at +X and +Z;
+//!    feed <-  \_.---'         the other tips are mirror images
 //!             P   nose
 //! ```
 
@@ -22,29 +22,30 @@ use gsk_messages::{Message, say};
 use gsk_units::{Point, tip_direction};
 
 pub use holder::Holder;
-pub(crate) use insert::within;
-pub use insert::{Insert, Letter};
-pub use shape::{BodyPart, Shape};
+pub(crate) use insert::check_range;
+pub use insert::{Insert, InsertLetter};
+pub use shape::{BodyPart, ToolShape};
 
-/// A tool as a person describes it.
+/// A tool, described by its catalogue dimensions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tool {
-    /// The insert, or the drill.
+    /// The insert or the drill.
     pub insert: Insert,
-    /// Number of the direction from the nose to the imaginary tip, 0 to 9.
+    /// Tip number of the control, 0 to 9: the direction from the nose centre to the
+    /// imaginary tip.
     pub tip: u8,
-    /// What carries it.
+    /// The holder that carries the insert.
     #[serde(default)]
     pub holder: Holder,
 }
 
 impl Tool {
-    /// A right-hand turning tool: an 80° insert, entering angle 95°, nose 0.8 mm.
+    /// A right-hand turning tool: 80° insert, entering angle 95°, nose radius 0.8 mm.
     pub const fn turning() -> Self {
         Self {
             insert: Insert::Turning {
-                letter: Letter::C,
+                letter: InsertLetter::C,
                 entering: 95.0,
                 size: 12.7,
                 nose: 0.8,
@@ -57,11 +58,11 @@ impl Tool {
         }
     }
 
-    /// A boring bar with a 55° insert, nose 0.4 mm.
+    /// A boring bar of 12 mm: 55° insert, entering angle 93°, nose radius 0.4 mm.
     pub const fn boring() -> Self {
         Self {
             insert: Insert::Turning {
-                letter: Letter::D,
+                letter: InsertLetter::D,
                 entering: 93.0,
                 size: 6.35,
                 nose: 0.4,
@@ -74,7 +75,7 @@ impl Tool {
         }
     }
 
-    /// A grooving tool; its left corner is programmed.
+    /// A grooving tool of a width, mm. The programmed point is its left corner.
     pub const fn grooving(width: f64) -> Self {
         Self {
             insert: Insert::Grooving {
@@ -90,7 +91,7 @@ impl Tool {
         }
     }
 
-    /// A threading tool for outside threads.
+    /// A tool for external threads with a flank angle, degrees.
     pub const fn threading(angle: f64) -> Self {
         Self {
             insert: Insert::Threading {
@@ -106,7 +107,7 @@ impl Tool {
         }
     }
 
-    /// A twist drill.
+    /// A twist drill of a diameter, mm, with a point of 118°.
     pub const fn drill(diameter: f64) -> Self {
         Self {
             insert: Insert::Drill {
@@ -119,11 +120,11 @@ impl Tool {
         }
     }
 
-    /// Radius of the nose, mm.
+    /// The nose radius, mm; 0 for a drill.
     pub const fn nose(&self) -> f64 {
         match self.insert {
             Insert::Turning {
-                letter: Letter::R,
+                letter: InsertLetter::R,
                 size,
                 ..
             } => size / 2.0,
@@ -134,22 +135,22 @@ impl Tool {
         }
     }
 
-    /// From the imaginary tip to the centre of the nose, mm.
+    /// The vector from the imaginary tip to the centre of the nose, mm; X is a radius.
     pub fn center(&self) -> Point {
         -(tip_direction(self.tip) * self.nose())
     }
 
-    /// Whether it cuts from the inside: its body lies towards the spindle axis.
+    /// Whether the tool cuts bores: its body is nearer to the spindle axis than its tip.
     pub const fn is_internal(&self) -> bool {
         matches!(self.tip, 1 | 2 | 6)
     }
 
-    /// Whether its lengths and angles make a tool.
+    /// Checks the ranges of all lengths and angles.
     ///
     /// # Errors
-    /// The rule that is broken.
+    /// The first value out of range.
     pub fn check(&self) -> Result<(), Message> {
-        within(f64::from(self.tip), 0.0, 9.0, say::tool_word_tip())?;
+        check_range(f64::from(self.tip), 0.0, 9.0, say::tool_word_tip())?;
         self.insert.check()?;
         self.holder.check()
     }

@@ -1,68 +1,72 @@
-//! The shape of a tool, relative to its imaginary tip.
+//! Computes the shape of a tool relative to its imaginary tip.
 
 use gsk_units::{Point, tip_direction};
 
-use super::{Holder, Insert, Letter, Tool};
-use crate::convex::hull;
-use crate::curve::{Arc, direction};
-use crate::grid::{Contour, GridPoint, to_grid};
+use super::{Holder, Insert, InsertLetter, Tool};
+use crate::convex::convex_hull;
+use crate::curve::{PlaneArc, unit_vector};
+use crate::grid::{GridContour, GridPoint, to_grid};
 
-/// Part of its edge that a turning insert may cut with.
-const CUTTING_PART: f64 = 0.95;
-/// How far the insert stands out of its holder, as a part of its edge.
-const OUT_OF_HOLDER: f64 = 0.4;
-/// A shank stands back behind the edge that leads, mm.
-const SHANK_BACK: f64 = 1.0;
-/// A blade is so much narrower than its insert on each side, mm.
-const BLADE_RELIEF: f64 = 0.15;
-/// The turret beside a holder and beyond it, mm.
-const TURRET: (f64, f64) = (40.0, 150.0);
+/// Share of the edge length of a turning insert that may cut.
+const CUTTING_SHARE: f64 = 0.95;
+/// Overhang of an insert in front of its holder, as a share of its edge length.
+const OVERHANG_SHARE: f64 = 0.4;
+/// Distance of a shank from the leading edge of its insert, mm.
+const SHANK_SETBACK_MM: f64 = 1.0;
+/// Clearance of a blade on each side of its insert, mm.
+const BLADE_RELIEF_MM: f64 = 0.15;
+/// Width of the turret on each side of a holder, mm.
+const TURRET_SIDE_MM: f64 = 40.0;
+/// Depth of the turret beyond the end of a holder, mm.
+const TURRET_DEPTH_MM: f64 = 150.0;
 
-/// What of a tool may touch nothing.
+/// A part of a tool that must never touch anything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BodyPart {
     /// The side of the insert that does not cut.
     InsertBack,
-    /// The holder.
+    /// The shank, bar or blade that carries the insert.
     Holder,
-    /// The turret.
+    /// The turret that carries the holder.
     Turret,
 }
 
 /// The shape of a tool: convex polygons relative to its imaginary tip.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shape {
-    /// What cuts.
-    pub cutting: Contour,
-    /// What must not touch anything.
-    pub body: Vec<(BodyPart, Contour)>,
+pub struct ToolShape {
+    /// The cutting part: its area removes material.
+    pub cutting: GridContour,
+    /// The other parts, which must never touch anything.
+    pub body: Vec<(BodyPart, GridContour)>,
 }
 
-/// A side of the tool in its base pose: body towards +X, and +Z unless it is even.
+/// The contours of a tool in its base pose: the body is at +X, and at +Z unless the tool is
+/// symmetric.
 #[derive(Default)]
 struct Outline {
     cutting: Vec<Point>,
     back: Vec<Point>,
-    /// Where the holder begins above the tip, mm.
-    out: f64,
+    /// X of the begin of the holder, mm from the tip.
+    holder_begin: f64,
     /// Least Z of a shank, mm.
-    side: f64,
-    /// A blade carries the insert as far as that.
+    shank_z: f64,
+    /// The blade between insert and shank, if any.
     blade: Option<Blade>,
 }
 
 struct Blade {
-    from: f64,
-    to: f64,
-    reach: f64,
+    /// Z of both sides, mm.
+    z: (f64, f64),
+    /// X of the end, mm.
+    end: f64,
 }
 
-impl Shape {
-    /// Of a tool.
-    pub fn of(tool: &Tool) -> Self {
+impl ToolShape {
+    /// Computes the shape of a tool from its dimensions.
+    pub fn from_tool(tool: &Tool) -> Self {
         let outline = outline(tool);
-        let pose = Pose::of(tool);
-        let contour = |points: &[Point]| hull(points.iter().map(|point| pose.apply(*point)));
+        let pose = Pose::from_tool(tool);
+        let contour = |points: &[Point]| convex_hull(points.iter().map(|point| pose.apply(*point)));
         let mut body = Vec::new();
         if !outline.back.is_empty() {
             body.push((BodyPart::InsertBack, contour(&outline.back)));
@@ -80,36 +84,37 @@ impl Shape {
             ));
         };
         if let Some(blade) = &outline.blade {
-            let relief = BLADE_RELIEF.min((blade.to - blade.from) / 4.0);
+            let relief = BLADE_RELIEF_MM.min((blade.z.1 - blade.z.0) / 4.0);
             add(
                 BodyPart::Holder,
-                (blade.from + relief, blade.to - relief),
-                (outline.out, blade.reach.max(outline.out)),
+                (blade.z.0 + relief, blade.z.1 - relief),
+                (outline.holder_begin, blade.end.max(outline.holder_begin)),
             );
         }
-        let begin = outline.blade.as_ref().map_or(outline.out, |it| it.reach);
+        let blade_end = outline.blade.as_ref().map(|blade| blade.end);
+        let begin = blade_end.unwrap_or(outline.holder_begin);
         match tool.holder {
             Holder::None => {}
             Holder::Shank { width, length } => {
                 let end = length.max(begin + 1.0);
-                let side = (outline.side, outline.side + width);
-                add(BodyPart::Holder, side, (begin, end));
-                let turret = (side.0 - TURRET.0, side.1 + TURRET.0);
-                add(BodyPart::Turret, turret, (end, end + TURRET.1));
+                let shank = (outline.shank_z, outline.shank_z + width);
+                add(BodyPart::Holder, shank, (begin, end));
+                let turret = (shank.0 - TURRET_SIDE_MM, shank.1 + TURRET_SIDE_MM);
+                add(BodyPart::Turret, turret, (end, end + TURRET_DEPTH_MM));
             }
             Holder::Bar { diameter, length } => {
-                let begin = SHANK_BACK;
-                // The insert stands out of the bar a little, so that it may bore; a blade
-                // as far as it reaches.
-                let out = match &outline.blade {
-                    Some(blade) => blade.reach.max(outline.out),
-                    None => (OUT_OF_HOLDER * outline.out).max(0.3),
+                let begin = SHANK_SETBACK_MM;
+                // The overhang of an insert in front of a bar is small, that of a blade is
+                // its length.
+                let bar_x = match blade_end {
+                    Some(blade_end) => blade_end.max(outline.holder_begin),
+                    None => (OVERHANG_SHARE * outline.holder_begin).max(0.3),
                 };
                 let end = length.max(begin + 1.0);
-                add(BodyPart::Holder, (begin, end), (out, out + diameter));
-                let middle = out + diameter / 2.0;
-                let turret = (middle - TURRET.0, middle + TURRET.0);
-                add(BodyPart::Turret, (end, end + TURRET.1), turret);
+                add(BodyPart::Holder, (begin, end), (bar_x, bar_x + diameter));
+                let middle = bar_x + diameter / 2.0;
+                let turret = (middle - TURRET_SIDE_MM, middle + TURRET_SIDE_MM);
+                add(BodyPart::Turret, (end, end + TURRET_DEPTH_MM), turret);
             }
         }
         body.retain(|(_, contour)| !contour.is_empty());
@@ -120,56 +125,58 @@ impl Shape {
     }
 }
 
-/// From the base pose of a tool to its own.
+/// Maps the base pose of a tool to its mounted pose.
 #[derive(Clone, Copy)]
 struct Pose {
-    /// The axes exchanged first: a tool whose body lies along Z.
-    across: bool,
-    x: f64,
-    z: f64,
+    /// Whether X and Z are exchanged first: the tool is mounted along Z.
+    swaps_axes: bool,
+    /// Sign of X, 1 or -1.
+    x_sign: f64,
+    /// Sign of Z, 1 or -1.
+    z_sign: f64,
 }
 
 impl Pose {
-    fn of(tool: &Tool) -> Self {
-        // The body lies on the other side of the centre than the tip.
+    fn from_tool(tool: &Tool) -> Self {
+        // Seen from the nose centre, the body is opposite to the tip.
         let tip = tip_direction(tool.tip);
         let sign = |tip: f64| if tip > 0.0 { -1.0 } else { 1.0 };
         Self {
-            across: tip.x == 0.0 && tip.z != 0.0,
-            x: sign(tip.x),
-            z: sign(tip.z),
+            swaps_axes: tip.x == 0.0 && tip.z != 0.0,
+            x_sign: sign(tip.x),
+            z_sign: sign(tip.z),
         }
     }
 
     fn apply(self, point: Point) -> GridPoint {
-        let point = match self.across {
+        let point = match self.swaps_axes {
             true => Point::new(point.z, point.x),
             false => point,
         };
-        to_grid(Point::new(point.x * self.x, point.z * self.z))
+        to_grid(Point::new(point.x * self.x_sign, point.z * self.z_sign))
     }
 }
 
-/// Whether a tool stands even about the direction of its tip.
-fn is_even(tool: &Tool) -> bool {
+/// Whether a tool is symmetric about the direction of its tip.
+fn is_symmetric(tool: &Tool) -> bool {
     let tip = tip_direction(tool.tip);
     (tip.x == 0.0) != (tip.z == 0.0)
 }
 
 fn outline(tool: &Tool) -> Outline {
-    // Where the nose centre lies in the base pose.
     let tip = tip_direction(tool.tip);
     let centered = tip == Point::default();
-    let even = is_even(tool);
+    let symmetric = is_symmetric(tool);
     let nose = tool.nose();
-    let center = match (centered, even) {
+    // The nose centre in the base pose.
+    let center = match (centered, symmetric) {
         (true, _) => Point::default(),
         (_, true) => Point::new(nose, 0.0),
         _ => Point::new(nose, nose),
     };
     match tool.insert {
         Insert::Turning {
-            letter: Letter::R,
+            letter: InsertLetter::R,
             size,
             ..
         } => round(center, size / 2.0),
@@ -180,10 +187,14 @@ fn outline(tool: &Tool) -> Outline {
             ..
         } => {
             let corner = letter.corner();
-            let entering = if even { 90.0 - corner / 2.0 } else { entering };
+            let entering = if symmetric {
+                90.0 - corner / 2.0
+            } else {
+                entering
+            };
             rhombic(center, nose, letter, entering, size)
         }
-        Insert::Grooving { width, nose, reach } => grooving(center, nose, width, reach, even),
+        Insert::Grooving { width, nose, reach } => grooving(center, nose, width, reach, symmetric),
         Insert::Threading {
             angle,
             nose,
@@ -197,8 +208,9 @@ fn outline(tool: &Tool) -> Outline {
     }
 }
 
-/// The points of a nose on the grid's accuracy, with those where it is widest.
-fn nose_points(center: Point, radius: f64, begin: f64, end: f64) -> Vec<Point> {
+/// The points of a nose arc between two angles, degrees, as fine as the grid. They include
+/// the points farthest along each axis.
+fn nose_arc_points(center: Point, radius: f64, begin: f64, end: f64) -> Vec<Point> {
     use core::f64::consts::PI;
     let to_radians = PI / 180.0;
     let mut stops = vec![begin];
@@ -211,7 +223,7 @@ fn nose_points(center: Point, radius: f64, begin: f64, end: f64) -> Vec<Point> {
     stops.push(end);
     let mut points = Vec::new();
     for pair in stops.windows(2) {
-        let arc = Arc {
+        let arc = PlaneArc {
             center,
             radius,
             begin: pair[0] * to_radians,
@@ -224,10 +236,10 @@ fn nose_points(center: Point, radius: f64, begin: f64, end: f64) -> Vec<Point> {
 
 fn round(center: Point, radius: f64) -> Outline {
     Outline {
-        cutting: nose_points(center, radius, 0.0, 360.0),
+        cutting: nose_arc_points(center, radius, 0.0, 360.0),
         back: Vec::new(),
-        out: center.x + radius * 0.8,
-        side: center.z - radius * 0.6,
+        holder_begin: center.x + radius * 0.8,
+        shank_z: center.z - radius * 0.6,
         blade: None,
     }
 }
@@ -239,99 +251,98 @@ fn round(center: Point, radius: f64) -> Outline {
 ///   feed <-   \  ε         φm = 180° − entering angle, φs = φm − ε
 ///              V----- φs   nose centre: on the bisector, r / sin(ε/2) from V
 /// ```
-fn rhombic(center: Point, nose: f64, letter: Letter, entering: f64, size: f64) -> Outline {
+fn rhombic(center: Point, nose: f64, letter: InsertLetter, entering: f64, size: f64) -> Outline {
     let corner = letter.corner();
     let (main, second) = (180.0 - entering, 180.0 - entering - corner);
     let half = libm::sin(corner / 2.0 * core::f64::consts::PI / 180.0);
-    let bisector = direction((main + second) / 2.0);
+    let bisector = unit_vector((main + second) / 2.0);
     let tip = center - bisector * (nose / half);
     let edge = edge_length(letter, size);
-    let (along_main, along_second) = (direction(main) * edge, direction(second) * edge);
-    let mut cutting = nose_points(center, nose, main + 90.0, second + 270.0);
+    let (along_main, along_second) = (unit_vector(main) * edge, unit_vector(second) * edge);
+    let mut cutting = nose_arc_points(center, nose, main + 90.0, second + 270.0);
     let front = [
-        tip + along_main * CUTTING_PART,
-        tip + along_second * CUTTING_PART,
+        tip + along_main * CUTTING_SHARE,
+        tip + along_second * CUTTING_SHARE,
     ];
     cutting.extend(front);
     let mut back = vec![front[0], front[1], tip + along_main, tip + along_second];
     match letter {
-        Letter::T => {}
-        Letter::W => back.push(tip + (along_main + along_second) * 0.9),
+        InsertLetter::T => {}
+        InsertLetter::W => back.push(tip + (along_main + along_second) * 0.9),
         _ => back.push(tip + along_main + along_second),
     }
     Outline {
         cutting,
         back,
-        out: edge * OUT_OF_HOLDER,
-        side: tip.z + along_main.z.max(0.0) + SHANK_BACK,
+        holder_begin: edge * OVERHANG_SHARE,
+        shank_z: tip.z + along_main.z.max(0.0) + SHANK_SETBACK_MM,
         blade: None,
     }
 }
 
-/// Length of an edge from the inscribed circle (ISO 1832), mm.
-fn edge_length(letter: Letter, size: f64) -> f64 {
+/// The edge length of an insert from the diameter of its inscribed circle (ISO 1832), mm.
+fn edge_length(letter: InsertLetter, size: f64) -> f64 {
     let sine = |degrees: f64| libm::sin(degrees * core::f64::consts::PI / 180.0);
     match letter {
-        Letter::C | Letter::D | Letter::V => size / sine(letter.corner()),
-        // Tangent of 60°.
-        Letter::T => size * 1.732_050_807_568_877_2,
-        Letter::W => size * 0.684,
-        Letter::S | Letter::R => size,
+        InsertLetter::C | InsertLetter::D | InsertLetter::V => size / sine(letter.corner()),
+        // tan 60°
+        InsertLetter::T => size * 1.732_050_807_568_877_2,
+        InsertLetter::W => size * 0.684,
+        InsertLetter::S | InsertLetter::R => size,
     }
 }
 
-fn grooving(center: Point, nose: f64, width: f64, reach: f64, even: bool) -> Outline {
-    // The programmed corner, or the middle of the edge.
-    let low = match (even, center == Point::default() && nose > 0.0) {
+fn grooving(center: Point, nose: f64, width: f64, reach: f64, symmetric: bool) -> Outline {
+    // The programmed point is a corner or the middle of the edge.
+    let low = match (symmetric, center == Point::default() && nose > 0.0) {
         (true, _) => -width / 2.0,
         (false, true) => -nose,
         (false, false) => 0.0,
     };
     let bottom = center.x - nose;
     let high = low + width;
-    let mut cutting = nose_points(Point::new(bottom + nose, low + nose), nose, 180.0, 270.0);
-    cutting.extend(nose_points(
+    let mut cutting = nose_arc_points(Point::new(bottom + nose, low + nose), nose, 180.0, 270.0);
+    cutting.extend(nose_arc_points(
         Point::new(bottom + nose, high - nose),
         nose,
         270.0,
         360.0,
     ));
-    // The insert itself; the blade goes on as deep as it reaches.
+    // The insert ends here; the blade extends to the full cutting depth.
     let insert = bottom + reach.min(width.max(2.0) * 1.5);
     cutting.extend([Point::new(insert, low), Point::new(insert, high)]);
     Outline {
         cutting,
         back: Vec::new(),
-        out: insert,
-        side: low,
+        holder_begin: insert,
+        shank_z: low,
         blade: Some(Blade {
-            from: low,
-            to: high,
-            reach: bottom + reach,
+            z: (low, high),
+            end: bottom + reach,
         }),
     }
 }
 
 fn threading(nose: f64, angle: f64, height: f64) -> Outline {
     let half = angle / 2.0;
-    // The middle of the point is programmed, whatever the number of the tip.
-    let mut cutting = nose_points(Point::new(nose, 0.0), nose, 180.0 + half, 360.0 - half);
+    // The programmed point is the middle of the nose for every tip number.
+    let mut cutting = nose_arc_points(Point::new(nose, 0.0), nose, 180.0 + half, 360.0 - half);
     let sine = libm::sin(half * core::f64::consts::PI / 180.0);
     let cosine = libm::cos(half * core::f64::consts::PI / 180.0);
-    // Where the flanks would meet below the nose.
+    // X of the intersection of both flanks, below the nose.
     let apex = nose - nose / sine;
     let wide = (height - apex) * sine / cosine;
     cutting.extend([Point::new(height, -wide), Point::new(height, wide)]);
     Outline {
         cutting,
         back: Vec::new(),
-        out: height,
-        side: -wide,
+        holder_begin: height,
+        shank_z: -wide,
         blade: None,
     }
 }
 
-/// Along its own axis in the base pose: the point down, the flutes up.
+/// The axis of a drill in its base pose is X: its point is at 0, its flutes at +X.
 fn drill(diameter: f64, point: f64, reach: f64) -> Outline {
     let radius = diameter / 2.0;
     let half = point / 2.0 * core::f64::consts::PI / 180.0;
@@ -346,8 +357,8 @@ fn drill(diameter: f64, point: f64, reach: f64) -> Outline {
             Point::new(end, radius),
         ],
         back: Vec::new(),
-        out: end,
-        side: -radius,
+        holder_begin: end,
+        shank_z: -radius,
         blade: None,
     }
 }
@@ -356,21 +367,21 @@ fn drill(diameter: f64, point: f64, reach: f64) -> Outline {
 mod tests {
     use super::*;
     use crate::grid::{from_grid, mm};
-    use crate::region::{Bounds, Region};
+    use crate::region::{GridBounds, Region};
 
     fn bounds(contour: &[GridPoint]) -> (Point, Point) {
-        let bounds = Bounds::of(contour).unwrap();
+        let bounds = GridBounds::from_points(contour).unwrap();
         (from_grid(bounds.low), from_grid(bounds.high))
     }
 
     #[test]
-    fn the_imaginary_tip_of_every_direction_is_where_the_nose_ends() {
+    fn the_nose_touches_the_imaginary_tip_of_each_direction() {
         for tip in 1..=8 {
             let tool = Tool {
                 tip,
                 ..Tool::turning()
             };
-            let (low, high) = bounds(&Shape::of(&tool).cutting);
+            let (low, high) = bounds(&ToolShape::from_tool(&tool).cutting);
             let toward = tip_direction(tip);
             let near = |value: f64| value.abs() < 0.000_11;
             if toward.x < 0.0 {
@@ -379,7 +390,7 @@ mod tests {
             if toward.x > 0.0 {
                 assert!(near(high.x), "{tip}: {high:?}");
             }
-            // The main edge of 95° leans back: the nose leads in Z, too.
+            // With an entering angle of 95° the nose is also the first point along Z.
             if toward.z < 0.0 {
                 assert!(near(low.z), "{tip}: {low:?}");
             }
@@ -390,9 +401,9 @@ mod tests {
     }
 
     #[test]
-    fn a_nose_is_a_circle_about_its_centre() {
+    fn points_of_the_nose_are_on_a_circle_about_its_centre() {
         let tool = Tool::turning();
-        let shape = Shape::of(&tool);
+        let shape = ToolShape::from_tool(&tool);
         let center = tool.center();
         assert_eq!(center, Point::new(0.8, 0.8));
         let on_nose = shape
@@ -406,43 +417,43 @@ mod tests {
     }
 
     #[test]
-    fn a_grooving_insert_is_as_wide_as_it_is_said_to_be() {
+    fn a_grooving_insert_has_the_given_width() {
         for (tip, low, high) in [(3, 0.0, 3.0), (4, -3.0, 0.0), (8, -1.5, 1.5)] {
             let tool = Tool {
                 tip,
                 ..Tool::grooving(3.0)
             };
-            let (least, greatest) = bounds(&Shape::of(&tool).cutting);
+            let (least, greatest) = bounds(&ToolShape::from_tool(&tool).cutting);
             assert_eq!((least.z, greatest.z, least.x), (low, high, 0.0), "{tip}");
         }
     }
 
     #[test]
-    fn a_threading_insert_has_its_flanks() {
-        let shape = Shape::of(&Tool::threading(60.0));
+    fn a_threading_insert_has_the_given_flank_angle() {
+        let shape = ToolShape::from_tool(&Tool::threading(60.0));
         let (low, high) = bounds(&shape.cutting);
         assert_eq!(low.x, 0.0);
-        // 30° flanks about the apex 0.05 mm below the point's end.
+        // Flanks of 30° from an apex 0.05 mm below the nose.
         let wide = (4.0 + 0.05) / 3.0_f64.sqrt();
         assert!((high.z - wide).abs() < 0.000_2 && (low.z + wide).abs() < 0.000_2);
     }
 
     #[test]
-    fn a_drill_lies_along_the_axis_with_its_point_ahead() {
-        let shape = Shape::of(&Tool::drill(20.0));
+    fn a_drill_extends_along_z_from_its_point() {
+        let shape = ToolShape::from_tool(&Tool::drill(20.0));
         let (low, high) = bounds(&shape.cutting);
         assert_eq!((low.z, low.x, high.x, high.z), (0.0, -10.0, 10.0, 80.0));
     }
 
     #[test]
-    fn holders_keep_clear_of_the_turned_surface_and_of_the_face() {
-        let shape = Shape::of(&Tool::turning());
+    fn holders_are_clear_of_the_turned_surface_and_of_the_face() {
+        let shape = ToolShape::from_tool(&Tool::turning());
         for (part, contour) in &shape.body {
             let (low, _) = bounds(contour);
             let beside = low.z > 0.0 || *part == BodyPart::Turret;
             assert!(low.x > 0.3 && beside, "{part:?} {low:?}");
         }
-        let boring = Shape::of(&Tool::boring());
+        let boring = ToolShape::from_tool(&Tool::boring());
         for (part, contour) in &boring.body {
             let (low, high) = bounds(contour);
             assert!(
@@ -454,8 +465,8 @@ mod tests {
     }
 
     #[test]
-    fn every_letter_and_tip_makes_a_convex_shape() {
-        for letter in Letter::ALL {
+    fn each_letter_and_tip_gives_a_shape_with_an_area() {
+        for letter in InsertLetter::ALL {
             for tip in 0..=9 {
                 let tool = Tool {
                     insert: Insert::Turning {
@@ -468,8 +479,8 @@ mod tests {
                     holder: Holder::None,
                 };
                 tool.check().unwrap();
-                let shape = Shape::of(&tool);
-                let area = Region::of(core::slice::from_ref(&shape.cutting)).area();
+                let shape = ToolShape::from_tool(&tool);
+                let area = Region::from_contours(core::slice::from_ref(&shape.cutting)).area();
                 assert!(area > mm(10_000), "{letter:?} {tip}: {area}");
             }
         }

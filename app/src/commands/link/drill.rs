@@ -5,7 +5,7 @@ use crate::commands::CommandError;
 use std::time::Duration;
 
 use gsk_core::units::{PerAxis, Pulses};
-use gsk_link::{Event, FINE as PARTS, Input, LinkState, Refused, RunTime, Sample, Stop};
+use gsk_link::{FINE as PARTS, Input, LinkEvent, LinkState, MotionRefused, RunTime, Sample, Stop};
 use gsk_messages::{Message, say};
 
 use super::super::{ALARM, FINE, output};
@@ -28,7 +28,7 @@ fn figures(times: &mut [Duration]) -> Option<(f64, f64)> {
 }
 
 /// Round trips of an idle board; what happened meanwhile.
-pub fn idle(board: &mut Board) -> Vec<Event> {
+pub fn idle(board: &mut Board) -> Vec<LinkEvent> {
     let mut events = Vec::new();
     let end = board.now() + IDLE;
     let mut trips = Vec::new();
@@ -70,14 +70,14 @@ pub fn operated(board: &Board) -> Vec<Message> {
 /// A move of Z under way: speed in pulses a tick.
 struct Drill<'a> {
     board: &'a mut Board,
-    events: Vec<Event>,
+    events: Vec<LinkEvent>,
     run: RunTime,
     z: f64,
     speed: f64,
     pulses: i64,
     /// Way handed over, pulses, and when it is made.
     ways: Vec<(RunTime, u64)>,
-    refused: Option<Refused>,
+    refused: Option<MotionRefused>,
 }
 
 impl Drill<'_> {
@@ -98,7 +98,7 @@ impl Drill<'_> {
             fine: PerAxis::new(0, (self.z * PARTS as f64).round() as i64),
             ..Sample::new(self.run, PerAxis::new(Pulses(0), Pulses(self.pulses)))
         };
-        while self.board.link.room() == Duration::ZERO {
+        while self.board.link.free_lookahead() == Duration::ZERO {
             let events = self.board.pump();
             self.events.extend(events);
             if !self.board.link.state().takes_motion() {
@@ -262,7 +262,7 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Comm
     }
     let failed = super::report(&events);
     let position = events.iter().rev().find_map(|event| match event {
-        Event::Position(pulses) => Some(pulses.z.0),
+        LinkEvent::Position(pulses) => Some(pulses.z.0),
         _ => None,
     });
     match position {
@@ -272,7 +272,7 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Comm
         }
         _ => {
             if let Some(refused) = refused {
-                let (number, text) = refused.judged();
+                let (number, text) = refused.to_alarm();
                 complain!("gsk980td: {number}: {}", output::worded(&text));
             }
             output::say(&say::link_test_run_broke_off());

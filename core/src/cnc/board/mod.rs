@@ -18,7 +18,7 @@ use crate::command::{Action, SpindleCommand};
 use crate::motion::ThreadMove;
 use crate::operation::{Return, RunState};
 use crate::units::{Axis, Feed, PerAxis, Point, Pulses};
-use gsk_link::ThreadRights;
+use gsk_link::ThreadCapability;
 use gsk_messages::{Message, say};
 use gsk_plc::address::BitAddress;
 
@@ -127,7 +127,7 @@ impl Cnc {
         if let Some(alarm) = self.too_fast_for_board(&board, action, from, Some(rpm)) {
             return Err(alarm);
         }
-        if let (Action::Thread { .. } | Action::ThreadCycle { .. }, ThreadRights::None(lacks)) =
+        if let (Action::Thread { .. } | Action::ThreadCycle { .. }, ThreadCapability::None(lacks)) =
             (action, board.threads)
         {
             return Err(

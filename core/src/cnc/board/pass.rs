@@ -5,7 +5,7 @@ use crate::cnc::Cnc;
 use crate::command::{BeyondPass, ThreadStart};
 use crate::motion::ThreadMove;
 use crate::units::{PerAxis, Point, Pulses};
-use gsk_link::{Pass, ThreadRights};
+use gsk_link::{ThreadCapability, ThreadPass};
 use gsk_messages::say;
 
 /// The board cannot cut it as a pass.
@@ -17,7 +17,7 @@ impl Cnc {
     /// Whether threads are passes of the board. Under machine lock none goes out.
     pub(crate) fn board_cuts(&self) -> bool {
         let locked = self.plc.signals.machine_lock;
-        let passes = |board: crate::board::BoardDrives| board.threads == ThreadRights::Passes;
+        let passes = |board: crate::board::BoardDrives| board.threads == ThreadCapability::Passes;
         self.drives.board.is_some_and(passes) && !(locked.x && locked.z)
     }
 
@@ -86,7 +86,7 @@ impl Cnc {
     }
 
     /// The pass that waits for the board.
-    pub(crate) fn pass_waiting(&self) -> Option<Pass> {
+    pub(crate) fn pass_waiting(&self) -> Option<ThreadPass> {
         let to = self.drives.interpolator.waits_for_drives()?;
         let current = self.run.automatic.current.as_ref()?;
         let thread = ThreadMove::of(&current.command.action)?;
@@ -95,7 +95,7 @@ impl Cnc {
         }
         let mut at_end = self.drives.chain.clone();
         at_end.advance(to, PerAxis::default());
-        Some(Pass {
+        Some(ThreadPass {
             from: self.drives.chain.pulses(),
             end: at_end.pulses(),
             lead: thread.lead_along(self.drives.interpolator.position()),

@@ -8,7 +8,7 @@ use crate::alarm::{Alarm, number};
 use crate::cnc::Cnc;
 use crate::command::{BeyondPass, BlockNumber, ProgramId, Source};
 use crate::program::Program;
-use gsk_link::{Lacks, ThreadRights};
+use gsk_link::{MissingForThreads, ThreadCapability};
 use gsk_messages::{Message, say};
 use passes::Threads;
 
@@ -27,7 +27,7 @@ struct Asks {
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Refused {
     /// A thread, for what it lacks.
-    Thread(Lacks),
+    Thread(MissingForThreads),
     /// A thread that is no straight pass.
     Beyond(BeyondPass),
     /// Something that no board of its kind does.
@@ -43,7 +43,7 @@ impl Cnc {
             .board
             .map_or_else(Default::default, |board| board.threads);
         let mut threads = Threads::new(self.memory.parameters.run_out_tenths());
-        let passes = rights == ThreadRights::Passes && !self.plc.signals.dry_run;
+        let passes = rights == ThreadCapability::Passes && !self.plc.signals.dry_run;
         let without_surface = self
             .drives
             .board
@@ -91,7 +91,7 @@ fn alarm(id: ProgramId, program: &Program, index: u32, refused: Refused) -> Alar
 }
 
 /// Reads the words of a block as far as they matter here.
-fn asks(block: &str, threads: ThreadRights, dry_run: bool) -> Asks {
+fn asks(block: &str, threads: ThreadCapability, dry_run: bool) -> Asks {
     let mut asks = Asks::default();
     let (mut call, mut place) = (false, None);
     let mut comment = false;
@@ -124,13 +124,13 @@ fn asks(block: &str, threads: ThreadRights, dry_run: bool) -> Asks {
 }
 
 /// What of a G code the board cannot do.
-fn refused(code: u32, threads: ThreadRights) -> Option<Refused> {
+fn refused(code: u32, threads: ThreadCapability) -> Option<Refused> {
     let never = match (code, threads) {
-        (32 | 34 | 76 | 92, ThreadRights::None(lacks)) => return Some(Refused::Thread(lacks)),
-        (33, ThreadRights::Followed) => say::cannot_tap_by_index(),
+        (32 | 34 | 76 | 92, ThreadCapability::None(lacks)) => return Some(Refused::Thread(lacks)),
+        (33, ThreadCapability::Followed) => say::cannot_tap_by_index(),
         (33, _) => say::cannot_tap(),
-        (99, ThreadRights::Followed) => return None,
-        (99, ThreadRights::None(Lacks { index: true, .. })) => {
+        (99, ThreadCapability::Followed) => return None,
+        (99, ThreadCapability::None(MissingForThreads { index: true, .. })) => {
             say::cannot_feed_per_revolution_unwired()
         }
         (99, _) => say::cannot_feed_per_revolution(),
@@ -152,7 +152,7 @@ fn number(text: &str) -> Option<u32> {
 mod tests {
     use super::*;
 
-    const NONE: ThreadRights = ThreadRights::None(Lacks {
+    const NONE: ThreadCapability = ThreadCapability::None(MissingForThreads {
         sync: true,
         proof: true,
         encoder: false,
@@ -171,15 +171,15 @@ mod tests {
         ] {
             assert!(asks(block, NONE, false).refused.is_some(), "{block}");
             assert_eq!(
-                asks(block, ThreadRights::Followed, false).refused,
+                asks(block, ThreadCapability::Followed, false).refused,
                 None,
                 "{block}"
             );
         }
         assert!(asks("G96 S120", NONE, false).surface && !asks("G96 S120", NONE, true).surface);
         assert!(asks("G99", NONE, false).refused.is_some());
-        assert_eq!(asks("G99", ThreadRights::Followed, false).refused, None);
-        let tap = asks("X1 G33 Z-5 F1", ThreadRights::Followed, false);
+        assert_eq!(asks("G99", ThreadCapability::Followed, false).refused, None);
+        let tap = asks("X1 G33 Z-5 F1", ThreadCapability::Followed, false);
         assert!(tap.refused.is_some());
         for block in ["(G92) G01 X1", "G98", "G9", "G920", "G0 X32", "N92 G01"] {
             assert_eq!(asks(block, NONE, false), Asks::default(), "{block}");

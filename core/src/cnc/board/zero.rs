@@ -23,7 +23,7 @@ use crate::cnc::Cnc;
 use crate::motion::JogRate;
 use crate::operation::{Direction, Return};
 use crate::units::{Axis, PerAxis, Point};
-use gsk_link::{Awaited, Input, Until};
+use gsk_link::{AwaitedInput, Input, InputCondition};
 use gsk_messages::say;
 
 impl Cnc {
@@ -113,7 +113,7 @@ impl Cnc {
     }
 
     /// What the return of an axis waits for at the board.
-    pub(crate) fn board_awaits(&self, axis: Axis) -> Option<Awaited> {
+    pub(crate) fn board_awaits(&self, axis: Axis) -> Option<AwaitedInput> {
         let board = self.drives.board?;
         let wiring = *board.zero?.get(axis);
         let stage = (*self.coordinates.returns.get(axis))?;
@@ -132,19 +132,19 @@ impl Cnc {
         let (input, until, rate) = match stage {
             Return::Approach => {
                 let rate = self.memory.parameters.zero_approach_rate(axis);
-                (reference, Until::Operated, rate)
+                (reference, InputCondition::Operated, rate)
             }
-            Return::OnSwitch => (switch, Until::Free, low),
-            Return::Leave => (limit, Until::Free, low),
-            Return::Search => (signal, Until::Changed, low),
-            Return::Back => (switch, Until::Operated, low),
+            Return::OnSwitch => (switch, InputCondition::Free, low),
+            Return::Leave => (limit, InputCondition::Free, low),
+            Return::Search => (signal, InputCondition::Changed, low),
+            Return::Back => (switch, InputCondition::Operated, low),
             Return::Straight
             | Return::Turning
             | Return::Past(_)
             | Return::Board
             | Return::Rest { .. } => return None,
         };
-        Some(Awaited {
+        Some(AwaitedInput {
             input,
             until,
             rate: rate / 60.0 * board.pulses_per_mm[axis as usize],

@@ -1,32 +1,32 @@
-//! What the kernel may ask of a board that reads lines.
+//! Implements [`Backend`] for line boards.
 
 use core::time::Duration;
 
 use super::{LineLink, MODES};
 use crate::contacts;
-use crate::line::Family;
+use crate::line::FirmwareFamily;
 use crate::line::describe::next_line;
 use crate::line::realtime::SOFT_RESET;
-use crate::line::response::{BoardState, Response};
+use crate::line::response::{BoardState, LineResponse};
 use crate::position::Positioned;
-use crate::session::Session;
+use crate::session::LinkSession;
 use crate::{
-    Backend, BoardInfo, BoardOutputs, CannotCut, HostTime, Input, LinkState, Pass, Pins,
-    PulseRates, Refused, RunTime, Sample, Stop, ThreadRights, Traffic, Uncertainty,
+    Backend, BoardInfo, BoardOutputs, HostTime, Input, LinkState, MotionRefused, PassError, Pins,
+    PulseRates, RunTime, Sample, Stop, ThreadCapability, ThreadPass, Traffic, Uncertainty,
 };
 use gsk_messages::Message;
 use gsk_units::{PerAxis, Pulses};
 
 impl Positioned for LineLink {
-    fn session(&self) -> &Session {
+    fn session(&self) -> &LinkSession {
         &self.session
     }
 
-    fn session_mut(&mut self) -> &mut Session {
+    fn session_mut(&mut self) -> &mut LinkSession {
         &mut self.session
     }
 
-    fn align(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
+    fn align(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), MotionRefused> {
         let standing = self
             .reports
             .status
@@ -35,7 +35,7 @@ impl Positioned for LineLink {
             self.session.state,
             standing.and_then(|status| self.motion.board_count(status)),
         ) else {
-            return Err(Refused::NotReady);
+            return Err(MotionRefused::NotReady);
         };
         self.motion.align(kernel, board, at);
         self.reports.align(kernel);
@@ -55,11 +55,11 @@ impl Backend for LineLink {
         &self.opening.board
     }
 
-    fn threads(&self) -> ThreadRights {
+    fn threads(&self) -> ThreadCapability {
         self.thread_rights()
     }
 
-    fn cut(&mut self, pass: &Pass) -> Result<(), CannotCut> {
+    fn cut(&mut self, pass: &ThreadPass) -> Result<(), PassError> {
         self.begin_pass(pass)
     }
 
@@ -92,14 +92,15 @@ impl Backend for LineLink {
         self.motion.outstanding(self.session.now)
     }
 
-    fn room(&self) -> Duration {
+    fn free_lookahead(&self) -> Duration {
         if !self.is_prepared() || !self.motion.backlog.is_empty() {
             return Duration::ZERO;
         }
-        // With a full queue FluidNC looks at `!` and Ctrl-X 20 times a second only, and what
-        // waits at a stop is carried out behind the reset.
+        // With a full queue FluidNC checks for `!` and Ctrl-X only 20 times a second, and
+        // executes waiting lines after the reset.
         let blocks = usize::from(self.board().blocks);
-        if self.opening.family == Family::FluidNc && self.motion.queued.len() + 2 >= blocks {
+        if self.opening.family == FirmwareFamily::FluidNc && self.motion.queued.len() + 2 >= blocks
+        {
             return Duration::ZERO;
         }
         self.config.lookahead().saturating_sub(self.outstanding())
@@ -122,16 +123,16 @@ impl Backend for LineLink {
     }
 
     fn tick(&mut self, now: HostTime) {
-        self.passes(now);
-        if self.session.is_over() {
+        self.advance_time(now);
+        if self.session.is_closed() {
             return;
         }
         if !self.opening.is_done() {
             if self.session.state == LinkState::Fault {
                 return;
             }
-            let outcome = self.opening.tick(self.session.now);
-            self.open_further(outcome);
+            let action = self.opening.tick(self.session.now);
+            self.open_further(action);
             return;
         }
         self.motion.settle(false, self.session.now);
@@ -139,13 +140,13 @@ impl Backend for LineLink {
         self.watch_pass();
         self.watch_halt();
         self.watch_homing();
-        self.ask();
+        self.query_status_if_due();
         self.verify();
         self.switch();
     }
 
     fn rx(&mut self, bytes: &[u8], now: HostTime) {
-        self.passes(now);
+        self.advance_time(now);
         self.wire.traffic.received += bytes.len() as u64;
         if !bytes.is_empty() {
             self.opening.bytes_received(self.session.now);
@@ -153,7 +154,7 @@ impl Backend for LineLink {
         for &byte in bytes {
             if let Some(text) = self.wire.receive(byte) {
                 self.opening.take_text(&text);
-                self.take(&Response::parse(&text));
+                self.take(&LineResponse::parse(&text));
             }
         }
     }
@@ -167,8 +168,8 @@ impl Backend for LineLink {
     }
 
     fn write_settings(&mut self) {
-        let outcome = self.opening.write_settings(self.session.now);
-        self.open_further(outcome);
+        let action = self.opening.write_settings(self.session.now);
+        self.open_further(action);
     }
 
     fn close(&mut self) {
@@ -190,8 +191,8 @@ impl Backend for LineLink {
 
     fn has_answered_stop(&self, answered: &[u8]) -> bool {
         let text = String::from_utf8_lossy(answered);
-        let mut lines = text.lines().map(Response::parse);
-        lines.any(|line| matches!(line, Response::Banner(_)))
+        let mut lines = text.lines().map(LineResponse::parse);
+        lines.any(|line| matches!(line, LineResponse::Banner(_)))
     }
 
     fn last_position(&self) -> Option<PerAxis<Pulses>> {
@@ -201,8 +202,8 @@ impl Backend for LineLink {
     fn is_stopping(&self) -> bool {
         let state = self.session.state;
         let broken = matches!(state, LinkState::Fault | LinkState::Tripped);
-        let goes_on = broken && self.reports.is_settling(self.session.now);
-        let unread = self.reports.counts() && (self.reports.status.is_none() || goes_on);
+        let may_move = broken && self.reports.is_settling(self.session.now);
+        let unread = self.reports.counts() && (self.reports.status.is_none() || may_move);
         state != LinkState::Lost
             && (!self.stopping.is_none() || self.stopping.limit.is_some() || unread)
     }
@@ -229,7 +230,7 @@ impl Backend for LineLink {
         self.opening.alone
     }
 
-    fn home(&mut self, axes: PerAxis<bool>) -> Result<(), Refused> {
+    fn home(&mut self, axes: PerAxis<bool>) -> Result<(), MotionRefused> {
         self.begin_homing(axes)
     }
 
@@ -241,11 +242,11 @@ impl Backend for LineLink {
         self.wire.only_segments().then_some(self.outputs.switched)
     }
 
-    fn push(&mut self, sample: Sample) -> Result<(), Refused> {
+    fn push(&mut self, sample: Sample) -> Result<(), MotionRefused> {
         self.take_sample(sample)
     }
 
-    fn finish(&mut self) -> Result<(), Refused> {
+    fn finish(&mut self) -> Result<(), MotionRefused> {
         self.take_rest()
     }
 

@@ -1,36 +1,36 @@
-//! The reference return that the board makes by itself.
+//! Homing by a line board.
 
 use core::time::Duration;
 
 use super::LineLink;
-use crate::line::Family;
+use crate::line::FirmwareFamily;
 use crate::line::response::BoardState;
-use crate::{Event, HostTime, LinkState, Refused, Uncertainty};
+use crate::{HostTime, LinkEvent, LinkState, MotionRefused, Uncertainty};
 use gsk_messages::{Message, say};
 use gsk_units::{Axis, PerAxis, alarm};
 
-/// A reference return ends within this.
+/// Time limit for homing.
 const HOMING_WAIT: Duration = Duration::from_secs(120);
 
-/// A reference return that the board makes.
+/// Homing in progress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Homing {
     since: HostTime,
     axes: PerAxis<bool>,
-    /// The board has named them as being home.
+    /// The axes that the board has reported as homed.
     named: PerAxis<bool>,
 }
 
 impl LineLink {
-    /// Whether the board can seek the switch of one axis alone.
+    /// Whether the board can home a single axis.
     pub const fn homes_single_axes(&self) -> bool {
         self.opening.alone
     }
 
-    /// Begins the reference return of these axes, of all where the board knows no other.
-    pub(super) fn begin_homing(&mut self, axes: PerAxis<bool>) -> Result<(), Refused> {
+    /// Starts homing of these axes, or of both if the board cannot home a single axis.
+    pub(super) fn begin_homing(&mut self, axes: PerAxis<bool>) -> Result<(), MotionRefused> {
         if !self.stands_in(&[BoardState::Idle, BoardState::Alarm]) || !(axes.x || axes.z) {
-            return Err(Refused::NotReady);
+            return Err(MotionRefused::NotReady);
         }
         let all = PerAxis::new(true, true);
         let (line, axes) = match (self.opening.alone, axes.x, axes.z) {
@@ -38,15 +38,15 @@ impl LineLink {
             (true, false, true) => ("$HZ", axes),
             _ => ("$H", all),
         };
-        if let Some(axis) = self.stands_beyond(axes) {
+        if let Some(axis) = self.axis_at_opposite_limit(axes) {
             self.session
                 .alarm(alarm::BOARD_ZERO_RETURN, say::limit_switch_off_return(axis));
-            return Err(Refused::TowardLimit(axis));
+            return Err(MotionRefused::TowardLimit(axis));
         }
         self.limits.forget();
-        self.motion.forget_ways();
+        self.motion.forget_directions();
         self.session.lose_position(Uncertainty::Unreferenced);
-        // It counts anew from its switches.
+        // The board counts from its switches after homing.
         self.reports.forget_count();
         self.reports.forget();
         self.homing = Some(Homing {
@@ -59,9 +59,9 @@ impl LineLink {
         Ok(())
     }
 
-    /// An axis upon the limit switch of its other end: the board would take it for that of
-    /// its reference, and go farther when it means to go off it.
-    fn stands_beyond(&self, axes: PerAxis<bool>) -> Option<Axis> {
+    /// An axis on the limit switch of the end opposite to its homing switch. The board
+    /// would take it for the homing switch and move farther towards the stop.
+    fn axis_at_opposite_limit(&self, axes: PerAxis<bool>) -> Option<Axis> {
         [
             (Axis::X, self.config.x.home_negative, self.reports.pins.x),
             (Axis::Z, self.config.z.home_negative, self.reports.pins.z),
@@ -69,39 +69,39 @@ impl LineLink {
         .into_iter()
         .find_map(|(axis, negative, operated)| {
             let away = if negative { 1 } else { -1 };
-            let beyond = operated && self.limits.met(axis as usize) == Some(away);
+            let beyond = operated && self.limits.operated_direction(axis as usize) == Some(away);
             (*axes.get(axis) && beyond).then_some(axis)
         })
     }
 
-    /// The board has answered its reference return.
+    /// Handles the board's answer to the homing command.
     pub(super) fn homed(&mut self, error: Option<u16>) {
         let Some(homing) = self.homing.take() else {
             return;
         };
-        // A report that was under way when the return began gives the old position.
+        // A report sent before the start of homing has the old position.
         self.reports.forget();
-        let names = self.opening.family == Family::FluidNc;
+        let names = self.opening.family == FirmwareFamily::FluidNc;
         let why = match error {
             Some(number) => say::board_refuses_return(number),
-            // It answers so whatever came of it.
+            // FluidNC answers `ok` also after failed homing.
             None if names && homing.named != homing.axes => say::board_return_not_confirmed(),
             None => {
-                self.session.events.push(Event::Homed(homing.axes));
+                self.session.events.push(LinkEvent::Homed(homing.axes));
                 self.enter(LinkState::Locked);
                 self.startup.unlocks = names;
                 return;
             }
         };
         if names {
-            // It plans from the position before the return until it is reset.
+            // Until a reset it plans from the position before homing.
             self.restart();
         }
         self.enter(LinkState::Locked);
         self.session.alarm(alarm::BOARD_ZERO_RETURN, why);
     }
 
-    /// FluidNC names each axis that has come home.
+    /// Handles a message: FluidNC reports each axis that it has homed.
     pub(super) fn board_message(&mut self, text: &str) {
         if let (Some(homing), Some(axes)) = (&mut self.homing, text.strip_prefix("Homed:")) {
             homing.named.x |= axes.contains('X') && homing.axes.x;
@@ -117,7 +117,7 @@ impl LineLink {
         }
     }
 
-    /// Stops a reference return; `why` for one that was not stopped by the operator.
+    /// Aborts homing. `why` is the cause unless the operator aborted it.
     pub(super) fn give_up_homing(&mut self, why: Option<Message>) {
         if let Some(why) = why {
             self.session.alarm(alarm::BOARD_ZERO_RETURN, why);

@@ -1,28 +1,27 @@
-//! Motion on its way: what waits for room in the board, what is in its queue, what its
-//! pulse timer has been handed, and what is certainly made.
+//! Motion handed over to a line board: waiting in the link, queued in the board, in its
+//! pulse timer, and executed.
 //!
 //! ```text
-//!  samples ─► Segments ─► backlog ─► queued ─► handed ─► made
+//!  samples ─► Segments ─► backlog ─► queued ─► handed ─► executed
 //!                         (here)     (board)   (timer)
 //! ```
 
 use core::time::Duration;
 use std::collections::VecDeque;
 
-use crate::line::response::Status;
+use crate::line::response::StatusReport;
 use crate::line::segments::{Segment, Segments};
 use crate::{HostTime, RunTime};
 use gsk_units::{PerAxis, Point, Pulses};
 
-/// A board answers for motion so long before it has made it, and a switch is told so
-/// much later.
+/// Time between leaving the board's queue and execution, and delay of a switch report.
 const PREPARED: Duration = Duration::from_millis(200);
-/// A report that was not asked for may have been under way for so long.
+/// Greatest age of a report that was not queried.
 const LATE_REPORT: Duration = Duration::from_millis(300);
-/// A segment takes no longer than its duration and this.
+/// Greatest delay of a segment beyond its duration.
 const LATE: Duration = Duration::from_secs(1);
 
-/// Motion in the board that has not been made.
+/// A segment in the board that is not executed yet.
 #[derive(Clone, Debug)]
 pub(super) struct Queued {
     pub(super) duration: RunTime,
@@ -31,36 +30,38 @@ pub(super) struct Queued {
     pub(super) answered: bool,
 }
 
-/// Motion handed over, and how far the board has come in it.
+/// Motion handed over to the board, with its progress.
 #[derive(Clone, Debug)]
-pub(super) struct Motion {
+pub(super) struct LineMotion {
     pulses_per_mm: [f64; 2],
     pub(super) segments: Segments,
     pub(super) backlog: VecDeque<Segment>,
     pub(super) queued: VecDeque<Queued>,
-    /// Motion that has left the board's queue for its pulse timer, and when it is made.
+    /// Segments in the board's pulse timer, with the time by which they are executed.
     handed: VecDeque<(HostTime, Queued)>,
-    /// Where motion made of late began, and when it was counted as made.
+    /// Start points of segments executed recently, with the time at which they counted as
+    /// executed.
     past: VecDeque<(HostTime, PerAxis<Pulses>)>,
-    /// When the report was asked for that has not come: what was made since then is kept,
-    /// however long it takes.
-    asked: Option<HostTime>,
+    /// When the pending status query was sent. Segments executed since then remain in
+    /// `past`.
+    queried_at: Option<HostTime>,
     /// Kernel pulses of the last sample taken.
     pub(super) commanded: PerAxis<Pulses>,
     /// Board pulses minus kernel pulses.
     pub(super) offset: PerAxis<Pulses>,
-    /// Time of commanded motion the board has certainly made, and where that ends.
+    /// End of the motion that the board has certainly executed.
     pub(super) executed: RunTime,
+    /// Position at that time.
     pub(super) made: PerAxis<Pulses>,
     /// When the oldest queued segment became the oldest.
     pub(super) progressed: HostTime,
-    /// When motion of X and Z was last made, that up and that down.
+    /// When X and Z last moved, in positive and in negative direction.
     moved: [[Option<HostTime>; 2]; 2],
-    /// The next sample begins where and when the last pass of a thread ended.
+    /// Whether the next sample continues from the end of a thread pass.
     pub(super) resumes: bool,
 }
 
-impl Motion {
+impl LineMotion {
     pub(super) fn new(segments: Segments, pulses_per_mm: [f64; 2], now: HostTime) -> Self {
         Self {
             pulses_per_mm,
@@ -69,7 +70,7 @@ impl Motion {
             queued: VecDeque::new(),
             handed: VecDeque::new(),
             past: VecDeque::new(),
-            asked: None,
+            queried_at: None,
             commanded: PerAxis::default(),
             offset: PerAxis::default(),
             executed: RunTime::ZERO,
@@ -80,7 +81,7 @@ impl Motion {
         }
     }
 
-    /// From here on the board's count and the kernel's go together.
+    /// Aligns the counts of board and kernel.
     pub(super) fn align(&mut self, kernel: PerAxis<Pulses>, board: PerAxis<Pulses>, at: RunTime) {
         self.offset = PerAxis::new(
             Pulses(board.x.0 - kernel.x.0),
@@ -90,36 +91,36 @@ impl Motion {
         self.stand_at(kernel);
     }
 
-    /// The axes stand at this position of the kernel.
+    /// Sets the position of the axes at standstill.
     pub(super) fn stand_at(&mut self, kernel: PerAxis<Pulses>) {
         self.commanded = kernel;
         self.made = kernel;
         self.segments.begin(kernel, self.executed);
     }
 
-    /// Nothing that was handed over is made any more.
+    /// Drops all motion.
     pub(super) fn forget(&mut self) {
         self.backlog.clear();
         self.queued.clear();
         self.handed.clear();
         self.past.clear();
-        self.asked = None;
+        self.queried_at = None;
         self.resumes = false;
         self.segments.begin(self.commanded, self.executed);
     }
 
-    /// What the board was not sent is not made.
+    /// Drops the motion that was not sent to the board.
     pub(super) fn drop_unsent(&mut self) {
         self.backlog.clear();
         self.segments.begin(self.commanded, self.executed);
     }
 
-    /// Which way the axes went of late says nothing any more.
-    pub(super) const fn forget_ways(&mut self) {
+    /// Forgets the recent directions of the axes.
+    pub(super) const fn forget_directions(&mut self) {
         self.moved = [[None; 2]; 2];
     }
 
-    /// Motion handed over that may not have been made yet.
+    /// Duration of the motion that may not be executed yet.
     pub(super) fn outstanding(&self, now: HostTime) -> Duration {
         let handed: Duration = self.handed.iter().map(|(_, one)| one.duration).sum();
         let last = self.handed.back().map_or(now, |(made_by, _)| *made_by);
@@ -129,18 +130,18 @@ impl Motion {
         prepared + queued + waiting + self.segments.pending()
     }
 
-    /// Whether nothing waits here or in the queue of the board.
+    /// Whether no motion waits in the link or in the board's queue.
     pub(super) fn is_drained(&self) -> bool {
         self.backlog.is_empty()
             && self.queued.is_empty()
             && self.segments.pending() == RunTime::ZERO
     }
 
-    /// Takes the next segment that waits, if its characters find room.
-    pub(super) fn next_segment(&mut self, room: usize, now: HostTime) -> Option<Segment> {
+    /// Takes the next waiting segment if its line fits into `free_bytes`.
+    pub(super) fn next_segment(&mut self, free_bytes: usize, now: HostTime) -> Option<Segment> {
         let segment = self
             .backlog
-            .pop_front_if(|segment| segment.line.len() <= room)?;
+            .pop_front_if(|segment| segment.line.len() <= free_bytes)?;
         if self.queued.is_empty() {
             self.progressed = now;
         }
@@ -153,15 +154,15 @@ impl Motion {
         Some(segment)
     }
 
-    /// The board has read the oldest segment that it had not answered.
+    /// Notes the board's answer to the oldest unanswered segment.
     pub(super) fn segment_answered(&mut self) {
         if let Some(segment) = self.queued.iter_mut().find(|segment| !segment.answered) {
             segment.answered = true;
         }
     }
 
-    /// All answered segments but the newest `held` have left the queue of the board: its
-    /// pulse timer has been handed them, and has made them so much later.
+    /// Moves all answered segments except the newest `held` from the board's queue to its
+    /// pulse timer, which executes them after `prepared`.
     pub(super) fn retire(&mut self, held: usize, prepared: Duration, now: HostTime) {
         let answered = self
             .queued
@@ -179,24 +180,24 @@ impl Motion {
         }
     }
 
-    /// A report is asked for: it is going to show the board on the motion from here on.
-    pub(super) const fn report_asked(&mut self, now: HostTime) {
-        self.asked = Some(now);
+    /// Notes that a status query was sent: the report describes the motion from now on.
+    pub(super) const fn report_requested(&mut self, now: HostTime) {
+        self.queried_at = Some(now);
     }
 
-    /// The report has come, and was compared.
-    pub(super) const fn report_came(&mut self) {
-        self.asked = None;
+    /// Notes that the report was received and compared.
+    pub(super) const fn report_received(&mut self) {
+        self.queried_at = None;
     }
 
-    /// Counts as made what the pulse timer was handed so long ago; all of it when the
-    /// board stands.
+    /// Counts segments of the pulse timer as executed when their time has passed, or all if
+    /// the board is at standstill.
     pub(super) fn settle(&mut self, stands: bool, now: HostTime) {
         while let Some((_, segment)) = self
             .handed
             .pop_front_if(|(made_by, _)| stands || *made_by <= now)
         {
-            for (axis, way) in way_between(self.made, segment.pulses)
+            for (axis, way) in directions_between(self.made, segment.pulses)
                 .into_iter()
                 .enumerate()
             {
@@ -211,25 +212,27 @@ impl Motion {
             self.made = segment.pulses;
         }
         let oldest = now.saturating_sub(LATE_REPORT);
-        let oldest = self.asked.map_or(oldest, |asked| oldest.min(asked));
+        let oldest = self
+            .queried_at
+            .map_or(oldest, |queried_at| oldest.min(queried_at));
         while self.past.pop_front_if(|(at, _)| *at < oldest).is_some() {}
     }
 
-    /// Whether the oldest segment in the queue takes much longer than it was given.
+    /// Whether the oldest queued segment takes much longer than its duration.
     pub(super) fn is_late(&self, now: HostTime) -> bool {
         let waits = now.saturating_sub(self.progressed);
         let oldest = self.queued.front();
         oldest.is_some_and(|segment| waits >= segment.duration + LATE)
     }
 
-    /// Motion of the board that may not have been made yet, the next first.
+    /// The segments in the board that may not be executed yet, the next one first.
     fn unmade(&self) -> impl Iterator<Item = &Queued> {
         let handed = self.handed.iter().map(|(_, segment)| segment);
         handed.chain(&self.queued)
     }
 
-    /// The ways on which the axes are moving, as far as the board's answers tell; 0: they
-    /// stand, or turn round about now.
+    /// The directions in which the axes move, 1 or -1; 0 if an axis is at standstill or
+    /// reverses now.
     pub(super) fn ways(&self, now: HostTime) -> [i64; 2] {
         let recent = |moved: Option<HostTime>| {
             moved.is_some_and(|moved| now.saturating_sub(moved) < PREPARED)
@@ -237,7 +240,10 @@ impl Motion {
         let mut seen = self.moved.map(|ways| ways.map(recent));
         let mut from = self.made;
         for segment in self.unmade() {
-            for (axis, way) in way_between(from, segment.pulses).into_iter().enumerate() {
+            for (axis, way) in directions_between(from, segment.pulses)
+                .into_iter()
+                .enumerate()
+            {
                 seen[axis][0] |= way > 0;
                 seen[axis][1] |= way < 0;
             }
@@ -246,7 +252,7 @@ impl Motion {
         seen.map(|[up, down]| i64::from(up) - i64::from(down))
     }
 
-    /// Speed of the fastest motion handed over and not yet made, mm/min.
+    /// Greatest speed of the motion that is not executed yet, mm/min.
     pub(super) fn fastest(&self) -> f64 {
         let mut from = self.made;
         let mut fastest = 0.0_f64;
@@ -256,14 +262,14 @@ impl Motion {
             .iter()
             .map(|piece| (piece.pulses, piece.duration));
         for (to, duration) in queued.chain(waiting) {
-            let way = self.between(from, to);
-            fastest = fastest.max(way.length() / duration.as_secs_f64().max(1e-3) * 60.0);
+            let distance = self.between(from, to).length();
+            fastest = fastest.max(distance / duration.as_secs_f64().max(1e-3) * 60.0);
             from = to;
         }
         fastest
     }
 
-    /// From one position to another as the board goes, mm.
+    /// The vector from one position to another, mm of the slide.
     pub(super) fn between(&self, from: PerAxis<Pulses>, to: PerAxis<Pulses>) -> Point {
         let [per_x, per_z] = self.pulses_per_mm;
         Point::new(
@@ -272,7 +278,7 @@ impl Motion {
         )
     }
 
-    /// Distance of the board from the path it has been given, mm.
+    /// Distance of the board from the commanded path, mm.
     pub(super) fn off_path(&self, board: PerAxis<Pulses>) -> f64 {
         let [per_x, per_z] = self.pulses_per_mm;
         let millimetres = |pulses: PerAxis<Pulses>| {
@@ -292,8 +298,8 @@ impl Motion {
         nearest
     }
 
-    /// Whether a count is what was commanded, or as near as the three decimals of a report
-    /// can tell.
+    /// Whether a count equals the commanded position, within the three decimals of a
+    /// report.
     pub(super) fn agrees(&self, kernel: PerAxis<Pulses>) -> bool {
         let near = |a: Pulses, b: Pulses, per_mm: f64| {
             let rounding = if per_mm > 500.0 {
@@ -307,7 +313,7 @@ impl Motion {
         near(kernel.x, self.commanded.x, x) && near(kernel.z, self.commanded.z, z)
     }
 
-    /// The board's count as the kernel's.
+    /// Converts the board's count to the kernel's.
     pub(super) fn to_kernel(&self, board: PerAxis<Pulses>) -> PerAxis<Pulses> {
         PerAxis::new(
             Pulses(board.x.0 - self.offset.x.0),
@@ -315,8 +321,8 @@ impl Motion {
         )
     }
 
-    /// The board's count by a report that names its position.
-    pub(super) fn board_count(&self, status: Status) -> Option<PerAxis<Pulses>> {
+    /// The board's count in a report with a position.
+    pub(super) fn board_count(&self, status: StatusReport) -> Option<PerAxis<Pulses>> {
         let [x, z] = status.position?;
         let [per_x, per_z] = self.pulses_per_mm;
         Some(PerAxis::new(
@@ -325,25 +331,25 @@ impl Motion {
         ))
     }
 
-    /// The same as the kernel counts.
-    pub(super) fn kernel_count(&self, status: Status) -> Option<PerAxis<Pulses>> {
+    /// The kernel's count in a report with a position.
+    pub(super) fn kernel_count(&self, status: StatusReport) -> Option<PerAxis<Pulses>> {
         self.board_count(status).map(|board| self.to_kernel(board))
     }
 }
 
-/// The ways on which the axes go from one position to another.
-const fn way_between(from: PerAxis<Pulses>, to: PerAxis<Pulses>) -> [i64; 2] {
+/// The directions from one position to another.
+const fn directions_between(from: PerAxis<Pulses>, to: PerAxis<Pulses>) -> [i64; 2] {
     [(to.x.0 - from.x.0).signum(), (to.z.0 - from.z.0).signum()]
 }
 
-/// Distance of a point from the stretch between two others.
+/// Distance of a point from the line between two others.
 fn distance_to_line(at: Point, from: Point, to: Point) -> f64 {
     let along = to - from;
     let square = along.x * along.x + along.z * along.z;
     if square == 0.0 {
         return (at - from).length();
     }
-    let way = at - from;
-    let share = ((way.x * along.x + way.z * along.z) / square).clamp(0.0, 1.0);
-    (way - along * share).length()
+    let offset = at - from;
+    let share = ((offset.x * along.x + offset.z * along.z) / square).clamp(0.0, 1.0);
+    (offset - along * share).length()
 }

@@ -1,5 +1,4 @@
-//! Spindle and coolant: what they are to do, and what the board has been told. Lines
-//! switch at a standstill only.
+//! Spindle and coolant of a line board, switched at standstill only.
 
 use core::fmt::Write;
 
@@ -7,7 +6,7 @@ use super::LineLink;
 use crate::line::response::BoardState;
 use crate::{BoardOutputs, SpindleDirection};
 
-/// Outputs asked for and told.
+/// The wanted outputs and those sent to the board.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Outputs {
     pub(super) wanted: BoardOutputs,
@@ -15,19 +14,19 @@ pub(super) struct Outputs {
 }
 
 impl Outputs {
-    /// Whether the board has been told what is wanted.
-    pub(super) fn are_as_wanted(&self) -> bool {
+    /// Whether the wanted outputs were sent.
+    pub(super) fn are_switched(&self) -> bool {
         self.wanted == self.switched
     }
 
-    /// A board that starts has everything switched off.
-    pub(super) fn are_off(&mut self) {
+    /// Notes that a starting board has switched all outputs off.
+    pub(super) fn reset_to_off(&mut self) {
         self.switched = BoardOutputs::default();
     }
 
-    /// The line that switches what is wanted; none: that is switched already.
+    /// The line that switches the wanted outputs; `None` if they are switched already.
     fn next_line(&mut self) -> Option<String> {
-        if self.are_as_wanted() {
+        if self.are_switched() {
             return None;
         }
         self.switched = self.wanted;
@@ -36,7 +35,7 @@ impl Outputs {
             millivolts,
             coolant,
         } = self.wanted;
-        // A `String` takes everything that is written to it.
+        // Writing to a `String` cannot fail.
         let mut line = String::new();
         let _ = match spindle {
             SpindleDirection::Stop => write!(line, "M5"),

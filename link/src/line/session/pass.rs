@@ -1,12 +1,12 @@
-//! A pass of a thread: one `G33`, which the board makes by itself behind its spindle.
+//! Thread passes by a line board: one `G33`, synchronized with the spindle by the board.
 //!
 //! ```text
 //!   drained, spindle steady ─► G33 X Z K ─► two one-turn signals ─► cut ─► ok, Idle
 //!                                           (no report, ≤ 5 s)      reports   count compared
 //! ```
 //!
-//! The board hears no hold in it: what stops it is the reset alone, and then nobody
-//! knows where the slides stand.
+//! During a pass the board ignores feed hold. Only a reset stops it, and the position is
+//! uncertain then.
 
 use crate::Backend;
 use core::fmt::Write;
@@ -14,65 +14,69 @@ use core::time::Duration;
 
 use super::motion::Queued;
 use super::{LineLink, MODES};
-use crate::line::response::{BoardState, Status};
+use crate::line::response::{BoardState, StatusReport};
 use crate::{
-    CannotCut, HostTime, Lacks, LinkState, Pass, Refused, RunTime, ThreadRights, Uncertainty,
+    HostTime, LinkState, MissingForThreads, MotionRefused, PassError, RunTime, ThreadCapability,
+    ThreadPass, Uncertainty,
 };
 use gsk_messages::say;
 use gsk_units::{Axis, Point, alarm};
 
-/// The board waits so long for its one-turn signals, and reports nothing meanwhile.
+/// Time for which the board waits for its one-turn signals; it sends no report meanwhile.
 const INDEX_WAIT: Duration = Duration::from_secs(5);
-/// Time for what the board does besides.
+/// Allowance for other work of the board.
 const MARGIN: Duration = Duration::from_secs(2);
-/// A board that has not begun may be silent for so long.
-const PATIENCE: Duration = INDEX_WAIT.saturating_add(MARGIN);
-/// A pass may take so much longer than at the speed measured before it.
+/// Time limit for a report before the pass has begun.
+const START_TIMEOUT: Duration = INDEX_WAIT.saturating_add(MARGIN);
+/// Greatest ratio of the duration of a pass to that at the measured spindle speed.
 const SLOWER: f64 = 1.5;
-/// Two turns within [`INDEX_WAIT`], with some to spare, r/min.
+/// Least spindle speed, r/min: two turns within [`INDEX_WAIT`] with a margin.
 const LEAST_RPM: f64 = 30.0;
-/// A spindle is steady that has kept its speed to this part for so long.
+/// Greatest relative change of a constant spindle speed.
 const STEADY: f64 = 0.01;
+/// Time for which the spindle speed must be constant.
 const STEADY_FOR: Duration = Duration::from_millis(600);
-/// A board that goes by more than this part beside the speed asked for has misread it.
+/// Relative deviation of the speed at which the board has misread the pass.
 const MISREAD: f64 = 0.1;
-/// A report tells the speed of what is prepared, so far ahead.
+/// A report has the speed of motion this far ahead, s.
 const PREPARED: f64 = 0.1;
-/// Reports name whole turns a minute.
+/// Tolerance for the spindle speed, which reports round to 1 r/min.
 const ROUNDING_RPM: f64 = 1.5;
 
-/// A pass handed over.
+/// A pass sent to the board.
 #[derive(Clone, Copy, Debug)]
 struct Cutting {
-    pass: Pass,
-    /// It is over by then.
+    pass: ThreadPass,
+    /// Time limit for its end.
     until: HostTime,
-    /// Speed along it, mm/min, and where that is not kept at either end, mm.
+    /// Speed along the pass, mm/min.
     speed: f64,
+    /// Distance from either end within which the speed is not constant, mm.
     ramps: f64,
-    /// The board was seen beyond the start.
+    /// Whether the board has reported a position beyond the start.
     begun: bool,
 }
 
-/// How the spindle has turned of late, as the board reports it.
+/// The spindle speed that the board has reported recently.
 #[derive(Clone, Copy, Debug)]
 struct Turning {
     since: HostTime,
-    /// The speed then, and now.
+    /// Speed at `since`.
     rpm: f64,
+    /// Last reported speed.
     latest: f64,
 }
 
-/// A thread that the board cuts by itself, and the spindle before it.
+/// The current thread pass, and the spindle speed before it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct ThreadPass {
+pub(super) struct PassTracker {
     pass: Option<Cutting>,
-    /// None: the board does not report its spindle.
+    /// `None` if the board does not report the spindle speed.
     spindle: Option<Turning>,
 }
 
-impl ThreadPass {
-    /// The board reports the speed of its spindle, r/min.
+impl PassTracker {
+    /// Takes the reported spindle speed, r/min.
     fn follow(&mut self, reported: Option<f64>, now: HostTime) {
         self.spindle = reported.map(|rpm| match self.spindle {
             Some(turning) if (rpm - turning.rpm).abs() <= ROUNDING_RPM.max(STEADY * rpm) => {
@@ -89,18 +93,18 @@ impl ThreadPass {
         });
     }
 
-    /// Speed of a spindle that turns steadily and fast enough for a pass, r/min.
-    fn steady_rpm(&self, now: HostTime) -> Result<f64, CannotCut> {
-        let turning = self.spindle.ok_or(CannotCut::Unseen)?;
+    /// The spindle speed, r/min, if it is constant and high enough for a pass.
+    fn steady_rpm(&self, now: HostTime) -> Result<f64, PassError> {
+        let turning = self.spindle.ok_or(PassError::Unseen)?;
         if now.saturating_sub(turning.since) < STEADY_FOR {
-            return Err(CannotCut::Unsteady);
+            return Err(PassError::Unsteady);
         }
         let rpm = turning.latest;
         if rpm < 1.0 {
-            return Err(CannotCut::Standing);
+            return Err(PassError::Standing);
         }
         if rpm < LEAST_RPM {
-            return Err(CannotCut::Slow {
+            return Err(PassError::Slow {
                 rpm,
                 least: LEAST_RPM,
             });
@@ -108,62 +112,62 @@ impl ThreadPass {
         Ok(rpm)
     }
 
-    /// Whether a pass is under way.
+    /// Whether a pass is in progress.
     pub(super) const fn is_cutting(&self) -> bool {
         self.pass.is_some()
     }
 
-    /// The pass is not made any more.
+    /// Drops the pass.
     pub(super) const fn forget(&mut self) {
         self.pass = None;
     }
 
-    /// While the computer was away nobody waited for the board.
-    pub(super) fn was_away(&mut self, gap: Duration) {
+    /// Extends the time limits by the duration of a suspended host.
+    pub(super) fn skip_absence(&mut self, gap: Duration) {
         if let Some(cutting) = &mut self.pass {
             cutting.until += gap;
         }
     }
 
-    /// How long the board may be silent now.
-    pub(super) const fn patience(&self, usual: Duration) -> Duration {
+    /// Time limit for a report now; `usual` outside of passes.
+    pub(super) const fn report_timeout(&self, usual: Duration) -> Duration {
         match self.pass {
-            Some(Cutting { begun: false, .. }) => PATIENCE,
+            Some(Cutting { begun: false, .. }) => START_TIMEOUT,
             _ => usual,
         }
     }
 }
 
 impl LineLink {
-    /// Hands over a pass; the link must be drained and the spindle turn steadily.
-    pub(super) fn begin_pass(&mut self, pass: &Pass) -> Result<(), CannotCut> {
+    /// Sends a pass. The motion must be drained and the spindle speed constant.
+    pub(super) fn begin_pass(&mut self, pass: &ThreadPass) -> Result<(), PassError> {
         let stands = self.stands_in(&[BoardState::Idle])
             && self.session.state == LinkState::Ready
-            && self.outputs.are_as_wanted()
+            && self.outputs.are_switched()
             && self.motion.segments.pending() == RunTime::ZERO;
         if !stands || self.thread.pass.is_some() {
-            return Err(CannotCut::NotReady);
+            return Err(PassError::NotReady);
         }
         let rpm = self.thread.steady_rpm(self.session.now)?;
-        let way = self.motion.between(self.motion.commanded, pass.end);
-        let (length, speed) = (way.length(), rpm * pass.lead);
+        let path = self.motion.between(self.motion.commanded, pass.end);
+        let (length, speed) = (path.length(), rpm * pass.lead);
         let most = f64::from(self.config.flush_keep_speed);
         if speed > most {
-            return Err(CannotCut::Fast { speed, most });
+            return Err(PassError::Fast { speed, most });
         }
-        let ramps = speed / 60.0 * (speed / 60.0) / self.acceleration(way);
+        let ramps = speed / 60.0 * (speed / 60.0) / self.acceleration(path);
         if ramps >= length {
-            return Err(CannotCut::Short { length, ramps });
+            return Err(PassError::Short { length, ramps });
         }
         let moves = [
             pass.end.x.0 - self.motion.commanded.x.0,
             pass.end.z.0 - self.motion.commanded.z.0,
         ];
         let operated = [Some(self.reports.pins.x), Some(self.reports.pins.z)];
-        if let Err(Refused::TowardLimit(axis) | Refused::UponLimit(axis)) =
+        if let Err(MotionRefused::TowardLimit(axis) | MotionRefused::OnLimit(axis)) =
             self.limits.allow(moves, operated)
         {
-            return Err(CannotCut::Limit(axis));
+            return Err(PassError::Limit(axis));
         }
         let cutting = Duration::from_secs_f64(SLOWER * length / pass.lead / rpm * 60.0);
         self.send(&self.pass_line(pass), false);
@@ -185,36 +189,36 @@ impl LineLink {
         Ok(())
     }
 
-    /// Which threads the board cuts.
-    pub(super) fn thread_rights(&self) -> ThreadRights {
+    /// Which threads the board can cut.
+    pub(super) fn thread_rights(&self) -> ThreadCapability {
         let sync = self.board().spindle_sync;
-        let told = |number| self.opening.setting(number) != 0.0;
-        let lacks = Lacks {
+        let is_set = |number| self.opening.setting(number) != 0.0;
+        let lacks = MissingForThreads {
             sync: !sync,
             proof: !self.config.line.thread_proved,
-            encoder: sync && !told(38),
-            gains: sync && [90, 91, 92].into_iter().any(told),
+            encoder: sync && !is_set(38),
+            gains: sync && [90, 91, 92].into_iter().any(is_set),
             offset: sync && self.opening.offset,
             index: false,
         };
-        if lacks == Lacks::default() {
-            return ThreadRights::Passes;
+        if lacks == MissingForThreads::default() {
+            return ThreadCapability::Passes;
         }
-        ThreadRights::None(lacks)
+        ThreadCapability::None(lacks)
     }
 
-    /// The board's acceleration along a way, mm/s².
-    fn acceleration(&self, way: Point) -> f64 {
-        let length = way.length().max(1e-9);
+    /// The acceleration of the board along a vector, mm/s².
+    fn acceleration(&self, path: Point) -> f64 {
+        let length = path.length().max(1e-9);
         [(Axis::X, 120), (Axis::Z, 122)]
             .into_iter()
-            .map(|(axis, number)| self.opening.setting(number) * length / way.get(axis).abs())
+            .map(|(axis, number)| self.opening.setting(number) * length / path.get(axis).abs())
             .fold(f64::INFINITY, f64::min)
             .max(1e-3)
     }
 
-    /// K counts along the path.
-    fn pass_line(&self, pass: &Pass) -> String {
+    /// The `G33` line of a pass; K is the lead along the path.
+    fn pass_line(&self, pass: &ThreadPass) -> String {
         let [per_x, per_z] = self.required.pulses_per_mm;
         let mut line = String::from("G33");
         let axes = [
@@ -233,7 +237,7 @@ impl LineLink {
                 per_z,
             ),
         ];
-        // A `String` takes everything that is written to it.
+        // Writing to a `String` cannot fail.
         for (letter, from, to, offset, per_mm) in axes {
             if from != to {
                 let _ = write!(line, "{letter}{:.4}", (to.0 + offset.0) as f64 / per_mm);
@@ -243,17 +247,17 @@ impl LineLink {
         line
     }
 
-    /// The board has answered the pass: it is made, or was refused.
+    /// Handles the board's answer to the pass: it is finished or refused.
     pub(super) fn pass_answered(&mut self, error: Option<u16>) {
         let Some(cutting) = self.thread.pass.take() else {
             return;
         };
         self.motion.queued.clear();
-        // What was reported before says nothing about the standstill.
+        // Earlier reports do not describe this standstill.
         self.reports.forget_standstill();
         self.reports.hurry();
         if let Some(number) = error {
-            // The board takes no line after one that it has refused, but an empty one.
+            // After a refused line the board accepts an empty line only.
             self.send("\n", false);
             let (number, text) = match number {
                 20 => (alarm::BOARD_CANNOT, say::thread_code_refused()),
@@ -267,12 +271,12 @@ impl LineLink {
             self.motion.commanded = cutting.pass.end;
             self.motion.resumes = true;
         }
-        // G33 stays in force otherwise.
+        // G33 is modal: cancel it.
         self.send(MODES[1], false);
     }
 
-    /// A report while a pass is under way, or of the spindle before it.
-    pub(super) fn follow_spindle(&mut self, status: &Status) {
+    /// Takes a report before or during a pass and checks the speed of the board.
+    pub(super) fn follow_spindle(&mut self, status: &StatusReport) {
         self.thread.follow(status.spindle, self.session.now);
         let at = self.motion.kernel_count(*status);
         let from = self.motion.commanded;
@@ -282,11 +286,11 @@ impl LineLink {
         cutting.begun |= at != from;
         let cutting = *cutting;
         let ends = [from, cutting.pass.end].map(|end| self.motion.between(end, at).length());
-        let between = ends.into_iter().all(|way| way > cutting.ramps);
+        let between = ends.into_iter().all(|distance| distance > cutting.ramps);
         if let (true, Some(feed)) = (between, status.feed)
             && (feed - cutting.speed).abs() > MISREAD * cutting.speed
         {
-            // Nothing but this tells that a figure was damaged on its way.
+            // No other check detects a value that was damaged on the wire.
             self.session.alarm(
                 alarm::LINK_PROTOCOL,
                 say::thread_speed_misread(feed, cutting.speed),
@@ -309,7 +313,7 @@ impl LineLink {
         }
     }
 
-    /// Stops the board dead in its pass.
+    /// Resets the board during a pass: a dead stop.
     pub(super) fn abandon_pass(&mut self) {
         self.session.lose_position(Uncertainty::StoppedDead);
         self.forget_motion();

@@ -1,4 +1,4 @@
-//! What the board says: answers, reports, and when it is asked for one.
+//! Handles the lines of the board, and queries its status reports.
 
 use crate::Backend;
 use gsk_messages::say;
@@ -7,56 +7,57 @@ use gsk_units::alarm;
 use core::time::Duration;
 
 use super::{Halt, LineLink};
-use crate::line::Family;
-use crate::line::opening::{Opening, Outcome};
+use crate::line::FirmwareFamily;
+use crate::line::opening::{Opening, OpeningAction};
 use crate::line::realtime::STATUS_QUERY;
-use crate::line::response::{BoardState, Response, Status};
-use crate::{Event, HostTime, LinkState, Uncertainty};
+use crate::line::response::{BoardState, LineResponse, StatusReport};
+use crate::{HostTime, LinkEvent, LinkState, Uncertainty};
 
-/// Between two reports, standing and moving: the longer, the farther a figure that was
-/// damaged on the wire takes the slides.
+/// Interval of status queries at standstill.
 const STATUS_IDLE: Duration = Duration::from_millis(200);
+/// Interval of status queries during motion. A value that was damaged on the wire moves the
+/// slides until the next report at most.
 const STATUS_MOVING: Duration = Duration::from_millis(20);
-/// Longer between two looks at the link means that the computer was busy.
+/// Gap between two calls from which on the host counts as suspended.
 const AWAY: Duration = Duration::from_millis(100);
 
 impl LineLink {
-    pub(super) fn take(&mut self, answer: &Response) {
-        if self.session.is_over() {
-            // It is for the operator to bring it back; it may say why it was silent.
-            if matches!(answer, Response::Banner(_)) && self.opening.is_done() {
+    pub(super) fn take(&mut self, answer: &LineResponse) {
+        if self.session.is_closed() {
+            // Only the operator reopens the link. A banner explains the silence.
+            if matches!(answer, LineResponse::Banner(_)) && self.opening.is_done() {
                 self.board_restarted();
             }
             return;
         }
         if !self.opening.is_done() {
             let expected = self.opening.expects_banner();
-            if matches!(answer, Response::Banner(_)) && !expected {
+            if matches!(answer, LineResponse::Banner(_)) && !expected {
                 self.board_restarted();
                 return;
             }
-            if matches!(answer, Response::Ok | Response::Error(_)) {
+            if matches!(answer, LineResponse::Ok | LineResponse::Error(_)) {
                 self.wire.answered();
             }
-            let outcome = self.opening.take(answer, &self.required, self.session.now);
-            self.open_further(outcome);
+            let action = self.opening.take(answer, &self.required, self.session.now);
+            self.open_further(action);
             return;
         }
         match answer {
-            Response::Ok => self.line_done(None),
-            Response::Error(number) => self.line_done(Some(*number)),
-            Response::Alarm(number) => self.board_alarm(*number),
-            Response::Message(text) => self.board_message(text),
-            Response::Status(status) => self.report(*status),
-            Response::Banner(_) if self.stopping.restarts() => self.banner_came(),
-            Response::Banner(_) if !self.startup.expects_banner(self.session.now) => {
+            LineResponse::Ok => self.line_done(None),
+            LineResponse::Error(number) => self.line_done(Some(*number)),
+            LineResponse::Alarm(number) => self.board_alarm(*number),
+            LineResponse::Message(text) => self.board_message(text),
+            LineResponse::StatusReport(status) => self.report(*status),
+            LineResponse::Banner(_) if self.stopping.restarts() => self.banner_came(),
+            LineResponse::Banner(_) if !self.startup.expects_banner(self.session.now) => {
                 self.board_restarted();
             }
-            Response::Starts => {
+            LineResponse::Starts => {
                 self.startup.has_begun();
                 self.board_restarted();
             }
-            Response::Garbage => {
+            LineResponse::Garbage => {
                 self.wire.traffic.garbage += 1;
                 if self.session.state == LinkState::Moving {
                     self.protocol_error(say::line_makes_no_sense());
@@ -66,7 +67,7 @@ impl LineLink {
         }
     }
 
-    fn report(&mut self, status: Status) {
+    fn report(&mut self, status: StatusReport) {
         let now = self.session.now;
         if self.is_stale_report() {
             return;
@@ -86,21 +87,21 @@ impl LineLink {
             && self.stopping.is_none()
             && let Some(board) = self.motion.board_count(status)
         {
-            // Pulses are made one at a time, and reports have three decimals.
+            // Tolerance: single pulses, and three decimals in a report.
             let [x, z] = self.required.pulses_per_mm;
             let off = self.motion.off_path(board);
             if off > 0.002 + 2.0 / x + 2.0 / z {
                 self.session.lose_position(Uncertainty::OffPath);
                 self.session
                     .alarm(alarm::POSITION_CHECK, say::board_off_path(off));
-                // On a ramp it would go on toward a place nobody commanded.
+                // A deceleration would continue towards the wrong position.
                 self.forget_motion();
                 self.restart();
                 self.enter(LinkState::Fault);
                 return;
             }
         }
-        self.motion.report_came();
+        self.motion.report_received();
         if let Some(free) = status.free_blocks {
             let held = self.board().blocks.saturating_sub(free);
             self.retire(held);
@@ -138,12 +139,12 @@ impl LineLink {
         }
     }
 
-    /// Asks for a report when one is due.
-    pub(super) fn ask(&mut self) {
-        // A board that seeks its switches does not answer.
+    /// Queries a status report if one is due.
+    pub(super) fn query_status_if_due(&mut self) {
+        // A board does not answer while it is homing.
         let restarts = self.stopping.restarts();
-        if restarts && self.opening.family == Family::FluidNc {
-            // It takes a second for that, and answers meanwhile, mostly.
+        if restarts && self.opening.family == FirmwareFamily::FluidNc {
+            // Its restart takes a second, in which it answers most queries.
             self.reports.give_up_question(self.session.now);
         } else if restarts || self.homing.is_some() {
             return;
@@ -155,12 +156,12 @@ impl LineLink {
         };
         if self.reports.is_due(interval, self.session.now) {
             self.wire.send_realtime(STATUS_QUERY);
-            self.reports.ask(self.session.now);
-            self.motion.report_asked(self.session.now);
+            self.reports.note_query(self.session.now);
+            self.motion.report_requested(self.session.now);
         }
     }
 
-    /// The board is asked anew who it is and how it is set.
+    /// Repeats the opening dialogue on the open port.
     pub(super) fn open_again(&mut self) {
         self.forget_motion();
         self.restart();
@@ -172,36 +173,36 @@ impl LineLink {
         self.enter(LinkState::Opening);
     }
 
-    /// The next step of the dialogue that opens the link.
-    pub(super) fn open_further(&mut self, outcome: Outcome) {
-        match outcome {
-            Outcome::Waits => {}
-            Outcome::Send(line) => {
+    /// Executes an action of the opening dialogue.
+    pub(super) fn open_further(&mut self, action: OpeningAction) {
+        match action {
+            OpeningAction::Waits => {}
+            OpeningAction::Send(line) => {
                 if line == "$I" {
                     self.enter(LinkState::Identify);
                 }
                 self.send(&line, false);
             }
-            Outcome::Configures(line) => {
+            OpeningAction::Configures(line) => {
                 self.enter(LinkState::Configure);
                 self.send(&line, false);
             }
-            Outcome::Done => {
+            OpeningAction::Done => {
                 self.wire.forget_unanswered();
                 self.enter(LinkState::Locked);
                 if core::mem::take(&mut self.startup.unlocks) {
-                    // RESET has asked for it.
+                    // The operator pressed RESET.
                     self.send("$X", false);
                 }
             }
-            Outcome::Differs(differences) => {
+            OpeningAction::Differs(differences) => {
                 let text = say::board_settings_differ(differences.len());
                 self.session
                     .events
-                    .extend(differences.into_iter().map(Event::Differs));
+                    .extend(differences.into_iter().map(LinkEvent::Differs));
                 self.session.alarm(alarm::BOARD_SETTINGS, text);
             }
-            Outcome::Fails(number, text) => {
+            OpeningAction::Fails(number, text) => {
                 self.session.alarm(number, text);
                 self.enter(if number == alarm::BOARD_SILENT {
                     LinkState::Lost
@@ -212,20 +213,20 @@ impl LineLink {
         }
     }
 
-    /// Takes the time over. While the computer was away nobody waited for the board.
-    pub(super) fn passes(&mut self, now: HostTime) {
+    /// Advances the time. After a gap the time limits are extended by its duration.
+    pub(super) fn advance_time(&mut self, now: HostTime) {
         let gap = now.saturating_sub(self.session.now);
         self.session.now = self.session.now.max(now);
         if gap < AWAY {
             return;
         }
         self.motion.progressed += gap;
-        self.thread.was_away(gap);
-        self.wire.was_away(gap);
-        if let Some(asked) = &mut self.reports.asked {
-            *asked += gap;
+        self.thread.skip_absence(gap);
+        self.wire.skip_absence(gap);
+        if let Some(queried_at) = &mut self.reports.queried_at {
+            *queried_at += gap;
         }
-        self.stopping.was_away(gap);
+        self.stopping.skip_absence(gap);
         if gap >= self.config.lookahead() {
             self.wake();
         }

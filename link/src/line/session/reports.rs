@@ -1,37 +1,37 @@
-//! Status reports of the board: when one is asked for, and what the last one said.
+//! Status reports of a line board: pending queries and the last report.
 
 use core::time::Duration;
 
-use super::HEARD;
-use crate::line::response::{BoardState, Status};
+use super::ANSWER_TIME;
+use crate::line::response::{BoardState, StatusReport};
 use crate::{HostTime, Pins};
 use gsk_units::{PerAxis, Pulses};
 
-/// A position that was reported for so long is where the slides stand: behind a reset the
-/// pulse timer of a board goes on with what it has been handed.
+/// Time for which the reported position must be constant to count as a standstill: after a
+/// reset the pulse timer of the board finishes its segments.
 const STEADY: Duration = Duration::from_millis(150);
 
-/// Where the board was by its last count, in the kernel's pulses.
+/// The position by the board's last count, in the kernel's pulses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Count {
-    /// It and the kernel's have not been put together.
+    /// The counts of board and kernel are not aligned.
     Unknown,
-    /// Its reports still count from there.
+    /// The counts are aligned.
     Live(PerAxis<Pulses>),
-    /// It has begun to count anew since.
+    /// The board has restarted its count since.
     Stale(PerAxis<Pulses>),
 }
 
-/// What the board reports of itself.
+/// The reports of the board.
 #[derive(Clone, Debug)]
 pub(super) struct Reports {
-    /// When a report was asked for that has not come.
-    pub(super) asked: Option<HostTime>,
-    last_asked: HostTime,
-    /// When the newest question was asked that was answered.
+    /// When the pending status query was sent.
+    pub(super) queried_at: Option<HostTime>,
+    last_query: HostTime,
+    /// When the newest answered query was sent.
     answered: HostTime,
-    pub(super) status: Option<Status>,
-    /// Switches as last reported; a restart says nothing about them.
+    pub(super) status: Option<StatusReport>,
+    /// The last reported switches; a restart does not change them.
     pub(super) pins: Pins,
     still_since: Option<HostTime>,
     count: Count,
@@ -42,8 +42,8 @@ pub(super) struct Reports {
 impl Reports {
     pub(super) fn new(now: HostTime) -> Self {
         Self {
-            asked: None,
-            last_asked: now,
+            queried_at: None,
+            last_query: now,
             answered: now,
             status: None,
             pins: Pins::default(),
@@ -53,26 +53,26 @@ impl Reports {
         }
     }
 
-    /// What the board was doing when it last reported.
+    /// The last reported state.
     pub(super) fn state(&self) -> Option<BoardState> {
         self.status.map(|status| status.state)
     }
 
-    /// Since when the board has reported itself standing.
+    /// The time of the first report of the current standstill.
     pub(super) const fn still_since(&self) -> Option<HostTime> {
         self.still_since
     }
 
-    /// Takes a report; how long it was waited for, if it was asked for.
-    pub(super) fn take(&mut self, status: Status, now: HostTime) -> Option<Duration> {
-        let asked = self.asked.take();
-        self.answered = asked.unwrap_or(self.answered);
+    /// Takes a report and returns the round trip if it was queried.
+    pub(super) fn take(&mut self, status: StatusReport, now: HostTime) -> Option<Duration> {
+        let queried_at = self.queried_at.take();
+        self.answered = queried_at.unwrap_or(self.answered);
         self.status = Some(status);
         self.pins = status.pins;
-        asked.map(|asked| now.saturating_sub(asked))
+        queried_at.map(|queried_at| now.saturating_sub(queried_at))
     }
 
-    /// The board stands, or does not.
+    /// Notes whether the board is at standstill.
     pub(super) fn note_standstill(&mut self, state: BoardState, now: HostTime) {
         if state == BoardState::Idle {
             self.still_since.get_or_insert(now);
@@ -81,58 +81,58 @@ impl Reports {
         }
     }
 
-    /// What was reported says nothing about the standstill to come.
+    /// Forgets the reported standstill.
     pub(super) const fn forget_standstill(&mut self) {
         self.still_since = None;
     }
 
-    /// What was reported holds no more, and no report is on its way.
+    /// Forgets the last report and the pending query.
     pub(super) const fn invalidate(&mut self) {
         self.status = None;
-        self.asked = None;
+        self.queried_at = None;
     }
 
-    /// The same, of a standstill too.
+    /// Forgets the last report, the pending query and the standstill.
     pub(super) const fn forget(&mut self) {
         self.invalidate();
         self.still_since = None;
     }
 
-    /// Whether a report is due.
+    /// Whether a status query is due.
     pub(super) fn is_due(&self, interval: Duration, now: HostTime) -> bool {
-        self.asked.is_none() && now.saturating_sub(self.last_asked) >= interval
+        self.queried_at.is_none() && now.saturating_sub(self.last_query) >= interval
     }
 
-    /// A report is asked for now.
-    pub(super) const fn ask(&mut self, now: HostTime) {
-        self.asked = Some(now);
-        self.last_asked = now;
+    /// Notes that a status query is sent.
+    pub(super) const fn note_query(&mut self, now: HostTime) {
+        self.queried_at = Some(now);
+        self.last_query = now;
     }
 
-    /// The next report is due at once.
+    /// Makes the next query due immediately.
     pub(super) const fn hurry(&mut self) {
-        self.last_asked = HostTime::ZERO;
+        self.last_query = HostTime::ZERO;
     }
 
-    /// A question without an answer is given up, so that it is asked again.
+    /// Drops a pending query without an answer, so that it is repeated.
     pub(super) fn give_up_question(&mut self, now: HostTime) {
         if !self.is_responding(now) {
-            self.asked = None;
+            self.queried_at = None;
         }
     }
 
-    /// Whether a question was answered that was asked no earlier than this.
+    /// Whether a query sent at or after a moment was answered.
     pub(super) fn has_answered_since(&self, moment: HostTime) -> bool {
         self.answered >= moment
     }
 
-    /// Whether the board answers what it is asked.
+    /// Whether no query is pending for too long.
     fn is_responding(&self, now: HostTime) -> bool {
-        self.asked
-            .is_none_or(|asked| now.saturating_sub(asked) < HEARD)
+        self.queried_at
+            .is_none_or(|queried_at| now.saturating_sub(queried_at) < ANSWER_TIME)
     }
 
-    /// Where the board was by its last count.
+    /// The position by the last count; `None` if the counts were never aligned.
     pub(super) const fn position(&self) -> Option<PerAxis<Pulses>> {
         match self.count {
             Count::Unknown => None,
@@ -140,17 +140,17 @@ impl Reports {
         }
     }
 
-    /// The count of the board and that of the kernel are put together here.
+    /// Aligns the counts of board and kernel.
     pub(super) const fn align(&mut self, kernel: PerAxis<Pulses>) {
         self.count = Count::Live(kernel);
     }
 
-    /// Whether its reports still count from where both were put together.
+    /// Whether the counts are aligned.
     pub(super) const fn counts(&self) -> bool {
         matches!(self.count, Count::Live(_))
     }
 
-    /// The board has counted so far, in the kernel's pulses.
+    /// Takes the board's count in the kernel's pulses.
     pub(super) fn count(&mut self, kernel: PerAxis<Pulses>, now: HostTime) {
         if let Count::Live(before) = self.count {
             if before != kernel {
@@ -160,19 +160,19 @@ impl Reports {
         }
     }
 
-    /// The board counts anew: its last count stays what it was.
+    /// Keeps the last count of a board that restarts its count.
     pub(super) const fn freeze_count(&mut self) {
         if let Count::Live(position) = self.count {
             self.count = Count::Stale(position);
         }
     }
 
-    /// The count says nothing any more.
+    /// Forgets the count.
     pub(super) const fn forget_count(&mut self) {
         self.count = Count::Unknown;
     }
 
-    /// Whether it may still change: it has changed of late.
+    /// Whether the count has changed recently and may still change.
     pub(super) fn is_settling(&self, now: HostTime) -> bool {
         now.saturating_sub(self.changed) < STEADY
     }

@@ -1,24 +1,23 @@
-//! Samples of the kernel go to the board as segments, and its count is compared at
-//! every standstill.
+//! Sends samples to a line board as segments, and compares its count at each standstill.
 
 use crate::Backend;
 use core::time::Duration;
 
 use super::LineLink;
-use crate::{Event, LinkState, Refused, RunTime, Sample, Uncertainty};
+use crate::{LinkEvent, LinkState, MotionRefused, RunTime, Sample, Uncertainty};
 use gsk_messages::say;
 use gsk_units::alarm;
 
-/// The first pulse of a motion takes this long.
+/// Duration of the first pulse of a motion.
 const RUN_UP: Duration = Duration::from_millis(80);
-/// Standing so long before the count is compared.
+/// Duration of a standstill before the count is compared.
 const SETTLED: Duration = Duration::from_millis(50);
 
 impl LineLink {
-    /// The axes are to be here at the end of a tick.
-    pub(super) fn take_sample(&mut self, sample: Sample) -> Result<(), Refused> {
+    /// Takes the commanded position at the end of a tick.
+    pub(super) fn take_sample(&mut self, sample: Sample) -> Result<(), MotionRefused> {
         if !self.is_prepared() {
-            return Err(Refused::NotReady);
+            return Err(MotionRefused::NotReady);
         }
         let moves = [
             sample.pulses.x.0 - self.motion.commanded.x.0,
@@ -47,8 +46,8 @@ impl LineLink {
         Ok(())
     }
 
-    /// What is left of the last segment goes out.
-    pub(super) fn take_rest(&mut self) -> Result<(), Refused> {
+    /// Sends the rest of the last segment.
+    pub(super) fn take_rest(&mut self) -> Result<(), MotionRefused> {
         if !self.is_prepared() {
             return Ok(());
         }
@@ -58,13 +57,13 @@ impl LineLink {
         Ok(())
     }
 
-    /// Sends what waits, as far as the receive buffer of the board reaches.
+    /// Sends waiting segments as far as the board's receive buffer has space.
     fn feed(&mut self) {
         let space = usize::from(self.board().receive_bytes).saturating_sub(1);
         let now = self.session.now;
         loop {
-            let room = space.saturating_sub(self.wire.characters());
-            let Some(segment) = self.motion.next_segment(room, now) else {
+            let free_bytes = space.saturating_sub(self.wire.characters());
+            let Some(segment) = self.motion.next_segment(free_bytes, now) else {
                 return;
             };
             self.send(&segment.line, true);
@@ -94,12 +93,12 @@ impl LineLink {
         if line.is_segment {
             self.motion.segment_answered();
         }
-        // The board cannot hold more than its queue: what is beyond was made.
+        // The board holds no more than its queue: older segments have left it.
         self.retire(self.board().blocks);
         self.feed();
     }
 
-    /// When the board stands and nothing is queued, its count is compared.
+    /// Compares the board's count when the axes are at standstill and no motion is queued.
     pub(super) fn verify(&mut self) {
         let flushed = self.session.state == LinkState::Verify;
         let stands = self.session.state == LinkState::Ready;
@@ -118,12 +117,12 @@ impl LineLink {
             return;
         }
         if flushed {
-            // The kernel takes over where the board came to stand.
+            // The kernel takes over the position of the stop.
             self.motion.stand_at(kernel);
             if core::mem::take(&mut self.stopping.too_sudden) {
                 self.session.lose_position(Uncertainty::TooFast);
             }
-            self.session.events.push(Event::Position(kernel));
+            self.session.events.push(LinkEvent::Position(kernel));
             self.stand();
             return;
         }
@@ -131,8 +130,8 @@ impl LineLink {
             if stands {
                 return;
             }
-            self.session.events.push(Event::Position(kernel));
-            self.session.events.push(Event::Drained);
+            self.session.events.push(LinkEvent::Position(kernel));
+            self.session.events.push(LinkEvent::Drained);
             self.stand();
             return;
         }

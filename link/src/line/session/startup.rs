@@ -1,59 +1,59 @@
-//! Starts of the board: those that were asked for, and those that were not.
+//! Expected and unexpected restarts of a line board.
 
 use core::time::Duration;
 
 use crate::HostTime;
 
-/// A board that gave up a reference return has restarted by then.
+/// Time for the restart of a board after aborted homing.
 const EXCUSED: Duration = Duration::from_secs(1);
 
-/// Whether the board has started by itself since it became known.
+/// Whether the board has restarted without a command since it was opened.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Start {
-    /// It has not.
+    /// No restart.
     #[default]
     None,
-    /// It has said that it starts; its banner is still to come, and no news.
+    /// The board has reported its start; its banner follows and is no further restart.
     Begun,
-    /// It may be another one, or set otherwise.
+    /// The board has restarted. It may be another board or have other settings.
     Restarted,
 }
 
-/// What is known of the starts of a board, and what is to be done behind one.
+/// Restarts of the board, and the action after one.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Startup {
     start: Start,
-    /// A board that gave up restarts; its banner is no surprise until then.
+    /// Until this time a banner is expected.
     excused_until: HostTime,
-    /// It is unlocked as soon as it listens: the operator pressed RESET, or it has made the
-    /// reference return of one axis and waits for the other.
+    /// Whether the link unlocks the board at its next report: after RESET, or after homing
+    /// of one axis.
     pub(super) unlocks: bool,
 }
 
 impl Startup {
-    /// A start within the next second is no surprise.
+    /// Expects a restart within the next second.
     pub(super) fn excuse(&mut self, now: HostTime) {
         self.excused_until = now + EXCUSED;
     }
 
-    /// The board says that it starts.
+    /// Notes that the board has reported its start.
     pub(super) const fn has_begun(&mut self) {
         self.start = Start::Begun;
     }
 
-    /// The board has started by itself.
+    /// Notes a restart without a command.
     pub(super) fn has_restarted(&mut self) {
         if self.start == Start::None {
             self.start = Start::Restarted;
         }
     }
 
-    /// Whether it has, and was not opened anew since.
+    /// Whether the board has restarted and was not reopened since.
     pub(super) fn is_restarted(&self) -> bool {
         self.start != Start::None
     }
 
-    /// Whether a banner that has come is no news.
+    /// Whether a received banner is expected.
     pub(super) fn expects_banner(&mut self, now: HostTime) -> bool {
         let begun = self.start == Start::Begun;
         let expected = begun || now < self.excused_until;
@@ -63,7 +63,7 @@ impl Startup {
         expected
     }
 
-    /// The board is asked anew who it is, and unlocked then.
+    /// Notes that the board is reopened and unlocked.
     pub(super) const fn begin_anew(&mut self) {
         self.start = Start::None;
         self.unlocks = true;

@@ -1,78 +1,78 @@
-//! Everything that stops the board, and what is known afterwards.
+//! Stops of a line board and the position after them.
 
 use gsk_messages::{Message, say};
 use gsk_units::alarm;
 
 use core::time::Duration;
 
-use super::{HEARD, LineLink, MODES};
-use crate::line::Family;
-use crate::line::family::Cause;
+use super::{ANSWER_TIME, LineLink, MODES};
+use crate::line::FirmwareFamily;
+use crate::line::family::StopCause;
 use crate::line::realtime::{FEED_HOLD, SOFT_RESET};
 use crate::line::response::BoardState;
-use crate::{Event, HostTime, LinkState, Pins, Stop, Uncertainty};
+use crate::{HostTime, LinkEvent, LinkState, Pins, Stop, Uncertainty};
 
-/// A board that was asked and is silent for so long is lost.
+/// Time without a report after which a board is lost.
 const SILENCE: Duration = Duration::from_millis(500);
-/// A line that is not answered by then was lost on the way.
+/// Time without an answer after which a line counts as lost.
 const ANSWER_WAIT: Duration = Duration::from_secs(2);
-/// A hold stands within this, or the board is given up.
+/// Time limit for the standstill after a feed hold.
 const HOLD_WAIT: Duration = Duration::from_secs(1);
-/// A board that stands after an absence has answered all lines within this.
+/// Time limit for all answers of a board at standstill after the host was suspended.
 const ABSENCE_ANSWERS: Duration = Duration::from_millis(300);
-/// Ctrl-X is sent again after this, while no banner comes.
+/// Interval at which Ctrl-X is repeated until the banner arrives.
 const RESET_AGAIN: Duration = Duration::from_millis(100);
 
-/// How far a flush or an unlock has come.
+/// The progress of a stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Halt {
     None,
-    /// Waits until the board has read what was sent.
+    /// The link waits until the board has answered all lines.
     Draining(HostTime),
-    /// `!` was sent; waits for the standstill.
+    /// `!` was sent; the link waits for the standstill.
     Braking(HostTime),
-    /// Ctrl-X was sent; waits for the banner.
+    /// Ctrl-X was sent; the link waits for the banner.
     Restarting(Restart),
-    /// The computer was away for longer than the lookahead: nothing is sent before the
-    /// board has reported where it is now.
+    /// The host was suspended for longer than the lookahead. The link sends nothing before
+    /// the board has reported its position.
     Waking(Waking),
 }
 
-/// What is known of the board after an absence of the computer.
+/// The state of the link after the host was suspended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Waking {
     since: HostTime,
-    /// The next report answers a question from before the absence.
+    /// Whether the next report answers a query from before the gap.
     stale: bool,
-    /// A line was not written whole: the board may hold its first part.
+    /// Whether a line was written in part: the board may hold its first part.
     cut_off: bool,
-    /// The alarm that says so was raised: a board that is lost says something else.
+    /// Whether the alarm was raised. A lost board gets another alarm.
     raised: bool,
 }
 
-/// How far a restart of the board has come.
+/// The progress of a restart of the board.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Restart {
     since: HostTime,
-    /// When Ctrl-X was sent last; what is sent once may be lost.
+    /// When Ctrl-X was last sent; it is repeated because it may be lost.
     sent: HostTime,
-    /// A banner came, and one for each further Ctrl-X may come until then.
+    /// After the first banner: until when banners of repeated Ctrl-X may arrive.
     quiet_at: Option<HostTime>,
 }
 
-/// A stop under way, and what is not known of it yet.
+/// A stop in progress.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stopping {
     pub(super) halt: Halt,
-    /// It was too sudden for the motors to keep their steps.
+    /// Whether the motors may have lost steps.
     pub(super) too_sudden: bool,
-    /// A limit switch stopped the board on these ways of the axes; which one the next
-    /// report tells. None of an axis: its switch was operated before.
+    /// After a limit alarm: the directions of the axes. The next report names the switch.
+    /// `None` for an axis whose switch was operated before.
     pub(super) limit: Option<[Option<i64>; 2]>,
 }
 
 impl Stopping {
-    /// Nothing is being stopped.
+    /// No stop.
     pub(super) const fn none() -> Self {
         Self {
             halt: Halt::None,
@@ -81,18 +81,18 @@ impl Stopping {
         }
     }
 
-    /// Whether the board is neither being stopped nor starting anew.
+    /// Whether no stop or restart is in progress.
     pub(super) fn is_none(&self) -> bool {
         self.halt == Halt::None
     }
 
-    /// Whether the board starts anew.
+    /// Whether the board is restarting.
     pub(super) const fn restarts(&self) -> bool {
         matches!(self.halt, Halt::Restarting(_))
     }
 
-    /// While the computer was away nobody waited for the board.
-    pub(super) fn was_away(&mut self, gap: Duration) {
+    /// Extends the time limits by the duration of a suspended host.
+    pub(super) fn skip_absence(&mut self, gap: Duration) {
         match &mut self.halt {
             Halt::None => {}
             Halt::Draining(since) | Halt::Braking(since) => *since += gap,
@@ -108,20 +108,19 @@ impl Stopping {
 impl LineLink {
     pub(super) fn watch_silence(&mut self) {
         let silent = !self.stopping.restarts()
-            && self
-                .reports
-                .asked
-                .is_some_and(|asked| self.session.since(asked) >= self.thread.patience(SILENCE));
+            && self.reports.queried_at.is_some_and(|queried_at| {
+                self.session.since(queried_at) >= self.thread.report_timeout(SILENCE)
+            });
         let unanswered = self
             .wire
             .oldest()
             .is_some_and(|line| self.session.since(line.sent) >= ANSWER_WAIT);
         if silent {
             self.lose_board(say::board_not_answering(
-                self.thread.patience(SILENCE).as_millis(),
+                self.thread.report_timeout(SILENCE).as_millis(),
             ));
         } else if self.thread.is_cutting() {
-            // A pass has a patience of its own.
+            // `watch_pass` checks the time limit of a pass.
         } else if unanswered && self.stopping.is_none() && self.homing.is_none() && self.is_open() {
             self.protocol_error(say::line_never_answered());
         } else if self.stopping.is_none() && self.motion.is_late(self.session.now) {
@@ -162,9 +161,9 @@ impl LineLink {
         }
     }
 
-    /// The computer was away for longer than the lookahead, and the board has run dry by
-    /// now: what waits here would move it again. It finishes what it holds, reports where
-    /// it stands, and the control goes on from there.
+    /// Handles a host that was suspended for longer than the lookahead. The board has run
+    /// out of motion, and waiting motion would move it again. The board finishes its queue
+    /// and reports its position; the control continues from there.
     pub(super) fn wake(&mut self) {
         if self.session.state != LinkState::Moving
             || !self.stopping.is_none()
@@ -174,24 +173,26 @@ impl LineLink {
         }
         self.stopping.halt = Halt::Waking(Waking {
             since: self.session.now,
-            stale: self.reports.asked.is_some(),
+            stale: self.reports.queried_at.is_some(),
             cut_off: self.wire.withdraw(),
             raised: false,
         });
-        self.reports.asked = None;
+        self.reports.queried_at = None;
         self.reports.hurry();
         self.motion.drop_unsent();
-        self.session.events.push(Event::Halting { reached: false });
+        self.session
+            .events
+            .push(LinkEvent::Halting { reached: false });
     }
 
-    /// Whether a report says nothing of the time after an absence; it is asked for again.
+    /// Whether a report is from before the gap; then the query is repeated.
     pub(super) fn is_stale_report(&mut self) -> bool {
         let Halt::Waking(waking) = &mut self.stopping.halt else {
             return false;
         };
         let stale = core::mem::take(&mut waking.stale);
         if stale {
-            self.reports.asked = None;
+            self.reports.queried_at = None;
             self.reports.hurry();
         } else if !core::mem::replace(&mut waking.raised, true) {
             self.session
@@ -200,7 +201,7 @@ impl LineLink {
         stale
     }
 
-    /// The board has reported itself standing after an absence.
+    /// Handles a report of standstill after the host was suspended.
     pub(super) fn stands_after_absence(&mut self) {
         let Halt::Waking(waking) = self.stopping.halt else {
             return;
@@ -210,7 +211,7 @@ impl LineLink {
             self.drop_motion();
             self.enter(LinkState::Verify);
         } else if waking.cut_off || self.session.since(waking.since) >= ABSENCE_ANSWERS {
-            // Part of a line is in its buffer, or one was lost.
+            // The board holds part of a line, or a line was lost.
             self.forget_motion();
             self.restart();
         }
@@ -227,7 +228,8 @@ impl LineLink {
         }
     }
 
-    /// `!`, standstill, Ctrl-X: nothing queued is left, the position is kept.
+    /// Stops the board with `!`, and with Ctrl-X at standstill: the queue is dropped and the
+    /// position kept.
     pub(super) fn flush(&mut self) {
         if self.thread.is_cutting() {
             return self.abandon_pass();
@@ -235,9 +237,9 @@ impl LineLink {
         if self.stopping.is_none() {
             self.stopping.too_sudden =
                 self.motion.fastest() > f64::from(self.config.flush_keep_speed);
-            if self.opening.family == Family::FluidNc && !self.wire.is_answered() {
+            if self.opening.family == FirmwareFamily::FluidNc && !self.wire.is_answered() {
                 self.stopping.halt = Halt::Draining(self.session.now);
-                // Their answers are what is waited for.
+                // Keep the unanswered lines: the link waits for their answers.
                 self.drop_motion();
                 return;
             }
@@ -249,17 +251,17 @@ impl LineLink {
     fn brake(&mut self) {
         self.wire.send_realtime(FEED_HOLD);
         self.stopping.halt = Halt::Braking(self.session.now);
-        self.reports.asked = None;
+        self.reports.queried_at = None;
         self.reports.hurry();
     }
 
-    /// A line that FluidNC has taken and not begun when it is held is carried out behind
-    /// the reset: it is held when it has answered all.
+    /// Sends the feed hold when FluidNC has answered all lines. A line that it has read but
+    /// not begun at the hold would be executed after the reset.
     fn watch_draining(&mut self, since: HostTime) {
         if self.wire.is_answered() {
             self.brake();
-        } else if self.session.since(since) >= HEARD {
-            // While it moves a reset locks it, and a locked board carries nothing out.
+        } else if self.session.since(since) >= ANSWER_TIME {
+            // A reset during motion locks the board, and a locked board executes nothing.
             self.session.lose_position(Uncertainty::StoppedDead);
             self.forget_motion();
             self.restart();
@@ -278,8 +280,8 @@ impl LineLink {
         self.wire.drop_partial_line();
     }
 
-    /// A banner that was asked for. Behind a Ctrl-X that was sent again another may come,
-    /// no later after the last of them than this one after the first.
+    /// Handles an expected banner. After repeated Ctrl-X more banners may follow, no later
+    /// after the last Ctrl-X than the first banner after the first Ctrl-X.
     pub(super) fn banner_came(&mut self) {
         let now = self.session.now;
         if let Halt::Restarting(restart) = &mut self.stopping.halt
@@ -292,13 +294,13 @@ impl LineLink {
         }
     }
 
-    /// The board is there again.
+    /// Completes a restart of the board.
     fn restarted(&mut self) {
         self.stopping.halt = Halt::None;
         self.forget_motion();
         self.reports.forget();
         self.reports.hurry();
-        self.outputs.are_off();
+        self.outputs.reset_to_off();
         if core::mem::take(&mut self.startup.unlocks) {
             self.send("$X", false);
         }
@@ -310,7 +312,7 @@ impl LineLink {
         }
     }
 
-    /// Nothing more goes out, and no answer is waited for.
+    /// Drops all motion and all unanswered lines.
     pub(super) fn forget_motion(&mut self) {
         self.wire.forget_unanswered();
         self.drop_motion();
@@ -321,7 +323,7 @@ impl LineLink {
         self.thread.forget();
     }
 
-    /// The board started by itself: power or its reset line.
+    /// Handles an unexpected restart of the board, by power or its reset input.
     pub(super) fn board_restarted(&mut self) {
         self.forget_motion();
         self.session.lose_position(Uncertainty::Reset);
@@ -329,9 +331,9 @@ impl LineLink {
         self.startup.has_restarted();
         self.stopping.halt = Halt::None;
         self.homing = None;
-        // What was asked before is never answered.
+        // The board does not answer earlier queries.
         self.reports.invalidate();
-        self.outputs.are_off();
+        self.outputs.reset_to_off();
         self.session.alarm(alarm::BOARD_RESET, say::board_reset());
         self.enter(LinkState::Fault);
     }
@@ -345,7 +347,7 @@ impl LineLink {
 
     pub(super) fn board_alarm(&mut self, number: u16) {
         let family = self.opening.family;
-        // On the way back from a reset, our own or that of the board.
+        // During a restart by the link or by the board.
         let coming_back = self.stopping.restarts() || self.startup.is_restarted();
         if coming_back && family.excuses(number) {
             return;
@@ -354,26 +356,26 @@ impl LineLink {
         self.forget_motion();
         self.session.lose_position(Uncertainty::StoppedDead);
         match family.cause(number) {
-            Cause::Limit => {
+            StopCause::Limit => {
                 let Pins {
                     x: on_x, z: on_z, ..
                 } = self.reports.pins;
                 self.stopping.limit = Some([(!on_x).then_some(x), (!on_z).then_some(z)]);
-                // Nothing but a reset is heard by the board now; FluidNC needs a second for
-                // it, and answers meanwhile.
+                // The board accepts a reset only. FluidNC takes a second for it and answers
+                // meanwhile.
                 self.restart();
                 self.enter(LinkState::Tripped);
             }
-            Cause::Reset => {
+            StopCause::Reset => {
                 self.startup.has_restarted();
                 self.session
                     .alarm(alarm::BOARD_RESET, say::board_reset_in_motion());
                 self.enter(LinkState::Fault);
             }
-            Cause::Homing => {
+            StopCause::Homing => {
                 self.homing = None;
-                if family == Family::FluidNc {
-                    // It plans from the position before the return until it is reset.
+                if family == FirmwareFamily::FluidNc {
+                    // Until a reset it plans from the position before homing.
                     self.restart();
                 }
                 self.startup.excuse(self.session.now);
@@ -381,37 +383,37 @@ impl LineLink {
                     .alarm(alarm::BOARD_ZERO_RETURN, say::board_alarm(number));
                 self.enter(LinkState::Locked);
             }
-            Cause::EmergencyStop => {
+            StopCause::EmergencyStop => {
                 self.session
                     .alarm(alarm::EMERGENCY_STOP, say::board_emergency_input());
-                if family == Family::FluidNc {
-                    // Without it an unlock would do nothing.
+                if family == FirmwareFamily::FluidNc {
+                    // Without a reset an unlock has no effect.
                     self.restart();
                 }
                 self.enter(LinkState::Tripped);
             }
-            Cause::Spindle => {
+            StopCause::Spindle => {
                 self.session
                     .alarm(alarm::THREAD_SPEED, say::thread_spindle_does_not_turn());
-                // It waits for ever for the motion it has not begun.
+                // Without a reset the board waits forever to begin the motion.
                 self.restart();
                 self.enter(LinkState::Fault);
             }
-            Cause::Motor => {
+            StopCause::Motor => {
                 for (number, axis) in [(alarm::X_DRIVE_ALARM, 'X'), (alarm::Z_DRIVE_ALARM, 'Z')] {
                     self.session.alarm(number, say::board_motor_fault(axis));
                 }
                 self.restart();
                 self.enter(LinkState::Tripped);
             }
-            Cause::Order => {
+            StopCause::Order => {
                 self.session
                     .alarm(alarm::LINK_PROTOCOL, say::board_alarm(number));
-                // Whatever it still holds it shall not carry out after an unlock.
+                // After an unlock the board must not execute its queue.
                 self.restart();
                 self.enter(LinkState::Fault);
             }
-            Cause::Locked => {
+            StopCause::Locked => {
                 self.session.alarm(alarm::BOARD_FAULT, say::board_locked());
                 self.restart();
                 self.enter(LinkState::Fault);
@@ -419,7 +421,7 @@ impl LineLink {
         }
     }
 
-    /// Which limit stopped the board; both when neither is operated any more.
+    /// Reports which limit switch stopped the board; both if none is operated any more.
     pub(super) fn name_limits(&mut self, pins: Pins, ways: [Option<i64>; 2]) {
         for (axis, operated) in [pins.x, pins.z].into_iter().enumerate() {
             if let (true, Some(way)) = (operated, ways[axis]) {
@@ -436,17 +438,17 @@ impl LineLink {
         }
     }
 
-    /// The port failed, or the board answers no more.
+    /// Handles a failed port or a silent board.
     pub(super) fn lose_board(&mut self, cause: Message) {
-        if self.session.is_over() {
+        if self.session.is_closed() {
             return;
         }
         self.forget_motion();
         self.session.lose_position(Uncertainty::Unheard);
         self.reports.status = None;
-        let never_heard = self.session.state == LinkState::Opening;
+        let never_received = self.session.state == LinkState::Opening;
         self.session.alarm(
-            if never_heard {
+            if never_received {
                 alarm::BOARD_SILENT
             } else {
                 alarm::LINK_LOST
@@ -456,9 +458,9 @@ impl LineLink {
         self.enter(LinkState::Lost);
     }
 
-    /// Stops the board at once.
+    /// Stops the board immediately.
     pub(super) fn stop_at_once(&mut self, stop: Stop) {
-        if !self.opening.is_done() || self.session.is_over() {
+        if !self.opening.is_done() || self.session.is_closed() {
             return;
         }
         match stop {
@@ -474,9 +476,9 @@ impl LineLink {
         }
     }
 
-    /// The operator pressed RESET.
+    /// Handles RESET.
     pub(super) fn reset_faults(&mut self) {
-        self.limits.look();
+        self.limits.confirm_position_checked();
         match self.session.state {
             LinkState::Fault if self.startup.is_restarted() || !self.opening.is_done() => {
                 self.open_again();
@@ -484,16 +486,16 @@ impl LineLink {
             LinkState::Tripped | LinkState::Fault if self.opening.is_done() => {
                 self.forget_motion();
                 if self.stopping.restarts() {
-                    // What is sent before its banner is thrown away.
+                    // The board discards lines before its banner.
                     self.startup.unlocks = true;
                 } else {
                     self.send("$X", false);
                 }
                 self.enter(LinkState::Locked);
             }
-            // FluidNC may be locked so that an unlock alone does nothing.
+            // FluidNC may be locked in a way that only a reset and an unlock clear.
             LinkState::Locked
-                if self.opening.family == Family::FluidNc
+                if self.opening.family == FirmwareFamily::FluidNc
                     && (self.board_is_locked() || self.reports.status.is_none()) =>
             {
                 self.startup.unlocks = true;

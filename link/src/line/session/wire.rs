@@ -1,17 +1,17 @@
-//! Bytes to and from the board, and the lines it has not answered.
+//! Bytes to and from a line board, and its unanswered lines.
 //!
-//! The board is fed by counting characters: those of unanswered lines never exceed its
-//! receive buffer. Real-time characters (`?`, `!`, Ctrl-X) are not counted.
+//! Flow control counts characters: unanswered lines never exceed the receive buffer of the
+//! board. Real-time characters (`?`, `!`, Ctrl-X) do not count.
 
 use std::collections::VecDeque;
 
 use crate::line::realtime::STATUS_QUERY;
 use crate::{HostTime, Traffic};
 
-/// No line of a board is longer.
+/// Greatest length of a line from the board, bytes.
 const LINE_BYTES: usize = 512;
 
-/// A line that the board has not answered.
+/// An unanswered line.
 #[derive(Clone, Debug)]
 pub(super) struct Unanswered {
     bytes: usize,
@@ -19,18 +19,18 @@ pub(super) struct Unanswered {
     pub(super) sent: HostTime,
 }
 
-/// The wire to a board that reads lines.
+/// The serial traffic with a line board.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Wire {
     outgoing: Vec<u8>,
-    /// The line that is coming in.
+    /// The incomplete line received so far.
     line: Vec<u8>,
     unanswered: VecDeque<Unanswered>,
     pub(super) traffic: Traffic,
 }
 
 impl Wire {
-    /// Sends a line; its end is added where it is missing.
+    /// Sends a line; adds a missing line end.
     pub(super) fn send(&mut self, line: &str, is_segment: bool, now: HostTime) {
         self.outgoing.extend_from_slice(line.as_bytes());
         let ends = line.ends_with('\n');
@@ -46,7 +46,7 @@ impl Wire {
         });
     }
 
-    /// Sends a character that acts at once, wherever the board is in its lines.
+    /// Sends a real-time character.
     pub(super) fn send_realtime(&mut self, byte: u8) {
         self.outgoing.push(byte);
     }
@@ -56,27 +56,27 @@ impl Wire {
         &self.outgoing
     }
 
-    /// So many of them were written.
+    /// Removes the first `count` bytes: the port has taken them.
     pub(super) fn consumed(&mut self, count: usize) {
         let count = count.min(self.outgoing.len());
         self.outgoing.drain(..count);
         self.traffic.sent += count as u64;
     }
 
-    /// What has not been written never will be.
+    /// Drops all bytes that are not written.
     pub(super) fn drop_outgoing(&mut self) {
         self.outgoing.clear();
     }
 
-    /// What has not been written is withdrawn; whether lines are among it.
+    /// Drops all bytes that are not written. Returns whether they contain lines.
     pub(super) fn withdraw(&mut self) -> bool {
         let lines = self.outgoing.iter().any(|byte| *byte != STATUS_QUERY);
         self.outgoing.clear();
         lines
     }
 
-    /// Takes a byte in; the line that ends with it, unless that is empty. What a line is
-    /// too long by is lost.
+    /// Takes a byte and returns the line that ends with it, unless it is empty. Characters
+    /// beyond the greatest length are dropped.
     pub(super) fn receive(&mut self, byte: u8) -> Option<String> {
         match byte {
             b'\n' | b'\r' => {
@@ -92,43 +92,43 @@ impl Wire {
         }
     }
 
-    /// What came of a line that will never end is dropped.
+    /// Drops the incomplete line.
     pub(super) fn drop_partial_line(&mut self) {
         self.line.clear();
     }
 
-    /// The board has answered a line: the oldest.
+    /// Removes and returns the oldest unanswered line.
     pub(super) fn answered(&mut self) -> Option<Unanswered> {
         self.unanswered.pop_front()
     }
 
-    /// The oldest line that is not answered.
+    /// The oldest unanswered line.
     pub(super) fn oldest(&self) -> Option<&Unanswered> {
         self.unanswered.front()
     }
 
-    /// Whether the board has answered everything.
+    /// Whether the board has answered all lines.
     pub(super) fn is_answered(&self) -> bool {
         self.unanswered.is_empty()
     }
 
-    /// Whether nothing but motion waits for its answer.
+    /// Whether all unanswered lines are motion.
     pub(super) fn only_segments(&self) -> bool {
         self.unanswered.iter().all(|line| line.is_segment)
     }
 
-    /// Characters in the receive buffer of the board, at most.
+    /// The greatest possible number of characters in the board's receive buffer.
     pub(super) fn characters(&self) -> usize {
         self.unanswered.iter().map(|line| line.bytes).sum()
     }
 
-    /// No answer is waited for any more.
+    /// Forgets the unanswered lines.
     pub(super) fn forget_unanswered(&mut self) {
         self.unanswered.clear();
     }
 
-    /// While the computer was away nobody waited for answers.
-    pub(super) fn was_away(&mut self, gap: HostTime) {
+    /// Extends the time limits by the duration of a suspended host.
+    pub(super) fn skip_absence(&mut self, gap: HostTime) {
         for line in &mut self.unanswered {
             line.sent += gap;
         }

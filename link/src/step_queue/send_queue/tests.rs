@@ -8,7 +8,7 @@ fn message(byte: u8, size: usize) -> Message {
     Message::plain(vec![byte; size])
 }
 
-/// Synced, the board expects block 5.
+/// A synchronized queue; the board expects block 5.
 fn synced() -> SendQueue {
     let mut send_queue = SendQueue::new();
     send_queue.begin();
@@ -39,12 +39,12 @@ fn the_window_is_kept() {
     assert_eq!(
         sequences(&mut send_queue),
         [5, 6, 7],
-        "45 bytes each, some are kept"
+        "45 bytes each, some stay free"
     );
     send_queue.block_received(6, true, ms(6));
     send_queue.send(ms(6), None).unwrap();
     assert_eq!(sequences(&mut send_queue), [8]);
-    // What is urgent has the rest.
+    // An urgent message takes the free part of the window.
     send_queue.push_urgent(message(1, 4));
     send_queue.send(ms(6), None).unwrap();
     assert_eq!(sequences(&mut send_queue), [9]);
@@ -63,7 +63,7 @@ fn the_window_is_kept() {
 }
 
 #[test]
-fn a_complaint_sends_again_once() {
+fn a_nak_causes_one_retransmission() {
     let mut send_queue = synced();
     send_queue.set_window(Some(192));
     for byte in 0..3 {
@@ -72,7 +72,7 @@ fn a_complaint_sends_again_once() {
     send_queue.send(ms(4), None).unwrap();
     assert_eq!(sequences(&mut send_queue), [5, 6, 7]);
     send_queue.block_received(6, true, ms(5));
-    // Block 6 was damaged: both it and 7 are complained about.
+    // Block 6 was damaged: the board sends a NAK for 6 and for 7.
     send_queue.block_received(6, true, ms(6));
     send_queue.send(ms(6), None).unwrap();
     assert_eq!(sequences(&mut send_queue), [6, 7]);
@@ -84,7 +84,7 @@ fn a_complaint_sends_again_once() {
 }
 
 #[test]
-fn an_acknowledgement_behind_its_reply_is_no_complaint() {
+fn an_acknowledgement_after_its_reply_is_not_a_nak() {
     let mut send_queue = synced();
     send_queue.set_window(Some(192));
     send_queue.push(message(1, 50));
@@ -98,7 +98,7 @@ fn an_acknowledgement_behind_its_reply_is_no_complaint() {
 }
 
 #[test]
-fn silence_sends_again_ever_later_and_ends() {
+fn silence_causes_retransmissions_until_the_board_is_lost() {
     let mut send_queue = synced();
     send_queue.push(message(1, 5));
     let mut sent = Vec::new();
@@ -138,7 +138,7 @@ fn step(due: u64) -> Message {
 }
 
 #[test]
-fn what_would_come_late_is_not_sent() {
+fn a_late_vital_message_stops_the_link() {
     let mut send_queue = synced();
     send_queue.push(step(1000));
     assert_eq!(
@@ -147,10 +147,10 @@ fn what_would_come_late_is_not_sent() {
     );
     send_queue.send(ms(5), times(900, 999)).unwrap();
     assert_eq!(sequences(&mut send_queue), [5]);
-    // It may have arrived, its confirmation be on its way.
+    // The block may have arrived, with its confirmation in transit.
     send_queue.send(ms(60), times(999, 1001)).unwrap();
     assert_eq!(sequences(&mut send_queue), [0_u8; 0]);
-    // Now it should have been made.
+    // The due time of the step has passed.
     assert_eq!(
         send_queue.send(ms(61), times(1001, 1003)),
         Err(SendError::Late)
@@ -166,7 +166,7 @@ fn what_would_come_late_is_not_sent() {
 }
 
 #[test]
-fn a_line_that_becomes_slow_is_waited_for() {
+fn a_line_that_becomes_slow_causes_few_retransmissions() {
     let mut send_queue = synced();
     let mut sent: Vec<(u64, u8)> = Vec::new();
     for now in 4..2000_u64 {
@@ -179,7 +179,7 @@ fn a_line_that_becomes_slow_is_waited_for() {
                 sent.push((now, number));
             }
         }
-        // Every block is confirmed 103 ms after it came, once.
+        // Each block is confirmed once, 103 ms after its first transmission.
         while let Some(&(at, number)) = sent.first()
             && now >= at + 103
         {
@@ -197,7 +197,7 @@ fn a_line_that_becomes_slow_is_waited_for() {
 }
 
 #[test]
-fn a_board_that_counts_anew_was_reset() {
+fn a_restarted_sequence_is_a_reset() {
     let mut send_queue = synced();
     send_queue.push(message(1, 5));
     send_queue.send(ms(4), None).unwrap();
@@ -216,7 +216,7 @@ fn a_board_that_counts_anew_was_reset() {
 #[test]
 fn an_old_reply_does_not_answer_a_new_question() {
     let mut send_queue = synced();
-    assert!(!send_queue.answers(Mark::Position, 21), "nothing was asked");
+    assert!(!send_queue.answers(Mark::Position, 21), "no query was sent");
     send_queue.push(Message {
         mark: Some(Mark::Position),
         ..message(1, 5)

@@ -1,34 +1,36 @@
-//! What the kernel may ask of a board of timed steps.
+//! Implements [`Backend`] for boards with timed steps.
 
 use core::time::Duration;
 
 use super::opening::Phase;
 use super::samples::{FLUSH_EVERY, MOST_WAITING};
-use super::{Purpose, StepLink};
+use super::{QueryPurpose, StepLink};
 use crate::position::Positioned;
-use crate::session::Session;
+use crate::session::LinkSession;
 use crate::step_queue::commands::Command;
-use crate::step_queue::compression::Ticks;
 use crate::step_queue::send_queue::Ack;
+use crate::step_queue::step_compress::Ticks;
 use crate::step_queue::{block, describe};
 use crate::{
-    Awaited, Backend, BoardInfo, BoardOutputs, HostTime, Input, Lacks, LinkState, Output, Pins,
-    PulseRates, Refused, RunTime, Sample, SpindleView, Stop, ThreadRights, Traffic, Uncertainty,
+    AwaitedInput, Backend, BoardInfo, BoardOutputs, HostTime, Input, LinkState, MissingForThreads,
+    MotionRefused, Output, Pins, PulseRates, RunTime, Sample, SpindleView, Stop, ThreadCapability,
+    Traffic, Uncertainty,
 };
 use gsk_messages::Message;
 use gsk_units::{Axis, PerAxis, Pulses};
 
 impl Positioned for StepLink {
-    fn session(&self) -> &Session {
+    fn session(&self) -> &LinkSession {
         &self.session
     }
 
-    fn session_mut(&mut self) -> &mut Session {
+    fn session_mut(&mut self) -> &mut LinkSession {
         &mut self.session
     }
 
-    fn align(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
-        let by_limit = self.session.state == LinkState::Tripped && self.motion.limits.any_met();
+    fn align(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), MotionRefused> {
+        let by_limit =
+            self.session.state == LinkState::Tripped && self.motion.limits.is_any_operated();
         let standing = (matches!(self.session.state, LinkState::Locked | LinkState::Ready)
             || by_limit)
             && self.stopping.is_none()
@@ -36,7 +38,7 @@ impl Positioned for StepLink {
             && !self.motion.is_under_way()
             && self.periodic.switches.all_reported(self.wiring.as_ref());
         let (true, Some(board)) = (standing, self.motion.count.board) else {
-            return Err(Refused::NotReady);
+            return Err(MotionRefused::NotReady);
         };
         self.motion.align(kernel, board, at);
         self.periodic.enable.on = true;
@@ -47,7 +49,7 @@ impl Positioned for StepLink {
 
     fn lose_position(&mut self, uncertainty: Uncertainty) {
         self.session.lose_position(uncertainty);
-        self.motion.count.becomes_stale();
+        self.motion.count.mark_stale();
     }
 
     fn forget_count(&mut self) {
@@ -56,7 +58,7 @@ impl Positioned for StepLink {
 }
 
 impl Backend for StepLink {
-    fn know(&mut self, dictionaries: Vec<Vec<u8>>) {
+    fn add_dictionaries(&mut self, dictionaries: Vec<Vec<u8>>) {
         for packed in dictionaries {
             self.opening.dictionary_cache.insert(packed);
         }
@@ -66,13 +68,13 @@ impl Backend for StepLink {
         &self.opening.info
     }
 
-    fn threads(&self) -> ThreadRights {
+    fn threads(&self) -> ThreadCapability {
         if self.sees_spindle() {
-            return ThreadRights::Followed;
+            return ThreadCapability::Followed;
         }
-        ThreadRights::None(Lacks {
+        ThreadCapability::None(MissingForThreads {
             index: true,
-            ..Lacks::default()
+            ..MissingForThreads::default()
         })
     }
 
@@ -114,7 +116,7 @@ impl Backend for StepLink {
         self.clock.duration(end.unsigned_abs())
     }
 
-    fn room(&self) -> Duration {
+    fn free_lookahead(&self) -> Duration {
         if !self.is_prepared() {
             return Duration::ZERO;
         }
@@ -122,8 +124,8 @@ impl Backend for StepLink {
             return Duration::ZERO;
         }
         let most = self.farthest();
-        let room = self.clock.ticks(self.margin() + FLUSH_EVERY) as Ticks;
-        let end = self.motion.path.end.unwrap_or(most - room);
+        let lead = self.clock.ticks(self.margin() + FLUSH_EVERY) as Ticks;
+        let end = self.motion.path.end.unwrap_or(most - lead);
         self.clock.duration((most - end).max(0).unsigned_abs())
     }
 
@@ -140,39 +142,39 @@ impl Backend for StepLink {
     }
 
     fn tick(&mut self, now: HostTime) {
-        self.pass(now);
-        if self.session.is_over() {
+        self.advance_time(now);
+        if self.session.is_closed() {
             return;
         }
         self.open_further();
         if self.is_running() {
             self.run_periodic();
             self.watch_group();
-            self.ask_again();
-            self.move_on();
-            self.ask_levels_again();
+            self.repeat_position_query();
+            self.advance_motion();
+            self.repeat_level_queries();
         }
-        // A board that restarts is left alone.
+        // Send nothing to a restarting board.
         if !matches!(self.opening.phase, Phase::Restarting { .. }) {
             self.send();
         }
     }
 
     fn rx(&mut self, bytes: &[u8], now: HostTime) {
-        self.pass(now);
+        self.advance_time(now);
         self.wire.traffic.received += bytes.len() as u64;
-        if self.session.is_over() {
+        if self.session.is_closed() {
             return;
         }
         self.wire.reader.give(bytes);
         while let Some(block) = self.wire.reader.next() {
-            let heard = self.wire.send_queue.block_received(
+            let ack = self.wire.send_queue.block_received(
                 block.sequence,
                 block.content.is_empty(),
                 self.session.now,
             );
-            let Some(Ack::Expects(expects)) = heard else {
-                if heard.is_some() {
+            let Some(Ack::Expects(expects)) = ack else {
+                if ack.is_some() {
                     self.unexpected_sequence(&block.content);
                 }
                 continue;
@@ -198,7 +200,7 @@ impl Backend for StepLink {
     fn compare(&mut self) -> bool {
         let asks = self.may_look();
         if asks {
-            self.query_position(Purpose::Look { asked: true });
+            self.query_position(QueryPurpose::Look { requested: true });
         }
         asks
     }
@@ -207,7 +209,7 @@ impl Backend for StepLink {
         self.give_up_motion();
         if self.is_running() {
             self.wire.send_urgent(Command::EmergencyStop, &[]);
-            // Whatever the board still has to confirm.
+            // Ignore the receive window: the emergency stop must be sent.
             self.wire.send_queue.set_window(None);
             self.send();
         }
@@ -253,7 +255,7 @@ impl Backend for StepLink {
     fn set_outputs(&mut self, outputs: BoardOutputs) {
         self.periodic.outputs.wanted = outputs;
         if self.send_wanted() {
-            // At once: when the host looks at its port again it may be too late.
+            // Send immediately: the next call may be too late.
             self.send();
         }
     }
@@ -263,14 +265,14 @@ impl Backend for StepLink {
     }
 
     fn switched(&self) -> Option<BoardOutputs> {
-        Some(self.periodic.outputs.told)
+        Some(self.periodic.outputs.sent)
     }
 
-    fn push(&mut self, sample: Sample) -> Result<(), Refused> {
+    fn push(&mut self, sample: Sample) -> Result<(), MotionRefused> {
         self.take_sample(sample)
     }
 
-    fn finish(&mut self) -> Result<(), Refused> {
+    fn finish(&mut self) -> Result<(), MotionRefused> {
         self.take_rest()
     }
 
@@ -282,11 +284,11 @@ impl Backend for StepLink {
         self.reset_faults();
     }
 
-    fn arm(&mut self, awaited: Awaited) -> Result<(), Refused> {
+    fn arm(&mut self, awaited: AwaitedInput) -> Result<(), MotionRefused> {
         self.arm_input(awaited)
     }
 
-    fn awaited(&self, axis: Axis) -> Option<Awaited> {
+    fn awaited(&self, axis: Axis) -> Option<AwaitedInput> {
         self.group.awaited(axis)
     }
 
@@ -298,12 +300,12 @@ impl Backend for StepLink {
         self.forget_awaited(axis);
     }
 
-    fn retreat(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
+    fn retreat(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), MotionRefused> {
         if !(self.session.state == LinkState::Tripped
             && self.session.knows_position()
-            && self.motion.limits.any_met())
+            && self.motion.limits.is_any_operated())
         {
-            return Err(Refused::NotReady);
+            return Err(MotionRefused::NotReady);
         }
         self.align(kernel, at)?;
         self.session.released = true;
@@ -314,7 +316,7 @@ impl Backend for StepLink {
         self.motion.count.is_exact()
     }
 
-    fn output(&mut self, at: RunTime, output: Output, value: i32) -> Result<(), Refused> {
+    fn output(&mut self, at: RunTime, output: Output, value: i32) -> Result<(), MotionRefused> {
         self.switch_output(at, output, value)
     }
 
@@ -322,8 +324,9 @@ impl Backend for StepLink {
         self.periodic.switches.input(input)
     }
 
-    fn spindle(&mut self, give: Option<f64>) -> Option<SpindleView> {
-        self.sees_spindle().then(|| self.next_spindle(give))
+    fn spindle(&mut self, max_correction: Option<f64>) -> Option<SpindleView> {
+        self.sees_spindle()
+            .then(|| self.next_spindle(max_correction))
     }
 
     fn spindle_reversed(&mut self) {

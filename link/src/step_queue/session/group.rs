@@ -1,5 +1,5 @@
-//! The stop group in the board: what stops both axes there without the host, and the
-//! switches that are waited for.
+//! The stop group in the board (Klipper's `trsync`), which stops both axes without the host,
+//! and the awaited inputs.
 
 use crate::Backend;
 use core::time::Duration;
@@ -8,71 +8,74 @@ use super::StepLink;
 use crate::step_queue::commands::Command;
 use crate::step_queue::send_queue::Mark;
 use crate::step_queue::wiring::{Switch, Wiring};
-use crate::{Awaited, HostTime, Input, LinkState, Refused, Until};
+use crate::{AwaitedInput, HostTime, Input, InputCondition, LinkState, MotionRefused};
 use gsk_units::Axis;
 
-/// Reasons of the group.
+/// Trigger reasons of the group.
 pub(super) const LIMIT_X: u32 = 1;
 pub(super) const LIMIT_Z: u32 = 2;
 pub(super) const EMERGENCY: u32 = 3;
 pub(super) const SILENT_HOST: u32 = 4;
 pub(super) const DRIVES: u32 = 5;
-/// An input that was waited for, of X and of Z.
+/// An awaited input of X; the next number is that of Z.
 pub(super) const REACHED: u32 = 6;
 pub(super) const REACHED_Z: u32 = 7;
 pub(super) const FLUSH: u32 = 9;
-/// A switch counts when it was operated in so many samples, so far apart; between
-/// two looks.
+/// Number of consecutive equal samples for an operated switch.
 const SAMPLES: i64 = 4;
+/// Interval of these samples.
 const SAMPLE: Duration = Duration::from_micros(15);
+/// Interval at which the board polls a switch.
 const LOOK: Duration = Duration::from_millis(1);
-/// At an input that is waited for it looks so often between two pulses, but not
-/// more often than this.
+/// Number of polls of an awaited input between two pulses.
 const LOOKS: f64 = 4.0;
+/// Least interval at which the board polls an awaited input.
 const OFTEN: Duration = Duration::from_micros(50);
-/// The group reports itself so often, and counts as silent when it has not for longer.
+/// Interval of the group's reports.
 const REPORT: Duration = Duration::from_millis(100);
+/// Time without a report after which the group counts as silent.
 pub(super) const SILENT: Duration = Duration::from_millis(450);
-/// First time-out of the group, as all later ones.
+/// Timeout of the group after arming.
 const FIRST: Duration = Duration::from_millis(250);
 
-/// What the board does with the group.
+/// The state of the group in the board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum GroupState {
-    /// It was never armed.
+    /// The group was never armed.
     #[default]
     Unused,
-    /// It stops the axes when it is triggered.
+    /// A trigger stops the axes.
     Armed,
-    /// It has done its work.
+    /// The group was triggered.
     Triggered,
 }
 
-/// The stop group in the board. Two take turns, so that a late report of the one
-/// that has done its work is not taken for the other's.
+/// The stop group. The board has two, used alternately: a late report of a triggered group
+/// cannot be mistaken for one of the other group.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Group {
     which: usize,
     state: GroupState,
-    /// When it last reported itself.
+    /// Time of the last report.
     reported: HostTime,
-    /// Inputs that are waited for, of X and of Z.
+    /// The awaited inputs of X and of Z.
     waits: [Option<Wait>; 2],
-    /// Limit switches left out because they were operated.
+    /// Whether the limit switch of X or Z is not watched because it was operated.
     left_out: [bool; 2],
-    /// Levels of the pins whose change is awaited, of X and of Z: they outlive a stop that
-    /// another input has made.
+    /// Levels of X and Z pins whose change is awaited. They remain valid across a stop by
+    /// another input.
     edges: [Option<i64>; 2],
 }
 
-/// An input that is waited for.
+/// An awaited input.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wait {
-    pub(super) awaited: Awaited,
-    /// When the board was asked for its level, which it has not reported yet.
-    asked: Option<HostTime>,
-    /// Level of the pin that stops the axes, and from when on it does.
+    pub(super) awaited: AwaitedInput,
+    /// When the pending query for its level was sent.
+    queried_at: Option<HostTime>,
+    /// The level of the pin that stops the axes.
     pub(super) level: i64,
+    /// The clock from which on the board watches the pin.
     from: u64,
 }
 
@@ -83,36 +86,36 @@ impl Group {
             .find_map(|(axis, wait)| Some((axis, wait.filter(|wait| wait.awaited.input == input)?)))
     }
 
-    /// Whether it stops the axes when it is triggered.
+    /// Whether a trigger stops the axes.
     pub(super) const fn is_armed(&self) -> bool {
         matches!(self.state, GroupState::Armed)
     }
 
-    /// What is waited for at an axis.
-    pub(super) fn awaited(&self, axis: Axis) -> Option<Awaited> {
+    /// The awaited input of an axis.
+    pub(super) fn awaited(&self, axis: Axis) -> Option<AwaitedInput> {
         self.waits[axis as usize].map(|wait| wait.awaited)
     }
 
-    /// Whether the board looks at that by this clock.
+    /// Whether the board watches the awaited input of an axis at a clock.
     pub(super) fn watches(&self, axis: Axis, now: u64) -> bool {
         self.is_armed()
             && self.waits[axis as usize]
-                .is_some_and(|wait| wait.asked.is_none() && now >= wait.from)
+                .is_some_and(|wait| wait.queried_at.is_none() && now >= wait.from)
     }
 
-    /// Its number in the board.
+    /// The object number of the group.
     pub(super) const fn oid(&self, wiring: &Wiring) -> i64 {
         wiring.groups[self.which]
     }
 
-    /// The same, while it is armed.
+    /// The object number of the group while it is armed.
     pub(super) fn armed_oid(&self, wiring: Option<&Wiring>) -> Option<i64> {
         wiring
             .filter(|_| self.is_armed())
             .map(|wiring| self.oid(wiring))
     }
 
-    /// The other one takes its turn.
+    /// Switches to the other group.
     fn take_turns(&mut self, now: HostTime) {
         *self = Self {
             which: 1 - self.which,
@@ -123,45 +126,45 @@ impl Group {
         };
     }
 
-    /// It has reported itself.
-    pub(super) const fn has_reported(&mut self, now: HostTime) {
+    /// Notes a report of the group.
+    pub(super) const fn note_report(&mut self, now: HostTime) {
         self.reported = now;
     }
 
-    /// It has done its work.
-    pub(super) const fn is_triggered(&mut self) {
+    /// Notes that the group was triggered.
+    pub(super) const fn note_trigger(&mut self) {
         self.state = GroupState::Triggered;
     }
 
-    /// Whether it should have reported itself.
+    /// Whether reports of the armed group are missing.
     pub(super) fn is_silent(&self, now: HostTime) -> bool {
         self.is_armed() && now.saturating_sub(self.reported) >= SILENT
     }
 
-    /// Behind a stop nothing is waited for any more.
+    /// Removes and returns the awaited inputs after a stop.
     pub(super) fn take_waits(&mut self) -> [Option<Wait>; 2] {
         core::mem::take(&mut self.waits)
     }
 
-    /// No edge is waited for across a stop.
+    /// Forgets the awaited edges of both axes.
     pub(super) const fn forget_edges(&mut self) {
         self.edges = [None; 2];
     }
 
-    /// The edge of an axis was met, or is not waited for any more.
+    /// Forgets the awaited edge of an axis.
     pub(super) const fn forget_edge(&mut self, axis: usize) {
         self.edges[axis] = None;
     }
 }
 
 impl StepLink {
-    /// Arms the group: at a standstill, with everything that may stop the axes.
+    /// Arms the group at standstill, with all switches that may stop the axes.
     pub(super) fn arm_group(&mut self) {
         let Some(wiring) = self.wiring.clone() else {
             return;
         };
         if self.group.state != GroupState::Unused {
-            // Triggered, the old group lets go of the axes.
+            // A trigger of the old group releases the axes.
             let old = self.group.oid(&wiring);
             self.wire.send(Command::TrsyncTrigger, &[old, FLUSH.into()]);
         }
@@ -185,7 +188,7 @@ impl StepLink {
         self.motion.queue.forget_steps();
     }
 
-    /// From a clock on the board looks at a switch, when the group has to do with it.
+    /// Makes the board watch a switch of the group from a clock on, or stop watching it.
     fn watch_switch(&mut self, switch: Switch, at: u64) {
         let Some(wiring) = &self.wiring else {
             return;
@@ -205,7 +208,7 @@ impl StepLink {
         };
         let operated = self.input(switch.input) == Some(true);
         let (reason, level, look) = match (self.group.wait_for(switch.input), stops) {
-            (Some((axis, wait)), _) if wait.asked.is_none() => {
+            (Some((axis, wait)), _) if wait.queried_at.is_none() => {
                 let between = Duration::from_secs_f64(1.0 / (LOOKS * wait.awaited.rate.max(1.0)));
                 let reason = [REACHED, REACHED_Z][axis];
                 (reason, wait.level, between.clamp(OFTEN, LOOK))
@@ -240,26 +243,26 @@ impl StepLink {
         switches.find(|switch| switch.input == input).copied()
     }
 
-    /// From now on this input stops the axes as soon as it does what is awaited.
-    pub(super) fn arm_input(&mut self, awaited: Awaited) -> Result<(), Refused> {
+    /// Arms an awaited input.
+    pub(super) fn arm_input(&mut self, awaited: AwaitedInput) -> Result<(), MotionRefused> {
         let (Some(switch), Some(axis)) = (self.switch_at(awaited.input), awaited.input.axis())
         else {
-            return Err(Refused::NotWired);
+            return Err(MotionRefused::NotWired);
         };
         if !self.takes_motion() || !self.group.is_armed() {
-            return Err(Refused::NotReady);
+            return Err(MotionRefused::NotReady);
         }
         self.disarm_input(axis);
         let level = match awaited.until {
-            Until::Operated => Some(switch.level),
-            Until::Free => Some(1 - switch.level),
-            // Across a stop that another input has made, it is the same edge.
-            Until::Changed => self.group.edges[axis as usize],
+            InputCondition::Operated => Some(switch.level),
+            InputCondition::Free => Some(1 - switch.level),
+            // After a stop by another input the same edge is awaited.
+            InputCondition::Changed => self.group.edges[axis as usize],
         };
         let from = self.soon();
         self.group.waits[axis as usize] = Some(Wait {
             awaited,
-            asked: level.is_none().then_some(self.session.now),
+            queried_at: level.is_none().then_some(self.session.now),
             level: level.unwrap_or_default(),
             from,
         });
@@ -272,12 +275,12 @@ impl StepLink {
         Ok(())
     }
 
-    /// The input that was waited for does not stop the axes any more.
+    /// Disarms the awaited input of an axis.
     pub(super) fn disarm_input(&mut self, axis: Axis) {
         let Some(wait) = self.group.waits[axis as usize].take() else {
             return;
         };
-        if wait.awaited.until != Until::Changed {
+        if wait.awaited.until != InputCondition::Changed {
             self.group.edges[axis as usize] = None;
         }
         if let Some(switch) = self.switch_at(wait.awaited.input)
@@ -289,29 +292,29 @@ impl StepLink {
         }
     }
 
-    /// Nothing is waited for at an axis any more, not even by and by.
+    /// Disarms the awaited input of an axis and forgets its edge.
     pub(super) fn forget_awaited(&mut self, axis: Axis) {
         self.disarm_input(axis);
         self.group.edges[axis as usize] = None;
     }
 
-    /// The level of a pin, in answer to the newest question.
+    /// Takes the level of a pin that answers the newest query.
     pub(super) fn level_reply(&mut self, oid: i64, level: i64) {
         for axis in 0..2 {
             let Some(wait) = &mut self.group.waits[axis] else {
                 continue;
             };
             let input = wait.awaited.input;
-            let asked = wait.asked.is_some();
+            let queried_at = wait.queried_at.is_some();
             let Some(switch) = self
                 .switch_at(input)
-                .filter(|switch| asked && switch.oid == oid)
+                .filter(|switch| queried_at && switch.oid == oid)
             else {
                 continue;
             };
             let from = self.soon();
             if let Some(wait) = &mut self.group.waits[axis] {
-                wait.asked = None;
+                wait.queried_at = None;
                 wait.level = 1 - level;
                 wait.from = from;
             }
@@ -320,15 +323,15 @@ impl StepLink {
         }
     }
 
-    /// A question for a level whose answer was lost is asked again.
-    pub(super) fn ask_levels_again(&mut self) {
-        let patience = self.patience();
+    /// Repeats level queries without an answer.
+    pub(super) fn repeat_level_queries(&mut self) {
+        let query_timeout = self.query_timeout();
         for axis in 0..2 {
             if let Some(wait) = &mut self.group.waits[axis]
-                && let Some(asked) = wait.asked
-                && self.session.since(asked) >= patience
+                && let Some(queried_at) = wait.queried_at
+                && self.session.since(queried_at) >= query_timeout
             {
-                wait.asked = Some(self.session.now);
+                wait.queried_at = Some(self.session.now);
                 let input = wait.awaited.input;
                 if let Some(switch) = self.switch_at(input) {
                     self.wire
@@ -338,8 +341,8 @@ impl StepLink {
         }
     }
 
-    /// A switch that was left out and is free counts again: when the axes stand, or well
-    /// off it.
+    /// Watches a released limit switch again, at standstill or when the axis is far enough
+    /// from it.
     pub(super) fn watch_left_out(&mut self) {
         if !self.takes_motion() || !self.group.is_armed() {
             return;
@@ -365,7 +368,7 @@ impl StepLink {
     }
 }
 
-/// Whether the group was triggered by an input that was waited for.
+/// Whether an awaited input has triggered the group.
 pub(super) const fn is_reached(reason: u32) -> bool {
     matches!(reason, REACHED | REACHED_Z)
 }

@@ -1,28 +1,29 @@
-//! Motion in the board: what was handed over, and where on it the axes stand.
+//! Motion handed over to a board with timed steps, and the position of the axes on it.
 
 use std::collections::VecDeque;
 
 use super::path::{Located, Path};
 use crate::limits::Limits;
-use crate::step_queue::compression::Ticks;
 use crate::step_queue::rates::Rates;
 use crate::step_queue::slowdown::Slowdown;
+use crate::step_queue::step_compress::Ticks;
 use crate::step_queue::steps::{Entry, Steps};
 use crate::{HostTime, LinkConfig, RunTime};
 use gsk_units::{PerAxis, Pulses};
 
-/// Slots of the board's queue that are never used.
+/// Number of unused slots in the board's queue.
 const SPARE: usize = 32;
-/// Steps that are to be made, up to the queue of the board.
+
+/// Steps on their way to the board's queue.
 #[derive(Clone, Debug)]
 pub(super) struct Queue {
     pub(super) steps: [Steps; 2],
     pub(super) flush_due: Option<HostTime>,
     pub(super) slowdown: Slowdown,
     pub(super) backlog: VecDeque<(usize, Entry)>,
-    /// Clocks of the first steps of what the board has in its queue.
+    /// Clock of the first step of each run in the board's queue.
     pub(super) queued: VecDeque<Ticks>,
-    /// Slots of that queue.
+    /// Number of usable slots in the board's queue.
     pub(super) slots: usize,
     pub(super) last_step: Option<Ticks>,
 }
@@ -40,19 +41,19 @@ impl Queue {
         }
     }
 
-    /// The board has so many slots.
+    /// Sets the number of slots that the board has reported.
     pub(super) const fn set_slots(&mut self, slots: u32) {
         self.slots = (slots as usize).saturating_sub(SPARE);
     }
 
-    /// The board knows no time and no direction of its axes.
+    /// Drops the due steps; the board needs step clocks and directions again.
     pub(super) fn forget_steps(&mut self) {
         for steps in &mut self.steps {
             steps.forget();
         }
     }
 
-    /// Nothing that waits or is queued is made.
+    /// Drops all steps.
     fn clear(&mut self) {
         self.forget_steps();
         self.backlog.clear();
@@ -61,12 +62,12 @@ impl Queue {
         self.slowdown = Slowdown::default();
     }
 
-    /// Pulses have not gone out yet.
+    /// Whether steps are not sent yet.
     pub(super) fn is_waiting(&self) -> bool {
         !self.backlog.is_empty() || self.steps.iter().any(|steps| !steps.is_empty())
     }
 
-    /// Clock of the last step that has gone out since the axes began to move.
+    /// Clock of the last step sent in this motion.
     pub(super) const fn last_step(&self) -> Option<u64> {
         match self.last_step {
             Some(clock) => Some(clock.unsigned_abs()),
@@ -74,18 +75,18 @@ impl Queue {
         }
     }
 
-    /// When the first pulse is due that has not become steps.
+    /// Clock of the first step that is not compressed yet.
     pub(super) fn first_due(&self) -> Option<u64> {
         let first = self.steps.iter().filter_map(Steps::first).min();
         first.map(Ticks::unsigned_abs)
     }
 
-    /// What the board has begun by now has left its queue.
+    /// Removes runs that the board has begun from the queue.
     pub(super) fn pass(&mut self, now: Ticks) {
         self.queued.retain(|first| *first > now);
     }
 
-    /// The next entry, while the queue of the board has a slot for it.
+    /// Takes the next run if the board's queue has a free slot.
     pub(super) fn next_entry(&mut self) -> Option<(usize, Entry)> {
         if self.queued.len() >= self.slots {
             return None;
@@ -97,7 +98,7 @@ impl Queue {
         Some((axis, entry))
     }
 
-    /// The first steps of each axis that have not gone to the wire, as clocks.
+    /// Clock of the first step of each axis that is not sent yet.
     pub(super) fn first_kept(&self) -> [Option<u64>; 2] {
         [0, 1].map(|axis| {
             let mut waiting = self.backlog.iter().filter(|(of, _)| *of == axis);
@@ -108,26 +109,26 @@ impl Queue {
     }
 }
 
-/// Whether the board's count and the kernel's go together.
+/// The alignment of the board's count with the kernel's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Alignment {
-    /// They were never put together, or the kernel has forgotten its own.
+    /// The counts were never aligned, or the kernel has forgotten its count.
     None,
-    /// They were; steps may have been lost since, or the drives been without power.
+    /// The counts were aligned, but steps or drive power may have been lost since.
     Stale,
-    /// They do.
+    /// The counts are aligned.
     Exact,
 }
 
-/// The board's count and the kernel's.
+/// The counts of board and kernel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Count {
     alignment: Alignment,
     /// Board pulses minus kernel pulses.
     offset: PerAxis<i64>,
-    /// Where the board stood when it was last asked.
+    /// The last count of the board.
     pub(super) board: Option<PerAxis<Pulses>>,
-    /// Position of the last sample taken.
+    /// Position of the last sample.
     pub(super) commanded: PerAxis<Pulses>,
 }
 
@@ -141,12 +142,12 @@ impl Count {
         }
     }
 
-    /// The board's count in the kernel's pulses.
+    /// The last count of the board in the kernel's pulses.
     pub(super) fn counted(&self) -> Option<PerAxis<Pulses>> {
         self.board.map(|board| self.to_kernel(board))
     }
 
-    /// A count of the board as the kernel's.
+    /// Converts a count of the board to the kernel's.
     pub(super) const fn to_kernel(self, board: PerAxis<Pulses>) -> PerAxis<Pulses> {
         PerAxis::new(
             Pulses(board.x.0 - self.offset.x),
@@ -154,30 +155,30 @@ impl Count {
         )
     }
 
-    /// Where the axes stand since both were put together; of axes that move, where they
-    /// are to go.
+    /// The position at standstill, or the target of moving axes; `None` if the counts were
+    /// never aligned.
     pub(super) fn position(&self) -> Option<PerAxis<Pulses>> {
         (self.alignment != Alignment::None).then_some(self.commanded)
     }
 
-    /// Whether no step was lost and no drive without power since both were put together.
+    /// Whether no step and no drive power was lost since the alignment.
     pub(super) const fn is_exact(&self) -> bool {
         matches!(self.alignment, Alignment::Exact)
     }
 
-    /// Steps may have been lost.
-    pub(super) const fn becomes_stale(&mut self) {
+    /// Notes that steps may be lost.
+    pub(super) const fn mark_stale(&mut self) {
         if self.is_exact() {
             self.alignment = Alignment::Stale;
         }
     }
 
-    /// The kernel has forgotten its own.
+    /// Forgets the alignment.
     pub(super) const fn forget(&mut self) {
         self.alignment = Alignment::None;
     }
 
-    /// What the board counts, with the high bits it does not tell.
+    /// Extends the low 32 bits of the board's counts with their high bits.
     pub(super) fn board_counts(&self, [x, z]: [u32; 2], config: &LinkConfig) -> PerAxis<Pulses> {
         let known = self.board.unwrap_or_default();
         let whole = |low: u32, invert: bool, known: i64| {
@@ -185,25 +186,26 @@ impl Count {
             Pulses(known + i64::from(low.wrapping_sub(known as u32) as i32))
         };
         PerAxis::new(
-            whole(x, config.x.is_turned_over(), known.x.0),
-            whole(z, config.z.is_turned_over(), known.z.0),
+            whole(x, config.x.is_direction_inverted(), known.x.0),
+            whole(z, config.z.is_direction_inverted(), known.z.0),
         )
     }
 }
 
-/// Where and how the axes were stopped.
+/// Position and speed at which the axes were stopped.
 pub(super) struct Stopped {
     pub(super) kernel: PerAxis<Pulses>,
-    /// The position lies on the commanded path.
+    /// Whether the position is on the commanded path.
     pub(super) on_path: bool,
-    /// Speed there, mm/min, and the way on which each axis came there.
+    /// Speed before the stop, mm/min.
     pub(super) speed: f64,
-    pub(super) way: [i64; 2],
+    /// Direction of each axis before the stop, 1, -1 or 0.
+    pub(super) direction: [i64; 2],
 }
 
 /// Motion handed over.
 #[derive(Clone, Debug)]
-pub(super) struct Motion {
+pub(super) struct StepMotion {
     pub(super) rates: Rates,
     pub(super) queue: Queue,
     pub(super) path: Path,
@@ -211,7 +213,7 @@ pub(super) struct Motion {
     pub(super) limits: Limits,
 }
 
-impl Motion {
+impl StepMotion {
     pub(super) fn new(pulses_per_mm: [f64; 2]) -> Self {
         let rates = Rates::unknown();
         Self {
@@ -228,25 +230,25 @@ impl Motion {
         self.queue.steps = self.rates.timing.map(Steps::new);
     }
 
-    /// The board has been reset, or is a new one.
+    /// Forgets the board after a reset or a reopening.
     pub(super) fn forget_board(&mut self) {
         self.drop_queued();
         self.count.board = None;
         self.queue.last_step = None;
     }
 
-    /// Steps are queued or being made.
+    /// Whether steps are queued or being executed.
     pub(super) fn is_under_way(&self) -> bool {
         self.path.is_under_way() || self.queue.is_waiting()
     }
 
-    /// Everything queued is dropped, here and in the board.
+    /// Drops all queued motion.
     pub(super) fn drop_queued(&mut self) {
         self.queue.clear();
         self.path.end_motion();
     }
 
-    /// The axes stand at this position of the kernel, and of the board.
+    /// Aligns the counts of kernel and board at standstill.
     pub(super) fn align(&mut self, kernel: PerAxis<Pulses>, board: PerAxis<Pulses>, at: RunTime) {
         self.count.offset = PerAxis::new(board.x.0 - kernel.x.0, board.z.0 - kernel.z.0);
         self.count.alignment = Alignment::Exact;
@@ -255,21 +257,21 @@ impl Motion {
         self.path.newest.end = at;
     }
 
-    /// The axes stand at this position of the kernel.
+    /// Sets the position of the axes at standstill.
     pub(super) fn stand_at(&mut self, kernel: PerAxis<Pulses>) {
         self.drop_queued();
         self.count.commanded = kernel;
         self.path.stand_at(kernel);
     }
 
-    /// The axes stand where each was at a clock.
+    /// Sets the position at standstill to that of each axis at a clock.
     pub(super) fn stand_at_clocks(&mut self, clocks: [Ticks; 2]) {
         if let Some(kernel) = self.path.at(clocks) {
             self.stand_at(kernel);
         }
     }
 
-    /// Where on the commanded path the board stopped.
+    /// Finds the position of a stop on the commanded path.
     pub(super) fn stopped_at(
         &mut self,
         board: PerAxis<Pulses>,
@@ -277,7 +279,7 @@ impl Motion {
         pulses_per_mm: [f64; 2],
     ) -> Stopped {
         let kernel = self.count.to_kernel(board);
-        let (on_path, Located { speed, way }) = self.path.locate(kernel, now, pulses_per_mm);
+        let (on_path, Located { speed, direction }) = self.path.locate(kernel, now, pulses_per_mm);
         self.stand_at(kernel);
         self.count.board = Some(board);
         self.queue.last_step = None;
@@ -285,7 +287,7 @@ impl Motion {
             kernel,
             on_path,
             speed,
-            way,
+            direction,
         }
     }
 }

@@ -1,4 +1,5 @@
-//! How the board becomes known: who it is, what it understands, how it is set up.
+//! The opening dialogue with a board with timed steps: reads its dictionary, configures it
+//! and syncs its clock.
 
 use crate::position::Positioned;
 use gsk_messages::{Message, say};
@@ -6,7 +7,7 @@ use gsk_units::alarm;
 
 use core::time::Duration;
 
-use super::super::super::{BoardInfo, Event, HostTime, LinkState, Uncertainty};
+use super::super::super::{BoardInfo, HostTime, LinkEvent, LinkState, Uncertainty};
 use super::super::clock_sync::ClockSync;
 use super::super::commands::Command;
 use super::super::dictionary::{Dictionary, LONGEST_PACKED};
@@ -15,51 +16,53 @@ use super::super::send_queue::{self, Mark};
 use super::super::wiring::Wiring;
 use super::group::Group;
 use super::periodic::Periodic;
-use super::{ASK_AGAIN, Purpose, StepLink};
+use super::{ASK_AGAIN, QueryPurpose, StepLink};
 
-/// By then the board must be known.
+/// Time limit for a phase of the opening.
 const SILENCE: Duration = Duration::from_secs(5);
-/// The dictionary is read in pieces of so many bytes.
+/// Number of dictionary bytes per query.
 const PIECE: usize = 40;
-/// A reset takes effect within this.
+/// Time for a reset of the board.
 const RESTARTS: Duration = Duration::from_millis(200);
-/// So often a board is reset to be set up.
+/// Greatest number of resets during an opening.
 const MOST_RESTARTS: u32 = 2;
 
-/// How far the dialogue has come.
+/// The phase of the opening.
 #[derive(Clone, Debug)]
 pub(super) enum Phase {
-    /// Which block does the board expect?
+    /// The link queries the expected sequence number.
     Sync,
-    /// Its dictionary so far, or the known one whose end is compared.
+    /// The link reads the dictionary. `known` is the index of a cached dictionary whose end
+    /// is compared.
     Identify {
         packed: Vec<u8>,
         known: Option<usize>,
-        asked: HostTime,
+        queried_at: HostTime,
     },
-    /// It is asked how it is set up; how often it was reset, and whether it has
-    /// been told; why it gave up behind that.
+    /// The link queries the configuration. `restarts` counts resets; `config_sent` tells
+    /// whether the configuration was sent; `reason` is why the board shut down after it.
     Ask {
-        asked: HostTime,
+        queried_at: HostTime,
         restarts: u32,
-        told: bool,
-        why: Option<String>,
+        config_sent: bool,
+        reason: Option<String>,
     },
-    /// It resets itself.
+    /// The board is resetting.
     Restarting { since: HostTime, restarts: u32 },
-    /// Its clock and its counts are learned; how often it was reset.
+    /// The link syncs the clock.
     Learn { restarts: u32 },
-    /// All is known.
+    /// The opening is complete.
     Running,
-    /// It hears nothing but a reset; whether all was known.
+    /// The board is shut down and accepts a reset only; `opened` tells whether the opening
+    /// was complete.
     ShutDown { opened: bool },
 }
 
-/// The dialogue with a board that is to become known, and what came of it.
+/// The opening dialogue and its results.
 #[derive(Clone, Debug)]
 pub(super) struct Opening {
     pub(super) phase: Phase,
-    /// When the port was opened, or the board last told something new.
+    /// When the port was opened, or when the board last sent something new.
     opened: HostTime,
     pub(super) info: BoardInfo,
     pub(super) dictionary_cache: DictionaryCache,
@@ -75,12 +78,12 @@ impl Opening {
         }
     }
 
-    /// Whether all is known, and the board hears.
+    /// Whether the opening is complete and the board accepts commands.
     pub(super) const fn is_running(&self) -> bool {
         matches!(self.phase, Phase::Running)
     }
 
-    /// Whether all is known of the board, if it hears or not.
+    /// Whether the opening was completed, also if the board is shut down.
     pub(super) const fn is_opened(&self) -> bool {
         matches!(
             self.phase,
@@ -88,20 +91,20 @@ impl Opening {
         )
     }
 
-    /// The board hears nothing any more.
+    /// Notes that the board is shut down.
     pub(super) fn shut_down(&mut self) {
         let opened = self.is_opened();
         self.phase = Phase::ShutDown { opened };
     }
 
-    /// Whether it does not.
+    /// Whether the board is shut down.
     pub(super) const fn is_shut_down(&self) -> bool {
         matches!(self.phase, Phase::ShutDown { .. })
     }
 }
 
 impl StepLink {
-    /// From the first byte.
+    /// Starts the opening.
     pub(super) fn begin(&mut self) {
         self.opening.phase = Phase::Sync;
         self.opening.opened = self.session.now;
@@ -132,31 +135,32 @@ impl StepLink {
                 self.opening.phase = Phase::Identify {
                     packed: Vec::new(),
                     known: None,
-                    asked: self.session.now,
+                    queried_at: self.session.now,
                 };
                 self.send_identify();
             }
-            Phase::Identify { asked, .. }
-                if now.saturating_sub(*asked) >= ASK_AGAIN && self.wire.send_queue.is_empty() =>
+            Phase::Identify { queried_at, .. }
+                if now.saturating_sub(*queried_at) >= ASK_AGAIN
+                    && self.wire.send_queue.is_empty() =>
             {
-                // It has arrived; its answer was lost.
-                *asked = now;
+                // The query has arrived, but its answer was lost.
+                *queried_at = now;
                 self.send_identify();
             }
-            Phase::Ask { asked, .. }
+            Phase::Ask { queried_at, .. }
                 if self.wire.send_queue.is_synced()
                     && self.wire.send_queue.is_empty()
-                    && now.saturating_sub(*asked) >= ASK_AGAIN =>
+                    && now.saturating_sub(*queried_at) >= ASK_AGAIN =>
             {
-                *asked = now;
+                *queried_at = now;
                 self.wire.send_query(Command::GetConfig, &[], Mark::Config);
             }
             Phase::Restarting { since, restarts } if now.saturating_sub(*since) >= RESTARTS => {
                 self.opening.phase = Phase::Ask {
-                    asked: HostTime::ZERO,
+                    queried_at: HostTime::ZERO,
                     restarts: *restarts,
-                    told: false,
-                    why: None,
+                    config_sent: false,
+                    reason: None,
                 };
                 self.clock = ClockSync::new(self.clock.rate);
                 self.periodic = Periodic::default();
@@ -168,11 +172,11 @@ impl StepLink {
     }
 
     fn not_opened(&mut self) {
-        let (heard, bytes) = (
+        let (is_synced, bytes) = (
             self.wire.send_queue.is_synced(),
             self.wire.traffic.received > 0,
         );
-        if !heard && bytes && self.wire.send_queue.tries() > 1 {
+        if !is_synced && bytes && self.wire.send_queue.tries() > 1 {
             self.refuse(
                 alarm::BOARD_UNSUPPORTED,
                 say::board_makes_no_sense(say::board_is_another()),
@@ -191,7 +195,8 @@ impl StepLink {
         self.session.enter(LinkState::Fault);
     }
 
-    /// Asks for the next piece of the dictionary, or for the end that it would have.
+    /// Queries the next part of the dictionary, or the end of the cached dictionary that it
+    /// may equal.
     fn send_identify(&mut self) {
         if let Phase::Identify { packed, known, .. } = &self.opening.phase {
             let end = known.and_then(|known| self.opening.dictionary_cache.end(known));
@@ -205,13 +210,13 @@ impl StepLink {
         let Phase::Identify {
             packed,
             known,
-            asked,
+            queried_at,
         } = &mut self.opening.phase
         else {
             return;
         };
-        if let Some(place) = *known {
-            let Some((from, end)) = self.opening.dictionary_cache.end(place) else {
+        if let Some(index) = *known {
+            let Some((from, end)) = self.opening.dictionary_cache.end(index) else {
                 return;
             };
             if offset as usize != from {
@@ -221,13 +226,13 @@ impl StepLink {
                 let whole = self
                     .opening
                     .dictionary_cache
-                    .get(place)
+                    .get(index)
                     .unwrap_or_default()
                     .to_vec();
                 self.identified_as(&whole);
                 return;
             }
-            *known = self.opening.dictionary_cache.find(place + 1, packed);
+            *known = self.opening.dictionary_cache.find(index + 1, packed);
         } else {
             if offset as usize != packed.len() {
                 return;
@@ -239,7 +244,9 @@ impl StepLink {
                 self.identified_as(&packed);
                 if self.wiring.is_some() {
                     let name = self.opening.info.firmware.clone();
-                    self.session.events.push(Event::Learned { name, packed });
+                    self.session
+                        .events
+                        .push(LinkEvent::Learned { name, packed });
                 }
                 return;
             }
@@ -251,8 +258,8 @@ impl StepLink {
                 *known = self.opening.dictionary_cache.find(0, packed);
             }
         }
-        *asked = now;
-        // A board that is known takes time: silence is counted from here.
+        *queried_at = now;
+        // Restart the time limit with each part of the dictionary.
         self.opening.opened = now;
         self.send_identify();
     }
@@ -295,15 +302,16 @@ impl StepLink {
         self.wiring = Some(wiring);
         self.session.enter(LinkState::Configure);
         self.opening.phase = Phase::Ask {
-            asked: HostTime::ZERO,
+            queried_at: HostTime::ZERO,
             restarts: 0,
-            told: false,
-            why: None,
+            config_sent: false,
+            reason: None,
         };
         Ok(())
     }
 
-    /// The board said how it is set up: configured, check, shut down, queue.
+    /// Takes the configuration state of the board: configured, CRC, shut down, size of the
+    /// queue.
     pub(super) fn config_reply(&mut self, [configured, crc, shut_down, queue]: [u32; 4]) {
         if self.is_opened() {
             let ours = self.wiring.as_ref().map(|wiring| wiring.crc);
@@ -314,8 +322,8 @@ impl StepLink {
         }
         let Phase::Ask {
             restarts,
-            told,
-            ref why,
+            config_sent,
+            ref reason,
             ..
         } = self.opening.phase
         else {
@@ -329,8 +337,8 @@ impl StepLink {
             self.opening.info.blocks = queue.try_into().unwrap_or(u16::MAX);
             self.motion.queue.set_slots(queue);
             self.opening.phase = Phase::Learn { restarts };
-        } else if told {
-            let text = self.not_taken(why.as_deref());
+        } else if config_sent {
+            let text = self.not_taken(reason.as_deref());
             self.refuse(alarm::BOARD_SETTINGS, text);
         } else if configured == 0 && shut_down == 0 {
             let (messages, crc) = (wiring.messages.clone(), wiring.crc);
@@ -338,35 +346,36 @@ impl StepLink {
                 self.wire.send_queue.push(send_queue::Message::plain(bytes));
             }
             self.wire.send(Command::FinalizeConfig, &[crc.into()]);
-            // Asked in the same stream, behind it.
+            // The next query follows in the same stream.
             self.opening.phase = Phase::Ask {
-                asked: self.session.now,
+                queried_at: self.session.now,
                 restarts,
-                told: true,
-                why: None,
+                config_sent: true,
+                reason: None,
             };
         } else {
             self.restart_board(restarts + 1, shut_down != 0);
         }
     }
 
-    /// What 603 says of a configuration that the board gave up at, in the board's words
-    /// where it told them.
-    fn not_taken(&self, why: Option<&str>) -> Message {
-        match why {
+    /// The text of alarm 603 for a refused configuration, with the reason of the board if
+    /// known.
+    fn not_taken(&self, reason: Option<&str>) -> Message {
+        match reason {
             None => say::board_configuration_refused(),
-            // Only one output is of that kind: the reason means its pin.
-            Some(why) if why.contains("PWM") => {
+            // Only one output uses PWM: name its pin.
+            Some(reason) if reason.contains("PWM") => {
                 let pin = &self.config.io.spindle_pwm;
-                let why = format!("{why} (link.io.spindle_pwm: {pin})");
-                say::board_configuration_refused_for(say::as_written(why))
+                let reason = format!("{reason} (link.io.spindle_pwm: {pin})");
+                say::board_configuration_refused_for(say::as_written(reason))
             }
-            Some(why) => say::board_configuration_refused_for(say::as_written(why)),
+            Some(reason) => say::board_configuration_refused_for(say::as_written(reason)),
         }
     }
 
-    /// A board that gives up because of what an earlier host has left undone begins
-    /// anew; one that gives up at what it was told is asked once more how it is set up.
+    /// Handles a shutdown during the opening. A board that shuts down because of an earlier
+    /// host is reset. A board that shuts down because of the configuration is queried once
+    /// more. Returns false if the shutdown is not part of the opening.
     pub(super) fn shut_down_early(&mut self, text: u32) -> bool {
         let restarts = match &mut self.opening.phase {
             Phase::Learn { restarts } => *restarts,
@@ -377,9 +386,11 @@ impl StepLink {
                 0
             }
             Phase::Ask {
-                told: true, why, ..
+                config_sent: true,
+                reason,
+                ..
             } => {
-                why.get_or_insert_with(|| self.wire.dictionary.text(text));
+                reason.get_or_insert_with(|| self.wire.dictionary.text(text));
                 return true;
             }
             _ => return !self.is_opened(),
@@ -391,7 +402,7 @@ impl StepLink {
         true
     }
 
-    /// A board that is set up for something else, or shut down, begins anew.
+    /// Resets a board that has another configuration or is shut down.
     fn restart_board(&mut self, restarts: u32, shut_down: bool) {
         if restarts > MOST_RESTARTS {
             self.refuse(alarm::BOARD_SETTINGS, say::board_configuration_stays());
@@ -407,17 +418,17 @@ impl StepLink {
             }
             self.wire.send(Command::ConfigReset, &[]);
             self.opening.phase = Phase::Ask {
-                asked: self.session.now,
+                queried_at: self.session.now,
                 restarts,
-                told: false,
-                why: None,
+                config_sent: false,
+                reason: None,
             };
         }
     }
 
-    /// The clock, where the axes stand, and the switches.
+    /// Syncs the clock, then queries the position and starts the index counter.
     fn learn(&mut self) {
-        self.ask_clock();
+        self.query_clock();
         if !self.clock.is_ready() {
             return;
         }
@@ -431,6 +442,6 @@ impl StepLink {
             let arguments = [oid, i64::from(at as u32), ticks(100), ticks(20_000)];
             self.wire.send(Command::QueryCounter, &arguments);
         }
-        self.query_position(Purpose::Opening);
+        self.query_position(QueryPurpose::Opening);
     }
 }

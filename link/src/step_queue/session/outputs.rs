@@ -1,48 +1,49 @@
-//! Outputs of the board that switch with the motion: spindle, its speed, coolant.
+//! Switches spindle, spindle speed and coolant in step with the motion.
 
 use core::time::Duration;
 
 use super::StepLink;
 use crate::step_queue::commands::Command;
-use crate::step_queue::wiring::Drain;
-use crate::{BoardOutputs, HostTime, LinkState, Output, Refused, RunTime, SpindleDirection};
+use crate::step_queue::wiring::OutputPin;
+use crate::{BoardOutputs, HostTime, LinkState, MotionRefused, Output, RunTime, SpindleDirection};
 
-/// Another spindle speed is sent at most so often: under G96 it changes every tick.
+/// Least interval between two spindle speeds: G96 changes the speed in each tick.
 const SPEED_EVERY: Duration = Duration::from_millis(20);
-/// An output is sent so long before nothing is sure to arrive in time any more.
+/// Margin for the arrival of an output command.
 const AHEAD: Duration = Duration::from_millis(30);
 /// Full spindle voltage, mV.
 const FULL_MV: i64 = 10_000;
 
-/// Outputs asked for and sent.
+/// The wanted outputs and those sent to the board.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outputs {
-    /// What spindle and coolant are to do, and what the board was sent.
+    /// The state that the kernel wants.
     pub(super) wanted: BoardOutputs,
-    pub(super) told: BoardOutputs,
-    /// Motion and host time at which it was last sent a speed.
-    speed_told: (RunTime, HostTime),
-    /// What each pin was last sent, and for when.
-    pins: Vec<(Drain, i64, u64)>,
+    /// The state sent to the board.
+    pub(super) sent: BoardOutputs,
+    /// Motion time and host time of the last spindle speed sent.
+    speed_sent: (RunTime, HostTime),
+    /// The last value sent to each pin, and its clock.
+    pins: Vec<(OutputPin, i64, u64)>,
 }
 
 impl StepLink {
-    /// Whether there was something to tell.
+    /// Sends wanted outputs that differ. Returns whether any was sent.
     pub(super) fn send_wanted(&mut self) -> bool {
-        let (mut wanted, told) = (self.periodic.outputs.wanted, self.periodic.outputs.told);
-        if wanted == told || !self.is_running() || self.session.state == LinkState::Lost {
+        let (mut wanted, sent) = (self.periodic.outputs.wanted, self.periodic.outputs.sent);
+        if wanted == sent || !self.is_running() || self.session.state == LinkState::Lost {
             return false;
         }
         let at = self.motion.path.newest.end;
-        let (run, host) = self.periodic.outputs.speed_told;
+        let (run, host) = self.periodic.outputs.speed_sent;
         let soon = at.saturating_sub(run) < SPEED_EVERY && self.session.since(host) < SPEED_EVERY;
-        if wanted.spindle == told.spindle && soon {
-            wanted.millivolts = told.millivolts;
-        } else if wanted.millivolts != told.millivolts {
-            self.periodic.outputs.speed_told = (at, self.session.now);
+        if wanted.spindle == sent.spindle && soon {
+            wanted.millivolts = sent.millivolts;
+        } else if wanted.millivolts != sent.millivolts {
+            self.periodic.outputs.speed_sent = (at, self.session.now);
         }
         let turns = |way| i32::from(wanted.spindle == way);
-        // What is not wired stays simulated.
+        // An output that is not wired remains simulated.
         for (output, value) in [
             (Output::SpindleForward, turns(SpindleDirection::Forward)),
             (Output::SpindleReverse, turns(SpindleDirection::Reverse)),
@@ -51,31 +52,44 @@ impl StepLink {
         ] {
             let _ = self.switch_output(at, output, value);
         }
-        self.periodic.outputs.told = wanted;
+        self.periodic.outputs.sent = wanted;
         true
     }
 
-    /// Switches an output when the motion up to a time has been made.
+    /// Switches an output when the motion up to `at` has been executed.
     pub(super) fn switch_output(
         &mut self,
         at: RunTime,
         output: Output,
         value: i32,
-    ) -> Result<(), Refused> {
+    ) -> Result<(), MotionRefused> {
         if !self.is_running() || self.session.state == LinkState::Lost {
-            return Err(Refused::NotReady);
+            return Err(MotionRefused::NotReady);
         }
-        let wiring = self.wiring.as_ref().ok_or(Refused::NotReady)?;
-        let drain = wiring.outputs.iter().find(|drain| drain.output == output);
-        let (drain, full) = (*drain.ok_or(Refused::NotWired)?, i64::from(wiring.full));
+        let wiring = self.wiring.as_ref().ok_or(MotionRefused::NotReady)?;
+        let output_pin = wiring
+            .outputs
+            .iter()
+            .find(|output_pin| output_pin.output == output);
+        let (output_pin, full) = (
+            *output_pin.ok_or(MotionRefused::NotWired)?,
+            i64::from(wiring.full),
+        );
         let value = if output == Output::SpindleSpeed {
             let part = i64::from(value).clamp(0, FULL_MV) * full / FULL_MV;
-            if drain.inverted { full - part } else { part }
+            if output_pin.inverted {
+                full - part
+            } else {
+                part
+            }
         } else {
-            i64::from((value != 0) != drain.inverted)
+            i64::from((value != 0) != output_pin.inverted)
         };
-        let told = self.periodic.outputs.pins.iter();
-        if told.copied().any(|told| (told.0, told.1) == (drain, value)) {
+        let sent = self.periodic.outputs.pins.iter();
+        if sent
+            .copied()
+            .any(|sent| (sent.0, sent.1) == (output_pin, value))
+        {
             return Ok(());
         }
         let made = self.motion.path.piece_at(at).map_or(0, |piece| {
@@ -83,42 +97,45 @@ impl StepLink {
             piece.clock.unsigned_abs() + self.clock.ticks(rest)
         });
         let earliest = self.clock.at(self.session.now + self.margin() + AHEAD);
-        self.switch(drain, value, made.max(earliest));
+        self.switch(output_pin, value, made.max(earliest));
         Ok(())
     }
 
-    fn switch(&mut self, drain: Drain, value: i64, clock: u64) {
-        let told = self
+    fn switch(&mut self, output_pin: OutputPin, value: i64, clock: u64) {
+        let sent = self
             .periodic
             .outputs
             .pins
             .iter_mut()
-            .find(|(told, ..)| *told == drain);
-        let clock = match told {
-            Some(told) => {
-                let clock = clock.max(told.2 + 1);
-                *told = (drain, value, clock);
+            .find(|(sent, ..)| *sent == output_pin);
+        let clock = match sent {
+            Some(sent) => {
+                let clock = clock.max(sent.2 + 1);
+                *sent = (output_pin, value, clock);
                 clock
             }
             None => {
-                self.periodic.outputs.pins.push((drain, value, clock));
+                self.periodic.outputs.pins.push((output_pin, value, clock));
                 clock
             }
         };
-        let command = if drain.output == Output::SpindleSpeed {
+        let command = if output_pin.output == Output::SpindleSpeed {
             Command::QueuePwmOut
         } else {
             Command::QueueDigitalOut
         };
-        self.wire
-            .send_timed(command, &[drain.oid, i64::from(clock as u32), value], clock);
+        self.wire.send_timed(
+            command,
+            &[output_pin.oid, i64::from(clock as u32), value],
+            clock,
+        );
     }
 
-    /// Behind a stop: what was sent before may not have arrived.
+    /// Sends all outputs again after a stop: earlier commands may not have arrived.
     pub(super) fn resend_outputs(&mut self) {
         let soon = self.soon();
-        for (drain, value, _) in self.periodic.outputs.pins.clone() {
-            self.switch(drain, value, soon);
+        for (output_pin, value, _) in self.periodic.outputs.pins.clone() {
+            self.switch(output_pin, value, soon);
         }
     }
 }

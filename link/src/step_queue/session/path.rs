@@ -1,48 +1,50 @@
-//! The commanded path, behind the axes and before them, and where on it they stopped.
+//! The commanded path, executed and pending, and the position of a stop on it.
 
 use std::collections::VecDeque;
 
-use crate::step_queue::compression::Ticks;
+use crate::step_queue::step_compress::Ticks;
 use crate::{FINE, RunTime, Sample};
 use gsk_units::{PerAxis, Pulses};
 
-/// Samples remembered behind the axes, to tell where on the path a stop was.
+/// Number of executed samples that are kept to locate a stop.
 const REMEMBERED: usize = 800;
-/// To either side of the stop, for the speed there.
+/// Number of samples before and after a stop that give its speed.
 const AVERAGED: usize = 10;
-/// Pulses from where an axis turned round it may have stopped on the way there or back.
+/// Distance from a reversal within which the direction before a stop is ambiguous, pulses.
 const TURNING: i64 = 3;
 
-/// A sample as the board has it.
+/// A sample with the board clock of its end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
     pub(super) sample: Sample,
     pub(super) clock: Ticks,
 }
 
-/// The commanded path, behind the axes and before them.
+/// The commanded path, executed and pending.
 #[derive(Clone, Debug)]
 pub(super) struct Path {
     pub(super) newest: Sample,
-    /// Clock of the end of the newest sample that was more than rest, and its time;
-    /// none: no motion runs.
+    /// Board clock at the end of the motion; `None` without motion.
     pub(super) end: Option<Ticks>,
+    /// Kernel time at the end of the motion.
     end_run: RunTime,
-    /// The newest sample moved nothing; the kernel said it stands.
+    /// Whether the newest sample has no motion.
     pub(super) rested: bool,
+    /// Whether the kernel has reported a standstill.
     pub(super) finished: bool,
-    /// Rest takes its place all the same.
+    /// Whether samples without motion take time in the board.
     pub(super) keeps_time: bool,
     pieces: VecDeque<Piece>,
     made: VecDeque<Piece>,
     pub(super) executed: RunTime,
 }
 
-/// Where on the path the axes were stopped.
+/// Speed and direction at a stop.
 pub(super) struct Located {
-    /// Speed there, mm/min, and the way on which each axis came there.
+    /// Speed before the stop, mm/min.
     pub(super) speed: f64,
-    pub(super) way: [i64; 2],
+    /// Direction of each axis before the stop, 1, -1 or 0.
+    pub(super) direction: [i64; 2],
 }
 
 impl Path {
@@ -60,21 +62,21 @@ impl Path {
         }
     }
 
-    /// No motion runs.
+    /// Ends the motion.
     pub(super) const fn end_motion(&mut self) {
         self.end = None;
         self.finished = true;
         self.rested = true;
     }
 
-    /// The axes stand at this position of the kernel.
+    /// Sets the position of the axes at standstill.
     pub(super) fn stand_at(&mut self, kernel: PerAxis<Pulses>) {
         self.newest = Sample::new(self.newest.end, kernel);
         self.pieces.clear();
         self.made.clear();
     }
 
-    /// The newest sample takes the board between these clocks.
+    /// Adds a sample that the board executes between two clocks.
     pub(super) fn push(&mut self, sample: Sample, from: Ticks, end: Ticks, rests: bool) {
         if self.end != Some(from) {
             // The position where this motion begins.
@@ -92,7 +94,7 @@ impl Path {
         self.newest = sample;
     }
 
-    /// A sample of rest that takes no time in the board.
+    /// Adds a sample without motion that takes no time in the board.
     pub(super) const fn rest(&mut self, sample: Sample) {
         self.newest = sample;
         if self.end.is_none() {
@@ -100,22 +102,22 @@ impl Path {
         }
     }
 
-    /// Rest behind the end of the motion.
-    pub(super) const fn rest_behind(&self) -> RunTime {
+    /// Time without motion after the end of the motion.
+    pub(super) const fn rest_after_end(&self) -> RunTime {
         self.newest.end.saturating_sub(self.end_run)
     }
 
-    /// The next sample may come any time later.
+    /// Whether the next sample may be late.
     pub(super) const fn is_at_rest(&self) -> bool {
         self.rested || self.finished
     }
 
-    /// Motion is under way, or was handed over.
+    /// Whether motion is pending or being executed.
     pub(super) fn is_under_way(&self) -> bool {
         self.end.is_some() && !(self.rested && self.pieces.is_empty())
     }
 
-    /// What is over by a clock is made.
+    /// Counts samples that end before a clock as executed.
     pub(super) fn pass(&mut self, now: Ticks) {
         while let Some(piece) = self.pieces.pop_front_if(|piece| piece.clock <= now) {
             self.executed = self.executed.max(piece.sample.end);
@@ -126,14 +128,14 @@ impl Path {
         }
     }
 
-    /// Motion has ended, and all of it is made.
+    /// Ends the motion if all of it is executed.
     pub(super) fn end_if_made(&mut self) {
         if self.pieces.is_empty() {
             self.end = None;
         }
     }
 
-    /// Where each axis was at a clock.
+    /// The position of each axis at its clock.
     pub(super) fn at(&self, clocks: [Ticks; 2]) -> Option<PerAxis<Pulses>> {
         let at = |clock: Ticks| {
             let mut made = self.made.iter().chain(&self.pieces);
@@ -144,13 +146,13 @@ impl Path {
         Some(PerAxis::new(x?.x, z?.z))
     }
 
-    /// The piece of motion under way at a time, or the last one before it.
+    /// The sample that is executed at a kernel time, or the last one before it.
     pub(super) fn piece_at(&self, at: RunTime) -> Option<Piece> {
         let piece = self.pieces.partition_point(|piece| piece.sample.end < at);
         self.pieces.get(piece).or(self.pieces.back()).copied()
     }
 
-    /// Where the board may be by now: what it cannot have made yet is no position to stand at.
+    /// The samples that the board may have begun by a clock.
     fn reached(&self, now: u64) -> Vec<Sample> {
         let begun = self
             .pieces
@@ -160,8 +162,8 @@ impl Path {
         reached.map(|piece| piece.sample).collect()
     }
 
-    /// Where on the path this position lies, and whether it lies on it at all: with no
-    /// motion to go by the axes must not have moved.
+    /// Finds a position on the path. Returns whether it is on the path, and speed and
+    /// direction there. Without any motion the position must be unchanged.
     pub(super) fn locate(
         &mut self,
         kernel: PerAxis<Pulses>,
@@ -172,17 +174,17 @@ impl Path {
         let path = self.reached(now);
         let within =
             |a: Pulses, b: Pulses, at: i64| (a.0.min(b.0) - 1..=a.0.max(b.0) + 1).contains(&at);
-        // From behind: after a reversal the later one is the likelier.
+        // Search from the end: after a reversal the later position is more likely.
         let found = path.windows(2).rposition(|pair| {
             within(pair[0].pulses.x, pair[1].pulses.x, x)
                 && within(pair[0].pulses.z, pair[1].pulses.z, z)
         });
         let Some(found) = found else {
             let on_path = path.last().is_none_or(|last| last.pulses == kernel);
-            let (speed, way) = (0.0, [0; 2]);
-            return (on_path, Located { speed, way });
+            let (speed, direction) = (0.0, [0; 2]);
+            return (on_path, Located { speed, direction });
         };
-        // Over some samples: one alone may have a pulse more or less.
+        // Average over several samples: a single one may have a pulse more or less.
         let from = path[found.saturating_sub(AVERAGED)];
         let to = path[(found + AVERAGED).min(path.len() - 1)];
         let moved = [to.fine.x - from.fine.x, to.fine.z - from.fine.z];
@@ -191,29 +193,29 @@ impl Path {
         self.executed = self.executed.max(path[found].end);
         let located = Located {
             speed: libm::hypot(x, z) / minutes,
-            way: [0, 1].map(|axis| way_to(&path[..=found + 1], axis)),
+            direction: [0, 1].map(|axis| last_direction(&path[..=found + 1], axis)),
         };
         (true, located)
     }
 }
 
-/// The way on which an axis came to the last of these samples; 0: it stood, or has just
-/// turned round.
-fn way_to(samples: &[Sample], axis: usize) -> i64 {
+/// The direction of an axis at the last sample; 0 without motion or shortly after a
+/// reversal.
+fn last_direction(samples: &[Sample], axis: usize) -> i64 {
     let at = |sample: &Sample| [sample.fine.x, sample.fine.z][axis];
     let Some(end) = samples.last().map(at) else {
         return 0;
     };
-    let mut way = 0;
+    let mut direction = 0;
     for (count, pair) in samples.windows(2).rev().enumerate() {
         if count >= AVERAGED && (end - at(&pair[0])).abs() > TURNING * FINE {
             break;
         }
         let moved = (at(&pair[1]) - at(&pair[0])).signum();
-        if moved == -way && moved != 0 {
+        if moved == -direction && moved != 0 {
             return 0;
         }
-        way = if moved == 0 { way } else { moved };
+        direction = if moved == 0 { direction } else { moved };
     }
-    way
+    direction
 }

@@ -1,4 +1,4 @@
-//! What is renewed all the time: clock, heartbeat, enable of the drives, inputs.
+//! Periodic messages: clock queries, heartbeat, enable of the drives, switch queries.
 
 use core::time::Duration;
 
@@ -9,37 +9,41 @@ use crate::HostTime;
 use crate::step_queue::commands::Command;
 use crate::step_queue::send_queue::Mark;
 
-/// Between two questions for the clock; while it is being learned.
+/// Interval of clock queries.
 const CLOCK_EVERY: Duration = Duration::from_millis(500);
+/// Interval of clock queries during the opening.
 const CLOCK_FIRST: Duration = Duration::from_millis(50);
-/// Between two questions whether the board is still set up.
+/// Interval of configuration queries.
 const CONFIG_EVERY: Duration = Duration::from_secs(1);
-/// The stop group is renewed so often, for so long.
+/// Interval at which the link renews the stop group.
 const HEARTBEAT_EVERY: Duration = Duration::from_millis(50);
-const HEARTBEAT_LASTS: Duration = Duration::from_millis(250);
-/// The enable of the drives is renewed so often.
+/// Timeout of the stop group after a renewal.
+const HEARTBEAT_DURATION: Duration = Duration::from_millis(250);
+/// Interval at which the link renews the enable of the drives.
 const ENABLE_EVERY: Duration = Duration::from_millis(100);
-/// Between two moments of the enable lies no more than this; the board lets 500 ms pass.
+/// Greatest time between the clocks of two renewals; the board allows 500 ms.
 const ENABLE_APART: Duration = Duration::from_millis(400);
-/// What an earlier host did not renew has its effect within this.
+/// Time within which missing renewals of an earlier host have their effect.
 const INHERITED: Duration = Duration::from_millis(800);
-/// The enable of the drives, which the board lets fall when it is not renewed.
+
+/// The enable of the drives. The board switches it off when it is not renewed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Enable {
     pub(super) on: bool,
-    /// What the pin was last sent, and for when.
-    told: bool,
-    told_for: u64,
+    /// The last value sent.
+    sent: bool,
+    /// The clock of that value.
+    sent_for: u64,
     due: HostTime,
 }
 
-/// State of what is renewed.
+/// The state of the periodic messages.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Periodic {
     pub(super) enable: Enable,
-    /// Until then a shutdown may be the fault of an earlier host.
+    /// Until this time an earlier host may have caused a shutdown.
     pub(super) inherited_until: HostTime,
-    clock_asked: Option<HostTime>,
+    clock_queried_at: Option<HostTime>,
     clock_due: HostTime,
     config_due: HostTime,
     heartbeat_due: HostTime,
@@ -48,14 +52,17 @@ pub(super) struct Periodic {
 }
 
 impl StepLink {
-    pub(super) fn ask_clock(&mut self) {
-        let lost = |asked: HostTime| self.session.since(asked) >= CLOCK_EVERY;
-        if self.periodic.clock_asked.is_some_and(|asked| !lost(asked))
+    pub(super) fn query_clock(&mut self) {
+        let lost = |queried_at: HostTime| self.session.since(queried_at) >= CLOCK_EVERY;
+        if self
+            .periodic
+            .clock_queried_at
+            .is_some_and(|queried_at| !lost(queried_at))
             || self.session.now < self.periodic.clock_due
         {
             return;
         }
-        self.periodic.clock_asked = Some(self.session.now);
+        self.periodic.clock_queried_at = Some(self.session.now);
         let every = if self.is_opened() {
             CLOCK_EVERY
         } else {
@@ -66,22 +73,22 @@ impl StepLink {
     }
 
     pub(super) fn uptime_reply(&mut self, numbers: [u32; 4]) {
-        let Some(asked) = self.periodic.clock_asked.take() else {
+        let Some(queried_at) = self.periodic.clock_queried_at.take() else {
             return;
         };
         let clock = u64::from(numbers[0]) << 32 | u64::from(numbers[1]);
         self.wire.traffic.reports += 1;
-        self.wire.traffic.round_trip = Some(self.session.since(asked));
-        if self.is_opened() && clock < self.clock.at(asked.saturating_sub(CLOCK_EVERY)) {
+        self.wire.traffic.round_trip = Some(self.session.since(queried_at));
+        if self.is_opened() && clock < self.clock.at(queried_at.saturating_sub(CLOCK_EVERY)) {
             self.board_restarted();
             return;
         }
-        self.clock.add_answer(asked, self.session.now, clock);
+        self.clock.add_answer(queried_at, self.session.now, clock);
     }
 
-    /// Everything whose time has come.
+    /// Sends all periodic messages that are due.
     pub(super) fn run_periodic(&mut self) {
-        self.ask_clock();
+        self.query_clock();
         if self.session.now >= self.periodic.config_due {
             self.periodic.config_due = self.session.now + CONFIG_EVERY;
             self.wire.send_query(Command::GetConfig, &[], Mark::Config);
@@ -90,13 +97,13 @@ impl StepLink {
             && self.session.now >= self.periodic.heartbeat_due
         {
             self.periodic.heartbeat_due = self.session.now + HEARTBEAT_EVERY;
-            let until = self.clock.at(self.session.now + HEARTBEAT_LASTS);
+            let until = self.clock.at(self.session.now + HEARTBEAT_DURATION);
             let arguments = [oid, i64::from(until as u32)];
             self.wire
                 .send_urgent_until(Command::TrsyncSetTimeout, &arguments, until);
         }
         self.keep_enabled();
-        self.ask_switch();
+        self.query_switch();
         self.send_wanted();
     }
 
@@ -106,30 +113,30 @@ impl StepLink {
         };
         let on = self.periodic.enable.on;
         let renew = on && self.session.now >= self.periodic.enable.due;
-        if !renew && on == self.periodic.enable.told {
+        if !renew && on == self.periodic.enable.sent {
             return;
         }
         let mut at = self.soon();
-        if renew && self.periodic.enable.told {
-            // However long the host was away: before the board gives up, if that is still
-            // to be had.
-            let latest = self.periodic.enable.told_for + self.clock.ticks(ENABLE_APART);
+        if renew && self.periodic.enable.sent {
+            // After a gap in the host: before the timeout of the board, if that is still
+            // possible.
+            let latest = self.periodic.enable.sent_for + self.clock.ticks(ENABLE_APART);
             at = at.min(latest.max(self.earliest()));
         }
-        let at = at.max(self.periodic.enable.told_for + 1);
+        let at = at.max(self.periodic.enable.sent_for + 1);
         self.periodic.enable.due = self.session.now + ENABLE_EVERY;
-        self.periodic.enable.told = on;
-        self.periodic.enable.told_for = at;
+        self.periodic.enable.sent = on;
+        self.periodic.enable.sent_for = at;
         let value = i64::from(on != enable.inverted);
         let arguments = [enable.oid, i64::from(at as u32), value];
         self.wire
             .send_urgent_until(Command::QueueDigitalOut, &arguments, at);
     }
 
-    /// What an earlier host has left switched on: the drives lose their enable, the
-    /// stop groups let go of the axes.
+    /// Switches off what an earlier host has left on: disables the drives and releases the
+    /// stop groups.
     pub(super) fn take_over_outputs(&mut self) {
-        self.periodic.enable.told = true;
+        self.periodic.enable.sent = true;
         self.periodic.inherited_until = self.session.now + INHERITED;
         let groups = self.wiring.as_ref().map(|wiring| wiring.groups);
         for oid in groups.into_iter().flatten() {

@@ -1,24 +1,24 @@
-//! Where the slides stand: what the kernel says, and what the board counts.
+//! Queries the position of the axes, or estimates it when the board cannot answer.
 
 use super::super::super::HostTime;
 use super::super::commands::Command;
-use super::super::compression::Ticks;
 use super::super::send_queue::Mark;
-use super::{GIVE_UP, PositionQuery, Purpose, StepLink};
+use super::super::step_compress::Ticks;
+use super::{GIVE_UP, PositionQuery, QueryPurpose, StepLink};
 use gsk_messages::say;
 
 impl StepLink {
-    /// The board does not report any more where the axes stand: they are where its clock
-    /// had them at this time.
+    /// Estimates the position of a board that does not answer: the commanded position at a
+    /// time.
     pub(super) fn estimate_position(&mut self, at: HostTime) {
         self.stopping = None;
         let clock = self.clock.at(at.min(self.session.now)) as Ticks;
         self.motion.stand_at_clocks([clock; 2]);
     }
 
-    /// The board has shut down and will not report where the axes stand: they are where its
-    /// clock had them, and no farther than the steps it had been sent. `in_last`: it may
-    /// have given up in the block that it confirmed last.
+    /// Estimates the position of a board that has shut down: the commanded position at a
+    /// time, but not beyond the confirmed steps. With `in_last` the board may have shut
+    /// down in the last confirmed block.
     pub(super) fn estimate_position_sent(&mut self, at: HostTime, in_last: bool) {
         self.stopping = None;
         let clock = self.clock.at(at.min(self.session.now)) as Ticks;
@@ -26,20 +26,20 @@ impl StepLink {
             self.wire.send_queue.first_missing(in_last),
             self.motion.queue.first_kept(),
         );
-        // Before the first step that is missing.
-        let told = [0, 1].map(|axis| {
+        // The axis stopped before its first missing step.
+        let clocks = [0, 1].map(|axis| {
             let first = missing[axis].or(kept[axis]);
             first.map_or(clock, |first| clock.min(first as Ticks - 1))
         });
-        self.motion.stand_at_clocks(told);
+        self.motion.stand_at_clocks(clocks);
     }
 
-    /// Asks where the axes stand.
-    pub(super) fn query_position(&mut self, purpose: Purpose) {
+    /// Queries the position of the axes.
+    pub(super) fn query_position(&mut self, purpose: QueryPurpose) {
         self.query.pending = Some(PositionQuery {
             purpose,
             since: self.session.now,
-            asked: self.session.now,
+            queried_at: self.session.now,
             got: [None; 2],
         });
         self.send_position_query();
@@ -47,7 +47,7 @@ impl StepLink {
 
     fn send_position_query(&mut self) {
         if let Some(axes) = self.wiring.as_ref().map(|wiring| wiring.axes) {
-            // Replies to either are newer than the first question.
+            // One mark is enough: replies to both commands follow the first query.
             self.wire
                 .send_query(Command::StepperGetPosition, &[axes.x], Mark::Position);
             self.wire
@@ -55,15 +55,15 @@ impl StepLink {
         }
     }
 
-    pub(super) fn ask_again(&mut self) {
-        let patience = self.patience();
+    pub(super) fn repeat_position_query(&mut self) {
+        let query_timeout = self.query_timeout();
         let Some(reading) = &mut self.query.pending else {
             return;
         };
         if self.session.since(reading.since) >= GIVE_UP {
-            self.lose_board(say::board_place_not_told());
-        } else if self.session.since(reading.asked) >= patience {
-            reading.asked = self.session.now;
+            self.lose_board(say::board_position_not_reported());
+        } else if self.session.since(reading.queried_at) >= query_timeout {
+            reading.queried_at = self.session.now;
             self.send_position_query();
         }
     }

@@ -1,23 +1,22 @@
-//! Samples of the kernel go to the board as steps, and their counts come back.
+//! Sends samples to the board as timed steps, and compares the counts.
 
 use crate::Backend;
 use crate::position::Positioned;
 use core::time::Duration;
 
-use super::super::super::{Event, Input, LinkState, Refused, Sample, Uncertainty};
+use super::super::super::{Input, LinkEvent, LinkState, MotionRefused, Sample, Uncertainty};
 use super::super::commands::Command;
-use super::super::compression::Ticks;
+use super::super::step_compress::Ticks;
 use super::super::steps::Stretch;
-use super::{Purpose, StepLink};
+use super::{QueryPurpose, StepLink};
 use gsk_messages::say;
 use gsk_units::{PerAxis, Pulses, alarm};
 
-/// Pulses are compressed and sent so often.
+/// Interval at which steps are compressed and sent.
 pub(super) const FLUSH_EVERY: Duration = Duration::from_millis(10);
-/// Pulses that can wait are compressed together with later ones, up to this before they
-/// have to be on their way.
+/// Least slack of steps that wait to be compressed together with later ones.
 const LEAST_SLACK: Duration = Duration::from_millis(45);
-/// How many times as far from its time a step may lie, by the time it has left.
+/// Factor of the time error of steps, by their slack.
 const COARSER: [(Duration, Ticks); 4] = [
     (Duration::from_millis(70), 1),
     (Duration::from_millis(50), 2),
@@ -25,25 +24,25 @@ const COARSER: [(Duration, Ticks); 4] = [
     (Duration::from_millis(10), 8),
 ];
 const COARSEST: Ticks = 16;
-/// The count of standing axes is compared so often.
+/// Interval at which the counts are compared at standstill.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
-/// Standing so long before the count is compared.
+/// Duration of a standstill before the counts are compared.
 const SETTLED: Duration = Duration::from_millis(50);
-/// Messages that wait for the wire; more motion is not taken.
+/// Number of waiting bytes from which on no motion is accepted.
 pub(super) const MOST_WAITING: usize = 1500;
 
 impl StepLink {
-    /// How far the motion handed over now may reach. Besides the lookahead, the time it
-    /// takes to the board: a pause of the host as long as the lookahead does no harm.
+    /// Greatest clock for the end of motion accepted now: the lookahead and the transmission
+    /// time. A pause of the host up to the lookahead has no effect.
     pub(super) fn farthest(&self) -> Ticks {
         let reach = self.ahead() + self.margin() + FLUSH_EVERY;
         self.clock.at(self.session.now + reach) as Ticks
     }
 
-    /// The axes are to be here at the end of a tick.
-    pub(super) fn take_sample(&mut self, sample: Sample) -> Result<(), Refused> {
+    /// Takes the commanded position at the end of a tick.
+    pub(super) fn take_sample(&mut self, sample: Sample) -> Result<(), MotionRefused> {
         if !self.is_prepared() {
-            return Err(Refused::NotReady);
+            return Err(MotionRefused::NotReady);
         }
         let before = self.motion.path.newest;
         let duration = sample.end.saturating_sub(before.end);
@@ -54,7 +53,7 @@ impl StepLink {
         let moved = moves != [0; 2];
         if duration.is_zero() {
             return if moved {
-                Err(Refused::NotReady)
+                Err(MotionRefused::NotReady)
             } else {
                 Ok(())
             };
@@ -66,19 +65,22 @@ impl StepLink {
         }
         let rests = !moved && sample.fine == before.fine;
         if rests && self.motion.path.finished && !self.motion.path.keeps_time {
-            // Rest takes no place in the board.
+            // Time without motion is not sent.
             self.motion.path.rest(sample);
             return Ok(());
         }
-        if self.is_too_late() || (!rests && self.spindle.is_torn()) {
+        if self.is_too_late() || (!rests && self.spindle.has_gap()) {
             self.late(say::motion_not_in_time());
-            return Err(Refused::NotReady);
+            return Err(MotionRefused::NotReady);
         }
         let from = self.next_begin();
         if !rests {
-            // A question where the axes stand is idle now.
+            // A position query at standstill is obsolete now.
             self.query.pending = self.query.pending.filter(|reading| {
-                !matches!(reading.purpose, Purpose::Verify | Purpose::Look { .. })
+                !matches!(
+                    reading.purpose,
+                    QueryPurpose::Verify | QueryPurpose::Look { .. }
+                )
             });
         }
         let need = self
@@ -113,41 +115,41 @@ impl StepLink {
         Ok(())
     }
 
-    /// Board clock at which the motion handed over so far is over, rest behind it
-    /// counted; none: there is none.
+    /// Board clocks at the end of the motion and at the end of the time without motion after
+    /// it; `None` without motion.
     fn end_of_rest(&self) -> Option<(Ticks, Ticks)> {
         let end = self.motion.path.end?;
-        let rest = self.motion.path.rest_behind();
+        let rest = self.motion.path.rest_after_end();
         Some((end, end + self.clock.ticks(rest) as Ticks))
     }
 
-    /// Whether moving axes are without motion by now.
+    /// Whether the next sample of a motion is too late.
     fn is_too_late(&self) -> bool {
         let rests = self.motion.path.is_at_rest();
         let late = self.earliest() as Ticks;
         !rests && self.end_of_rest().is_some_and(|(_, rest)| rest < late)
     }
 
-    /// Board clock at which motion begins that is handed over now.
+    /// The board clock at which motion accepted now begins.
     pub(super) fn next_begin(&self) -> Ticks {
         let begin = self.farthest();
         match self.end_of_rest() {
             Some((end, rest)) if rest >= self.earliest() as Ticks => rest.min(begin).max(end),
-            // Out of rest it may begin later.
+            // After a standstill motion may begin later.
             _ => begin,
         }
     }
 
-    /// The kernel stands: what is left of the motion goes out.
-    pub(super) fn take_rest(&mut self) -> Result<(), Refused> {
+    /// Sends the rest of the motion; the kernel is at standstill.
+    pub(super) fn take_rest(&mut self) -> Result<(), MotionRefused> {
         self.motion.path.finished = true;
         self.compress();
         self.send();
         Ok(())
     }
 
-    /// Time until the first pulse that is not compressed has to be on its way, so that
-    /// there is time to send it again.
+    /// Time until the first step that is not compressed must be sent, with time for a
+    /// retransmission.
     fn slack(&self) -> Duration {
         let first = self.motion.queue.first_due().unwrap_or_default();
         let slack = self.clock.duration(first.saturating_sub(self.earliest()));
@@ -158,8 +160,8 @@ impl StepLink {
         self.wire.send_queue.slowness_now(self.session.now)
     }
 
-    /// Pulses due become runs. What has had to wait becomes fewer and longer ones:
-    /// they keep the times of the pulses less exactly.
+    /// Compresses the due steps into runs. Steps with little slack give fewer and longer
+    /// runs, with larger time errors.
     fn compress(&mut self) {
         let slack = self.slack().saturating_sub(self.slowness());
         let coarse = COARSER.iter().find(|(least, _)| slack >= *least);
@@ -179,7 +181,7 @@ impl StepLink {
         self.hand_over();
     }
 
-    /// Runs go out as far as the queue of the board reaches.
+    /// Sends runs as far as the board's queue has free slots.
     fn hand_over(&mut self) {
         let now = self.clock.at(self.session.now) as Ticks;
         let Some(axes) = self.wiring.as_ref().map(|wiring| wiring.axes) else {
@@ -188,8 +190,8 @@ impl StepLink {
         self.motion.queue.pass(now);
         while let Some((axis, entry)) = self.motion.queue.next_entry() {
             let (oid, invert) = match axis {
-                0 => (axes.x, self.config.x.is_turned_over()),
-                _ => (axes.z, self.config.z.is_turned_over()),
+                0 => (axes.x, self.config.x.is_direction_inverted()),
+                _ => (axes.z, self.config.z.is_direction_inverted()),
             };
             let due = entry.first.unsigned_abs();
             if let Some(from) = entry.from {
@@ -210,8 +212,8 @@ impl StepLink {
         }
     }
 
-    /// Time passes over the motion.
-    pub(super) fn move_on(&mut self) {
+    /// Advances the motion to the current time.
+    pub(super) fn advance_motion(&mut self) {
         let now = self.clock.at(self.session.now) as Ticks;
         if self.stopping.is_none() {
             self.motion.path.pass(now);
@@ -221,7 +223,7 @@ impl StepLink {
             .queue
             .flush_due
             .is_some_and(|due| self.session.now >= due);
-        // On a line that is slow, or full, longer runs are better than more of them.
+        // On a slow or full line fewer and longer runs are better.
         let narrow = self.wire.send_queue.is_congested() || !self.slowness().is_zero();
         let may_wait = narrow && self.slack() >= LEAST_SLACK;
         if due && !may_wait {
@@ -240,7 +242,7 @@ impl StepLink {
         self.verify(now);
     }
 
-    /// When the board stands and nothing is queued, its count is compared.
+    /// Compares the counts when the axes are at standstill and no motion is queued.
     fn verify(&mut self, now: Ticks) {
         let settled = self.clock.ticks(SETTLED) as Ticks;
         let made = self
@@ -251,10 +253,10 @@ impl StepLink {
         let queued = self.motion.queue.is_waiting() || self.wire.send_queue.is_congested();
         let moving = self.session.state == LinkState::Moving && self.stopping.is_none();
         if moving && made && !queued && self.query.pending.is_none() {
-            self.query_position(Purpose::Verify);
+            self.query_position(QueryPurpose::Verify);
         } else if self.session.now >= self.query.look_due && self.may_look() {
             self.query.look_due = self.session.now + LOOK_EVERY;
-            self.query_position(Purpose::Look { asked: false });
+            self.query_position(QueryPurpose::Look { requested: false });
         }
     }
 
@@ -265,26 +267,26 @@ impl StepLink {
             && !self.motion.is_under_way()
     }
 
-    /// The board said where the axes stand.
-    pub(super) fn position_answered(&mut self, purpose: Purpose, board: PerAxis<Pulses>) {
+    /// Handles the answer to a position query.
+    pub(super) fn position_answered(&mut self, purpose: QueryPurpose, board: PerAxis<Pulses>) {
         match purpose {
-            Purpose::Stopped => self.stopped(board),
-            Purpose::Opening => {
+            QueryPurpose::Stopped => self.stopped(board),
+            QueryPurpose::Opening => {
                 self.motion.count.board = Some(board);
                 self.session.enter(LinkState::Locked);
             }
-            Purpose::Verify | Purpose::Look { .. } => {
+            QueryPurpose::Verify | QueryPurpose::Look { .. } => {
                 self.motion.count.board = Some(board);
                 let kernel = self.motion.count.to_kernel(board);
                 let commanded = self.motion.count.commanded;
-                if purpose != (Purpose::Look { asked: false }) {
-                    self.session.events.push(Event::Position(kernel));
+                if purpose != (QueryPurpose::Look { requested: false }) {
+                    self.session.events.push(LinkEvent::Position(kernel));
                 }
-                if kernel == commanded && purpose != Purpose::Verify {
+                if kernel == commanded && purpose != QueryPurpose::Verify {
                     return;
                 }
                 if kernel == commanded {
-                    self.session.events.push(Event::Drained);
+                    self.session.events.push(LinkEvent::Drained);
                     self.session.enter(self.session.standing_state());
                     return;
                 }

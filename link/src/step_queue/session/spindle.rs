@@ -1,41 +1,41 @@
-//! The spindle as the kernel is shown it: at the clock at which the board will make
-//! the motion of the tick, which is some time ahead.
+//! Predicts the spindle for the kernel at the clock at which the board will execute the
+//! motion of the tick.
 //!
 //! ```text
 //!  index     ┴────────┴────────┴────────┴ ─ ─ ─ ─ ─ ┬ ─ ─ ─ ─ ┬
-//!  clock                             now   ...   from to          line through the last
-//!                                    └─ lookahead ─┘              turns, drawn on
+//!  clock                             now   ...   from to          extrapolated line
+//!                                    └─ lookahead ─┘              through the last turns
 //! ```
 
 use std::collections::VecDeque;
 
 use super::super::super::SpindleView;
 use super::super::clock_sync::near;
-use super::super::compression::Ticks;
 use super::super::spindle_estimator::{IndexPulse, POLL, SpindleEstimator};
+use super::super::step_compress::Ticks;
 use super::StepLink;
 use core::time::Duration;
 
-/// A tick of the kernel.
+/// Duration of a tick of the kernel.
 const TICK: Duration = Duration::from_millis(1);
-/// Ticks remembered, to hold what was shown against what came.
+/// Number of predictions that are kept for the comparison with index pulses.
 const REMEMBERED: usize = 700;
-/// Farther off than this a thread is spoilt, turns.
+/// Greatest error of a prediction during a thread, turns.
 const ALLOWED: f64 = 0.005;
 
-/// What is known and what was shown.
+/// The estimate of the spindle and its predictions.
 #[derive(Clone, Debug)]
 pub(super) struct Spindle {
     estimator: SpindleEstimator,
-    /// End of each tick without a gap, and the turns shown for it.
+    /// Clock at the end of each tick and the turns predicted for it, without gaps.
     shown: VecDeque<(Ticks, f64)>,
-    /// The axes follow it; up to this clock they did.
+    /// Clocks between which the axes have followed the spindle.
     followed: Option<(Ticks, Ticks)>,
-    /// Farthest that an index came beside what was shown, not told yet.
+    /// Greatest error of a prediction that is not reported yet, turns.
     deviation: Option<f64>,
-    /// The axes follow it, and a tick began later than the one before had ended: they
-    /// are behind the angle they were shown.
-    torn: bool,
+    /// Whether there was a gap between two ticks while the axes follow the spindle: they
+    /// lag the predicted angle.
+    has_gap: bool,
 }
 
 impl Spindle {
@@ -45,25 +45,25 @@ impl Spindle {
             shown: VecDeque::new(),
             followed: None,
             deviation: None,
-            torn: false,
+            has_gap: false,
         }
     }
 
-    /// Whether axes that follow it must not go on.
-    pub(super) const fn is_torn(&self) -> bool {
-        self.torn
+    /// Whether axes that follow the spindle must stop because of a gap.
+    pub(super) const fn has_gap(&self) -> bool {
+        self.has_gap
     }
 
-    /// What was learned of its turns does not go on.
+    /// Restarts the estimate after a reversal.
     pub(super) fn reversed(&mut self) {
         self.estimator.begin_anew();
     }
 
-    /// What was shown for a clock.
+    /// The turns predicted for a clock.
     fn shown_at(&self, clock: Ticks) -> Option<f64> {
-        let behind = self.shown.partition_point(|(end, _)| *end < clock);
-        let (to, after) = *self.shown.get(behind)?;
-        let (from, before) = *self.shown.get(behind.checked_sub(1)?)?;
+        let after_clock = self.shown.partition_point(|(end, _)| *end < clock);
+        let (to, after) = *self.shown.get(after_clock)?;
+        let (from, before) = *self.shown.get(after_clock.checked_sub(1)?)?;
         let share = (clock - from) as f64 / (to - from).max(1) as f64;
         Some(before + (after - before) * share)
     }
@@ -84,7 +84,7 @@ impl Spindle {
 }
 
 impl StepLink {
-    /// Whether the spindle has its index at this board.
+    /// Whether the one-turn signal of the spindle is wired to the board.
     pub(super) const fn sees_spindle(&self) -> bool {
         !self.config.io.index.is_empty()
     }
@@ -100,8 +100,10 @@ impl StepLink {
         }
     }
 
-    /// The spindle in the kernel's next tick, which the axes follow if it may be corrected by `give` turns.
-    pub(super) fn next_spindle(&mut self, give: Option<f64>) -> SpindleView {
+    /// Predicts the spindle in the kernel's next tick. With `max_correction` the axes follow
+    /// the spindle: the prediction deviates from a constant speed by this many turns at
+    /// most.
+    pub(super) fn next_spindle(&mut self, max_correction: Option<f64>) -> SpindleView {
         let now = self.clock.at(self.session.now) as Ticks;
         let from = self.next_begin();
         let to = from + self.clock.ticks(TICK) as Ticks;
@@ -115,10 +117,10 @@ impl StepLink {
         };
         let last = spindle.shown.back().copied();
         let gap = |(end, _): (Ticks, f64)| from > end + self.clock.ticks(TICK) as Ticks;
-        spindle.torn = give.is_some() && (spindle.torn || last.is_some_and(gap));
-        let goes_on = last.filter(|(end, _)| *end == from || give.is_some());
+        spindle.has_gap = max_correction.is_some() && (spindle.has_gap || last.is_some_and(gap));
+        let continued = last.filter(|(end, _)| *end == from || max_correction.is_some());
         let line = turns.at(from).zip(turns.at(to));
-        let known = line.filter(|_| give.is_some() || turns.is_known(now));
+        let known = line.filter(|_| max_correction.is_some() || turns.is_known(now));
         let Some((begin, end)) = known else {
             spindle.shown.clear();
             spindle.followed = None;
@@ -126,14 +128,19 @@ impl StepLink {
             view.now = view.before;
             return view;
         };
-        match (goes_on, give) {
-            (Some((_, before)), Some(give)) => {
+        match (continued, max_correction) {
+            (Some((_, before)), Some(max_correction)) => {
                 let even = end - begin;
                 view.lost = turns.is_lost(now);
                 view.before = before;
-                // Without an index to go by it only goes on.
-                let give = if turns.is_known(now) { give } else { 0.0 };
-                view.now = before + even + (end - before - even).clamp(-give, give);
+                // With an unknown angle continue at constant speed.
+                let max_correction = if turns.is_known(now) {
+                    max_correction
+                } else {
+                    0.0
+                };
+                view.now =
+                    before + even + (end - before - even).clamp(-max_correction, max_correction);
             }
             (Some((_, before)), None) => {
                 view.before = before.min(end);
@@ -151,7 +158,7 @@ impl StepLink {
         if spindle.shown.len() > REMEMBERED {
             spindle.shown.pop_front();
         }
-        if give.is_some() {
+        if max_correction.is_some() {
             let (since, _) = spindle
                 .followed
                 .filter(|(_, end)| *end == from)
@@ -161,7 +168,7 @@ impl StepLink {
         view
     }
 
-    /// The spindle of another board, or of this one after it has begun anew.
+    /// Restarts the estimate for another or a restarted board.
     pub(super) fn forget_spindle(&mut self) {
         self.spindle = Spindle::new(self.clock.rate);
     }

@@ -1,88 +1,88 @@
-//! Everything that stops the axes, and what is known afterwards.
+//! Stops of a board with timed steps and the position after them.
 //!
-//! The stop group lives in the board: limit switches, emergency stop, drive alarm,
-//! the silence of the host and the link's own flush trigger it; both axes then stop
-//! at once, and the board knows where.
+//! The stop group is in the board. Limit switches, the emergency stop, the drive alarm, a
+//! silent host and a flush by the link trigger it. Both axes stop immediately, and the board
+//! reports their position.
 
 use super::group::{
     DRIVES, EMERGENCY, FLUSH, LIMIT_X, LIMIT_Z, REACHED, REACHED_Z, SILENT_HOST, is_reached,
 };
-use super::{GIVE_UP, Purpose, StepLink};
+use super::{GIVE_UP, QueryPurpose, StepLink};
 use crate::Backend;
 use crate::position::Positioned;
 use crate::step_queue::commands::Command;
 use crate::step_queue::send_queue::Mark;
-use crate::{Event, HostTime, Input, LinkState, Uncertainty, Until};
+use crate::{HostTime, Input, InputCondition, LinkEvent, LinkState, Uncertainty};
 use gsk_messages::{Message, say};
 use gsk_units::{PerAxis, Pulses, alarm};
 
 /// Why the axes are being stopped.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Why {
-    /// The kernel asked for it.
+pub(super) enum StopReason {
+    /// A flush by the kernel.
     Flush,
-    /// Motion came late, or could not be brought to the board in time.
+    /// Motion was late, or could not be sent in time.
     Late(Message),
-    /// Motion of so many turns and bends that the board cannot be sent in time.
+    /// The motion needs more messages than the board accepts.
     TooFine,
-    /// The group has not reported itself.
+    /// Reports of the group are missing.
     GroupSilent,
-    /// The group was triggered.
+    /// The board triggered the group, with this reason.
     Trip(u32),
 }
 
-/// A stop under way.
+/// A stop in progress.
 #[derive(Clone, Debug)]
 pub(super) struct Stopping {
-    why: Why,
+    reason: StopReason,
     since: HostTime,
-    asked: HostTime,
-    /// The board has confirmed it.
+    queried_at: HostTime,
+    /// Whether the board has confirmed the stop.
     stands: bool,
 }
 
 impl StepLink {
-    /// The emergency stop contact of the board is open.
+    /// Handles the open emergency stop contact of the board.
     pub(super) fn trip(&mut self) {
         self.periodic.enable.on = false;
         if self.takes_motion() || self.session.state == LinkState::Homing {
-            self.halt(Why::Trip(EMERGENCY));
+            self.halt(StopReason::Trip(EMERGENCY));
         } else if self.stopping.is_none() {
             self.lose_position(Uncertainty::Powerless);
             self.session.enter(LinkState::Tripped);
         }
     }
 
-    /// The group says how it is.
+    /// Takes a report of the stop group.
     pub(super) fn trsync_report(&mut self, [oid, can_trigger, reason, clock]: [u32; 4]) {
         if self.group.armed_oid(self.wiring.as_ref()) != Some(i64::from(oid)) {
             return;
         }
-        self.group.has_reported(self.session.now);
+        self.group.note_report(self.session.now);
         if can_trigger != 0 {
             self.clock.clock_report(self.session.now, clock);
             return;
         }
-        self.group.is_triggered();
-        let why = match &self.stopping {
-            Some(stopping) if reason == FLUSH => stopping.why.clone(),
-            _ => Why::Trip(reason),
+        self.group.note_trigger();
+        let reason = match &self.stopping {
+            Some(stopping) if reason == FLUSH => stopping.reason.clone(),
+            _ => StopReason::Trip(reason),
         };
         self.give_up_motion();
-        if let Why::Trip(reason) = why {
+        if let StopReason::Trip(reason) = reason {
             if self.stopping.is_none() {
                 let reached = is_reached(reason);
-                self.session.events.push(Event::Halting { reached });
+                self.session.events.push(LinkEvent::Halting { reached });
             }
             self.report_trip(reason);
         }
         self.stopping = Some(Stopping {
-            why,
+            reason,
             since: self.session.now,
-            asked: self.session.now,
+            queried_at: self.session.now,
             stands: true,
         });
-        self.query_position(Purpose::Stopped);
+        self.query_position(QueryPurpose::Stopped);
     }
 
     fn report_trip(&mut self, reason: u32) {
@@ -101,40 +101,42 @@ impl StepLink {
         self.session.alarm(number, text);
     }
 
-    /// Both axes stop at once; nothing queued is left, the position is kept.
+    /// Stops both axes immediately; the queue is dropped and the position kept.
     pub(super) fn flush(&mut self) {
         if self.takes_motion() {
-            self.halt(Why::Flush);
+            self.halt(StopReason::Flush);
         }
     }
 
-    /// Motion would come too late, or did not come: the axes are stopped.
-    /// Why it did is known when the board has answered, or has not.
+    /// Stops the axes because motion is late or missing. The alarm follows the answer of the
+    /// board, because a lost board is another alarm.
     pub(super) fn late(&mut self, detail: Message) {
         if self.stopping.is_none() && self.is_opened() {
-            self.halt(Why::Late(detail));
+            self.halt(StopReason::Late(detail));
         }
         self.wire.send_queue.drop_motion();
     }
 
-    /// The motion needs more messages than the board may be given.
+    /// Stops the axes because the motion needs more messages than the board accepts.
     pub(super) fn too_fine(&mut self) {
         if self.stopping.is_none() && self.is_opened() {
-            self.halt(Why::TooFine);
+            self.halt(StopReason::TooFine);
         }
         self.wire.send_queue.drop_motion();
     }
 
-    pub(super) fn halt(&mut self, why: Why) {
+    pub(super) fn halt(&mut self, reason: StopReason) {
         if self.stopping.is_some() {
             return;
         }
         self.give_up_motion();
-        self.session.events.push(Event::Halting { reached: false });
+        self.session
+            .events
+            .push(LinkEvent::Halting { reached: false });
         self.stopping = Some(Stopping {
-            why,
+            reason,
             since: self.session.now,
-            asked: self.session.now,
+            queried_at: self.session.now,
             stands: false,
         });
         self.trigger();
@@ -144,22 +146,22 @@ impl StepLink {
     fn trigger(&mut self) {
         if let Some(wiring) = &self.wiring {
             let oid = self.group.oid(wiring);
-            // What is asked before and what is queued behind is without effect.
+            // Earlier reports are ignored, and later steps have no effect.
             self.wire
                 .send_query(Command::TrsyncTrigger, &[oid, FLUSH.into()], Mark::Group);
         }
     }
 
     pub(super) fn watch_group(&mut self) {
-        let patience = self.patience();
+        let query_timeout = self.query_timeout();
         if let Some(stopping) = &mut self.stopping {
             if stopping.stands {
                 return;
             }
             if self.session.since(stopping.since) >= GIVE_UP {
                 self.lose_board(say::board_stop_not_confirmed());
-            } else if self.session.since(stopping.asked) >= patience {
-                stopping.asked = self.session.now;
+            } else if self.session.since(stopping.queried_at) >= query_timeout {
+                stopping.queried_at = self.session.now;
                 self.trigger();
             }
             return;
@@ -167,22 +169,21 @@ impl StepLink {
         if self.group.is_silent(self.session.now) && self.takes_motion() {
             self.session
                 .alarm(alarm::LINK_LOST, say::board_group_silent());
-            self.halt(Why::GroupSilent);
+            self.halt(StopReason::GroupSilent);
             return;
         }
         self.watch_left_out();
     }
 
-    /// Nothing more goes out, and nothing that waits.
+    /// Drops all motion and the pending position query.
     pub(super) fn give_up_motion(&mut self) {
         self.motion.drop_queued();
         self.wire.send_queue.drop_motion();
         self.query.pending = None;
     }
 
-    /// Behind a stop that was wanted: with a position that is certain motion is taken
-    /// again.
-    fn go_on(&mut self) {
+    /// Resumes after an intended stop: accepts motion if the position is known.
+    fn resume(&mut self) {
         if self.session.knows_position() {
             self.arm_group();
             self.session.enter(LinkState::Ready);
@@ -191,7 +192,7 @@ impl StepLink {
         }
     }
 
-    /// The board said where the axes stand after a stop.
+    /// Completes a stop with the position that the board has reported.
     pub(super) fn stopped(&mut self, board: PerAxis<Pulses>) {
         let Some(stopping) = self.stopping.take() else {
             return;
@@ -199,9 +200,9 @@ impl StepLink {
         let keep = self.config.flush_keep_speed.into();
         let now = self.clock.at(self.session.now);
         let stop = self.motion.stopped_at(board, now, self.pulses_per_mm);
-        let reached = matches!(stopping.why, Why::Trip(reason) if is_reached(reason));
-        let powerless = matches!(stopping.why, Why::Trip(EMERGENCY | DRIVES));
-        // A stepper that was stopped dead may have slipped when it was fast.
+        let reached = matches!(stopping.reason, StopReason::Trip(reason) if is_reached(reason));
+        let powerless = matches!(stopping.reason, StopReason::Trip(EMERGENCY | DRIVES));
+        // A fast stepper motor may lose steps in a dead stop.
         let exact = stop.on_path && (stop.speed <= keep || reached) && !powerless;
         self.session.released = false;
         if !exact {
@@ -215,22 +216,22 @@ impl StepLink {
         if !reached {
             self.group.forget_edges();
         }
-        if let Why::Trip(reason @ (LIMIT_X | LIMIT_Z)) = stopping.why {
+        if let StopReason::Trip(reason @ (LIMIT_X | LIMIT_Z)) = stopping.reason {
             let (axis, input) = match reason {
                 LIMIT_X => (0, Input::LimitX),
                 _ => (1, Input::LimitZ),
             };
-            self.motion.limits.hit(axis, stop.way[axis]);
-            // It was seen before it is asked for again.
+            self.motion.limits.hit(axis, stop.direction[axis]);
+            // Note the operated switch before its next query.
             if let Some(switch) = self.switch_at(input) {
                 self.periodic.switches.level_met(switch, switch.level);
             }
         }
-        self.session.events.push(Event::Position(stop.kernel));
+        self.session.events.push(LinkEvent::Position(stop.kernel));
         self.resend_outputs();
-        match stopping.why {
-            Why::Flush => self.go_on(),
-            Why::Trip(reason @ (REACHED | REACHED_Z)) => {
+        match stopping.reason {
+            StopReason::Flush => self.resume(),
+            StopReason::Trip(reason @ (REACHED | REACHED_Z)) => {
                 let axis = (reason - REACHED) as usize;
                 self.group.forget_edge(axis);
                 if let Some(wait) = waits[axis] {
@@ -239,24 +240,26 @@ impl StepLink {
                         self.periodic.switches.level_met(switch, wait.level);
                     }
                     let limit = matches!(input, Input::LimitX | Input::LimitZ);
-                    if limit && wait.awaited.until == Until::Operated {
-                        self.motion.limits.hit(axis, stop.way[axis]);
+                    if limit && wait.awaited.until == InputCondition::Operated {
+                        self.motion.limits.hit(axis, stop.direction[axis]);
                     }
-                    self.session.events.push(Event::Reached(input, stop.kernel));
+                    self.session
+                        .events
+                        .push(LinkEvent::Reached(input, stop.kernel));
                 }
-                self.go_on();
+                self.resume();
             }
-            Why::Late(detail) => {
+            StopReason::Late(detail) => {
                 self.session.alarm(alarm::STEPS_TOO_LATE, detail);
                 self.session.enter(LinkState::Fault);
             }
-            Why::TooFine => {
+            StopReason::TooFine => {
                 self.session
                     .alarm(alarm::BOARD_CANNOT, say::motion_too_fine());
                 self.session.enter(LinkState::Fault);
             }
-            Why::GroupSilent => self.session.enter(LinkState::Fault),
-            Why::Trip(_) => self.session.enter(LinkState::Tripped),
+            StopReason::GroupSilent => self.session.enter(LinkState::Fault),
+            StopReason::Trip(_) => self.session.enter(LinkState::Tripped),
         }
     }
 }

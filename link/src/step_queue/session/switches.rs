@@ -1,4 +1,4 @@
-//! Switches and contacts at the board: asked one after the other, and what was reported.
+//! Queries switches and contacts of the board in turn, and keeps their levels.
 
 use core::time::Duration;
 
@@ -7,12 +7,14 @@ use crate::step_queue::commands::Command;
 use crate::step_queue::wiring::{Switch, Wiring};
 use crate::{HostTime, Input, LinkState};
 
-/// Between two questions for a switch, standing and moving.
+/// Interval of switch queries at standstill.
 const SWITCH_EVERY: Duration = Duration::from_millis(10);
+/// Interval of switch queries during motion.
 const SWITCH_MOVING: Duration = Duration::from_millis(40);
-/// Between two questions for a contact of the control.
+/// Interval of queries for contacts of the control.
 const CONTACT_EVERY: Duration = Duration::from_millis(20);
-/// A round of questions: whose turn it is next, and when.
+
+/// A cyclic schedule of queries.
 #[derive(Clone, Copy, Debug, Default)]
 struct Round {
     next: usize,
@@ -20,7 +22,7 @@ struct Round {
 }
 
 impl Round {
-    /// The one that is asked now, of so many.
+    /// The index of the query that is due now, of `count` queries.
     fn turn(&mut self, count: usize, every: Duration, now: HostTime) -> Option<usize> {
         if now < self.due || count == 0 {
             return None;
@@ -31,7 +33,7 @@ impl Round {
     }
 }
 
-/// What the board has reported of its switches, and the next questions.
+/// The reported switches and the schedule of queries.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Switches {
     levels: Vec<(Input, bool)>,
@@ -41,11 +43,11 @@ pub(super) struct Switches {
 
 impl Switches {
     pub(super) fn input(&self, input: Input) -> Option<bool> {
-        let told = self.levels.iter().find(|(told, _)| *told == input);
-        told.map(|(_, operated)| *operated)
+        let level = self.levels.iter().find(|(known, _)| *known == input);
+        level.map(|(_, operated)| *operated)
     }
 
-    /// Whether every switch was reported once.
+    /// Whether all switches were reported.
     pub(super) fn all_reported(&self, wiring: Option<&Wiring>) -> bool {
         wiring.is_some_and(|wiring| wiring.switches.len() == self.levels.len())
     }
@@ -61,26 +63,26 @@ impl Switches {
             .iter_mut()
             .find(|(input, _)| *input == switch.input)
         {
-            Some((_, told)) => *told = operated,
+            Some((_, level)) => *level = operated,
             None => self.levels.push((switch.input, operated)),
         }
     }
 
-    /// The board was stopped by a pin that came to this level.
+    /// Notes that a pin has reached a level that stopped the axes.
     pub(super) fn level_met(&mut self, switch: Switch, level: i64) {
-        let told = self.levels.iter_mut();
-        for (_, operated) in told.filter(|(input, _)| *input == switch.input) {
+        let levels = self.levels.iter_mut();
+        for (_, operated) in levels.filter(|(input, _)| *input == switch.input) {
             *operated = level == switch.level;
         }
     }
 }
 
 impl StepLink {
-    pub(super) fn ask_switch(&mut self) {
+    pub(super) fn query_switch(&mut self) {
         let Some(wiring) = &self.wiring else {
             return;
         };
-        // The contacts of the control stand behind the switches of the axes.
+        // The contacts of the control follow the switches of the axes.
         let is_contact = |switch: &Switch| matches!(switch.input, Input::Contact { .. });
         let (of_axes, contacts) = wiring.switches.split_at(
             wiring
@@ -94,12 +96,12 @@ impl StepLink {
         let now = self.session.now;
         let every = if moving { SWITCH_MOVING } else { SWITCH_EVERY };
         let rounds = &mut self.periodic.switches;
-        let asked = [
+        let due_oids = [
             (rounds.of_axes.turn(of_axes.len(), every, now)).map(|next| of_axes[next].oid),
             (rounds.contacts.turn(contacts.len(), CONTACT_EVERY, now))
                 .map(|next| contacts[next].oid),
         ];
-        for oid in asked.into_iter().flatten() {
+        for oid in due_oids.into_iter().flatten() {
             self.wire.send(Command::EndstopQueryState, &[oid]);
         }
     }

@@ -1,4 +1,4 @@
-//! Messages to the board and blocks from it.
+//! Sends messages to the board and reads its blocks.
 
 use crate::Traffic;
 use crate::step_queue::block::Reader;
@@ -6,7 +6,7 @@ use crate::step_queue::commands::Command;
 use crate::step_queue::dictionary::Dictionary;
 use crate::step_queue::send_queue::{Mark, Message, SendQueue};
 
-/// The wire to a board of timed steps.
+/// The serial traffic with a board with timed steps.
 #[derive(Clone, Debug)]
 pub(super) struct Wire {
     pub(super) dictionary: Dictionary,
@@ -25,14 +25,14 @@ impl Wire {
         }
     }
 
-    /// Forgets the board: which block it expects is learned anew.
+    /// Forgets the board and queries the expected sequence number.
     pub(super) fn begin(&mut self) {
         self.dictionary = Dictionary::default();
         self.reader.forget();
         self.send_queue.begin();
     }
 
-    /// Figures of the wire.
+    /// The traffic counters.
     pub(super) const fn traffic(&self) -> Traffic {
         let mut traffic = self.traffic;
         traffic.lines = self.send_queue.blocks;
@@ -46,7 +46,7 @@ impl Wire {
         &self.send_queue.outgoing
     }
 
-    /// So many of them were written.
+    /// Removes the first `count` bytes: the port has taken them.
     pub(super) fn consumed(&mut self, count: usize) {
         let count = count.min(self.send_queue.outgoing.len());
         self.send_queue.outgoing.drain(..count);
@@ -57,19 +57,20 @@ impl Wire {
         Message::plain(self.dictionary.message(command, arguments))
     }
 
-    /// Whenever there is room.
+    /// Sends a command after the waiting messages.
     pub(super) fn send(&mut self, command: Command, arguments: &[i64]) {
         let message = self.plain(command, arguments);
         self.send_queue.push(message);
     }
 
-    /// Before everything that waits.
+    /// Sends a command before the waiting messages.
     pub(super) fn send_urgent(&mut self, command: Command, arguments: &[i64]) {
         let message = self.plain(command, arguments);
         self.send_queue.push_urgent(message);
     }
 
-    /// Before everything that waits, and without effect from this clock on.
+    /// Sends a command before the waiting messages; it is dropped if it would arrive after
+    /// `due`.
     pub(super) fn send_urgent_until(&mut self, command: Command, arguments: &[i64], due: u64) {
         let message = Message {
             due: Some(due),
@@ -78,7 +79,7 @@ impl Wire {
         self.send_queue.push_urgent(message);
     }
 
-    /// A question whose reply must not be mistaken for an older one.
+    /// Sends a query whose reply must not be mistaken for an older one.
     pub(super) fn send_query(&mut self, command: Command, arguments: &[i64], mark: Mark) {
         let message = Message {
             mark: Some(mark),
@@ -87,7 +88,7 @@ impl Wire {
         self.send_queue.push_urgent(message);
     }
 
-    /// Something the board must have before a clock; dropped when motion is.
+    /// Sends a command of the motion that must arrive before `due`.
     pub(super) fn send_timed(&mut self, command: Command, arguments: &[i64], due: u64) {
         let message = Message {
             due: Some(due),
@@ -98,7 +99,7 @@ impl Wire {
         self.send_queue.push(message);
     }
 
-    /// Steps of an axis, the first at a clock.
+    /// Sends steps of an axis whose first step is at `due`.
     pub(super) fn send_steps(&mut self, axis: usize, arguments: &[i64], due: u64) {
         let message = Message {
             due: Some(due),
@@ -110,7 +111,8 @@ impl Wire {
         self.send_queue.push(message);
     }
 
-    /// Without it the axes must not move; no stop takes it back.
+    /// Sends a command that must arrive before `due` for the axes to move. A stop does not
+    /// drop it.
     pub(super) fn send_vital(
         &mut self,
         command: Command,

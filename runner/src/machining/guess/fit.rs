@@ -3,10 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use gsk_core::command::{ProgramId, Source};
-use gsk_workpiece::collision::{Obstacle, Toucher};
+use gsk_workpiece::collision::{Obstacle, TouchingPart};
 use gsk_workpiece::grid::mm;
 use gsk_workpiece::job::Job;
-use gsk_workpiece::tool::{Shape, Tool};
+use gsk_workpiece::tool::{Tool, ToolShape};
 
 use super::super::Machining;
 use super::tools::SLIMMEST;
@@ -52,7 +52,7 @@ impl Guess<'_> {
     /// Makes the bar stand out as far as tools reach that cut it.
     fn clear_jaws(&self, job: &mut Job) {
         let reach = |tool: &Tool| {
-            let shape = Shape::of(tool);
+            let shape = ToolShape::from_tool(tool);
             let body = shape.body.iter().flat_map(|(_, contour)| contour);
             let least = shape.cutting.iter().chain(body).map(|point| point.x).min();
             least.map_or(0.0, mm)
@@ -92,12 +92,12 @@ impl Guess<'_> {
         let mut hits = Hits::default();
         for finding in machining.findings() {
             let collision = finding.collision;
-            match (collision.toucher, collision.obstacle) {
-                (Toucher::RapidInsert, Obstacle::Stock) => hits.count(finding.tool),
-                (Toucher::RapidInsert | Toucher::StandingInsert, _) => {}
+            match (collision.touching_part, collision.obstacle) {
+                (TouchingPart::RapidInsert, Obstacle::Stock) => hits.count(finding.tool),
+                (TouchingPart::RapidInsert | TouchingPart::StandingInsert, _) => {}
                 (_, Obstacle::Jaws | Obstacle::Chuck) => hits.jaws = true,
-                (Toucher::Body(_), _) => hits.count(finding.tool),
-                (Toucher::Insert, _) => {}
+                (TouchingPart::Body(_), _) => hits.count(finding.tool),
+                (TouchingPart::Insert, _) => {}
             }
         }
         hits

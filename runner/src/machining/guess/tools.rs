@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use gsk_core::memory::{Offsets, ToolOffset};
-use gsk_workpiece::tool::{Holder, Insert, Letter, Tool};
+use gsk_workpiece::tool::{Holder, Insert, InsertLetter, Tool};
 
 use super::uses::{Use, Work};
 
@@ -233,7 +233,7 @@ impl Known<'_> {
             *size = (*size * scale).max(2.0);
             *nose = nose.min(*size / 4.0);
             if slim > 1 {
-                *letter = Letter::V;
+                *letter = InsertLetter::V;
             }
             tool.holder = self.bar(used, *size / 2.0, slim);
         }
@@ -268,13 +268,13 @@ fn width(used: &Use) -> f64 {
 /// An outside tool whose back clears a contour that goes in so steeply, degrees.
 fn turning(steepest: f64, slim: u8) -> Tool {
     // What is left between the second edge and the spindle axis.
-    let clears = |letter: Letter, entering: f64| 180.0 - entering - letter.corner();
-    let (letter, entering, nose) = if steepest <= clears(Letter::C, 95.0) {
-        (Letter::C, 95.0, 0.8)
-    } else if steepest <= clears(Letter::D, 93.0) {
-        (Letter::D, 93.0, 0.4)
+    let clears = |letter: InsertLetter, entering: f64| 180.0 - entering - letter.corner();
+    let (letter, entering, nose) = if steepest <= clears(InsertLetter::C, 95.0) {
+        (InsertLetter::C, 95.0, 0.8)
+    } else if steepest <= clears(InsertLetter::D, 93.0) {
+        (InsertLetter::D, 93.0, 0.4)
     } else {
-        (Letter::V, 93.0, 0.4)
+        (InsertLetter::V, 93.0, 0.4)
     };
     // An edge of 16 mm: shoulders are finished in one go. One at right angles leaves nothing
     // on a shoulder for the rapid away from it, a blade nothing on a step that is faced, either.
@@ -293,8 +293,8 @@ fn turning(steepest: f64, slim: u8) -> Tool {
         1 => (letter, RIGHT_ANGLE, 15.875, usual),
         SQUARE | 3 => (letter, RIGHT_ANGLE, 15.875, Holder::None),
         4 => (letter, RIGHT_ANGLE, 40.0, Holder::None),
-        5 => (Letter::D, RIGHT_ANGLE, 50.0, Holder::None),
-        _ => (Letter::V, RIGHT_ANGLE, 50.0, Holder::None),
+        5 => (InsertLetter::D, RIGHT_ANGLE, 50.0, Holder::None),
+        _ => (InsertLetter::V, RIGHT_ANGLE, 50.0, Holder::None),
     };
     Tool {
         insert: Insert::Turning {

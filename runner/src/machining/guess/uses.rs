@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::units::{Feed, Point};
 use gsk_workpiece::job::Job;
-use gsk_workpiece::motion::{Kind, Motion};
+use gsk_workpiece::motion::{MotionKind, ToolMotion};
 use gsk_workpiece::stock::Stock;
 
 use super::super::track::Track;
@@ -27,13 +27,13 @@ const RING: f64 = 4.0;
 #[derive(Clone, Debug)]
 pub(super) struct Step {
     pub(super) tool: u8,
-    pub(super) motion: Motion,
+    pub(super) motion: ToolMotion,
     pub(super) threads: bool,
 }
 
 impl Step {
     pub(super) const fn is_cut(&self) -> bool {
-        !matches!(self.motion.kind, Kind::Rapid)
+        !matches!(self.motion.kind, MotionKind::Rapid)
     }
 
     fn way(&self) -> Point {

@@ -6,7 +6,7 @@ use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::step_queue::StepLink;
-use gsk_link::{Backend, Event, FINE, LinkConfig, LinkState, Refused, RunTime, Sample};
+use gsk_link::{Backend, FINE, LinkConfig, LinkEvent, LinkState, MotionRefused, RunTime, Sample};
 use gsk_twins::klipper::{KlipperHardware, KlipperTwin};
 
 /// One millisecond of both.
@@ -26,7 +26,7 @@ pub struct Bench {
     pub twin: KlipperTwin,
     pub run: RunTime,
     pub at: (f64, f64),
-    pub events: Vec<Event>,
+    pub events: Vec<LinkEvent>,
 }
 
 pub fn config() -> LinkConfig {
@@ -141,7 +141,7 @@ impl Bench {
             if !self.link.state().takes_motion() {
                 return false;
             }
-            if self.link.room() >= Duration::from_millis(1) {
+            if self.link.free_lookahead() >= Duration::from_millis(1) {
                 return self.give(x, z).is_ok();
             }
             self.ms();
@@ -149,7 +149,7 @@ impl Bench {
         false
     }
 
-    pub fn give(&mut self, x: f64, z: f64) -> Result<(), Refused> {
+    pub fn give(&mut self, x: f64, z: f64) -> Result<(), MotionRefused> {
         let before = (self.run, self.at);
         self.run += Duration::from_millis(1);
         self.at = (x, z);
@@ -195,8 +195,8 @@ impl Bench {
     }
 
     pub fn alarms(&self) -> Vec<u16> {
-        let number = |event: &Event| match event {
-            Event::Alarm { number, .. } => Some(*number),
+        let number = |event: &LinkEvent| match event {
+            LinkEvent::Alarm { number, .. } => Some(*number),
             _ => None,
         };
         self.events.iter().filter_map(number).collect()
@@ -204,8 +204,8 @@ impl Bench {
 
     /// Dictionaries that were read.
     pub fn learned(&self) -> Vec<(String, Vec<u8>)> {
-        let learned = |event: &Event| match event {
-            Event::Learned { name, packed } => Some((name.clone(), packed.clone())),
+        let learned = |event: &LinkEvent| match event {
+            LinkEvent::Learned { name, packed } => Some((name.clone(), packed.clone())),
             _ => None,
         };
         self.events.iter().filter_map(learned).collect()

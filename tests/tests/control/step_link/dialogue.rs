@@ -5,7 +5,9 @@ use core::time::Duration;
 use gsk_core::linked::drives;
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_link::step_queue::StepLink;
-use gsk_link::{Backend, Event, Input, LinkConfig, LinkState, Output, Refused, SpindleView, Stop};
+use gsk_link::{
+    Backend, Input, LinkConfig, LinkEvent, LinkState, MotionRefused, Output, SpindleView, Stop,
+};
 use gsk_messages::say;
 use gsk_twins::klipper::{KlipperHardware, KlipperState};
 
@@ -57,7 +59,7 @@ fn refused(change: impl Fn(&mut LinkConfig)) -> Vec<(u16, String)> {
     let mut bench = Bench::wired(wrong, KlipperHardware::default());
     assert!(bench.gets(LinkState::Fault, 5000), "{:?}", bench.events);
     let told = bench.events.iter().filter_map(|event| match event {
-        Event::Alarm { number, detail } => Some((*number, detail.to_string())),
+        LinkEvent::Alarm { number, detail } => Some((*number, detail.to_string())),
         _ => None,
     });
     told.collect()
@@ -100,7 +102,7 @@ fn a_pin_the_board_has_not_is_named() {
     let mut bench = Bench::new(KlipperHardware::default());
     bench.link = StepLink::open(wrong, &drives(&parameters()), Duration::ZERO);
     assert!(bench.gets(LinkState::Fault, 3000));
-    let alarm = Event::Alarm {
+    let alarm = LinkEvent::Alarm {
         number: 603,
         detail: say::board_pin_missing("z.limit", "PQ1"),
     };
@@ -124,7 +126,7 @@ fn a_silent_port_is_601_and_another_firmware_602() {
             let count = link.tx().len();
             link.consumed(count);
             alarms.extend(link.events().into_iter().filter_map(|event| match event {
-                Event::Alarm { number, detail } => {
+                LinkEvent::Alarm { number, detail } => {
                     let text = detail.to_string();
                     let points = text.contains("protocol") && text.contains("baud");
                     assert!(points, "{detail}");
@@ -147,7 +149,7 @@ fn outputs_switch_with_the_motion() {
     bench.link.output(at, Output::SpindleSpeed, 5000).unwrap();
     assert_eq!(
         bench.link.output(at, Output::SpindleReverse, 1),
-        Err(Refused::NotWired)
+        Err(MotionRefused::NotWired)
     );
     while bench.twin.output("PB7") == Some(1) {
         assert!(bench.feed(-1.0, 1));

@@ -5,7 +5,7 @@ use core::time::Duration;
 use gsk_core::linked::drives;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::step_queue::StepLink;
-use gsk_link::{Backend, Event, LinkState, Stop};
+use gsk_link::{Backend, LinkEvent, LinkState, Stop};
 use gsk_twins::klipper::KlipperState;
 use gsk_twins::wire::Damage;
 
@@ -76,7 +76,7 @@ fn a_host_that_pauses_is_not_noticed_or_ends_in_the_defined_stop() {
             assert!(!bench.link.state().takes_motion());
             if bench.twin.state() == KlipperState::Running {
                 let (x, z) = bench.made();
-                let stood = Event::Position(PerAxis::new(Pulses(x), Pulses(z)));
+                let stood = LinkEvent::Position(PerAxis::new(Pulses(x), Pulses(z)));
                 assert!(bench.events.contains(&stood), "{pause}: {:?}", bench.events);
             }
             bench.stands(2000);

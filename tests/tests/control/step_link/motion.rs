@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use gsk_link::{Backend, Event, LinkState, Refused};
+use gsk_link::{Backend, LinkEvent, LinkState, MotionRefused};
 use gsk_twins::klipper::KlipperHardware;
 
 use super::bench::{Bench, MS, config};
@@ -23,7 +23,7 @@ fn a_job_ends_on_the_commanded_pulse() {
             assert_eq!(bench.made(), bench.counted());
         }
         assert_eq!(bench.alarms(), [0_u16; 0]);
-        assert!(bench.events.contains(&Event::Drained));
+        assert!(bench.events.contains(&LinkEvent::Drained));
         let figures = bench.twin.statistics();
         assert!(figures.max_queue_entries <= 657 - 32, "{figures:?}");
         assert!(figures.min_lead_ns > 15_000_000, "{figures:?}");
@@ -60,7 +60,10 @@ fn motion_keeps_the_time_of_the_kernel_and_the_lookahead() {
 fn a_rate_the_board_cannot_make_is_refused() {
     let mut bench = Bench::ready();
     assert!(bench.feed(32.0, 50));
-    assert_eq!(bench.give(0.0, bench.at.1 + 40.0), Err(Refused::TooFast));
+    assert_eq!(
+        bench.give(0.0, bench.at.1 + 40.0),
+        Err(MotionRefused::TooFast)
+    );
     bench.link.finish().unwrap();
     assert!(bench.gets(LinkState::Ready, 500));
     assert_eq!(bench.made(), (0, 1600));

@@ -1,6 +1,6 @@
 //! Boards that give up, that are found shut down, or set up for somebody else.
 
-use gsk_link::{Backend, Event, LinkState};
+use gsk_link::{Backend, LinkEvent, LinkState};
 use gsk_twins::klipper::{KlipperHardware, KlipperState};
 
 use super::bench::Bench;
@@ -61,8 +61,8 @@ fn every_reason_has_its_alarm_and_its_way_out() {
             let place = format!("{text}, {make:?}: {:?}", bench.events);
             assert_eq!(bench.link.state(), LinkState::Fault, "{place}");
             assert_eq!(bench.alarms(), [number], "{place}");
-            let told = |event: &Event| match event {
-                Event::Alarm { detail, .. } => {
+            let told = |event: &LinkEvent| match event {
+                LinkEvent::Alarm { detail, .. } => {
                     let said = detail.to_string();
                     [text, help, "reference return"]
                         .into_iter()
@@ -177,7 +177,7 @@ fn a_board_met_before_is_not_asked_for_its_dictionary() {
         let before = again.twin.statistics().identify_count;
         again.open_again();
         let count = known.len();
-        again.link.know(known);
+        again.link.add_dictionaries(known);
         assert!(again.gets(LinkState::Locked, 5000), "{:?}", again.events);
         let asked = again.twin.statistics().identify_count - before;
         assert!((fewest..=most).contains(&asked), "{count} known: {asked}");

@@ -1,7 +1,9 @@
 //! What stops the axes, and where they stand then.
 
 use gsk_core::units::{Axis, PerAxis, Pulses};
-use gsk_link::{Awaited, Backend, Event, Input, LinkState, Refused, Stop, Until};
+use gsk_link::{
+    AwaitedInput, Backend, Input, InputCondition, LinkEvent, LinkState, MotionRefused, Stop,
+};
 use gsk_twins::klipper::KlipperState;
 
 use super::bench::Bench;
@@ -24,7 +26,7 @@ fn a_flush_keeps_the_count_and_when_it_was_slow_the_position() {
             let (x, z) = bench.made();
             let stood = PerAxis::new(Pulses(x), Pulses(z));
             assert!(
-                bench.events.contains(&Event::Position(stood)),
+                bench.events.contains(&LinkEvent::Position(stood)),
                 "{at}: {:?}",
                 bench.events
             );
@@ -85,7 +87,7 @@ fn a_limit_switch_stops_both_axes_in_the_board() {
         assert!(bench.gets(LinkState::Tripped, 200), "{:?}", bench.events);
         assert_eq!(bench.alarms(), [622]);
         let (x, z) = bench.made();
-        let stood = Event::Position(PerAxis::new(Pulses(x), Pulses(z)));
+        let stood = LinkEvent::Position(PerAxis::new(Pulses(x), Pulses(z)));
         assert!(bench.events.contains(&stood), "{:?}", bench.events);
         bench.stands(1000);
         // The position was kept: jogging away is allowed, farther is not.
@@ -96,7 +98,7 @@ fn a_limit_switch_stops_both_axes_in_the_board() {
         bench.set_position();
         assert_eq!(
             bench.give(bench.at.0, bench.at.1 - 2.0),
-            Err(Refused::TowardLimit(Axis::Z))
+            Err(MotionRefused::TowardLimit(Axis::Z))
         );
         bench.pass(200);
         assert!(bench.feed(0.5, 200));
@@ -137,18 +139,20 @@ fn the_emergency_stop_trips_the_board_and_holds_until_it_is_released() {
 #[test]
 fn inputs_end_a_move_where_the_board_saw_them() {
     let mut bench = Bench::ready();
-    let awaited = |input, until| Awaited {
+    let awaited = |input, until| AwaitedInput {
         input,
         until,
         rate: 1000.0,
     };
     assert_eq!(
-        bench.link.arm(awaited(Input::ZeroZ, Until::Operated)),
-        Err(Refused::NotWired)
+        bench
+            .link
+            .arm(awaited(Input::ZeroZ, InputCondition::Operated)),
+        Err(MotionRefused::NotWired)
     );
     bench
         .link
-        .arm(awaited(Input::DecelerationZ, Until::Operated))
+        .arm(awaited(Input::DecelerationZ, InputCondition::Operated))
         .unwrap();
     assert!(!bench.link.is_armed(Axis::Z));
     assert!(bench.wait(300, |bench| bench.link.is_armed(Axis::Z)));
@@ -166,7 +170,7 @@ fn inputs_end_a_move_where_the_board_saw_them() {
     assert!(
         bench
             .events
-            .contains(&Event::Reached(Input::DecelerationZ, there)),
+            .contains(&LinkEvent::Reached(Input::DecelerationZ, there)),
         "{:?}",
         bench.events
     );
@@ -179,7 +183,7 @@ fn inputs_end_a_move_where_the_board_saw_them() {
     bench.events.clear();
     bench
         .link
-        .arm(awaited(Input::DecelerationZ, Until::Free))
+        .arm(awaited(Input::DecelerationZ, InputCondition::Free))
         .unwrap();
     assert!(bench.wait(300, |bench| bench.link.is_armed(Axis::Z)));
     assert!(bench.feed(0.5, 150));
@@ -190,7 +194,7 @@ fn inputs_end_a_move_where_the_board_saw_them() {
     assert!(
         bench
             .events
-            .contains(&Event::Reached(Input::DecelerationZ, there)),
+            .contains(&LinkEvent::Reached(Input::DecelerationZ, there)),
         "{:?}",
         bench.events
     );

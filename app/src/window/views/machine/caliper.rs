@@ -7,7 +7,7 @@ use egui::{Align2, Color32, Context, FontId, Painter, Pos2, Shape, Stroke, Vec2,
 use gsk_core::units::Point;
 use gsk_messages::{Language, Message, say};
 use gsk_runner::report::in_words;
-use gsk_workpiece::measure::{Feature, Measured, Side, measured};
+use gsk_workpiece::measure::{Feature, MeasuredFeature, SectionSide, measure_with_outlines};
 use gsk_workpiece::region::Region;
 
 use super::camera::Camera;
@@ -31,11 +31,11 @@ const JAW_LENGTH: f32 = 26.0;
 pub struct Caliper {
     section: Arc<Region>,
     rest: Rest,
-    features: Vec<Measured>,
+    features: Vec<MeasuredFeature>,
     /// The feature under the pointer, and the pointer as the part has it.
     meant: Option<(usize, Pos2)>,
     /// The feature that was clicked.
-    kept: Option<Measured>,
+    kept: Option<MeasuredFeature>,
 }
 
 impl Caliper {
@@ -46,8 +46,10 @@ impl Caliper {
         }
         self.section = Arc::clone(section);
         self.meant = None;
-        let sides = [Side::Outside, Side::Inside].into_iter();
-        self.features = sides.flat_map(|side| measured(section, side)).collect();
+        let sides = [SectionSide::Outside, SectionSide::Inside].into_iter();
+        self.features = sides
+            .flat_map(|side| measure_with_outlines(section, side))
+            .collect();
     }
 
     /// The pointer is there; none: it is elsewhere. Both halves of the picture count.
@@ -87,7 +89,7 @@ impl Caliper {
         words
     }
 
-    fn meant_feature(&self) -> Option<&Measured> {
+    fn meant_feature(&self) -> Option<&MeasuredFeature> {
         let (index, _) = self.meant?;
         self.features.get(index)
     }
@@ -209,7 +211,7 @@ mod tests {
             (-15.0, 14.0),
             (-40.0, 14.0),
         ];
-        Arc::new(Region::of(&[corners.map(corner).to_vec()]))
+        Arc::new(Region::from_contours(&[corners.map(corner).to_vec()]))
     }
 
     fn camera() -> Camera {

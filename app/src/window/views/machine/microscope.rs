@@ -6,7 +6,7 @@ use std::sync::Arc;
 use egui::{Color32, Context, Painter, Pos2, Shape, Stroke, Ui, pos2};
 use gsk_messages::{Language, Message, say};
 use gsk_runner::machining::ideal::{Compared, Piece};
-use gsk_workpiece::compare::{Deviation, deviations};
+use gsk_workpiece::compare::{SurfaceDeviation, deviations};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
 
@@ -61,7 +61,7 @@ pub struct Microscope {
     /// What is still right, mm.
     tolerance: f64,
     /// The surface and its deviations, and what they were made of.
-    found: Vec<Vec<Deviation>>,
+    found: Vec<Vec<SurfaceDeviation>>,
     made_of: Option<(Arc<Compared>, Surface, Arc<Region>)>,
     rest: Rest,
     pointer: Option<Pos2>,
@@ -187,7 +187,7 @@ impl Microscope {
             ] {
                 let Some(worst) = worst else { continue };
                 let (x, z) = (worst.at.diameter().0, worst.at.z);
-                let words = words(worst.off.abs() * 1000.0, x, z).text(language);
+                let words = words(worst.distance.abs() * 1000.0, x, z).text(language);
                 if ui.link(egui::RichText::new(words).color(color)).clicked() {
                     meant = Some(place(worst.at));
                 }
@@ -200,29 +200,29 @@ impl Microscope {
         // Always a row: what is pointed at must not move.
         let here = self.under_pointer().map_or_else(String::new, |it| {
             let (x, z) = (it.at.diameter().0, it.at.z);
-            say::microscope_here(it.off * 1000.0, x, z).text(language)
+            say::microscope_here(it.distance * 1000.0, x, z).text(language)
         });
         ui.label(egui::RichText::new(here).monospace());
         meant
     }
 
     /// The deepest cut and the most material left, beyond what is right.
-    fn worst(&self) -> (Option<Deviation>, Option<Deviation>) {
+    fn worst(&self) -> (Option<SurfaceDeviation>, Option<SurfaceDeviation>) {
         let all = || self.found.iter().flatten().copied();
-        let deepest = all().min_by(|one, other| one.off.total_cmp(&other.off));
-        let most = all().max_by(|one, other| one.off.total_cmp(&other.off));
+        let deepest = all().min_by(|one, other| one.distance.total_cmp(&other.distance));
+        let most = all().max_by(|one, other| one.distance.total_cmp(&other.distance));
         let tolerance = self.tolerance;
         (
-            deepest.filter(|it| it.off < -tolerance),
-            most.filter(|it| it.off > tolerance),
+            deepest.filter(|it| it.distance < -tolerance),
+            most.filter(|it| it.distance > tolerance),
         )
     }
 
     /// The place of the surface nearest to the pointer.
-    fn under_pointer(&self) -> Option<Deviation> {
+    fn under_pointer(&self) -> Option<SurfaceDeviation> {
         let pointer = self.pointer?;
         let pointer = pos2(pointer.x, pointer.y.abs());
-        let distance = |it: &Deviation| (place(it.at) - pointer).length();
+        let distance = |it: &SurfaceDeviation| (place(it.at) - pointer).length();
         let all = self.found.iter().flatten();
         let nearest = all.min_by(|one, other| distance(one).total_cmp(&distance(other)))?;
         (distance(nearest) <= self.reach).then_some(*nearest)
@@ -248,7 +248,7 @@ impl Microscope {
             let next = outline.iter().cycle().skip(1);
             for (from, to) in outline.iter().zip(next) {
                 let ends = [from, to].map(|it| camera.screen(place(it.at)));
-                painter.line_segment(ends, Stroke::new(3.0, self.color(from.off)));
+                painter.line_segment(ends, Stroke::new(3.0, self.color(from.distance)));
             }
         }
         if let Some(pointer) = self.pointer

@@ -317,7 +317,7 @@ impl LatheView {
                     if ready && self.instruments.microscope.asks(&self.made.path, &part.job) {
                         worker.compare(Arc::clone(&part.job));
                     }
-                    let clamped = part.job.stock.clamped();
+                    let clamped = part.job.stock.jaw_front();
                     self.instruments
                         .microscope
                         .take(&part.section, clamped, ui.ctx());
@@ -417,7 +417,7 @@ impl LatheView {
         let part = self.part.as_ref().map(|part| {
             let stock = &part.job.stock;
             let (radius, front) = (stock.radius() as f32, stock.front() as f32);
-            let back = stock.clamped() as f32 - CHUCK_SHOWN;
+            let back = stock.jaw_front() as f32 - CHUCK_SHOWN;
             Rect::from_min_max(pos2(back, -radius), pos2(front, radius))
         });
         let bounds = match (part, self.made.path.bounds) {

@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use egui::epaint::{Mesh, Vertex, WHITE_UV};
 use egui::{Color32, Painter, Pos2, Shape, Stroke, Vec2, pos2};
-use gsk_workpiece::grid::{Contour, from_grid};
+use gsk_workpiece::grid::{GridContour, from_grid};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
-use gsk_workpiece::tool::{Shape as ToolShape, Tool};
-use gsk_workpiece::trapezoid::{Filled, Trapezoid, trapezoids};
+use gsk_workpiece::tool::{Tool, ToolShape};
+use gsk_workpiece::trapezoid::{SectionFill, Trapezoid, trapezoids};
 
 use super::alive::Turning;
 use super::camera::Camera;
@@ -75,8 +75,8 @@ impl Solids {
     fn take(&mut self, part: &PartView) {
         if !Arc::ptr_eq(&self.section, &part.section) {
             self.section = Arc::clone(&part.section);
-            self.material = trapezoids(&self.section, Filled::Material);
-            self.outside = trapezoids(&self.section, Filled::Outside);
+            self.material = trapezoids(&self.section, SectionFill::Material);
+            self.outside = trapezoids(&self.section, SectionFill::Outside);
         }
         let same = self.job.as_ref();
         if same.is_some_and(|(job, open)| Arc::ptr_eq(job, &part.job) && *open == part.chuck_open) {
@@ -96,7 +96,7 @@ impl Solids {
             (jaws, JAWS),
             (stock.tailstock_section(), CHUCK),
         ]
-        .map(|(region, color)| (trapezoids(&region, Filled::Material), region, color))
+        .map(|(region, color)| (trapezoids(&region, SectionFill::Material), region, color))
         .into();
     }
 }
@@ -124,10 +124,10 @@ impl ToolPart {
         painter.add(Shape::closed_line(edge.collect(), stroke));
     }
 
-    fn new(contour: &Contour, color: Color32, edge_color: Color32) -> Self {
-        let region = Region::of(std::slice::from_ref(contour));
+    fn new(contour: &GridContour, color: Color32, edge_color: Color32) -> Self {
+        let region = Region::from_contours(std::slice::from_ref(contour));
         Self {
-            filled: trapezoids(&region, Filled::Material),
+            filled: trapezoids(&region, SectionFill::Material),
             edge: points(contour, false).collect(),
             color,
             edge_color,
@@ -144,7 +144,7 @@ pub fn draw_tool(painter: &Painter, camera: &Camera, tool: &Tool) {
 
 /// Holder and insert.
 fn tool_parts(tool: &Tool) -> Vec<ToolPart> {
-    let shape = ToolShape::of(tool);
+    let shape = ToolShape::from_tool(tool);
     let body = shape.body.iter();
     let body = body.map(|(_, contour)| ToolPart::new(contour, HOLDER, HOLDER_EDGE));
     body.chain([ToolPart::new(&shape.cutting, INSERT, Color32::WHITE)])
@@ -178,7 +178,7 @@ fn fill(painter: &Painter, camera: &Camera, made: &[Trapezoid], mirrored: bool, 
 fn outline(
     painter: &Painter,
     camera: &Camera,
-    contours: &[Contour],
+    contours: &[GridContour],
     mirrored: bool,
     color: Color32,
 ) {
@@ -206,7 +206,7 @@ fn silhouette(painter: &Painter, camera: &Camera, outside: &[Trapezoid]) {
     painter.add(Shape::line(line, Stroke::new(1.0, EDGE)));
 }
 
-fn points(contour: &Contour, mirrored: bool) -> impl Iterator<Item = Pos2> + '_ {
+fn points(contour: &GridContour, mirrored: bool) -> impl Iterator<Item = Pos2> + '_ {
     contour.iter().map(move |point| {
         let point = from_grid(*point);
         turned(pos2(point.z as f32, point.x as f32), mirrored)

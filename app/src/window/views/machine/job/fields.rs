@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use egui::{DragValue, Grid, Ui};
 use gsk_core::units::{Diameter, tip_direction};
 use gsk_messages::{Language, Message, say};
-use gsk_workpiece::job::Place;
+use gsk_workpiece::job::DiameterPoint;
 use gsk_workpiece::stock::{Form, Stock, Tailstock};
-use gsk_workpiece::tool::{Holder, Insert, Letter, Tool};
+use gsk_workpiece::tool::{Holder, Insert, InsertLetter, Tool};
 
 /// Nothing is longer than that, mm; the rules of the job are narrower.
 const MOST: f64 = 5000.0;
@@ -156,7 +156,7 @@ fn corners(ui: &mut Ui, corners: &mut Vec<(Diameter, f64)>, language: Language) 
 pub fn tool(ui: &mut Ui, tool: &mut Tool, language: Language) {
     if let Insert::Turning { letter, .. } = &mut tool.insert {
         ui.horizontal_wrapped(|ui| {
-            for each in Letter::ALL {
+            for each in InsertLetter::ALL {
                 ui.selectable_value(letter, each, format!("{each:?}"));
             }
         });
@@ -164,7 +164,7 @@ pub fn tool(ui: &mut Ui, tool: &mut Tool, language: Language) {
     grid(ui, "insert", |ui| {
         let fields: Vec<(Message, &mut f64)> = match &mut tool.insert {
             Insert::Turning {
-                letter: Letter::R,
+                letter: InsertLetter::R,
                 size,
                 ..
             } => vec![(say::tool_word_size(), size)],
@@ -271,12 +271,12 @@ fn holder(ui: &mut Ui, holder: &mut Holder, language: Language) {
 }
 
 /// Where the lathe has the zero of the part, if it knows better than the control.
-pub fn zero(ui: &mut Ui, zero: &mut Option<Place>, language: Language) {
+pub fn zero(ui: &mut Ui, zero: &mut Option<DiameterPoint>, language: Language) {
     let mut known = zero.is_some();
     let check = ui.checkbox(&mut known, say::job_zero().text(language));
     let hint = say::job_zero_hint().text(language);
     if check.on_hover_text(hint).changed() {
-        *zero = known.then(Place::default);
+        *zero = known.then(DiameterPoint::default);
     }
     if let Some(place) = zero {
         self::place(ui, "zero", place, language);
@@ -284,13 +284,18 @@ pub fn zero(ui: &mut Ui, zero: &mut Option<Place>, language: Language) {
 }
 
 /// How long a tool really is.
-pub fn length(ui: &mut Ui, lengths: &mut BTreeMap<u8, Place>, number: u8, language: Language) {
+pub fn length(
+    ui: &mut Ui,
+    lengths: &mut BTreeMap<u8, DiameterPoint>,
+    number: u8,
+    language: Language,
+) {
     let mut known = lengths.contains_key(&number);
     let check = ui.checkbox(&mut known, say::job_length().text(language));
     let hint = say::job_length_hint().text(language);
     if check.on_hover_text(hint).changed() {
         if known {
-            lengths.insert(number, Place::default());
+            lengths.insert(number, DiameterPoint::default());
         } else {
             lengths.remove(&number);
         }
@@ -300,7 +305,7 @@ pub fn length(ui: &mut Ui, lengths: &mut BTreeMap<u8, Place>, number: u8, langua
     }
 }
 
-fn place(ui: &mut Ui, id: &str, place: &mut Place, language: Language) {
+fn place(ui: &mut Ui, id: &str, place: &mut DiameterPoint, language: Language) {
     grid(ui, id, |ui| {
         value(ui, &say::job_place_x(), &mut place.x.0, language);
         value(ui, &say::job_place_z(), &mut place.z, language);

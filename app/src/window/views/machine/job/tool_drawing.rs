@@ -4,7 +4,7 @@ use egui::{Pos2, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, pos2, v
 use gsk_core::units::Point;
 use gsk_messages::{Language, say};
 use gsk_workpiece::grid::{GridPoint, from_grid};
-use gsk_workpiece::tool::{Shape as ToolShape, Tool};
+use gsk_workpiece::tool::{Tool, ToolShape};
 
 use crate::window::views::machine::camera::Camera;
 use crate::window::views::machine::{grid, place, solids};
@@ -27,7 +27,7 @@ pub fn show(ui: &mut Ui, tool: &Tool, language: Language) {
     }
     let painter = ui.painter_at(room);
     painter.rect_filled(room, 2.0, grid::GROUND);
-    let shape = ToolShape::of(tool);
+    let shape = ToolShape::from_tool(tool);
     let bounds = around(&shape.cutting);
     let camera = Camera::fit(bounds.expand(bounds.size().max_elem() * AROUND), true, room);
     grid::lines(&painter, &camera);

@@ -1,15 +1,16 @@
-//! Times of pulses become runs `interval, count, add`: the k-th step of a run comes
-//! `interval·k + add·k(k−1)/2` after the last step before it.
+//! Step compression (Klipper's `step_compress`): packs the times of steps into runs
+//! `interval, count, add`. The k-th step of a run is `interval·k + add·k(k−1)/2` after the
+//! last step before the run.
 
-/// Board clock ticks.
+/// Ticks of the board clock.
 pub(super) type Ticks = i64;
 
-/// The longest run.
+/// Greatest number of steps in a run.
 const MOST_STEPS: usize = 65_535;
-/// Where the change of the interval is estimated from.
+/// Numbers of steps over which the change of the interval is estimated.
 const HORIZONS: [usize; 12] = [2, 3, 4, 6, 8, 12, 16, 32, 64, 128, 256, 1024];
 
-/// Steps that are one message to the board.
+/// The steps of one `queue_step` command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Run {
     pub(super) interval: u32,
@@ -18,32 +19,32 @@ pub(super) struct Run {
 }
 
 impl Run {
-    /// When the k-th step comes, after the step before the run.
+    /// Time of the k-th step after the last step before the run, ticks.
     pub(super) const fn step(self, k: Ticks) -> Ticks {
         self.interval as Ticks * k + self.add as Ticks * (k * (k - 1) / 2)
     }
 }
 
-/// What a run has to keep to.
+/// The limits for the steps of a run.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tolerance {
-    /// Farthest a step may lie from its time.
-    pub(super) off: Ticks,
-    /// Or this part of the way from the step before, if that is more.
-    pub(super) part: Option<Ticks>,
-    /// Least time between two steps.
-    pub(super) apart: Ticks,
-    /// Least time from the step before the run to its first.
-    pub(super) first: Ticks,
+    /// Greatest time error of a step.
+    pub(super) max_error: Ticks,
+    /// If this is more: the interval before the step, divided by this number.
+    pub(super) error_divisor: Option<Ticks>,
+    /// Least interval between two steps.
+    pub(super) min_interval: Ticks,
+    /// Least interval between the last step before the run and its first step.
+    pub(super) min_first_interval: Ticks,
 }
 
-/// The longest run that makes the first of the steps due (after `last`) within the
-/// tolerance. Steps due are at least [`Tolerance::apart`] apart; the first may have to
-/// come as late as the tolerance ask.
+/// Finds the longest run for the first of the due steps within the tolerance. `last` is the
+/// time of the step before. The due steps are at least [`Tolerance::min_interval`] apart.
+/// The first step may be late if the tolerance requires it.
 pub(super) fn longest_run(last: Ticks, due: &[Ticks], tolerance: Tolerance) -> Option<Run> {
     let first = due.first()? - last;
     let mut best = Run {
-        interval: u32::try_from(first.max(tolerance.first).max(1)).ok()?,
+        interval: u32::try_from(first.max(tolerance.min_first_interval).max(1)).ok()?,
         count: 1,
         add: 0,
     };
@@ -54,7 +55,7 @@ pub(super) fn longest_run(last: Ticks, due: &[Ticks], tolerance: Tolerance) -> O
         .copied()
         .filter(|horizon| *horizon <= due.len())
     {
-        // From the step in the middle and the one at the horizon.
+        // Compare the mean intervals up to the middle and up to the horizon.
         let half = horizon / 2;
         let (n, m) = (horizon as f64, half as f64);
         let far = (due[horizon - 1] - last) as f64 / n;
@@ -72,7 +73,7 @@ pub(super) fn longest_run(last: Ticks, due: &[Ticks], tolerance: Tolerance) -> O
         }
     }
     for &add in &tried[..adds] {
-        if let Some(run) = reach(last, due, tolerance, add)
+        if let Some(run) = longest_run_with_add(last, due, tolerance, add)
             && run.count > best.count
         {
             best = run;
@@ -81,26 +82,33 @@ pub(super) fn longest_run(last: Ticks, due: &[Ticks], tolerance: Tolerance) -> O
     Some(best)
 }
 
-/// How far a run with this change of the interval reaches.
-fn reach(last: Ticks, due: &[Ticks], tolerance: Tolerance, add: Ticks) -> Option<Run> {
-    // The interval lies between these; each step narrows them.
-    let mut least = tolerance.first;
+/// Finds the longest run with a given change of the interval.
+fn longest_run_with_add(
+    last: Ticks,
+    due: &[Ticks],
+    tolerance: Tolerance,
+    add: Ticks,
+) -> Option<Run> {
+    // Bounds of the interval; each step narrows them.
+    let mut least = tolerance.min_first_interval;
     let mut most = Ticks::from(u32::MAX >> 1);
     let mut found = None;
     let mut before = last;
     for (k, due) in (1..).zip(due.iter().take(MOST_STEPS)) {
         let bend = add * (k * (k - 1) / 2);
         let away = due - last - bend;
-        let part = tolerance.part.map_or(0, |part| (due - before) / part);
-        let off = tolerance.off.max(part);
+        let share = tolerance
+            .error_divisor
+            .map_or(0, |divisor| (due - before) / divisor);
+        let max_error = tolerance.max_error.max(share);
         before = *due;
-        let at_least = div_up(away - off, k).max(tolerance.apart - add * (k - 1));
+        let at_least = div_up(away - max_error, k).max(tolerance.min_interval - add * (k - 1));
         least = least.max(at_least);
-        most = most.min((away + off).div_euclid(k));
+        most = most.min((away + max_error).div_euclid(k));
         if least > most {
             break;
         }
-        // As near to the middle as the tolerance let it.
+        // The middle of the bounds has the least errors.
         found = Some((k, least + (most - least) / 2));
     }
     let (count, interval) = found?;
@@ -121,10 +129,10 @@ mod tests {
     use proptest::prelude::*;
 
     const TOLERANCE: Tolerance = Tolerance {
-        off: 80,
-        part: None,
-        apart: 500,
-        first: 500,
+        max_error: 80,
+        error_divisor: None,
+        min_interval: 500,
+        min_first_interval: 500,
     };
 
     /// Compresses all, checks every step, and counts the runs.
@@ -137,10 +145,10 @@ mod tests {
                 let at = last + run.step(k);
                 let wanted = due[done + k as usize - 1];
                 assert!(
-                    (at - wanted).abs() <= tolerance.off,
+                    (at - wanted).abs() <= tolerance.max_error,
                     "{run:?} step {k}: {at} {wanted}"
                 );
-                assert!(at - before >= tolerance.apart, "{run:?} step {k}");
+                assert!(at - before >= tolerance.min_interval, "{run:?} step {k}");
                 before = at;
             }
             last = before;
@@ -151,13 +159,13 @@ mod tests {
     }
 
     #[test]
-    fn even_steps_are_one_run() {
+    fn steps_at_constant_speed_need_two_runs() {
         let due: Vec<Ticks> = (1..=40_000).map(|k| 10_000 + k * 1600).collect();
         assert_eq!(compressed(&due, TOLERANCE), 2, "the first interval differs");
     }
 
     #[test]
-    fn a_ramp_is_few_runs() {
+    fn an_acceleration_needs_few_runs() {
         // 400 steps from rest with constant acceleration.
         let due: Vec<Ticks> = (1..=400)
             .map(|k| (libm::sqrt(f64::from(k) / 2000.0) * 16e6) as Ticks + 20_000)
@@ -170,7 +178,7 @@ mod tests {
         #[test]
         fn every_step_is_in_time(
             gaps in prop::collection::vec((500i64..60_000, 1usize..60, -40i64..40), 1..30),
-            off in 4i64..200,
+            max_error in 4i64..200,
         ) {
             let mut due = Vec::new();
             let mut at = 0;
@@ -181,7 +189,7 @@ mod tests {
                     due.push(at);
                 }
             }
-            compressed(&due, Tolerance { off, ..TOLERANCE });
+            compressed(&due, Tolerance { max_error, ..TOLERANCE });
         }
     }
 }
