@@ -196,10 +196,12 @@ impl StateBuilder<'_> {
                 continue;
             };
             let result = match i32::try_from(value) {
-                Ok(value) => {
-                    let result = parameters.set_of(record, number, value);
-                    result.map_err(|it| it.message())
-                }
+                // Parameters saved under another model, or before a model had ranges of its
+                // own, keep to the common range.
+                Ok(value) => parameters
+                    .set(number, value)
+                    .or_else(|_| parameters.set_of(record, number, value))
+                    .map_err(|it| it.message()),
                 Err(_) => Err(say::parameter_out_of_range(number, value, &row.range)),
             };
             if let Err(rule) = result {
