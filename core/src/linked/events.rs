@@ -264,7 +264,7 @@ impl Linked {
                 self.report(BoardReport::Returned { axes, at });
             }
             LinkEvent::Learned { name, packed } => {
-                self.log.notes.push(Note::Learned { name, packed })
+                self.log.notes.push(Note::Learned { name, packed });
             }
             LinkEvent::Differs(difference) => self.log.notes.push(Note::Differs(difference)),
         }
