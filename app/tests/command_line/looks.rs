@@ -157,7 +157,7 @@ fn the_machine_zero_is_drawn_where_it_lies() {
         assert!(near((100.0, 50.0))(&points[0]), "{points:?}");
         let end = points.last().unwrap();
         match zero {
-            // Away from the part, up to the edge: nobody knows how far it goes.
+            // Away from the part, up to the edge: its end is unknown.
             None => {
                 let (x, z) = (end.0 - 50.0, end.1 + 20.0);
                 assert!(x > 50.0 && (z - x / 2.0).abs() < 0.5, "{points:?}");

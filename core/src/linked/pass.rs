@@ -49,8 +49,8 @@ impl Linked {
             .filter(same)
             .map_or(self.clock.now, |before| before.since);
         self.thread.waiting = Some(Waiting { why, since });
-        let (number, text, patience) = why.to_alarm();
-        if self.clock.now.saturating_sub(since) >= patience {
+        let (number, text, time_budget) = why.to_alarm();
+        if self.clock.now.saturating_sub(since) >= time_budget {
             self.thread.waiting = None;
             let alarm = Alarm::new(number).because(text);
             self.report(BoardReport::PassRefused(alarm));

@@ -365,14 +365,17 @@ impl Guess<'_> {
     /// What is tried when a tool goes through stock: its pose with edges that suit
     /// shoulders, steps and narrow places, then the other poses with them all.
     fn other_poses(&self, used: &Use) -> Vec<(Pose, u8)> {
-        let mut poses = self.known(0.0, 0.0).poses(used);
+        let all = self.known(0.0, 0.0).poses(used);
+        let mut poses = all.clone();
         // An inside that is nowhere wider than where it is entered is not cut.
         let bores = used
             .nearest
             .is_some_and(|nearest| nearest < used.farthest_cut);
         poses.retain(|pose| bores || !pose.internal);
+        let first = all.first().map(|pose| (*pose, pose.levels()[0]));
         let levels = |pose: Pose| pose.levels().map(|slim| (pose, slim));
-        poses.into_iter().flat_map(levels).skip(1).collect()
+        let tried = poses.into_iter().flat_map(levels);
+        tried.filter(|pose| Some(*pose) != first).collect()
     }
 
     /// Radius and front of the largest bar that is cut and that nothing goes through; if
