@@ -475,7 +475,264 @@ fn linear_to_gamma(part: f32) -> u8 {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+    use std::path::{Path, PathBuf};
+
     use super::*;
+
+    /// Least contrast of a text to its ground in the dark theme.
+    const MIN_CONTRAST: f32 = 3.0;
+    /// Code that names a colour or a size if a literal follows: a digit, or for the first one the
+    /// name of a colour of egui.
+    const COLOR_TYPE: &str = "Color32::";
+    const SIZE_FUNCTIONS: [&str; 4] = [
+        "FontId::proportional(",
+        "FontId::monospace(",
+        "FontId::new(",
+        ".size(",
+    ];
+    /// Code that defines a colour in another way.
+    const COLOR_CODE: [&str; 5] = [
+        "Rgba::",
+        "Hsva::",
+        "hex_color!",
+        "[u8; 3] = [",
+        "[u8; 4] = [",
+    ];
+
+    fn collect_sources(folder: &Path, files: &mut Vec<PathBuf>) {
+        for entry in fs::read_dir(folder).expect("sources of the window") {
+            let path = entry.expect("entry").path();
+            if path.is_dir() {
+                collect_sources(&path, files);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                files.push(path);
+            }
+        }
+    }
+
+    /// Whether a literal follows at the beginning of a text.
+    fn begins_with_digit(code: &str) -> bool {
+        code.trim_start()
+            .starts_with(|letter: char| letter.is_ascii_digit())
+    }
+
+    /// Whether `Color32::` precedes a colour literal: `WHITE`, `from_gray(150)`.
+    fn begins_with_color(code: &str) -> bool {
+        let name_length = code
+            .find(|letter: char| !letter.is_alphanumeric() && letter != '_')
+            .unwrap_or(code.len());
+        let (name, after) = code.split_at(name_length);
+        let arguments = after.strip_prefix('(');
+        name.starts_with(|letter: char| letter.is_ascii_uppercase())
+            || name.starts_with("from_") && arguments.is_some_and(begins_with_digit)
+    }
+
+    /// The literals of colours and text sizes in a source, each from its beginning.
+    fn find_style_literals(source: &str) -> Vec<&str> {
+        let colors = source.match_indices(COLOR_TYPE);
+        let colors = colors.filter(|(at, name)| begins_with_color(&source[at + name.len()..]));
+        let sizes = SIZE_FUNCTIONS
+            .iter()
+            .flat_map(|name| source.match_indices(*name));
+        let sizes = sizes.filter(|(at, name)| begins_with_digit(&source[at + name.len()..]));
+        let other = COLOR_CODE
+            .iter()
+            .flat_map(|code| source.match_indices(*code));
+        let found = colors.chain(sizes).chain(other);
+        found
+            .map(|(at, _)| source[at..].lines().next().unwrap_or_default())
+            .collect()
+    }
+
+    #[test]
+    fn only_the_theme_has_literals_of_colors_and_text_sizes() {
+        let mut files = Vec::new();
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/window");
+        collect_sources(&folder, &mut files);
+        assert!(files.len() > 30, "the window is elsewhere now");
+        files.sort();
+        let mut found = Vec::new();
+        for path in files
+            .iter()
+            .filter(|path| !path.ends_with("window/theme.rs"))
+        {
+            let source = fs::read_to_string(path).expect("a source");
+            for literal in find_style_literals(&source) {
+                found.push(format!("{}: {literal}", path.display()));
+            }
+        }
+        assert!(found.is_empty(), "move to theme.rs:\n{}", found.join("\n"));
+    }
+
+    #[test]
+    fn style_literals_are_found() {
+        let found = |source| find_style_literals(source).len();
+        for literal in [
+            "Color32::WHITE",
+            "egui::Color32::from_rgb(\n    1, 2, 3)",
+            "Color32::from_gray(3)",
+            "const BLUE: [u8; 3] = [1, 2, 3];",
+            "FontId::monospace(13.0)",
+            "text.size(15.0)",
+        ] {
+            assert_eq!(found(literal), 1, "{literal}");
+        }
+        for computed in [
+            "Color32::from_rgb(red, green, blue)",
+            "FontId::monospace(theme::LABEL_SIZE)",
+            "rect.size()",
+            "color: Color32, size: f32",
+        ] {
+            assert_eq!(found(computed), 0, "{computed}");
+        }
+    }
+
+    /// Texts and the grounds they are drawn on in the dark theme.
+    fn texts_on_grounds() -> Vec<(&'static str, Vec<Color32>, Vec<Color32>)> {
+        let widgets = egui::Visuals::dark().widgets;
+        let buttons = [widgets.inactive.weak_bg_fill, widgets.hovered.weak_bg_fill];
+        let traces = vec![
+            SCOPE_X,
+            SCOPE_X_COMMAND,
+            SCOPE_Z,
+            SCOPE_Z_COMMAND,
+            SCOPE_PATH,
+            SCOPE_SPINDLE,
+            SCOPE_SPINDLE_COMMAND,
+            SCOPE_BIT,
+            SCOPE_CURSORS[0],
+            SCOPE_CURSORS[1],
+        ];
+        let code = vec![
+            CODE_NAME,
+            CODE_G,
+            CODE_FUNCTION,
+            CODE_SETTING,
+            CODE_AXIS,
+            CODE_OTHER,
+            CODE_STATEMENT,
+            CODE_COMMENT,
+            CODE_ALARM_TEXT,
+        ];
+        let marked_code = vec![CODE_GROUND, CODE_ALARM_GROUND];
+        let states = vec![
+            SUCCESS,
+            JOB_VALID,
+            BUSY,
+            WARNING,
+            UNSAVED_TEXT,
+            DIFFERS,
+            ALARM_TEXT,
+            ERROR_TEXT,
+            SCOPE_ERROR_TEXT,
+            JOB_ERROR,
+            COLLISION,
+        ];
+        let lessons = vec![LESSON_STEP, LESSON_HINT_TEXT, BRIGHT_TEXT, NOTE_TEXT];
+        let times = vec![RAPID_PATH, FEED_PATH, THREAD_PATH, PASS_PATH, DWELL_TEXT];
+        let microscope = vec![
+            WITHIN_TOLERANCE,
+            MATERIAL_LEFT,
+            CUT_TOO_DEEP,
+            PROGRAMMED_PATH,
+            NOSE_CENTER_PATH,
+        ];
+        let ladder = vec![
+            LADDER_LIVE,
+            LADDER_RAIL,
+            LADDER_COMMENT,
+            LADDER_TITLE,
+            LADDER_RUNG_ERROR,
+            TEXT,
+            FORCED,
+        ];
+        let ladder_grounds = vec![DRAWING_GROUND, LADDER_BOX_GROUND, LADDER_MARK_GROUND];
+        let curves = vec![SCALE_TEXT, CURVE_CURRENT, CURVE_MEASURED, CURVE_PROPOSED];
+        let window = vec![WINDOW_GROUND, SIDE_GROUND, BAR_GROUND];
+        let bars = vec![SIDE_GROUND, BAR_GROUND];
+        let drawing = vec![DRAWING_GROUND];
+        vec![
+            ("text", vec![TEXT, WEAK_TEXT], window.clone()),
+            ("text of buttons", vec![TEXT], buttons.into()),
+            (
+                "rows",
+                vec![ROW_TEXT, SECONDARY_TEXT, QUIET_TEXT],
+                bars.clone(),
+            ),
+            (
+                "messages",
+                vec![MESSAGE_TEXT, HINT_TEXT, STATE_TEXT],
+                bars.clone(),
+            ),
+            (
+                "headers",
+                vec![BRIGHT_TEXT, SECONDARY_TEXT, NOTE_TEXT, WEAK_TEXT],
+                vec![HEADER_GROUND],
+            ),
+            ("choices", vec![QUIET_TEXT], vec![CHOICE_GROUND]),
+            (
+                "selected choices",
+                vec![CHOICE_SELECTED_TEXT],
+                vec![CHOICE_SELECTED_GROUND],
+            ),
+            ("states", states, window),
+            (
+                "signs and lamps",
+                vec![TEXT_ON_BRIGHT],
+                vec![WARNING, FORCED, LAMP_ON, SCOPE_CURSORS[0], SCOPE_CURSORS[1]],
+            ),
+            ("dark lamps", vec![LAMP_OFF_TEXT], vec![LAMP_OFF]),
+            (
+                "bar of a real machine",
+                vec![MACHINE_BAR_TEXT],
+                vec![MACHINE_CONNECTED_GROUND, MACHINE_DISCONNECTED_GROUND],
+            ),
+            ("lessons", lessons, bars.clone()),
+            ("part programs", code, marked_code),
+            // On the ground of an alarm, which rarely covers a mark, the contrast is only 2.86.
+            ("marks of blocks", vec![CODE_MARK], vec![CODE_GROUND]),
+            (
+                "line numbers",
+                vec![LINE_NUMBER_TEXT],
+                vec![LINE_NUMBER_GROUND],
+            ),
+            ("times", times, bars.clone()),
+            (
+                "words over the picture",
+                vec![GRID_TEXT, QUIET_TEXT, MEASURED_FEATURE],
+                drawing.clone(),
+            ),
+            ("microscope", microscope, bars.clone()),
+            ("ladder", ladder, ladder_grounds),
+            ("errors of a ladder", vec![LADDER_ERROR_TEXT], bars.clone()),
+            ("scales", vec![SCALE_TEXT, SCOPE_LANE_TEXT], drawing),
+            ("traces", traces, vec![DRAWING_GROUND, SIDE_GROUND]),
+            ("curves", curves, bars),
+        ]
+    }
+
+    #[test]
+    fn texts_have_contrast_to_their_grounds() {
+        for (what, inks, grounds) in texts_on_grounds() {
+            for ink in inks {
+                for ground in &grounds {
+                    let dark = contrast(ink, *ground);
+                    let light = contrast(to_light(ink), to_light(*ground));
+                    let [ink, ground] = [ink, *ground].map(|color| color.to_hex());
+                    println!("{what}: {ink} on {ground}: dark {dark:.1}, light {light:.1}");
+                    assert!(dark >= MIN_CONTRAST, "{what}: {ink} on {ground}: {dark}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn text_styles_have_the_sizes_of_egui() {
+        let mut style = Style::default();
+        set_text_style(&mut style);
+        assert_eq!(style.text_styles, Style::default().text_styles);
+    }
 
     /// The contrast ratio of two colours by the W3C accessibility guidelines.
     fn contrast(one: Color32, other: Color32) -> f32 {
