@@ -196,8 +196,8 @@ impl StateBuilder<'_> {
                 continue;
             };
             let result = match i32::try_from(value) {
-                // Parameters saved under another model, or before a model had ranges of its
-                // own, keep to the common range.
+                // Parameters saved under another model, or before models had separate ranges,
+                // keep to the common range.
                 Ok(value) => parameters
                     .set(number, value)
                     .or_else(|_| parameters.set_for_model(record, number, value))

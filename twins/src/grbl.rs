@@ -1,8 +1,8 @@
 //! Twins of Grbl boards: Grbl 1.1h on an 8 bit processor, grblHAL, and FluidNC.
 //!
 //! They model on purpose what hosts get wrong: a receive buffer that drops what does not
-//! fit, realtime characters that act within a line, a carriage return that ends a line of
-//! its own, silence after a hard limit, an `ok` that means "read" and not "done", and a
+//! fit, realtime characters that act within a line, a carriage return that ends a separate
+//! line, silence after a hard limit, an `ok` that means "read" and not "done", and a
 //! reset whenever the port is opened.
 
 mod block;

@@ -12,7 +12,7 @@ use egui::{Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptio
 use gsk_panel::faceplate::{self, FaceState, PanelArea, PanelColour, PanelPart, Pixmap};
 
 use super::panel_placement::PlacedArea;
-use super::theme::fill_unthemed;
+use super::theme;
 use crate::platform;
 
 /// The image matches the physical pixels: no filtering.
@@ -91,7 +91,7 @@ impl AreaSlot {
         let Some(picture) = &mut self.picture else {
             let [red, green, blue] = PanelColour::Housing.rgb();
             let housing = Color32::from_rgb(red, green, blue);
-            fill_unthemed(painter, view.bounds(), housing);
+            theme::fill_unthemed(painter, view.bounds(), housing);
             return;
         };
         picture.repaint_changed_parts(self.area, state);
@@ -103,7 +103,7 @@ impl AreaSlot {
             view.bounds()
         };
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-        painter.image(picture.texture.id(), target, whole, Color32::WHITE);
+        painter.image(picture.texture.id(), target, whole, theme::NO_TINT);
     }
 
     fn start_rendering(&mut self, context: &egui::Context, scale: f32) {

@@ -4,13 +4,14 @@
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use egui::{Align, Button, Color32, Context, Key, Layout as Flow, RichText, ScrollArea, Ui, vec2};
+use egui::{Align, Button, Context, Key, Layout as Flow, RichText, ScrollArea, Ui, vec2};
 use gsk_core::model::ModelId;
 
 use super::Window;
 use super::files::{self, FileChoice};
 use super::focus;
 use super::layout::{Layouts, WindowLayout};
+use super::theme;
 use super::view::ViewId;
 use crate::kernel::Console;
 use crate::{loading, platform};
@@ -22,7 +23,6 @@ const ANSWER_HEIGHT: f32 = 44.0;
 const MIN_ANSWER_WIDTH: f32 = 150.0;
 /// Greatest width of the column of questions, points.
 const MAX_COLUMN_WIDTH: f32 = 720.0;
-const ERROR_COLOR: Color32 = Color32::from_rgb(255, 150, 110);
 
 /// The purpose for which the operator uses the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -147,7 +147,7 @@ impl FirstStart {
         self.take_machine_file();
         let mut end = None;
         let frame = egui::Frame::new()
-            .fill(Color32::from_gray(22))
+            .fill(theme::WINDOW_GROUND)
             .inner_margin(egui::Margin::symmetric(16, 10));
         egui::CentralPanel::default().frame(frame).show(ui, |ui| {
             ScrollArea::vertical()
@@ -222,7 +222,7 @@ impl FirstStart {
         ui.add_space(18.0);
         let mut end = None;
         ui.horizontal_wrapped(|ui| {
-            let begin = RichText::new(text(say::first_begin())).size(16.0);
+            let begin = RichText::new(text(say::first_begin())).size(theme::LARGE_SIZE);
             let begin = Button::new(begin).min_size(vec2(MIN_ANSWER_WIDTH, ANSWER_HEIGHT));
             let begin = ui.add_enabled(self.purpose.is_some(), begin);
             let begin = begin.on_disabled_hover_text(text(say::first_answer_all()));
@@ -276,7 +276,7 @@ impl FirstStart {
         let hint = say::first_machine_file_hint().text(language);
         ui.weak(hint);
         if let Some(wrong) = &self.file_error {
-            ui.label(RichText::new(wrong.text(language)).color(ERROR_COLOR));
+            ui.label(RichText::new(wrong.text(language)).color(theme::ERROR_TEXT));
         }
     }
 
@@ -322,7 +322,7 @@ fn show_heading(ui: &mut Ui, text: &str) {
 
 /// Draws an answer as a button that is large enough for a finger.
 fn answer_option(ui: &mut Ui, is_chosen: bool, name: &str, width: f32) -> egui::Response {
-    let text = RichText::new(name).size(16.0);
+    let text = RichText::new(name).size(theme::LARGE_SIZE);
     ui.add(
         Button::selectable(is_chosen, text)
             .min_size(vec2(width, ANSWER_HEIGHT))

@@ -138,10 +138,7 @@ pub fn set_up(context: &egui::Context) {
     // The window handles the zoom keys itself.
     context.options_mut(|options| options.zoom_with_keyboard = false);
     context.all_styles_mut(|style| {
-        style.visuals.override_text_color = Some(Color32::from_gray(225));
-        // The weak text colour on a dark background. As a half-transparent colour it would be
-        // paler on a light one.
-        style.visuals.weak_text_color = Some(Color32::from_gray(150));
+        theme::set_text_style(style);
         style.spacing.button_padding = vec2(8.0, 3.0);
         // Delay of tool tips, s.
         style.interaction.tooltip_delay = 0.6;
@@ -168,9 +165,9 @@ mod tests {
             output.textures_delta.clear();
             width
         };
-        let font = || FontId::proportional(14.0);
-        let drawn = layout_text("--link", font(), Color32::WHITE);
-        let plain = LayoutJob::simple("--link".to_owned(), font(), Color32::WHITE, 1000.0);
+        let font = || FontId::proportional(theme::TITLE_SIZE);
+        let drawn = layout_text("--link", font(), theme::TEXT);
+        let plain = LayoutJob::simple("--link".to_owned(), font(), theme::TEXT, 1000.0);
         assert!(width(drawn) > width(plain) + 1.0);
     }
 }

@@ -5,7 +5,7 @@
 mod alarm_history;
 mod demonstrations;
 
-use egui::{Color32, Context, Frame, Key, Margin, RichText, ScrollArea, TextEdit, Ui};
+use egui::{Context, Frame, Key, Margin, RichText, ScrollArea, TextEdit, Ui};
 use gsk_core::model::ModelId;
 use gsk_help::{Subject, Topic, article, search_model, topic, topic_of};
 use gsk_messages::{Language, say};
@@ -14,6 +14,7 @@ use gsk_panel::alarm_log::AlarmRecord;
 use super::focus;
 use super::panel_placement::PlacedArea;
 use super::stop_key_clearance;
+use super::theme;
 use crate::kernel::{LessonAction, PanelSnapshot};
 
 /// Size of the window, points.
@@ -264,7 +265,7 @@ pub fn show_article(ui: &mut Ui, topic: &Topic, language: Language) {
         ui.add_space(4.0);
     }
     for fact in article.facts {
-        ui.label(RichText::new(fact).color(Color32::from_gray(170)));
+        ui.label(RichText::new(fact).color(theme::NOTE_TEXT));
     }
     if !article.example.is_empty() {
         ui.add_space(4.0);

@@ -1,11 +1,12 @@
 //! Draws the map of PC keys over the panel.
 
-use egui::{Color32, Context, RichText, Vec2};
+use egui::{Context, RichText, Vec2};
 use gsk_panel::keys::{KEYS, KeyRole, KeyRow};
 
 use super::layout::LAYOUTS;
 use super::panel_placement::PlacedArea;
 use super::stop_key_clearance;
+use super::theme;
 use super::view::{VIEWS, key_name};
 use gsk_messages::{Language, say};
 
@@ -39,7 +40,7 @@ pub fn show(context: &Context, language: Language, placed: &[PlacedArea]) -> boo
             say::window_keys_latch(),
             say::window_keys_wheel(),
         ] {
-            ui.label(RichText::new(text.text(language)).color(Color32::from_gray(150)));
+            ui.label(RichText::new(text.text(language)).color(theme::WEAK_TEXT));
         }
         let views = VIEWS
             .iter()
@@ -50,7 +51,7 @@ pub fn show(context: &Context, language: Language, placed: &[PlacedArea]) -> boo
             .chain(layouts)
             .map(|(key, name)| format!("{}  {}", key_name(key), name().text(language)));
         let views = views.collect::<Vec<_>>().join("     ");
-        ui.label(RichText::new(views).color(Color32::from_gray(190)));
+        ui.label(RichText::new(views).color(theme::QUIET_TEXT));
         egui::ScrollArea::vertical()
             .auto_shrink([false, false])
             .show(ui, |ui| {

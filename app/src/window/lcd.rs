@@ -1,9 +1,10 @@
 //! Draws the LCD in the window, with whole pixels per dot wherever a whole zoom fits.
 
-use super::theme::fill_unthemed;
 use egui::{Color32, ColorImage, Pos2, Rect, TextureHandle, TextureOptions, vec2};
 use gsk_panel::raster;
 use gsk_panel::screen::{HEIGHT, Screen, WIDTH};
+
+use super::theme;
 
 /// A whole zoom is used if the image then fills at least this share of its rectangle.
 const MIN_FILL: f32 = 0.88;
@@ -92,9 +93,9 @@ impl Lcd {
         let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
         let [red, green, blue] = raster::palette(brightness).background;
         if !placement.rect.expand(0.01).contains_rect(bounds) {
-            fill_unthemed(painter, bounds, Color32::from_rgb(red, green, blue));
+            theme::fill_unthemed(painter, bounds, Color32::from_rgb(red, green, blue));
         }
-        painter.image(texture.id(), placement.rect, whole, Color32::WHITE);
+        painter.image(texture.id(), placement.rect, whole, theme::NO_TINT);
     }
 
     fn upload(

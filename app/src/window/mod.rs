@@ -295,7 +295,7 @@ impl Window {
         let language = self.settings.language;
         real_machine_bar::show(ui, "panel", self.board(), language);
         let slim = Frame::new()
-            .fill(egui::Color32::from_gray(34))
+            .fill(theme::BAR_GROUND)
             .inner_margin(Margin::symmetric(8, 0));
         let bar = Panel::top("bar")
             .exact_size(TOP_BAR_HEIGHT)

@@ -1,15 +1,13 @@
 //! Draws the area between the bars: the panel and the docked views in panes, together or as
 //! tabs.
 
-use egui::{Align, Button, Color32, Layout, Ui, UiBuilder};
+use egui::{Align, Button, Layout, Ui, UiBuilder};
 use gsk_messages::say;
 
 use super::layout::{self, PaneTabs, WindowPane};
 use super::views::header;
-use super::{Window, focus, panel_placement};
+use super::{Window, focus, panel_placement, theme};
 
-/// Background of the tab bar.
-const TAB_BAR_COLOR: Color32 = Color32::from_gray(40);
 /// Least size of a tab, points.
 const MIN_TAB_SIZE: egui::Vec2 = egui::vec2(64.0, 34.0);
 
@@ -60,7 +58,8 @@ impl Window {
     /// Draws the tab bar that switches between the panes.
     fn show_tabs(&mut self, ui: &mut Ui, tabs: &PaneTabs, front: Option<WindowPane>) {
         let language = self.settings.language;
-        ui.painter().rect_filled(tabs.bar, 0.0, TAB_BAR_COLOR);
+        ui.painter()
+            .rect_filled(tabs.bar, 0.0, theme::HEADER_GROUND);
         let bar = tabs.bar.shrink2(egui::vec2(8.0, 0.0));
         let inside = UiBuilder::new()
             .id_salt("turns")

@@ -9,14 +9,8 @@ use gsk_panel::keys::{Key, STRIP};
 use gsk_panel::screen::{COLUMNS, ROWS};
 
 use super::panel_placement::{self, PlacedArea};
-use super::{Command, StatusMessage, Window, screen_reader, tips};
+use super::{Command, StatusMessage, Window, screen_reader, theme, tips};
 use gsk_messages::{Language, say};
-
-/// The ring around a latched key.
-const LATCH_COLOR: Color32 = Color32::from_rgb(255, 150, 0);
-
-/// The ring around a key that a lesson asks the operator to press.
-const LESSON_COLOR: Color32 = Color32::from_rgb(60, 220, 255);
 
 /// Draws a ring around a key.
 fn draw_ring(painter: &Painter, placed: PlacedArea, part: &PanelPart, colour: Color32) {
@@ -134,13 +128,13 @@ impl Window {
             if let Some(part) = faceplate::part_of(key)
                 && let Some(view) = panel_placement::area_of_part(placed, part)
             {
-                draw_ring(&painter, *view, part, LESSON_COLOR);
+                draw_ring(&painter, *view, part, theme::LESSON_RING);
             }
         }
         if let Some(part) = self.held_keys.latched_key().and_then(faceplate::part_of)
             && let Some(view) = panel_placement::area_of_part(placed, part)
         {
-            draw_ring(&painter, *view, part, LATCH_COLOR);
+            draw_ring(&painter, *view, part, theme::LATCH_RING);
         }
         self.snapshot = snapshot;
     }

@@ -1,10 +1,12 @@
 //! The warning bar in every window that the keys move a real machine, with the state of its
 //! board.
 
-use egui::{Color32, Frame, Margin, Panel, RichText, Ui};
+use egui::{Frame, Margin, Panel, RichText, Ui};
 use gsk_link::LinkState;
 
 use gsk_messages::{Language, Message, say};
+
+use super::theme;
 
 /// The warning in both languages, whatever the language of the window.
 fn warning_text() -> String {
@@ -31,17 +33,14 @@ pub fn state_name(state: LinkState) -> Message {
 
 /// Height of the bar, points.
 const BAR_HEIGHT: f32 = 30.0;
-/// Background: the board can move the slides; the board is off or lost.
-const CONNECTED_COLOR: Color32 = Color32::from_rgb(208, 30, 24);
-const DISCONNECTED_COLOR: Color32 = Color32::from_rgb(150, 84, 20);
 
 /// Draws the bar at the top of a window, if a board moves the slides. `id_suffix` makes its widget
 /// id unique.
 pub fn show(ui: &mut Ui, id_suffix: &str, board: Option<LinkState>, language: Language) {
     let Some(state) = board else { return };
     let ground = match state {
-        LinkState::Off | LinkState::Lost => DISCONNECTED_COLOR,
-        _ => CONNECTED_COLOR,
+        LinkState::Off | LinkState::Lost => theme::MACHINE_DISCONNECTED_GROUND,
+        _ => theme::MACHINE_CONNECTED_GROUND,
     };
     let frame = Frame::new()
         .fill(ground)
@@ -52,11 +51,11 @@ pub fn show(ui: &mut Ui, id_suffix: &str, board: Option<LinkState>, language: La
         .show_separator_line(false);
     panel.show(ui, |ui| {
         ui.horizontal_centered(|ui| {
-            let white = |text: &str| RichText::new(text).color(Color32::WHITE).strong();
-            ui.label(white(&warning_text()).size(19.0));
+            let white = |text: &str| RichText::new(text).color(theme::MACHINE_BAR_TEXT).strong();
+            ui.label(white(&warning_text()).size(theme::MACHINE_WARNING_SIZE));
             ui.add_space(14.0);
             let state_text = say::window_board_state(state_name(state)).text(language);
-            ui.label(white(&state_text).size(16.0));
+            ui.label(white(&state_text).size(theme::LARGE_SIZE));
         });
     });
 }

@@ -6,8 +6,10 @@
 
 use egui::emath::TSTransform;
 use egui::text_selection::accesskit_text::update_accesskit_for_text_widget;
-use egui::{Color32, FontId, Rect, Response, Ui};
+use egui::{FontId, Rect, Response, Ui};
 use gsk_panel::screen::{ROWS, Screen};
+
+use super::theme;
 
 /// Adds the 15 rows of the LCD as runs of text.
 pub fn add_lcd_rows(ui: &Ui, lcd: &Response, bounds: Rect, screen: &Screen) {
@@ -18,7 +20,7 @@ pub fn add_lcd_rows(ui: &Ui, lcd: &Response, bounds: Rect, screen: &Screen) {
     let font = FontId::monospace(bounds.height() / ROWS as f32);
     let text = ui
         .painter()
-        .layout_no_wrap(screen.text(), font, Color32::WHITE);
+        .layout_no_wrap(screen.text(), font, theme::TEXT);
     let scaling = bounds.height() / text.rect.height().max(1.0);
     let transform = TSTransform::new(bounds.min.to_vec2(), scaling);
     update_accesskit_for_text_widget(ui.ctx(), lcd.id, None, transform, &text);

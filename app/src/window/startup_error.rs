@@ -3,7 +3,7 @@
 
 use eframe::egui::{self, Button};
 
-use super::{TITLE, fonts};
+use super::{TITLE, fonts, theme};
 use crate::platform;
 use gsk_messages::{Language, Message, say};
 
@@ -58,7 +58,7 @@ impl eframe::App for ErrorDialog {
             ui.heading(TITLE);
             ui.add_space(6.0);
             for sentence in &self.sentences {
-                let font = egui::FontId::proportional(15.0);
+                let font = egui::FontId::proportional(theme::READING_SIZE);
                 ui.label(fonts::layout_text(
                     sentence,
                     font,

@@ -1,17 +1,333 @@
-//! Recolours the window for light surroundings. The window is drawn in dark colours; one rule
-//! gives each colour its light counterpart, just before a frame is shown. Panel, LCD and the
-//! lit part are images and look the same in both themes.
+//! Colours and text sizes of the window, and its light theme. The window is drawn in the dark
+//! colours below. For light surroundings one rule gives each colour its light counterpart, just
+//! before a frame is shown. Panel, LCD and the lit part are images and look the same in both
+//! themes.
 
 use std::cell::Cell;
 
 use egui::epaint::shape_transform::adjust_colors;
 use egui::{
-    Color32, Context, FullOutput, Id, Painter, Plugin, Pos2, Rect, Shape, TextureHandle, TextureId,
-    TextureOptions, pos2,
+    Color32, Context, FontId, FullOutput, Id, Painter, Plugin, Pos2, Rect, Shape, Style, TextStyle,
+    TextureHandle, TextureId, TextureOptions, pos2,
 };
 
-/// The background colour of the window in the dark theme.
-const DARK_BACKGROUND: Color32 = Color32::from_gray(22);
+// Text.
+
+/// Most of the text.
+pub const TEXT: Color32 = Color32::from_gray(225);
+/// Text of the message in the top bar.
+pub const MESSAGE_TEXT: Color32 = Color32::from_gray(220);
+/// Text of rows in lists and tables.
+pub const ROW_TEXT: Color32 = Color32::from_gray(215);
+/// Emphasized text: the step of a lesson, an icon under the pointer.
+pub const BRIGHT_TEXT: Color32 = Color32::WHITE;
+/// Titles of views, times, received lines.
+pub const SECONDARY_TEXT: Color32 = Color32::from_gray(200);
+/// Unobtrusive text: states over the picture, keys of views, matching positions.
+pub const QUIET_TEXT: Color32 = Color32::from_gray(190);
+/// Notes, names of files, idle icons.
+pub const NOTE_TEXT: Color32 = Color32::from_gray(170);
+/// The state of the machine view without a warning.
+pub const STATE_TEXT: Color32 = Color32::from_gray(160);
+/// Weak text of egui, and explanations. It is opaque: a half-transparent colour would be paler
+/// on a light ground.
+pub const WEAK_TEXT: Color32 = Color32::from_gray(150);
+/// The hint in the top bar while there is no message.
+pub const HINT_TEXT: Color32 = Color32::from_gray(140);
+/// Text on lamps, signs and flags in bright colours.
+pub const TEXT_ON_BRIGHT: Color32 = Color32::BLACK;
+
+// Grounds.
+
+/// No fill.
+pub const NO_FILL: Color32 = Color32::TRANSPARENT;
+/// The window.
+pub const WINDOW_GROUND: Color32 = Color32::from_gray(22);
+/// The drawing of a view: lathe, ladder, scope.
+pub const DRAWING_GROUND: Color32 = Color32::from_gray(18);
+/// Lists and forms of a view.
+pub const SIDE_GROUND: Color32 = Color32::from_gray(28);
+/// Bars of the window and of its views.
+pub const BAR_GROUND: Color32 = Color32::from_gray(34);
+/// The bar of tabs, and the header of a view.
+pub const HEADER_GROUND: Color32 = Color32::from_gray(40);
+
+/// Shade on a row under the pointer.
+pub fn row_hover() -> Color32 {
+    Color32::from_white_alpha(10)
+}
+
+/// A splitter between two panes.
+pub const SPLITTER: Color32 = Color32::from_gray(44);
+/// A splitter that has the pointer or the focus.
+pub const SPLITTER_ACTIVE: Color32 = Color32::from_rgb(88, 140, 196);
+/// Tint of an image that keeps its colours.
+pub const NO_TINT: Color32 = Color32::WHITE;
+
+// Buttons that select one of several values.
+
+/// The selected value.
+pub const CHOICE_SELECTED_GROUND: Color32 = Color32::from_gray(58);
+pub const CHOICE_SELECTED_TEXT: Color32 = Color32::from_gray(210);
+/// Another value.
+pub const CHOICE_GROUND: Color32 = Color32::from_gray(42);
+
+// Success, warning, danger.
+
+/// Done, valid, connected.
+pub const SUCCESS: Color32 = Color32::from_rgb(110, 230, 120);
+/// A job that is saved and valid.
+pub const JOB_VALID: Color32 = Color32::from_rgb(110, 220, 120);
+/// A connection that moves the machine, and the lines it sends.
+pub const BUSY: Color32 = Color32::from_rgb(120, 190, 255);
+/// Uncertain, waiting, on trial; the signs of the top bar.
+pub const WARNING: Color32 = Color32::from_rgb(255, 196, 90);
+/// A bit that is forced.
+pub const FORCED: Color32 = WARNING;
+/// Changes that are not saved or written yet, and the reason why the control refuses them.
+pub const UNSAVED_TEXT: Color32 = Color32::from_rgb(255, 214, 110);
+/// A value that differs from the delivered one.
+pub const DIFFERS: Color32 = Color32::from_rgb(120, 190, 255);
+/// Alarms, faults, failed transfers.
+pub const ALARM_TEXT: Color32 = Color32::from_rgb(255, 120, 96);
+/// Errors of an entry.
+pub const ERROR_TEXT: Color32 = Color32::from_rgb(255, 150, 110);
+/// Errors of an address that is entered in the scope.
+pub const SCOPE_ERROR_TEXT: Color32 = Color32::from_rgb(255, 150, 120);
+/// Errors of a job.
+pub const JOB_ERROR: Color32 = Color32::from_rgb(255, 100, 90);
+/// A collision, and the end of a path by an alarm.
+pub const COLLISION: Color32 = Color32::from_rgb(255, 70, 60);
+
+// The bar that warns of a real machine.
+
+pub const MACHINE_BAR_TEXT: Color32 = Color32::WHITE;
+/// The board can move the slides.
+pub const MACHINE_CONNECTED_GROUND: Color32 = Color32::from_rgb(208, 30, 24);
+/// The board is off or lost.
+pub const MACHINE_DISCONNECTED_GROUND: Color32 = Color32::from_rgb(150, 84, 20);
+
+// Rings around keys of the panel, and lamps of the bench.
+
+/// The ring around a latched key.
+pub const LATCH_RING: Color32 = Color32::from_rgb(255, 150, 0);
+/// The ring around a key that a lesson asks the operator to press.
+pub const LESSON_RING: Color32 = Color32::from_rgb(60, 220, 255);
+pub const LAMP_ON: Color32 = SUCCESS;
+pub const LAMP_OFF: Color32 = Color32::from_gray(62);
+pub const LAMP_OFF_TEXT: Color32 = Color32::from_gray(170);
+
+// Lessons.
+
+/// The current step of a lesson, and a demonstration.
+pub const LESSON_STEP: Color32 = Color32::from_rgb(90, 200, 255);
+/// The mark of a step that is not done.
+pub const LESSON_OPEN: Color32 = Color32::from_gray(90);
+pub const LESSON_HINT_TEXT: Color32 = Color32::from_rgb(255, 214, 130);
+
+// Part programs.
+
+pub const CODE_GROUND: Color32 = Color32::from_gray(22);
+pub const CODE_ALARM_GROUND: Color32 = Color32::from_rgb(70, 28, 26);
+/// Words that raise an alarm, and characters that belong to no word.
+pub const CODE_ALARM_TEXT: Color32 = Color32::from_rgb(255, 110, 96);
+pub const LINE_NUMBER_GROUND: Color32 = Color32::from_gray(30);
+pub const LINE_NUMBER_TEXT: Color32 = Color32::from_gray(110);
+/// Block and program numbers.
+pub const CODE_NAME: Color32 = Color32::from_gray(140);
+/// G words.
+pub const CODE_G: Color32 = Color32::from_rgb(110, 180, 255);
+/// M words.
+pub const CODE_FUNCTION: Color32 = Color32::from_rgb(255, 170, 90);
+/// S, F and T words.
+pub const CODE_SETTING: Color32 = Color32::from_rgb(225, 150, 230);
+pub const CODE_AXIS: Color32 = Color32::from_rgb(240, 240, 240);
+pub const CODE_OTHER: Color32 = Color32::from_rgb(230, 215, 140);
+pub const CODE_STATEMENT: Color32 = Color32::from_rgb(150, 215, 225);
+pub const CODE_COMMENT: Color32 = Color32::from_rgb(120, 190, 130);
+/// End of block, block skip, program mark.
+pub const CODE_MARK: Color32 = Color32::from_gray(110);
+
+// Paths of the tool.
+
+pub const RAPID_PATH: Color32 = Color32::from_rgb(255, 150, 60);
+pub const FEED_PATH: Color32 = Color32::from_rgb(90, 180, 255);
+pub const THREAD_PATH: Color32 = Color32::from_rgb(80, 225, 120);
+/// The running block.
+pub const RUNNING_PATH: Color32 = Color32::from_rgb(255, 255, 140);
+/// The selected block.
+pub const SELECTED_PATH: Color32 = Color32::from_rgb(255, 110, 220);
+/// The selected pass of a cycle.
+pub const PASS_PATH: Color32 = Color32::from_rgb(255, 245, 170);
+/// The block that raises an alarm.
+pub const FAULT_PATH: Color32 = Color32::from_rgb(255, 60, 50);
+/// Dwells, and times without a known move.
+pub const DWELL: Color32 = Color32::from_gray(64);
+pub const DWELL_TEXT: Color32 = Color32::from_gray(150);
+/// Shade on the elapsed part of the time bar.
+pub const TIME_DONE_SHADE: Color32 = Color32::from_black_alpha(110);
+/// The current time in the time bar.
+pub const TIME_CURSOR: Color32 = Color32::WHITE;
+
+/// The colour of a column of the time bar, from that of its path.
+pub fn time_column(path: Color32) -> Color32 {
+    path.gamma_multiply(0.75)
+}
+
+// Drawing of the part.
+
+pub const GRID_LINE: Color32 = Color32::from_gray(34);
+/// Figures at the lines of the grid.
+pub const GRID_TEXT: Color32 = Color32::from_gray(150);
+pub const SPINDLE_AXIS: Color32 = Color32::from_rgb(176, 120, 120);
+/// Ground of text over the picture.
+pub const PICTURE_LABEL_GROUND: Color32 = Color32::from_rgba_premultiplied(12, 12, 12, 170);
+/// The cut face of the half section.
+pub const SECTION: Color32 = Color32::from_rgb(118, 116, 112);
+/// The outside of the part, below the axis.
+pub const PART_OUTSIDE: Color32 = Color32::from_rgb(74, 74, 76);
+pub const PART_EDGE: Color32 = Color32::from_rgb(196, 196, 192);
+pub const CHUCK: Color32 = Color32::from_rgb(44, 50, 60);
+pub const CHUCK_JAWS: Color32 = Color32::from_rgb(62, 72, 88);
+pub const CLAMPING_EDGE: Color32 = Color32::from_rgb(104, 116, 136);
+pub const INSERT: Color32 = Color32::from_rgb(240, 200, 60);
+pub const INSERT_EDGE: Color32 = Color32::WHITE;
+pub const TOOL_HOLDER: Color32 = Color32::from_rgb(98, 104, 112);
+pub const TOOL_HOLDER_EDGE: Color32 = Color32::from_rgb(150, 156, 164);
+/// Marks of the turning spindle, and the nozzle.
+pub const SPINDLE_MARK: Color32 = Color32::from_rgb(150, 164, 186);
+pub const COOLANT: Color32 = Color32::from_rgba_premultiplied(40, 84, 120, 130);
+
+// Measurement of the part.
+
+/// The measured feature under the pointer.
+pub const MEASURED_FEATURE: Color32 = Color32::from_rgb(255, 240, 120);
+/// A measurement that stays in the picture.
+pub const KEPT_MEASUREMENT: Color32 = Color32::from_rgb(255, 150, 220);
+pub const CALIPER: Color32 = Color32::from_rgb(190, 220, 255);
+pub const CALIPER_LABEL_GROUND: Color32 = Color32::from_rgba_premultiplied(10, 12, 16, 220);
+pub const WITHIN_TOLERANCE: Color32 = Color32::from_rgb(90, 215, 110);
+pub const MATERIAL_LEFT: Color32 = Color32::from_rgb(80, 150, 255);
+pub const CUT_TOO_DEEP: Color32 = Color32::from_rgb(255, 70, 60);
+pub const PROGRAMMED_PATH: Color32 = Color32::WHITE;
+/// The path of the centre of the tool nose.
+pub const NOSE_CENTER_PATH: Color32 = Color32::from_rgb(200, 130, 255);
+
+/// The colour of a path under the microscope, below the compared surface.
+pub fn microscope_path(path: Color32) -> Color32 {
+    path.gamma_multiply(0.6)
+}
+
+// Ladder.
+
+/// Power flows.
+pub const LADDER_LIVE: Color32 = Color32::from_rgb(96, 226, 118);
+/// No power flows.
+pub const LADDER_DEAD: Color32 = Color32::from_gray(112);
+/// Power rails, and symbols without power.
+pub const LADDER_RAIL: Color32 = Color32::from_gray(150);
+pub const LADDER_COMMENT: Color32 = Color32::from_gray(146);
+pub const LADDER_TITLE: Color32 = Color32::from_rgb(150, 190, 230);
+pub const LADDER_SELECTED: Color32 = Color32::from_rgb(92, 190, 255);
+/// Ground of an element that the search has found.
+pub const LADDER_FOUND_GROUND: Color32 = Color32::from_rgba_unmultiplied_const(255, 214, 90, 38);
+pub const LADDER_BOX_GROUND: Color32 = Color32::from_gray(30);
+/// Ground of the label between two rungs.
+pub const LADDER_MARK_GROUND: Color32 = Color32::from_gray(40);
+/// The frame around a rung that does not compile, and its error.
+pub const LADDER_RUNG_ERROR: Color32 = Color32::from_rgb(255, 110, 90);
+/// Errors in the list of the compiler.
+pub const LADDER_ERROR_TEXT: Color32 = Color32::from_rgb(255, 130, 104);
+
+/// Fill of a contact or coil with power.
+pub fn ladder_live_ground() -> Color32 {
+    LADDER_LIVE.gamma_multiply(0.35)
+}
+
+/// Frame of an element under the pointer.
+pub fn ladder_hover() -> Color32 {
+    LADDER_SELECTED.gamma_multiply(0.5)
+}
+
+// Scope and curves.
+
+pub const SCOPE_GRID: Color32 = Color32::from_gray(46);
+pub const SCOPE_ZERO_LINE: Color32 = Color32::from_gray(74);
+pub const SCOPE_FRAME: Color32 = Color32::from_gray(84);
+/// Figures at the scales of scope and curves.
+pub const SCALE_TEXT: Color32 = Color32::from_gray(160);
+pub const SCOPE_LANE_TEXT: Color32 = Color32::from_gray(205);
+pub const SCOPE_LANE_GROUND: Color32 = Color32::from_black_alpha(150);
+/// Actual and commanded values of X.
+pub const SCOPE_X: Color32 = Color32::from_rgb(92, 190, 255);
+pub const SCOPE_X_COMMAND: Color32 = Color32::from_rgb(64, 118, 158);
+/// Actual and commanded values of Z.
+pub const SCOPE_Z: Color32 = Color32::from_rgb(255, 176, 72);
+pub const SCOPE_Z_COMMAND: Color32 = Color32::from_rgb(164, 118, 58);
+/// Values along the path.
+pub const SCOPE_PATH: Color32 = Color32::from_rgb(140, 222, 120);
+/// Actual and commanded values of the spindle.
+pub const SCOPE_SPINDLE: Color32 = Color32::from_rgb(238, 130, 208);
+pub const SCOPE_SPINDLE_COMMAND: Color32 = Color32::from_rgb(150, 88, 132);
+pub const SCOPE_BIT: Color32 = Color32::from_rgb(150, 214, 190);
+pub const SCOPE_CURSORS: [Color32; 2] = [
+    Color32::from_rgb(255, 226, 90),
+    Color32::from_rgb(120, 226, 226),
+];
+/// Curves of pitch errors.
+pub const CURVE_GRID: Color32 = Color32::from_gray(52);
+pub const CURVE_CURRENT: Color32 = Color32::from_gray(150);
+pub const CURVE_MEASURED: Color32 = Color32::from_rgb(255, 180, 90);
+pub const CURVE_PROPOSED: Color32 = Color32::from_rgb(90, 200, 255);
+
+/// Fill of a bit while it is 1.
+pub fn scope_bit_ground() -> Color32 {
+    SCOPE_BIT.gamma_multiply(0.25)
+}
+
+// Sizes of text, points.
+
+/// 0 or 1 in a lamp.
+pub const LAMP_SIZE: f32 = 10.0;
+/// Figures at the grid of the picture and at curves.
+pub const SCALE_SIZE: f32 = 11.0;
+/// Names of the bits in the scope.
+pub const BIT_NAME_SIZE: f32 = 11.5;
+/// Comments in drawings, figures of the scope.
+pub const ANNOTATION_SIZE: f32 = 12.0;
+/// Addresses and values in drawings, line numbers.
+pub const LABEL_SIZE: f32 = 13.0;
+/// Titles of rungs.
+pub const TITLE_SIZE: f32 = 14.0;
+/// Part programs, and sentences that are read at a distance.
+pub const READING_SIZE: f32 = 15.0;
+/// The step of a lesson, large buttons, readings of the caliper, the state of a real machine.
+pub const LARGE_SIZE: f32 = 16.0;
+/// The end of a lesson.
+pub const LESSON_END_SIZE: f32 = 17.0;
+/// The warning of a real machine.
+pub const MACHINE_WARNING_SIZE: f32 = 19.0;
+// Sizes of the text styles of egui.
+
+const SMALL_STYLE_SIZE: f32 = 9.0;
+const BODY_STYLE_SIZE: f32 = 13.0;
+const HEADING_STYLE_SIZE: f32 = 18.0;
+
+/// Sets the text styles and text colours of all windows.
+pub fn set_text_style(style: &mut Style) {
+    style.text_styles = [
+        (TextStyle::Small, FontId::proportional(SMALL_STYLE_SIZE)),
+        (TextStyle::Body, FontId::proportional(BODY_STYLE_SIZE)),
+        (TextStyle::Button, FontId::proportional(BODY_STYLE_SIZE)),
+        (TextStyle::Monospace, FontId::monospace(BODY_STYLE_SIZE)),
+        (TextStyle::Heading, FontId::proportional(HEADING_STYLE_SIZE)),
+    ]
+    .into();
+    style.visuals.override_text_color = Some(TEXT);
+    style.visuals.weak_text_color = Some(WEAK_TEXT);
+}
+
+// The light theme.
 
 /// Lightness in the light theme as a polynomial of the lightness in the dark theme, constant
 /// term first: the darkest background (0.15) becomes white, a pale ink (0.65) half dark, white
@@ -51,9 +367,9 @@ pub fn set_light(context: &Context, light: bool) {
 /// The background colour of a window in the light or the dark theme.
 pub fn background(light: bool) -> Color32 {
     if light {
-        to_light(DARK_BACKGROUND)
+        to_light(WINDOW_GROUND)
     } else {
-        DARK_BACKGROUND
+        WINDOW_GROUND
     }
 }
 
@@ -159,7 +475,264 @@ fn linear_to_gamma(part: f32) -> u8 {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+    use std::path::{Path, PathBuf};
+
     use super::*;
+
+    /// Least contrast of a text to its ground in the dark theme.
+    const MIN_CONTRAST: f32 = 3.0;
+    /// Code that names a colour or a size if a literal follows: a digit, or for the first one the
+    /// name of a colour of egui.
+    const COLOR_TYPE: &str = "Color32::";
+    const SIZE_FUNCTIONS: [&str; 4] = [
+        "FontId::proportional(",
+        "FontId::monospace(",
+        "FontId::new(",
+        ".size(",
+    ];
+    /// Code that defines a colour in another way.
+    const COLOR_CODE: [&str; 5] = [
+        "Rgba::",
+        "Hsva::",
+        "hex_color!",
+        "[u8; 3] = [",
+        "[u8; 4] = [",
+    ];
+
+    fn collect_sources(folder: &Path, files: &mut Vec<PathBuf>) {
+        for entry in fs::read_dir(folder).expect("sources of the window") {
+            let path = entry.expect("entry").path();
+            if path.is_dir() {
+                collect_sources(&path, files);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                files.push(path);
+            }
+        }
+    }
+
+    /// Whether a literal follows at the beginning of a text.
+    fn begins_with_digit(code: &str) -> bool {
+        code.trim_start()
+            .starts_with(|letter: char| letter.is_ascii_digit())
+    }
+
+    /// Whether `Color32::` precedes a colour literal: `WHITE`, `from_gray(150)`.
+    fn begins_with_color(code: &str) -> bool {
+        let name_length = code
+            .find(|letter: char| !letter.is_alphanumeric() && letter != '_')
+            .unwrap_or(code.len());
+        let (name, after) = code.split_at(name_length);
+        let arguments = after.strip_prefix('(');
+        name.starts_with(|letter: char| letter.is_ascii_uppercase())
+            || name.starts_with("from_") && arguments.is_some_and(begins_with_digit)
+    }
+
+    /// The literals of colours and text sizes in a source, each from its beginning.
+    fn find_style_literals(source: &str) -> Vec<&str> {
+        let colors = source.match_indices(COLOR_TYPE);
+        let colors = colors.filter(|(at, name)| begins_with_color(&source[at + name.len()..]));
+        let sizes = SIZE_FUNCTIONS
+            .iter()
+            .flat_map(|name| source.match_indices(*name));
+        let sizes = sizes.filter(|(at, name)| begins_with_digit(&source[at + name.len()..]));
+        let other = COLOR_CODE
+            .iter()
+            .flat_map(|code| source.match_indices(*code));
+        let found = colors.chain(sizes).chain(other);
+        found
+            .map(|(at, _)| source[at..].lines().next().unwrap_or_default())
+            .collect()
+    }
+
+    #[test]
+    fn only_the_theme_has_literals_of_colors_and_text_sizes() {
+        let mut files = Vec::new();
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/window");
+        collect_sources(&folder, &mut files);
+        assert!(files.len() > 30, "the window is elsewhere now");
+        files.sort();
+        let mut found = Vec::new();
+        for path in files
+            .iter()
+            .filter(|path| !path.ends_with("window/theme.rs"))
+        {
+            let source = fs::read_to_string(path).expect("a source");
+            for literal in find_style_literals(&source) {
+                found.push(format!("{}: {literal}", path.display()));
+            }
+        }
+        assert!(found.is_empty(), "move to theme.rs:\n{}", found.join("\n"));
+    }
+
+    #[test]
+    fn style_literals_are_found() {
+        let found = |source| find_style_literals(source).len();
+        for literal in [
+            "Color32::WHITE",
+            "egui::Color32::from_rgb(\n    1, 2, 3)",
+            "Color32::from_gray(3)",
+            "const BLUE: [u8; 3] = [1, 2, 3];",
+            "FontId::monospace(13.0)",
+            "text.size(15.0)",
+        ] {
+            assert_eq!(found(literal), 1, "{literal}");
+        }
+        for computed in [
+            "Color32::from_rgb(red, green, blue)",
+            "FontId::monospace(theme::LABEL_SIZE)",
+            "rect.size()",
+            "color: Color32, size: f32",
+        ] {
+            assert_eq!(found(computed), 0, "{computed}");
+        }
+    }
+
+    /// Texts and the grounds they are drawn on in the dark theme.
+    fn texts_on_grounds() -> Vec<(&'static str, Vec<Color32>, Vec<Color32>)> {
+        let widgets = egui::Visuals::dark().widgets;
+        let buttons = [widgets.inactive.weak_bg_fill, widgets.hovered.weak_bg_fill];
+        let traces = vec![
+            SCOPE_X,
+            SCOPE_X_COMMAND,
+            SCOPE_Z,
+            SCOPE_Z_COMMAND,
+            SCOPE_PATH,
+            SCOPE_SPINDLE,
+            SCOPE_SPINDLE_COMMAND,
+            SCOPE_BIT,
+            SCOPE_CURSORS[0],
+            SCOPE_CURSORS[1],
+        ];
+        let code = vec![
+            CODE_NAME,
+            CODE_G,
+            CODE_FUNCTION,
+            CODE_SETTING,
+            CODE_AXIS,
+            CODE_OTHER,
+            CODE_STATEMENT,
+            CODE_COMMENT,
+            CODE_ALARM_TEXT,
+        ];
+        let marked_code = vec![CODE_GROUND, CODE_ALARM_GROUND];
+        let states = vec![
+            SUCCESS,
+            JOB_VALID,
+            BUSY,
+            WARNING,
+            UNSAVED_TEXT,
+            DIFFERS,
+            ALARM_TEXT,
+            ERROR_TEXT,
+            SCOPE_ERROR_TEXT,
+            JOB_ERROR,
+            COLLISION,
+        ];
+        let lessons = vec![LESSON_STEP, LESSON_HINT_TEXT, BRIGHT_TEXT, NOTE_TEXT];
+        let times = vec![RAPID_PATH, FEED_PATH, THREAD_PATH, PASS_PATH, DWELL_TEXT];
+        let microscope = vec![
+            WITHIN_TOLERANCE,
+            MATERIAL_LEFT,
+            CUT_TOO_DEEP,
+            PROGRAMMED_PATH,
+            NOSE_CENTER_PATH,
+        ];
+        let ladder = vec![
+            LADDER_LIVE,
+            LADDER_RAIL,
+            LADDER_COMMENT,
+            LADDER_TITLE,
+            LADDER_RUNG_ERROR,
+            TEXT,
+            FORCED,
+        ];
+        let ladder_grounds = vec![DRAWING_GROUND, LADDER_BOX_GROUND, LADDER_MARK_GROUND];
+        let curves = vec![SCALE_TEXT, CURVE_CURRENT, CURVE_MEASURED, CURVE_PROPOSED];
+        let window = vec![WINDOW_GROUND, SIDE_GROUND, BAR_GROUND];
+        let bars = vec![SIDE_GROUND, BAR_GROUND];
+        let drawing = vec![DRAWING_GROUND];
+        vec![
+            ("text", vec![TEXT, WEAK_TEXT], window.clone()),
+            ("text of buttons", vec![TEXT], buttons.into()),
+            (
+                "rows",
+                vec![ROW_TEXT, SECONDARY_TEXT, QUIET_TEXT],
+                bars.clone(),
+            ),
+            (
+                "messages",
+                vec![MESSAGE_TEXT, HINT_TEXT, STATE_TEXT],
+                bars.clone(),
+            ),
+            (
+                "headers",
+                vec![BRIGHT_TEXT, SECONDARY_TEXT, NOTE_TEXT, WEAK_TEXT],
+                vec![HEADER_GROUND],
+            ),
+            ("choices", vec![QUIET_TEXT], vec![CHOICE_GROUND]),
+            (
+                "selected choices",
+                vec![CHOICE_SELECTED_TEXT],
+                vec![CHOICE_SELECTED_GROUND],
+            ),
+            ("states", states, window),
+            (
+                "signs and lamps",
+                vec![TEXT_ON_BRIGHT],
+                vec![WARNING, FORCED, LAMP_ON, SCOPE_CURSORS[0], SCOPE_CURSORS[1]],
+            ),
+            ("dark lamps", vec![LAMP_OFF_TEXT], vec![LAMP_OFF]),
+            (
+                "bar of a real machine",
+                vec![MACHINE_BAR_TEXT],
+                vec![MACHINE_CONNECTED_GROUND, MACHINE_DISCONNECTED_GROUND],
+            ),
+            ("lessons", lessons, bars.clone()),
+            ("part programs", code, marked_code),
+            // On the ground of an alarm, which rarely covers a mark, the contrast is only 2.86.
+            ("marks of blocks", vec![CODE_MARK], vec![CODE_GROUND]),
+            (
+                "line numbers",
+                vec![LINE_NUMBER_TEXT],
+                vec![LINE_NUMBER_GROUND],
+            ),
+            ("times", times, bars.clone()),
+            (
+                "words over the picture",
+                vec![GRID_TEXT, QUIET_TEXT, MEASURED_FEATURE],
+                drawing.clone(),
+            ),
+            ("microscope", microscope, bars.clone()),
+            ("ladder", ladder, ladder_grounds),
+            ("errors of a ladder", vec![LADDER_ERROR_TEXT], bars.clone()),
+            ("scales", vec![SCALE_TEXT, SCOPE_LANE_TEXT], drawing),
+            ("traces", traces, vec![DRAWING_GROUND, SIDE_GROUND]),
+            ("curves", curves, bars),
+        ]
+    }
+
+    #[test]
+    fn texts_have_contrast_to_their_grounds() {
+        for (what, inks, grounds) in texts_on_grounds() {
+            for ink in inks {
+                for ground in &grounds {
+                    let dark = contrast(ink, *ground);
+                    let light = contrast(to_light(ink), to_light(*ground));
+                    let [ink, ground] = [ink, *ground].map(|color| color.to_hex());
+                    println!("{what}: {ink} on {ground}: dark {dark:.1}, light {light:.1}");
+                    assert!(dark >= MIN_CONTRAST, "{what}: {ink} on {ground}: {dark}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn text_styles_have_the_sizes_of_egui() {
+        let mut style = Style::default();
+        set_text_style(&mut style);
+        assert_eq!(style.text_styles, Style::default().text_styles);
+    }
 
     /// The contrast ratio of two colours by the W3C accessibility guidelines.
     fn contrast(one: Color32, other: Color32) -> f32 {
@@ -173,7 +746,7 @@ mod tests {
 
     #[test]
     fn light_colors_keep_the_contrast() {
-        let ground = to_light(DARK_BACKGROUND);
+        let ground = to_light(WINDOW_GROUND);
         assert!(ground.r() > 215, "{ground:?}");
         // Inks of hints and marks on the bars, the brightest backgrounds.
         for ink in [140, 150, 160, 190].map(Color32::from_gray) {

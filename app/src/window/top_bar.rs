@@ -5,7 +5,7 @@ mod menus;
 use std::path::PathBuf;
 
 use egui::scroll_area::ScrollBarVisibility;
-use egui::{Align2, Area, Color32, Frame, Order, Rect, RichText, ScrollArea, Tooltip, Ui};
+use egui::{Align2, Area, Frame, Order, Rect, RichText, ScrollArea, Tooltip, Ui};
 
 use gsk_core::alarm::Alarm;
 use gsk_core::model::ModelId;
@@ -17,6 +17,7 @@ use super::fonts;
 use super::layout::WindowLayout;
 use super::right_aligned;
 use super::samples::ProgramSample;
+use super::theme;
 use super::view::{VIEWS, ViewId};
 use super::views::project::ProjectViewCommand;
 use crate::kernel::{ForcedState, PanelSnapshot, SpeedRatio};
@@ -27,11 +28,6 @@ use gsk_messages::{Language, Message, say};
 const RIGHT_GROUP: &str = "bar right";
 /// Below this width the program menus become one menu, points.
 const NARROW_WIDTH: f32 = 620.0;
-
-/// Background of the sign that inputs are forced or faults are set.
-const WARNING_COLOR: Color32 = Color32::from_rgb(255, 196, 90);
-
-const ALARM_COLOR: Color32 = Color32::from_rgb(255, 120, 96);
 
 /// A request from the top bar.
 #[derive(Clone, Debug)]
@@ -142,13 +138,13 @@ pub fn show(
                         request = menus::show_views(ui, settings).or(request.take());
                     });
                     if !models.current.is_main() {
-                        let name = RichText::new(models.current.name()).color(WARNING_COLOR);
+                        let name = RichText::new(models.current.name()).color(theme::WARNING);
                         ui.label(name)
                             .on_hover_text(say::model_is_on(models.current.name()).text(language));
                     }
                     if let Some(opened) = opened {
                         let name = opened.file_name().unwrap_or_default().to_string_lossy();
-                        ui.label(RichText::new(name.as_ref()).color(Color32::from_gray(170)))
+                        ui.label(RichText::new(name.as_ref()).color(theme::NOTE_TEXT))
                             .on_hover_text(opened.display().to_string());
                     }
                 });
@@ -223,8 +219,8 @@ fn show_speeds(ui: &mut Ui, language: Language, snapshot: &PanelSnapshot) -> Opt
 /// Draws the sign that the practice machine replaces the learner's machine, with its menu.
 fn show_practice_sign(ui: &mut Ui, language: Language, is_open: bool) -> Option<TopBarRequest> {
     let mut request = None;
-    let text = RichText::new(say::window_lesson_menu().text(language)).color(Color32::BLACK);
-    let button = egui::Button::new(text).fill(WARNING_COLOR);
+    let text = RichText::new(say::window_lesson_menu().text(language)).color(theme::TEXT_ON_BRIGHT);
+    let button = egui::Button::new(text).fill(theme::WARNING);
     egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
         ui.label(say::lesson_practice_hint().text(language));
         let entries = [
@@ -262,8 +258,8 @@ fn show_imposed_sign(
         labels.push(say::window_faults(imposed.faults).text(language));
     }
     let mut request = None;
-    let text = RichText::new(labels.join("   ")).color(Color32::BLACK);
-    let button = egui::Button::new(text).fill(WARNING_COLOR);
+    let text = RichText::new(labels.join("   ")).color(theme::TEXT_ON_BRIGHT);
+    let button = egui::Button::new(text).fill(theme::WARNING);
     egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
         let mut entry = |ui: &mut Ui, words: String, answer: TopBarRequest| {
             if ui.button(words).clicked() {
@@ -298,9 +294,9 @@ fn show_imposed_sign(
 pub fn show_message(ui: &mut Ui, message: Option<&str>, warning: bool, hint: &str) {
     ui.horizontal_centered(|ui| {
         let (text, colour) = match message {
-            Some(message) if warning => (message, Color32::from_rgb(255, 196, 90)),
-            Some(message) => (message, Color32::from_gray(220)),
-            None => (hint, Color32::from_gray(140)),
+            Some(message) if warning => (message, theme::WARNING),
+            Some(message) => (message, theme::MESSAGE_TEXT),
+            None => (hint, theme::HINT_TEXT),
         };
         let font = egui::TextStyle::Body.resolve(ui.style());
         let label = egui::Label::new(fonts::layout_text(text, font, colour)).truncate();
@@ -312,10 +308,11 @@ pub fn show_message(ui: &mut Ui, message: Option<&str>, warning: bool, hint: &st
 /// does not hide it. Returns true when the button is clicked.
 pub fn crash(ui: &mut Ui, text: &str, language: Language) -> bool {
     ui.horizontal_centered(|ui| {
-        let words = RichText::new(say::window_free_lathe().text(language)).color(Color32::BLACK);
-        let button = ui.add(egui::Button::new(words).fill(WARNING_COLOR));
+        let words =
+            RichText::new(say::window_free_lathe().text(language)).color(theme::TEXT_ON_BRIGHT);
+        let button = ui.add(egui::Button::new(words).fill(theme::WARNING));
         let hint = say::window_free_lathe_hint().text(language);
-        let label = egui::Label::new(RichText::new(text).color(ALARM_COLOR)).truncate();
+        let label = egui::Label::new(RichText::new(text).color(theme::ALARM_TEXT)).truncate();
         ui.add(label).on_hover_text(text);
         button.on_hover_text(hint).clicked()
     })
@@ -326,7 +323,7 @@ pub fn crash(ui: &mut Ui, text: &str, language: Language) -> bool {
 /// over the LCD: it covers no key of the panel.
 pub fn show_alarm(ui: &mut Ui, alarm: &Alarm, language: Language, lcd: Option<Rect>) {
     ui.horizontal_centered(|ui| {
-        let text = RichText::new(alarm_text::one_line(alarm, language)).color(ALARM_COLOR);
+        let text = RichText::new(alarm_text::one_line(alarm, language)).color(theme::ALARM_TEXT);
         let label = egui::Label::new(text)
             .truncate()
             .show_tooltip_when_elided(false);

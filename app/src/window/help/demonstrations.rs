@@ -3,15 +3,14 @@
 
 use std::sync::Arc;
 
-use egui::{Color32, Frame, Margin, RichText, Ui};
+use egui::{Frame, Margin, RichText, Ui};
 use gsk_help::Subject;
 use gsk_messages::{Language, say};
 use gsk_runner::lesson::{Demonstration, demonstrations, find_demonstration};
 
 use super::HelpRequest;
 use crate::kernel::{LessonAction, LessonState};
-
-const DEMONSTRATION_COLOR: Color32 = Color32::from_rgb(90, 200, 255);
+use crate::window::theme;
 
 /// The demonstrations of a subject and of its family.
 fn demonstrations_of(subject: Subject<'_>) -> impl Iterator<Item = &'static Demonstration> {
@@ -43,11 +42,11 @@ pub fn show_running(ui: &mut Ui, state: &LessonState, language: Language) -> Opt
     let lesson = &find_demonstration(&state.name)?.lesson;
     let mut order = None;
     Frame::new()
-        .stroke((1.0, DEMONSTRATION_COLOR))
+        .stroke((1.0, theme::LESSON_STEP))
         .inner_margin(Margin::same(6))
         .show(ui, |ui| {
             let title = say::window_help_shown(lesson.title.in_language(language));
-            ui.label(RichText::new(title.text(language)).color(DEMONSTRATION_COLOR));
+            ui.label(RichText::new(title.text(language)).color(theme::LESSON_STEP));
             let step = lesson.steps.get(state.view.step);
             match step {
                 Some(step) => {
@@ -55,7 +54,7 @@ pub fn show_running(ui: &mut Ui, state: &LessonState, language: Language) -> Opt
                     ui.weak(progress.text(language));
                     ui.label(
                         RichText::new(step.text.in_language(language))
-                            .size(16.0)
+                            .size(theme::LARGE_SIZE)
                             .strong(),
                     );
                     if !state.view.showing {

@@ -2,9 +2,9 @@
 //! restores its default position. With the focus, the cursor keys move it and Enter restores
 //! it (WINDOW-27).
 
-use egui::{Color32, CursorIcon, Key, Role, Sense, Ui, WidgetInfo};
+use egui::{CursorIcon, Key, Role, Sense, Ui, WidgetInfo};
 
-use crate::window::focus;
+use crate::window::{focus, theme};
 
 use super::Layouts;
 use super::panes::Splitter;
@@ -12,10 +12,6 @@ use gsk_messages::{Language, say};
 
 /// Distance that a cursor key moves a splitter, as a share of both sides.
 const KEY_STEP: f32 = 0.02;
-
-/// Colours of an idle splitter, and of one that is pointed at or has the focus.
-const IDLE_COLOR: Color32 = Color32::from_gray(44);
-const ACTIVE_COLOR: Color32 = Color32::from_rgb(88, 140, 196);
 
 /// Draws the splitters and moves the one that is dragged.
 pub fn show(ui: &Ui, splitters: &[Splitter], layouts: &mut Layouts, language: Language) {
@@ -41,7 +37,11 @@ pub fn show(ui: &Ui, splitters: &[Splitter], layouts: &mut Layouts, language: La
                 false => CursorIcon::ResizeVertical,
             });
         }
-        let fill = if is_active { ACTIVE_COLOR } else { IDLE_COLOR };
+        let fill = if is_active {
+            theme::SPLITTER_ACTIVE
+        } else {
+            theme::SPLITTER
+        };
         ui.painter().rect_filled(splitter.bar, 0.0, fill);
         if response.has_focus() {
             focus::reserve_cursor_keys(ui, id);

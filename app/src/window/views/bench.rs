@@ -4,8 +4,7 @@
 use std::sync::Arc;
 
 use egui::{
-    Align, Align2, Color32, FontId, Label, Layout, Panel, RichText, ScrollArea, Sense, Ui,
-    UiBuilder, vec2,
+    Align, Align2, FontId, Label, Layout, Panel, RichText, ScrollArea, Sense, Ui, UiBuilder, vec2,
 };
 use gsk_core::machine::LatheFault;
 use gsk_core::plc::address::{Area, BitAddress};
@@ -13,7 +12,7 @@ use gsk_panel::pages::{signal_meaning, signal_name};
 
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
-use crate::window::{focus, right_aligned, screen_reader};
+use crate::window::{focus, right_aligned, screen_reader, theme};
 use gsk_messages::{Language, Message, say};
 
 /// Height of a row, points.
@@ -34,11 +33,6 @@ const SCRIPT_NAMES_WIDTH: f32 = 380.0;
 const HOLD_BUTTONS: &str = "held";
 /// Bytes of X whose inputs are plugs for machine contacts.
 const PLUGGED_BYTES: std::ops::Range<u16> = 0..4;
-
-const LIT: Color32 = Color32::from_rgb(110, 230, 120);
-const DARK: Color32 = Color32::from_gray(62);
-const FAULT_COLOR: Color32 = Color32::from_rgb(255, 120, 96);
-const HELD: Color32 = Color32::from_rgb(255, 196, 90);
 
 pub struct Bench {
     console: Console,
@@ -107,9 +101,9 @@ impl Bench {
                     let effect = row.effect().text(language);
                     let mut on = machine.lathe.has_fault(fault);
                     let colour = if on {
-                        FAULT_COLOR
+                        theme::ALARM_TEXT
                     } else {
-                        Color32::from_gray(215)
+                        theme::ROW_TEXT
                     };
                     draw_row(ui, |ui| {
                         if shows_script_names {
@@ -162,7 +156,7 @@ impl Bench {
             });
         });
         if let Some(complaint) = &self.entry_error {
-            ui.label(RichText::new(complaint).color(FAULT_COLOR));
+            ui.label(RichText::new(complaint).color(theme::ALARM_TEXT));
         }
         draw_row(ui, |ui| {
             ui.add_space(SCROLL_BAR_WIDTH);
@@ -248,9 +242,9 @@ impl Bench {
         ] {
             let chosen = held == value;
             let (fill, ink) = match (chosen, value) {
-                (true, Some(_)) => (HELD, Color32::BLACK),
-                (true, None) => (Color32::from_gray(58), Color32::from_gray(210)),
-                (false, _) => (Color32::TRANSPARENT, Color32::from_gray(150)),
+                (true, Some(_)) => (theme::FORCED, theme::TEXT_ON_BRIGHT),
+                (true, None) => (theme::CHOICE_SELECTED_GROUND, theme::CHOICE_SELECTED_TEXT),
+                (false, _) => (theme::NO_FILL, theme::WEAK_TEXT),
             };
             let button = egui::Button::new(RichText::new(&word).color(ink))
                 .fill(fill)
@@ -307,15 +301,15 @@ fn draw_column_heading(ui: &mut Ui, words: &str, width: f32) {
 /// Draws a lamp with 1 or 0 in a column of this width, points.
 fn draw_lamp(ui: &mut Ui, lit: bool, name: &str, width: f32) {
     let (rect, response) = ui.allocate_exact_size(vec2(width, ROW_HEIGHT), Sense::HOVER);
-    let colour = if lit { LIT } else { DARK };
+    let colour = if lit { theme::LAMP_ON } else { theme::LAMP_OFF };
     ui.painter().circle_filled(rect.center(), 5.5, colour);
     let text = if lit { "1" } else { "0" };
     let ink = if lit {
-        Color32::BLACK
+        theme::TEXT_ON_BRIGHT
     } else {
-        Color32::from_gray(170)
+        theme::LAMP_OFF_TEXT
     };
-    let font = FontId::proportional(10.0);
+    let font = FontId::proportional(theme::LAMP_SIZE);
     ui.painter()
         .text(rect.center(), Align2::CENTER_CENTER, text, font, ink);
     response.widget_info(|| egui::WidgetInfo {
@@ -363,7 +357,7 @@ fn show_state(ui: &mut Ui, language: Language, machine: &MachineView) {
         if machine.alarms.is_empty() {
             ui.label(say::bench_no_alarms().text(language));
         } else {
-            ui.label(RichText::new(machine.alarms.join("   ")).color(FAULT_COLOR));
+            ui.label(RichText::new(machine.alarms.join("   ")).color(theme::ALARM_TEXT));
         }
     });
 }

@@ -2,10 +2,11 @@
 //! or close it.
 
 use egui::{
-    Align, Color32, CornerRadius, Layout, Rect, RichText, Role, Sense, Stroke, StrokeKind, Ui,
-    UiBuilder, Vec2, WidgetInfo, pos2, vec2,
+    Align, CornerRadius, Layout, Rect, RichText, Role, Sense, Stroke, StrokeKind, Ui, UiBuilder,
+    Vec2, WidgetInfo, pos2, vec2,
 };
 
+use crate::window::theme;
 use crate::window::view::{ViewRow, key_name};
 use gsk_messages::{Language, say};
 
@@ -14,7 +15,6 @@ pub const HEIGHT: f32 = 22.0;
 /// Side of an icon and size of its clickable area, points.
 const ICON_SIDE: f32 = 10.0;
 const ICON_AREA: Vec2 = vec2(28.0, HEIGHT);
-const BACKGROUND: Color32 = Color32::from_gray(40);
 
 /// Where the view is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +46,8 @@ pub fn show(
 ) -> Option<HeaderAction> {
     let size = vec2(ui.available_width(), HEIGHT);
     let (header_rect, _) = ui.allocate_exact_size(size, Sense::HOVER);
-    ui.painter().rect_filled(header_rect, 0.0, BACKGROUND);
+    ui.painter()
+        .rect_filled(header_rect, 0.0, theme::HEADER_GROUND);
     let icons: &[(HeaderAction, gsk_messages::Message)] = &match placement {
         ViewPlacement::Docked => vec![
             (HeaderAction::Float, say::window_view_float((row.name)())),
@@ -64,7 +65,7 @@ pub fn show(
             .layout(Layout::left_to_right(Align::Center));
         ui.scope_builder(inside, |ui| {
             let name = (row.name)().text(language);
-            ui.label(RichText::new(name).color(Color32::from_gray(200)));
+            ui.label(RichText::new(name).color(theme::SECONDARY_TEXT));
             if let Some(key) = row.key {
                 ui.label(RichText::new(key_name(key)).weak().small());
             }
@@ -94,9 +95,9 @@ fn draw_icon(ui: &Ui, rect: Rect, action: HeaderAction, name: &str) -> bool {
             .rect_stroke(mark, 2.0, line, StrokeKind::Inside);
     }
     let ink = if response.hovered() {
-        Color32::WHITE
+        theme::BRIGHT_TEXT
     } else {
-        Color32::from_gray(170)
+        theme::NOTE_TEXT
     };
     let stroke = Stroke::new(1.4, ink);
     let square = Rect::from_center_size(rect.center(), vec2(ICON_SIDE, ICON_SIDE));

@@ -10,19 +10,13 @@ use gsk_panel::keys::Key;
 use gsk_runner::lesson::{Lesson, LessonRemark, LessonStep, built_in_lessons, find_demonstration};
 
 use crate::kernel::{Command, Console, LessonAction, LessonState, PanelSnapshot};
-use crate::window::focus;
 use crate::window::samples::{SampleRequest, good_samples};
+use crate::window::{focus, theme};
 
 /// Seconds without progress after which the hint appears.
 const HINT_DELAY_S: f64 = 40.0;
 /// Diameter of the mark of a step, points.
 const MARK_DIAMETER: f32 = 12.0;
-
-const DONE: Color32 = Color32::from_rgb(110, 230, 120);
-const NOW: Color32 = Color32::from_rgb(90, 200, 255);
-const OPEN: Color32 = Color32::from_gray(90);
-const WRONG: Color32 = Color32::from_rgb(255, 150, 110);
-const HINT: Color32 = Color32::from_rgb(255, 214, 130);
 
 pub struct LessonView {
     console: Console,
@@ -150,7 +144,7 @@ impl LessonView {
     }
 
     fn list(&mut self, ui: &mut Ui, language: Language) {
-        ui.label(RichText::new(say::lesson_samples().text(language)).size(15.0));
+        ui.label(RichText::new(say::lesson_samples().text(language)).size(theme::READING_SIZE));
         ui.horizontal_wrapped(|ui| {
             for sample in good_samples() {
                 let button = ui.button(sample.description_text(language));
@@ -167,8 +161,17 @@ impl LessonView {
         for lesson in &self.lessons {
             let done = self.finished.contains(&lesson.name);
             ui.horizontal(|ui| {
-                draw_mark(ui, if done { DONE } else { OPEN }, done);
-                let title = RichText::new(lesson.title.in_language(language)).size(15.0);
+                draw_mark(
+                    ui,
+                    if done {
+                        theme::SUCCESS
+                    } else {
+                        theme::LESSON_OPEN
+                    },
+                    done,
+                );
+                let title =
+                    RichText::new(lesson.title.in_language(language)).size(theme::READING_SIZE);
                 let button = ui.button(title);
                 if button
                     .on_hover_text(lesson.about.in_language(language))
@@ -180,7 +183,7 @@ impl LessonView {
         }
         for error in &self.load_errors {
             ui.add_space(4.0);
-            ui.label(RichText::new(error.text(language)).color(WRONG));
+            ui.label(RichText::new(error.text(language)).color(theme::ERROR_TEXT));
         }
     }
 
@@ -189,16 +192,17 @@ impl LessonView {
             return;
         };
         let view = &state.view;
-        let practice = RichText::new(say::lesson_practice().text(language)).color(HINT);
+        let practice =
+            RichText::new(say::lesson_practice().text(language)).color(theme::LESSON_HINT_TEXT);
         ui.label(practice)
             .on_hover_text(say::lesson_practice_hint().text(language));
         ui.heading(lesson.title.in_language(language));
         ui.horizontal_wrapped(|ui| {
             for step in 0..lesson.steps.len() {
                 let colour = match step.cmp(&view.step) {
-                    core::cmp::Ordering::Less => DONE,
-                    core::cmp::Ordering::Equal => NOW,
-                    core::cmp::Ordering::Greater => OPEN,
+                    core::cmp::Ordering::Less => theme::SUCCESS,
+                    core::cmp::Ordering::Equal => theme::LESSON_STEP,
+                    core::cmp::Ordering::Greater => theme::LESSON_OPEN,
                 };
                 draw_mark(ui, colour, step < view.step);
             }
@@ -209,27 +213,39 @@ impl LessonView {
             return;
         };
         let number = say::lesson_step_of(view.step + 1, lesson.steps.len());
-        ui.label(RichText::new(number.text(language)).color(NOW));
+        ui.label(RichText::new(number.text(language)).color(theme::LESSON_STEP));
         ui.label(
             RichText::new(step.text.in_language(language))
-                .size(16.0)
-                .color(Color32::WHITE),
+                .size(theme::LARGE_SIZE)
+                .color(theme::BRIGHT_TEXT),
         );
         if !step.keys.is_empty() {
             let keys = step.keys.iter().map(|key| format_key_legend(*key));
             let keys = keys.collect::<Vec<_>>().join("  ");
             ui.add_space(4.0);
             let words = say::lesson_keys(keys).text(language);
-            ui.label(RichText::new(words).size(15.0).color(NOW));
+            ui.label(
+                RichText::new(words)
+                    .size(theme::READING_SIZE)
+                    .color(theme::LESSON_STEP),
+            );
         }
         if let Some(why) = &view.sent_back {
             let reason = say::lesson_back_here(why.clone()).text(language);
             ui.add_space(6.0);
-            ui.label(RichText::new(reason).size(15.0).color(WRONG));
+            ui.label(
+                RichText::new(reason)
+                    .size(theme::READING_SIZE)
+                    .color(theme::ERROR_TEXT),
+            );
         }
         if let Some(remark_text) = describe_remark(step, view.remark, language) {
             ui.add_space(6.0);
-            ui.label(RichText::new(remark_text).size(15.0).color(WRONG));
+            ui.label(
+                RichText::new(remark_text)
+                    .size(theme::READING_SIZE)
+                    .color(theme::ERROR_TEXT),
+            );
         }
         let note = match (view.showing, view.replaced) {
             (_, true) => Some(say::lesson_replaced()),
@@ -238,7 +254,7 @@ impl LessonView {
         };
         if let Some(note) = note {
             ui.add_space(6.0);
-            ui.label(RichText::new(note.text(language)).color(Color32::from_gray(170)));
+            ui.label(RichText::new(note.text(language)).color(theme::NOTE_TEXT));
         }
         let now = ui.input(|input| input.time);
         let start_s = *self.step_start_s.get_or_insert(now);
@@ -251,7 +267,11 @@ impl LessonView {
         if self.hint_requested || is_hint_due {
             ui.add_space(6.0);
             let words = say::lesson_hint_is(step.hint.in_language(language)).text(language);
-            ui.label(RichText::new(words).size(15.0).color(HINT));
+            ui.label(
+                RichText::new(words)
+                    .size(theme::READING_SIZE)
+                    .color(theme::LESSON_HINT_TEXT),
+            );
         }
     }
 
@@ -302,7 +322,7 @@ impl LessonView {
     /// Draws the end of a lesson whose steps are all done, with a button for the next lesson.
     fn show_end(&self, ui: &mut Ui, language: Language, lesson: &Arc<Lesson>) {
         let done = RichText::new(say::lesson_done().text(language));
-        ui.label(done.size(17.0).color(DONE));
+        ui.label(done.size(theme::LESSON_END_SIZE).color(theme::SUCCESS));
         ui.label(lesson.about.in_language(language));
         ui.add_space(10.0);
         let at = self.lessons.iter().position(|it| it.name == lesson.name);

@@ -11,13 +11,8 @@ use crate::kernel::link_view::LinkView;
 use crate::kernel::{Command, Console, LinkAction};
 use crate::message_format::describe_setting_difference;
 use crate::window::real_machine_bar::state_name;
-use crate::window::{focus, fonts, right_aligned};
+use crate::window::{focus, fonts, right_aligned, theme};
 use gsk_messages::{Language, say};
-
-const GOOD: Color32 = Color32::from_rgb(110, 230, 120);
-const BUSY: Color32 = Color32::from_rgb(120, 190, 255);
-const WAITING: Color32 = Color32::from_rgb(255, 196, 90);
-const BAD: Color32 = Color32::from_rgb(255, 120, 96);
 
 /// The state of the link page.
 pub struct LinkPage {
@@ -137,8 +132,8 @@ impl LinkPage {
             ui.heading(say::link_page_position_checks().text(language));
             for line in view.position_checks.iter().rev().take(4).rev() {
                 let ink = match line.agrees {
-                    true => Color32::from_gray(190),
-                    false => BAD,
+                    true => theme::QUIET_TEXT,
+                    false => theme::ALARM_TEXT,
                 };
                 let text = RichText::new(line.message.text(language));
                 ui.add(Label::new(text.monospace().color(ink)).wrap());
@@ -153,8 +148,8 @@ impl LinkPage {
             .show_rows(ui, height, view.traffic_lines.len(), |ui, rows| {
                 for line in view.traffic_lines.get(rows).unwrap_or_default() {
                     let (arrow, ink) = match line.is_outward {
-                        true => ('>', BUSY),
-                        false => ('<', Color32::from_gray(200)),
+                        true => ('>', theme::BUSY),
+                        false => ('<', theme::SECONDARY_TEXT),
                     };
                     let at = line.at.as_secs_f64();
                     let text = format!("{at:9.3} {arrow} {}", line.text);
@@ -232,12 +227,14 @@ fn show_no_board(ui: &mut Ui, language: Language) {
 
 const fn state_colour(state: LinkState) -> Color32 {
     match state {
-        LinkState::Ready => GOOD,
-        LinkState::Moving | LinkState::Homing | LinkState::Verify => BUSY,
+        LinkState::Ready => theme::SUCCESS,
+        LinkState::Moving | LinkState::Homing | LinkState::Verify => theme::BUSY,
         LinkState::Opening | LinkState::Identify | LinkState::Configure | LinkState::Locked => {
-            WAITING
+            theme::WARNING
         }
-        LinkState::Off | LinkState::Tripped | LinkState::Fault | LinkState::Lost => BAD,
+        LinkState::Off | LinkState::Tripped | LinkState::Fault | LinkState::Lost => {
+            theme::ALARM_TEXT
+        }
     }
 }
 

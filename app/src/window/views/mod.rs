@@ -21,7 +21,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use egui::{
-    Color32, Context, Event, Frame, Margin, Pos2, Rect, ScrollArea, Sense, Ui, UiBuilder, Vec2,
+    Context, Event, Frame, Margin, Pos2, Rect, ScrollArea, Sense, Ui, UiBuilder, Vec2,
     ViewportBuilder, ViewportId,
 };
 use gsk_link::LinkState;
@@ -36,7 +36,7 @@ use crate::kernel::{Command, Console};
 use crate::pc::TransferSettings;
 use crate::platform;
 use crate::window::samples::SampleRequest;
-use crate::window::{focus, keyboard};
+use crate::window::{focus, keyboard, theme};
 use bench::Bench;
 use commission::CommissionView;
 use data::DataView;
@@ -460,18 +460,18 @@ fn is_for_panel(event: &Event, view: ViewId, typing: bool) -> bool {
 
 fn bar_frame() -> Frame {
     Frame::new()
-        .fill(Color32::from_gray(34))
+        .fill(theme::BAR_GROUND)
         .inner_margin(Margin::symmetric(8, 5))
 }
 
 fn side_frame() -> Frame {
     Frame::new()
-        .fill(Color32::from_gray(28))
+        .fill(theme::SIDE_GROUND)
         .inner_margin(Margin::symmetric(8, 6))
 }
 
 fn plain_frame() -> Frame {
-    Frame::new().fill(Color32::from_gray(18))
+    Frame::new().fill(theme::DRAWING_GROUND)
 }
 
 #[cfg(test)]

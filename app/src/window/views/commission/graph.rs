@@ -5,18 +5,14 @@ use egui::{Align2, Color32, FontId, Pos2, Rect, Role, Sense, Stroke, Ui, WidgetI
 use gsk_commission::DeviationCurve;
 use gsk_messages::{Language, Message, say};
 
+use crate::window::theme;
+
 /// Height of the graph, points.
 const GRAPH_HEIGHT: f32 = 190.0;
 /// Width of the scale, points.
 const SCALE_WIDTH: f32 = 56.0;
 /// Height of the positions below, and of the legend above, points.
 const MARGIN_HEIGHT: f32 = 18.0;
-
-const GRID_COLOR: Color32 = Color32::from_gray(52);
-const SCALE_COLOR: Color32 = Color32::from_gray(160);
-const CURRENT_COLOR: Color32 = Color32::from_gray(150);
-const MEASURED_COLOR: Color32 = Color32::from_rgb(255, 180, 90);
-const PROPOSED_COLOR: Color32 = Color32::from_rgb(90, 200, 255);
 
 /// The curves of an axis.
 #[derive(Clone, Debug, Default)]
@@ -32,13 +28,21 @@ pub struct PitchCurves {
 impl PitchCurves {
     fn rows(&self) -> [(&DeviationCurve, Color32, Message); 3] {
         [
-            (&self.current, CURRENT_COLOR, say::commission_legend_old()),
+            (
+                &self.current,
+                theme::CURVE_CURRENT,
+                say::commission_legend_old(),
+            ),
             (
                 &self.measured,
-                MEASURED_COLOR,
+                theme::CURVE_MEASURED,
                 say::commission_legend_measured(),
             ),
-            (&self.proposed, PROPOSED_COLOR, say::commission_legend_new()),
+            (
+                &self.proposed,
+                theme::CURVE_PROPOSED,
+                say::commission_legend_new(),
+            ),
         ]
     }
 }
@@ -73,17 +77,29 @@ pub fn show(ui: &mut Ui, language: Language, curves: &PitchCurves) {
         )
     };
     let painter = ui.painter();
-    let font = FontId::proportional(11.0);
+    let font = FontId::proportional(theme::SCALE_SIZE);
     for value in [low, 0.0, high] {
         let y = to_point(left, value).y;
-        painter.hline(area.x_range(), y, Stroke::new(1.0, GRID_COLOR));
+        painter.hline(area.x_range(), y, Stroke::new(1.0, theme::CURVE_GRID));
         let at = pos2(area.left() - 4.0, y);
         let label = format!("{value:.1} µm");
-        painter.text(at, Align2::RIGHT_CENTER, label, font.clone(), SCALE_COLOR);
+        painter.text(
+            at,
+            Align2::RIGHT_CENTER,
+            label,
+            font.clone(),
+            theme::SCALE_TEXT,
+        );
     }
     for (at, side) in [(left, Align2::LEFT_TOP), (right, Align2::RIGHT_TOP)] {
         let foot = pos2(to_point(at, low).x, area.bottom() + 2.0);
-        painter.text(foot, side, format!("{at:.1} mm"), font.clone(), SCALE_COLOR);
+        painter.text(
+            foot,
+            side,
+            format!("{at:.1} mm"),
+            font.clone(),
+            theme::SCALE_TEXT,
+        );
     }
     let mut x = area.left();
     for (curve, colour, name) in &rows {

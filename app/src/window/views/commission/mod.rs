@@ -7,7 +7,7 @@ mod pitch;
 
 use std::sync::Arc;
 
-use egui::{Button, CentralPanel, Color32, Grid, Panel, RichText, ScrollArea, TextEdit, Ui};
+use egui::{Button, CentralPanel, Grid, Panel, RichText, ScrollArea, TextEdit, Ui};
 use gsk_commission::{
     CommissioningStep, DriveKind, DriveTrain, FollowingErrorReading, MeasuredMove, ParameterChange,
     Proposal, SlideTravel, SpindleSpeed, UndoList, ZeroMethod, propose_acceleration,
@@ -22,7 +22,7 @@ use super::undo_panel;
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
 use crate::pitch::axis_letter;
-use crate::window::focus;
+use crate::window::{focus, theme};
 use inputs::{CommissionInputs, parse_number, parse_optional, parse_readings, show_rows};
 use pitch::PitchErrorStep;
 
@@ -30,11 +30,6 @@ use pitch::PitchErrorStep;
 const STEPS_WIDTH: f32 = 210.0;
 /// Height of the list of changes, points.
 const CHANGES_HEIGHT: f32 = 160.0;
-
-const ERROR_COLOR: Color32 = Color32::from_rgb(255, 150, 110);
-/// Colour of the reason why the control refuses values now.
-const REFUSED_COLOR: Color32 = Color32::from_rgb(255, 214, 110);
-const SUCCESS_COLOR: Color32 = Color32::from_rgb(110, 230, 120);
 
 /// The commissioning view.
 pub struct CommissionView {
@@ -198,7 +193,7 @@ impl CommissionView {
         match self.proposal.clone() {
             None => {}
             Some(Err(error)) => {
-                ui.label(RichText::new(error.text(language)).color(ERROR_COLOR));
+                ui.label(RichText::new(error.text(language)).color(theme::ERROR_TEXT));
             }
             Some(Ok(proposal)) => self.show_proposal(ui, language, machine, &proposal),
         }
@@ -384,9 +379,9 @@ impl CommissionView {
         let (text, colour) = match refusal {
             Some(refusal) => (
                 say::data_cannot_write(refusal_message(refusal)),
-                REFUSED_COLOR,
+                theme::UNSAVED_TEXT,
             ),
-            None => (say::commission_can_write(), SUCCESS_COLOR),
+            None => (say::commission_can_write(), theme::SUCCESS),
         };
         ui.label(RichText::new(text.text(language)).color(colour));
         let label = say::commission_write(proposal.changes.len()).text(language);

@@ -11,7 +11,7 @@ mod value_field;
 
 use std::sync::Arc;
 
-use egui::{Color32, Ui};
+use egui::Ui;
 use gsk_core::memory::ParameterGroup;
 use gsk_messages::{Language, Message, say};
 
@@ -22,11 +22,6 @@ pub use data_values::{DataValues, MemoryTables};
 pub use edit::DataField;
 pub use edit::{DataEdit, ToolOffsetField, is_state_parameter};
 pub use sheets::{DataSheets, WriteRequest, WriteTarget};
-
-const ERROR_COLOR: Color32 = Color32::from_rgb(255, 150, 110);
-const SUCCESS_COLOR: Color32 = Color32::from_rgb(110, 230, 120);
-/// Colour of drafts that are not written yet.
-const DRAFT_COLOR: Color32 = Color32::from_rgb(255, 214, 110);
 
 /// A sheet of the data view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,9 +11,9 @@ use gsk_messages::{Language, say};
 
 use super::data_values::DataValues;
 use super::edit::{DataField, Drafts, is_state_parameter, parameter_text};
-use super::{DRAFT_COLOR, DataPage, ParameterKind, value_field};
-use crate::window::focus;
+use super::{DataPage, ParameterKind, value_field};
 use crate::window::help::show_article;
+use crate::window::{focus, theme};
 
 /// Height of a row of the list, points.
 const ROW_HEIGHT: f32 = 22.0;
@@ -32,9 +32,6 @@ const DETAILS_HEIGHT_SHARE: f32 = 0.45;
 const UNSELECTED_HEIGHT: f32 = 44.0;
 /// Width of the field of a value, points.
 const VALUE_WIDTH: f32 = 110.0;
-
-/// Colour of a value that differs from the delivered one.
-const DIFFERS_COLOR: Color32 = Color32::from_rgb(120, 190, 255);
 
 /// The list and the selected parameter.
 #[derive(Debug, Default)]
@@ -242,18 +239,18 @@ impl ParameterSheet {
         let fill = match (is_selected, response.hovered()) {
             (true, _) => ui.visuals().selection.bg_fill,
             (false, true) => ui.visuals().widgets.hovered.weak_bg_fill,
-            (false, false) => Color32::TRANSPARENT,
+            (false, false) => theme::NO_FILL,
         };
         ui.painter().rect_filled(bounds, 2.0, fill);
-        let ink = Color32::from_gray(215);
+        let ink = theme::ROW_TEXT;
         let value_color = match (has_draft, is_changed) {
-            (true, _) => DRAFT_COLOR,
-            (false, true) => DIFFERS_COLOR,
+            (true, _) => theme::UNSAVED_TEXT,
+            (false, true) => theme::DIFFERS,
             (false, false) => ink,
         };
         if is_changed {
             let middle = pos2(bounds.left() + COLUMN_WIDTHS[0] / 2.0, bounds.center().y);
-            ui.painter().circle_filled(middle, 3.0, DIFFERS_COLOR);
+            ui.painter().circle_filled(middle, 3.0, theme::DIFFERS);
         }
         let weak = ui.visuals().weak_text_color();
         let cells = [
@@ -292,7 +289,7 @@ impl ParameterSheet {
         if drafts.has_draft(field)
             && let Err(error) = field.parse(&text, machine)
         {
-            ui.label(RichText::new(error.text(language)).color(super::ERROR_COLOR));
+            ui.label(RichText::new(error.text(language)).color(theme::ERROR_TEXT));
         }
         if is_state_parameter(number) {
             show_bits(ui, language, machine, drafts, number);
@@ -354,7 +351,7 @@ fn show_bits(
                     let effective = row.map(|row| row.effective);
                     if matches!(effective, Some(EffectiveTime::AtPowerOn { .. })) {
                         let note = say::help_at_power_on().text(language);
-                        ui.label(RichText::new(note).color(DIFFERS_COLOR));
+                        ui.label(RichText::new(note).color(theme::DIFFERS));
                     }
                 });
                 ui.end_row();

@@ -11,8 +11,8 @@ use super::super::{bar_frame, side_frame, undo_panel};
 use super::data_values::DataValues;
 use super::edit::{DataEdit, Drafts};
 use super::parameters::ParameterSheet;
-use super::{DRAFT_COLOR, DataPage, ERROR_COLOR, ParameterKind, SUCCESS_COLOR, tables};
-use crate::window::focus;
+use super::{DataPage, ParameterKind, tables};
+use crate::window::{focus, theme};
 
 /// Width of the list of pages, points.
 const PAGE_LIST_WIDTH: f32 = 180.0;
@@ -214,11 +214,11 @@ impl DataSheets {
                 say::data_cannot_write(refusal_message(refusal)),
                 match self.drafts.count() {
                     0 => ui.visuals().weak_text_color(),
-                    _ => DRAFT_COLOR,
+                    _ => theme::UNSAVED_TEXT,
                 },
             ),
-            (None, WriteTarget::Control) => (say::data_can_write(), SUCCESS_COLOR),
-            (None, WriteTarget::Project) => (say::data_into_project(), SUCCESS_COLOR),
+            (None, WriteTarget::Control) => (say::data_can_write(), theme::SUCCESS),
+            (None, WriteTarget::Project) => (say::data_into_project(), theme::SUCCESS),
         };
         ui.label(RichText::new(text.text(language)).color(colour));
         // An error disappears with the drafts that it is about.
@@ -226,10 +226,10 @@ impl DataSheets {
         self.refusal.take_if(|(_, drafts)| *drafts != self.drafts);
         let draft_error = edits.as_ref().err().filter(|_| self.shows_draft_error);
         if let Some(error) = draft_error.or(self.refusal.as_ref().map(|(reason, _)| reason)) {
-            ui.label(RichText::new(error.text(language)).color(ERROR_COLOR));
+            ui.label(RichText::new(error.text(language)).color(theme::ERROR_TEXT));
         }
         if !values.alarms.is_empty() {
-            ui.label(RichText::new(values.alarms.join("   ")).color(ERROR_COLOR));
+            ui.label(RichText::new(values.alarms.join("   ")).color(theme::ERROR_TEXT));
         }
         let buttons = ui.horizontal_wrapped(|ui| {
             let count = self.drafts.count();
@@ -247,7 +247,7 @@ impl DataSheets {
             let discard = ui.add_enabled(count > 0, discard);
             if count > 0 {
                 let label = say::data_unwritten(count).text(language);
-                ui.label(RichText::new(label).color(DRAFT_COLOR));
+                ui.label(RichText::new(label).color(theme::UNSAVED_TEXT));
             }
             if discard.clicked() {
                 self.drafts.discard();

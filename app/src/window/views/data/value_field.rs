@@ -1,11 +1,11 @@
 //! Draws the input field of a value.
 
-use egui::{Color32, Response, Role, TextEdit, Ui, WidgetInfo};
+use egui::{Response, Role, TextEdit, Ui, WidgetInfo};
 use gsk_messages::Language;
 
 use super::data_values::DataValues;
 use super::edit::{DataField, Drafts};
-use super::{DRAFT_COLOR, ERROR_COLOR};
+use crate::window::theme;
 
 /// Draws a field of `width` points and stores what is typed into it in `drafts`.
 pub fn show(
@@ -22,9 +22,9 @@ pub fn show(
         drafts.has_draft(data_field),
         data_field.parse(&text, machine),
     ) {
-        (false, _) => Color32::from_gray(225),
-        (true, Ok(_)) => DRAFT_COLOR,
-        (true, Err(_)) => ERROR_COLOR,
+        (false, _) => theme::TEXT,
+        (true, Ok(_)) => theme::UNSAVED_TEXT,
+        (true, Err(_)) => theme::ERROR_TEXT,
     };
     let field = TextEdit::singleline(&mut text)
         .id(egui::Id::unique(("data", data_field)))

@@ -1,8 +1,7 @@
 //! Draws a rung: power rails, contacts, coils, boxes, and the power flow.
 
 use egui::{
-    Align2, Color32, FontId, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2,
-    vec2,
+    Align2, FontId, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
 use gsk_core::plc::address::BitAddress;
 use gsk_core::plc::{
@@ -12,6 +11,7 @@ use gsk_core::plc::{
 use gsk_panel::pages::signal_meaning;
 
 use super::layout::{self, OUTPUT_COLUMNS, PositionedRung, TITLE_HEIGHT, element_size};
+use crate::window::theme;
 use gsk_messages::{Language, say};
 
 /// Width of the column with the rung's number, points.
@@ -20,15 +20,6 @@ pub const NUMBER_WIDTH: f32 = 62.0;
 pub(super) const WIRE_OFFSET: f32 = 30.0;
 /// Distance from the last contact to the outputs, points.
 pub(super) const LEAD_LENGTH: f32 = 22.0;
-
-pub const LIVE: Color32 = Color32::from_rgb(96, 226, 118);
-const DEAD: Color32 = Color32::from_gray(112);
-pub(super) const RAIL: Color32 = Color32::from_gray(150);
-pub(super) const ADDRESS: Color32 = Color32::from_gray(225);
-pub(super) const COMMENT: Color32 = Color32::from_gray(146);
-pub const FORCED: Color32 = Color32::from_rgb(255, 196, 90);
-const SELECTED: Color32 = Color32::from_rgb(92, 190, 255);
-const SEARCHED: Color32 = Color32::from_rgba_unmultiplied_const(255, 214, 90, 38);
 
 /// The inputs of the drawing beside the rung.
 pub struct RungContext<'a> {
@@ -86,8 +77,8 @@ pub fn draw_rung(
     let mut top = corner.y;
     if let Some(title) = &network.title {
         let at = pos2(left + 8.0, top + TITLE_HEIGHT / 2.0);
-        let font = FontId::proportional(14.0);
-        let colour = Color32::from_rgb(150, 190, 230);
+        let font = FontId::proportional(theme::TITLE_SIZE);
+        let colour = theme::LADDER_TITLE;
         painter.text(at, Align2::LEFT_CENTER, title, font, colour);
         top += TITLE_HEIGHT;
     }
@@ -98,7 +89,7 @@ pub fn draw_rung(
     let body = Rect::from_min_max(pos2(corner.x, top), pos2(right, corner.y + placed.height));
     if sheet.next_rung == Some(network.number) {
         let mark = Rect::from_min_size(body.min, vec2(5.0, body.height() - layout::RUNG_GAP));
-        painter.rect_filled(mark, 1.0, FORCED);
+        painter.rect_filled(mark, 1.0, theme::FORCED);
     }
     let number = format!("{:04}", network.number);
     let at = pos2(corner.x + 12.0, top + 8.0);
@@ -106,12 +97,12 @@ pub fn draw_rung(
         at,
         Align2::LEFT_TOP,
         number,
-        FontId::monospace(13.0),
-        COMMENT,
+        FontId::monospace(theme::LABEL_SIZE),
+        theme::LADDER_COMMENT,
     );
     let rails = egui::Rangef::new(corner.y, corner.y + placed.height);
     for x in [left, right] {
-        painter.vline(x, rails, Stroke::new(2.0, RAIL));
+        painter.vline(x, rails, Stroke::new(2.0, theme::LADDER_RAIL));
     }
     let complaint = sheet
         .compiler_messages
@@ -119,9 +110,9 @@ pub fn draw_rung(
         .find(|(rung, ..)| *rung == network.number);
     if let Some((_, error, words)) = complaint {
         let colour = if *error {
-            Color32::from_rgb(255, 110, 90)
+            theme::LADDER_RUNG_ERROR
         } else {
-            FORCED
+            theme::FORCED
         };
         painter.rect_stroke(
             body.shrink(2.0),
@@ -134,7 +125,7 @@ pub fn draw_rung(
             at,
             Align2::LEFT_BOTTOM,
             words,
-            FontId::proportional(12.0),
+            FontId::proportional(theme::ANNOTATION_SIZE),
             colour,
         );
     }
@@ -162,17 +153,17 @@ impl RungPainter<'_> {
     fn draw_structure_mark(&mut self, mark: &Statement, right: f32) {
         let rect = Rect::from_min_max(self.origin, pos2(right, self.origin.y + TITLE_HEIGHT));
         let middle = rect.center();
-        let stroke = Stroke::new(1.0, DEAD);
+        let stroke = Stroke::new(1.0, theme::LADDER_DEAD);
         self.ui.painter().hline(rect.x_range(), middle.y, stroke);
         let words = mark.to_string();
-        let font = FontId::monospace(13.0);
-        let words = self.ui.painter().layout_no_wrap(words, font, ADDRESS);
+        let font = FontId::monospace(theme::LABEL_SIZE);
+        let words = self.ui.painter().layout_no_wrap(words, font, theme::TEXT);
         let back = Rect::from_center_size(middle, words.size() + vec2(20.0, 4.0));
         self.ui
             .painter()
-            .rect_filled(back, 3.0, Color32::from_gray(40));
+            .rect_filled(back, 3.0, theme::LADDER_MARK_GROUND);
         let corner = back.center() - words.size() / 2.0;
-        self.ui.painter().galley(corner, words, ADDRESS);
+        self.ui.painter().galley(corner, words, theme::TEXT);
         self.add_selectable(0, back, &mark.to_string());
     }
 
@@ -276,10 +267,14 @@ impl RungPainter<'_> {
             painter.rect_filled(
                 symbol.shrink2(vec2(2.0, 3.0)),
                 0.0,
-                LIVE.gamma_multiply(0.35),
+                theme::ladder_live_ground(),
             );
         }
-        let colour = if closed { LIVE } else { RAIL };
+        let colour = if closed {
+            theme::LADDER_LIVE
+        } else {
+            theme::LADDER_RAIL
+        };
         let stroke = Stroke::new(2.0, colour);
         for x in [symbol.left(), symbol.right()] {
             painter.vline(x, symbol.y_range(), stroke);
@@ -305,7 +300,11 @@ impl RungPainter<'_> {
     fn draw_names(&self, bit: BitAddress, corner: Pos2, cell: egui::Vec2) {
         let painter = self.ui.painter();
         let forced = (self.context.forced)(bit);
-        let colour = if forced.is_some() { FORCED } else { ADDRESS };
+        let colour = if forced.is_some() {
+            theme::FORCED
+        } else {
+            theme::TEXT
+        };
         let text = match forced {
             Some(state) => format!("{bit}={}", u8::from(state)),
             None => bit.to_string(),
@@ -315,7 +314,7 @@ impl RungPainter<'_> {
             at,
             Align2::CENTER_TOP,
             text,
-            FontId::monospace(13.0),
+            FontId::monospace(theme::LABEL_SIZE),
             colour,
         );
         if self.context.with_comments {
@@ -330,13 +329,14 @@ impl RungPainter<'_> {
     }
 
     fn draw_two_lines(&self, words: &str, at: Pos2, width: f32) {
-        let font = FontId::proportional(12.0);
-        let mut job = egui::text::LayoutJob::simple(words.to_owned(), font, COMMENT, width);
+        let font = FontId::proportional(theme::ANNOTATION_SIZE);
+        let mut job =
+            egui::text::LayoutJob::simple(words.to_owned(), font, theme::LADDER_COMMENT, width);
         job.wrap.max_rows = 2;
         job.wrap.break_anywhere = self.context.language == Language::Zh;
         job.halign = egui::Align::Center;
         let galley = self.ui.painter().layout_job(job);
-        self.ui.painter().galley(at, galley, COMMENT);
+        self.ui.painter().galley(at, galley, theme::LADDER_COMMENT);
     }
 
     fn draw_output(
@@ -366,17 +366,21 @@ impl RungPainter<'_> {
         self.draw_wire(pos2(bus, y), pos2(middle - 11.0, y), live);
         self.draw_wire(pos2(middle + 11.0, y), pos2(right, y), live);
         let on = self.context.memory.is_some() && power.closed;
-        let colour = if on { LIVE } else { RAIL };
+        let colour = if on {
+            theme::LADDER_LIVE
+        } else {
+            theme::LADDER_RAIL
+        };
         let painter = self.ui.painter();
         if on {
-            painter.circle_filled(pos2(middle, y), 10.0, LIVE.gamma_multiply(0.35));
+            painter.circle_filled(pos2(middle, y), 10.0, theme::ladder_live_ground());
         }
         painter.circle_stroke(pos2(middle, y), 11.0, Stroke::new(2.0, colour));
         painter.text(
             pos2(middle, y),
             Align2::CENTER_CENTER,
             sign,
-            FontId::proportional(13.0),
+            FontId::proportional(theme::LABEL_SIZE),
             colour,
         );
         self.draw_names(bit, corner, cell);
@@ -388,7 +392,9 @@ impl RungPainter<'_> {
     fn draw_search_mark(&self, rect: Rect, subject: PlcAddress) {
         let rect = rect.shrink2(vec2(3.0, 1.0));
         if self.context.searched == Some(subject) {
-            self.ui.painter().rect_filled(rect, 3.0, SEARCHED);
+            self.ui
+                .painter()
+                .rect_filled(rect, 3.0, theme::LADDER_FOUND_GROUND);
         }
     }
 
@@ -405,12 +411,12 @@ impl RungPainter<'_> {
         let chosen = self.context.selected == Some(index);
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, name));
         if response.has_focus() || chosen {
-            let stroke = Stroke::new(1.4, SELECTED);
+            let stroke = Stroke::new(1.4, theme::LADDER_SELECTED);
             self.ui
                 .painter()
                 .rect_stroke(rect, 3.0, stroke, StrokeKind::Inside);
         } else if response.hovered() {
-            let stroke = Stroke::new(1.0, SELECTED.gamma_multiply(0.5));
+            let stroke = Stroke::new(1.0, theme::ladder_hover());
             self.ui
                 .painter()
                 .rect_stroke(rect, 3.0, stroke, StrokeKind::Inside);
@@ -434,9 +440,9 @@ impl RungPainter<'_> {
 
     pub(super) fn draw_wire(&self, from: Pos2, to: Pos2, live: bool) {
         let stroke = if live && self.context.memory.is_some() {
-            Stroke::new(2.4, LIVE)
+            Stroke::new(2.4, theme::LADDER_LIVE)
         } else {
-            Stroke::new(1.4, DEAD)
+            Stroke::new(1.4, theme::LADDER_DEAD)
         };
         self.ui.painter().line_segment([from, to], stroke);
     }

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use egui::{Button, Color32, Panel, RichText, ScrollArea, TextEdit, Ui, vec2};
+use egui::{Button, Panel, RichText, ScrollArea, TextEdit, Ui, vec2};
 use gsk_core::cnc::ControlRequest;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::plc::{CompileError, Ladder, Network};
@@ -13,12 +13,10 @@ use super::draft::LadderDraft;
 use super::element_change::{ElementChange, change_rung, format_rung};
 use super::{LadderView, Tab, compiler_text};
 use crate::kernel::monitor::MachineView;
-use crate::window::focus;
 use crate::window::views::text_files;
+use crate::window::{focus, theme};
 use gsk_messages::{Language, say};
 
-/// Colour of compiler errors.
-pub const ERROR_COLOR: Color32 = Color32::from_rgb(255, 130, 104);
 /// Undo key of changes typed into the whole list. Rungs count from 1.
 const WHOLE_LIST: u32 = 0;
 /// Instructions of a new rung.
@@ -156,7 +154,7 @@ impl LadderView {
             }
             if let Some(refusal) = self.refusal.filter(|_| is_changed) {
                 let words = compiler_text::refusal_message(refusal).text(language);
-                ui.label(RichText::new(words).color(super::draw::FORCED));
+                ui.label(RichText::new(words).color(theme::WARNING));
             }
             let discard = Button::new(say::ladder_discard().text(language));
             if ui.add_enabled(is_changed, discard).clicked() {
@@ -471,12 +469,12 @@ fn show_compiler_messages(
             let compiles = errors.iter().all(|found| found.code.is_warning());
             if compiles {
                 let words = compiler_text::compiled_text(errors.len(), language);
-                ui.label(RichText::new(words).color(super::draw::LIVE));
+                ui.label(RichText::new(words).color(theme::LADDER_LIVE));
             }
             let ink = if compiles {
-                super::draw::FORCED
+                theme::WARNING
             } else {
-                ERROR_COLOR
+                theme::LADDER_ERROR_TEXT
             };
             for error in errors {
                 let is_own_rung = rung == WHOLE_LIST || error.rung == rung;

@@ -25,7 +25,7 @@ use gsk_core::plc::{Ladder, PlcAddress, Statement};
 
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
-use crate::window::focus;
+use crate::window::{focus, theme};
 use draft::LadderDraft;
 use draw::RungContext;
 use edit::RungEditor;
@@ -371,13 +371,13 @@ impl LadderView {
             let (words, colour) = match (plc.fault(), machine.halted) {
                 (Some(fault), _) => {
                     let words = fault.message().text(language);
-                    (words, egui::Color32::from_rgb(255, 120, 96))
+                    (words, theme::ALARM_TEXT)
                 }
                 (None, true) => {
                     let rung = plc.next_rung().unwrap_or(0);
-                    (say::ladder_halted(rung).text(language), draw::FORCED)
+                    (say::ladder_halted(rung).text(language), theme::WARNING)
                 }
-                (None, false) => (say::ladder_running().text(language), draw::LIVE),
+                (None, false) => (say::ladder_running().text(language), theme::LADDER_LIVE),
             };
             ui.label(RichText::new(words).color(colour));
             ui.separator();
@@ -402,7 +402,7 @@ impl LadderView {
             if machine.next_ladder.is_some() {
                 ui.separator();
                 let words = say::ladder_new_at_power_on().text(language);
-                ui.label(RichText::new(words).color(draw::FORCED));
+                ui.label(RichText::new(words).color(theme::WARNING));
                 let words = say::ladder_power_off_and_on().text(language);
                 let hint = say::ladder_power_off_and_on_hint().text(language);
                 if ui.button(words).on_hover_text(hint).clicked() {

@@ -1,16 +1,16 @@
 //! The list beside the rungs: the selected element, the uses of its addresses, forced bits.
 
-use egui::{Color32, RichText, ScrollArea, Ui, vec2};
+use egui::{RichText, ScrollArea, Ui, vec2};
 use gsk_core::cnc::ControlRequest;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::plc::{Access, Ladder, PlcAddress};
 use gsk_panel::pages::signal_name;
 
-use super::draw::{self, address_comment};
+use super::draw::address_comment;
 use super::{LadderView, operand_value, statement_addresses};
 use crate::kernel::Command;
 use crate::kernel::monitor::MachineView;
-use crate::window::focus;
+use crate::window::{focus, theme};
 use gsk_messages::{Language, say};
 
 /// Width of the list beside the rungs for a view of this width, points.
@@ -65,7 +65,7 @@ impl LadderView {
             ui.label(
                 RichText::new(format!("= {held}"))
                     .monospace()
-                    .color(draw::LIVE),
+                    .color(theme::LADDER_LIVE),
             );
             if let PlcAddress::Bit(bit) = subject {
                 let symbol = signal_name(bit);
@@ -136,9 +136,9 @@ impl LadderView {
             ] {
                 let chosen = held == value;
                 let (fill, ink) = match (chosen, value) {
-                    (true, Some(_)) => (draw::FORCED, Color32::BLACK),
-                    (true, None) => (Color32::from_gray(58), Color32::from_gray(210)),
-                    (false, _) => (Color32::from_gray(42), Color32::from_gray(190)),
+                    (true, Some(_)) => (theme::FORCED, theme::TEXT_ON_BRIGHT),
+                    (true, None) => (theme::CHOICE_SELECTED_GROUND, theme::CHOICE_SELECTED_TEXT),
+                    (false, _) => (theme::CHOICE_GROUND, theme::QUIET_TEXT),
                 };
                 let button = egui::Button::new(RichText::new(&word).color(ink))
                     .fill(fill)
@@ -163,7 +163,7 @@ impl LadderView {
         ui.add_space(10.0);
         ui.separator();
         let words = say::ladder_forced_bits().text(language);
-        ui.label(RichText::new(words).color(draw::FORCED));
+        ui.label(RichText::new(words).color(theme::FORCED));
         for force in forces {
             ui.horizontal(|ui| {
                 let text = format!("{} = {}", force.bit, u8::from(force.value));

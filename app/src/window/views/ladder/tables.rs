@@ -1,8 +1,7 @@
 //! Draws the tables of a ladder: messages, comments, initial data (manual PLC-III 4 and 5).
 
 use egui::{
-    Align, Color32, Label, Layout, Panel, RichText, ScrollArea, Sense, TextEdit, Ui, UiBuilder,
-    vec2,
+    Align, Label, Layout, Panel, RichText, ScrollArea, Sense, TextEdit, Ui, UiBuilder, vec2,
 };
 use gsk_core::plc::{Ladder, PlcAddress};
 
@@ -10,7 +9,7 @@ use super::directive::LadderTable;
 use super::draft::LadderDraft;
 use super::{LadderView, compiler_text, draw, operand_value};
 use crate::kernel::monitor::MachineView;
-use crate::window::focus;
+use crate::window::{focus, theme};
 use gsk_messages::{Language, Message, say};
 
 /// Height of a row, points.
@@ -35,11 +34,7 @@ impl LadderView {
                 return Vec::new();
             };
             let on = machine.plc.memory().bit(message.bit);
-            let colour = if on {
-                draw::FORCED
-            } else {
-                Color32::from_gray(215)
-            };
+            let colour = if on { theme::FORCED } else { theme::ROW_TEXT };
             [
                 message.bit.to_string(),
                 format!("{:04}", message.number),
@@ -116,7 +111,7 @@ impl LadderView {
             vec![
                 RichText::new(start.address.to_string()).monospace(),
                 RichText::new(start.value.to_string()).monospace(),
-                RichText::new(now).monospace().color(draw::LIVE),
+                RichText::new(now).monospace().color(theme::LADDER_LIVE),
                 RichText::new(words),
             ]
         });
@@ -176,7 +171,7 @@ impl LadderView {
                 }
             });
             if let Some(complaint) = &self.row_error {
-                ui.label(RichText::new(complaint).color(super::edit::ERROR_COLOR));
+                ui.label(RichText::new(complaint).color(theme::LADDER_ERROR_TEXT));
             }
         });
         if let Some(list) = list {
@@ -237,7 +232,7 @@ fn show_table(
                 let role = egui::Role::ListBoxOption;
                 response.widget_info(|| egui::WidgetInfo::labeled(role, true, &name));
                 if response.hovered() {
-                    let shade = Color32::from_white_alpha(10);
+                    let shade = theme::row_hover();
                     ui.painter().rect_filled(rect, 2.0, shade);
                 }
                 if list.show_cursor(ui, index, &response) {

@@ -6,8 +6,9 @@ use egui::{Align, Layout, ProgressBar, RichText, Ui};
 use gsk_core::units::{Axis, Pulses};
 use gsk_link::{Input, Protocol, SpindleDirection, Traffic};
 
-use super::{BAD, GOOD, words};
+use super::words;
 use crate::kernel::link_view::LinkView;
+use crate::window::theme;
 use gsk_messages::{Language, say};
 
 /// Interval between two readings of the counters, s.
@@ -74,9 +75,9 @@ pub fn show(ui: &mut Ui, language: Language, view: &LinkView, rates: &TrafficRat
                 if let Some(agrees) = counts_agree {
                     // While the slides move, the report of the board always lags a little.
                     let (text, ink) = match (agrees, view.outstanding.is_zero()) {
-                        (true, _) => (say::link_page_counts_agree(), GOOD),
+                        (true, _) => (say::link_page_counts_agree(), theme::SUCCESS),
                         (false, false) => (say::link_page_on_the_way(), ui.visuals().text_color()),
-                        (false, true) => (say::link_page_counts_differ(), BAD),
+                        (false, true) => (say::link_page_counts_differ(), theme::ALARM_TEXT),
                     };
                     ui.label(RichText::new(text.text(language)).color(ink));
                 }

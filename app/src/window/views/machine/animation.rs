@@ -2,11 +2,12 @@
 
 use std::f32::consts::TAU;
 
-use egui::{Color32, Painter, Pos2, Stroke, pos2, vec2};
+use egui::{Painter, Pos2, Stroke, pos2, vec2};
 use gsk_workpiece::stock::Stock;
 
 use super::camera::Camera;
 use crate::kernel::part::PartView;
+use crate::window::theme;
 
 /// Angles of the jaws at whose middle the chuck is marked, radians.
 const JAW_ANGLES: [f32; 3] = [0.0, TAU / 3.0, 2.0 * TAU / 3.0];
@@ -15,8 +16,6 @@ const JAW_ANGLES: [f32; 3] = [0.0, TAU / 3.0, 2.0 * TAU / 3.0];
 const MAX_DRAWN_RPM: f32 = 90.0;
 /// Time between two frames of a turning spindle, s.
 const FRAME_INTERVAL_S: f32 = 1.0 / 30.0;
-const MARK: Color32 = Color32::from_rgb(150, 164, 186);
-const COOLANT: Color32 = Color32::from_rgba_premultiplied(40, 84, 120, 130);
 /// Position of the nozzle relative to the tip, Z and X, mm.
 const NOZZLE_OFFSET_MM: (f32, f32) = (14.0, 34.0);
 /// Half width of the jets at the tip, mm.
@@ -54,7 +53,7 @@ impl SpindleAnimation {
                 }
                 let height = -radius * angle.cos();
                 let ends = [from, to].map(|z| camera.screen_position(pos2(z, height)));
-                painter.line_segment(ends, Stroke::new(2.0, MARK));
+                painter.line_segment(ends, Stroke::new(2.0, theme::SPINDLE_MARK));
             }
         }
     }
@@ -76,7 +75,7 @@ pub fn draw_coolant(painter: &Painter, camera: &Camera, tip: Pos2) {
     for jet in -JETS..=JETS {
         let offset_mm = f32::from(jet) / f32::from(JETS) * JET_SPREAD_MM;
         let end = camera.screen_position(tip + vec2(offset_mm, -offset_mm.abs() / 2.0));
-        painter.line_segment([nozzle, end], Stroke::new(2.0, COOLANT));
+        painter.line_segment([nozzle, end], Stroke::new(2.0, theme::COOLANT));
     }
-    painter.circle_filled(nozzle, 3.0, MARK);
+    painter.circle_filled(nozzle, 3.0, theme::SPINDLE_MARK);
 }

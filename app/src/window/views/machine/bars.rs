@@ -1,7 +1,7 @@
 //! The tool bar above the picture, and the state lines, findings and clock below it.
 
 use egui::text::LayoutJob;
-use egui::{Color32, Label, RichText, ScrollArea, TextFormat, TextStyle, Ui};
+use egui::{Label, RichText, ScrollArea, TextFormat, TextStyle, Ui};
 use gsk_core::command::ProgramId;
 use gsk_messages::{Language, Message, say};
 use gsk_runner::narration::describe_pass;
@@ -9,17 +9,12 @@ use gsk_runner::times::TimeUse;
 
 use super::path::BlockRef;
 use super::xray::{self, TrialAction};
-use super::{
-    COLLISION_COLOR, Instrument, LatheView, ProgramViewRequest, SelectedBlock, path_lines,
-    to_block_ref, to_pos2,
-};
+use super::{Instrument, LatheView, ProgramViewRequest, SelectedBlock, to_block_ref, to_pos2};
 use crate::kernel::Command;
-use crate::window::alarm_text;
-use crate::window::focus;
+use crate::window::{alarm_text, focus, theme};
 
 /// Greatest height of the list of collisions, points.
 const LIST_HEIGHT: f32 = 72.0;
-const UNCERTAIN: Color32 = Color32::from_rgb(255, 196, 90);
 
 impl LatheView {
     pub(super) fn show_toolbar(&mut self, ui: &mut Ui, language: Language) {
@@ -125,32 +120,32 @@ impl LatheView {
             .show(ui, made, running.map(to_block_ref), language);
         let (words, color) = match &self.part {
             Some(part) if part.is_guessed && self.instruments.job.is_own_change(&part.job) => {
-                (say::lathe_changed(), Color32::from_gray(160))
+                (say::lathe_changed(), theme::STATE_TEXT)
             }
             Some(part) if part.is_guessed && self.preview.is_practice_job => {
-                (say::lathe_practice(), Color32::from_gray(160))
+                (say::lathe_practice(), theme::STATE_TEXT)
             }
-            Some(part) if part.is_guessed => (say::lathe_guessed(), UNCERTAIN),
-            Some(_) => (say::lathe_job(), Color32::from_gray(160)),
-            None if self.preview.is_practice_job => (say::lathe_no_path(), Color32::from_gray(160)),
-            None if self.preview.program_count > 0 => (say::lathe_nothing_cut(), UNCERTAIN),
-            None => (say::window_one_moment(), Color32::from_gray(160)),
+            Some(part) if part.is_guessed => (say::lathe_guessed(), theme::WARNING),
+            Some(_) => (say::lathe_job(), theme::STATE_TEXT),
+            None if self.preview.is_practice_job => (say::lathe_no_path(), theme::STATE_TEXT),
+            None if self.preview.program_count > 0 => (say::lathe_nothing_cut(), theme::WARNING),
+            None => (say::window_one_moment(), theme::STATE_TEXT),
         };
         ui.label(RichText::new(words.text(language)).color(color));
         if let Some(trouble) = &self.preview.job_file_error {
-            ui.label(RichText::new(trouble.text(language)).color(COLLISION_COLOR));
+            ui.label(RichText::new(trouble.text(language)).color(theme::COLLISION));
         }
         if let Some(alarm) = &self.preview.alarm {
             let alarm = alarm_text::one_line(alarm, language);
             let words = say::lathe_path_ends(alarm).text(language);
-            ui.label(RichText::new(words).color(COLLISION_COLOR));
+            ui.label(RichText::new(words).color(theme::COLLISION));
             if self.preview.fault_block.is_some() {
                 let words = say::xray_profile().text(language);
-                ui.label(RichText::new(words).color(COLLISION_COLOR));
+                ui.label(RichText::new(words).color(theme::COLLISION));
             }
         } else if self.preview.path.is_partial {
             let words = say::lathe_path_partial().text(language);
-            ui.label(RichText::new(words).color(UNCERTAIN));
+            ui.label(RichText::new(words).color(theme::WARNING));
         }
         self.show_collisions(ui, language);
     }
@@ -163,7 +158,7 @@ impl LatheView {
             .and_then(|chosen| chosen.pass.as_ref());
         if let Some(why) = pass.and_then(|pass| pass.explanation.as_ref()) {
             let (sentence, formula) = describe_pass(why, language);
-            ui.label(RichText::new(sentence).color(path_lines::PASS));
+            ui.label(RichText::new(sentence).color(theme::PASS_PATH));
             ui.label(RichText::new(formula).monospace());
         }
         let block = self.selected.as_ref().map(|chosen| chosen.block);
@@ -188,7 +183,7 @@ impl LatheView {
             return;
         }
         let words = say::lathe_collisions(findings.len()).text(language);
-        ui.label(RichText::new(words).color(COLLISION_COLOR));
+        ui.label(RichText::new(words).color(theme::COLLISION));
         let mut clicked = None;
         // A solid scroll bar shows that the list is longer.
         ui.spacing_mut().scroll = egui::style::ScrollStyle::solid();
@@ -211,7 +206,7 @@ impl LatheView {
                         }
                         None => say::window_collision(collision.message(), x, z),
                     };
-                    let words = RichText::new(words.text(language)).color(COLLISION_COLOR);
+                    let words = RichText::new(words.text(language)).color(theme::COLLISION);
                     let link = focus::link_row(ui, words);
                     if list.show_cursor(ui, at, &link) || list.entered_row() == Some(at) {
                         clicked = Some((block, to_pos2(collision.contact)));
@@ -244,9 +239,9 @@ fn draw_legend(ui: &mut Ui, language: Language) {
     let font_id = TextStyle::Body.resolve(ui.style());
     let mut job = LayoutJob::default();
     for (what, color) in [
-        (TimeUse::Rapid, path_lines::RAPID),
-        (TimeUse::Feed, path_lines::FEED),
-        (TimeUse::Thread, path_lines::THREAD),
+        (TimeUse::Rapid, theme::RAPID_PATH),
+        (TimeUse::Feed, theme::FEED_PATH),
+        (TimeUse::Thread, theme::THREAD_PATH),
     ] {
         let gap = match job.text.is_empty() {
             true => "",

@@ -13,15 +13,12 @@ use super::camera::Camera;
 use super::path::nearest_point_on;
 use super::repeat_limit::RepeatLimit;
 use super::to_pos2;
+use crate::window::theme;
 
 /// Greatest distance of the pointer from an edge, points.
 const REACH_POINTS: f32 = 14.0;
 /// Interval of the measurements while a part is being cut, s.
 const MEASURE_INTERVAL_S: f64 = 0.25;
-const HOVERED: Color32 = Color32::from_rgb(255, 240, 120);
-const KEPT: Color32 = Color32::from_rgb(255, 150, 220);
-const JAW_COLOR: Color32 = Color32::from_rgb(190, 220, 255);
-const LABEL_BACKGROUND: Color32 = Color32::from_rgba_premultiplied(10, 12, 16, 220);
 /// Length of the jaws beyond the edge, points.
 const JAW_LENGTH: f32 = 26.0;
 
@@ -102,12 +99,12 @@ impl Caliper {
     /// Draws both features, the jaws and the measurement.
     pub fn draw(&self, painter: &Painter, camera: &Camera, language: Language) {
         if let Some(kept) = &self.kept {
-            draw_outline(painter, camera, &kept.outline, KEPT);
+            draw_outline(painter, camera, &kept.outline, theme::KEPT_MEASUREMENT);
         }
         let (Some(meant), Some((_, at))) = (self.hovered_feature(), self.hovered) else {
             return;
         };
-        draw_outline(painter, camera, &meant.outline, HOVERED);
+        draw_outline(painter, camera, &meant.outline, theme::MEASURED_FEATURE);
         if let Feature::Cylinder { diameter, z } = meant.feature {
             let z = at.x.clamp(z.0.min(z.1) as f32, z.0.max(z.1) as f32);
             draw_jaws(painter, camera, z, diameter.radius() as f32);
@@ -172,7 +169,7 @@ fn draw_outline(painter: &Painter, camera: &Camera, outline: &[Point], color: Co
 
 /// Draws the jaws of a caliper at a diameter, and the arrows of the measurement.
 fn draw_jaws(painter: &Painter, camera: &Camera, z: f32, radius: f32) {
-    let stroke = Stroke::new(1.5, JAW_COLOR);
+    let stroke = Stroke::new(1.5, theme::CALIPER);
     let ends = [1.0, -1.0].map(|side| camera.screen_position(pos2(z, radius * side)));
     for end in ends {
         let half = vec2(JAW_LENGTH, 0.0);
@@ -185,14 +182,21 @@ fn draw_jaws(painter: &Painter, camera: &Camera, z: f32, radius: f32) {
         let side = Vec2::new(toward.y, -toward.x) * 4.0;
         let back = tip + toward * 11.0;
         let head = vec![tip, back + side, back - side];
-        painter.add(Shape::convex_polygon(head, JAW_COLOR, Stroke::NONE));
+        painter.add(Shape::convex_polygon(head, theme::CALIPER, Stroke::NONE));
     }
-    painter.line_segment([ends[0] + bar, ends[1] + bar], Stroke::new(1.0, JAW_COLOR));
+    painter.line_segment(
+        [ends[0] + bar, ends[1] + bar],
+        Stroke::new(1.0, theme::CALIPER),
+    );
 }
 
 /// Draws words on a dark background, kept within the picture.
 fn draw_label(painter: &Painter, at: Pos2, words: String) {
-    let galley = painter.layout_no_wrap(words, FontId::monospace(16.0), HOVERED);
+    let galley = painter.layout_no_wrap(
+        words,
+        FontId::monospace(theme::LARGE_SIZE),
+        theme::MEASURED_FEATURE,
+    );
     let rect = Align2::LEFT_BOTTOM.anchor_size(at, galley.size());
     let bounds = painter.clip_rect().shrink(6.0);
     let over = vec2(
@@ -200,8 +204,12 @@ fn draw_label(painter: &Painter, at: Pos2, words: String) {
         (rect.bottom() - bounds.bottom()).max(0.0) - (bounds.top() - rect.top()).max(0.0),
     );
     let rect = rect.translate(-over);
-    painter.rect_filled(rect.expand2(vec2(6.0, 3.0)), 3.0, LABEL_BACKGROUND);
-    painter.galley(rect.min, galley, HOVERED);
+    painter.rect_filled(
+        rect.expand2(vec2(6.0, 3.0)),
+        3.0,
+        theme::CALIPER_LABEL_GROUND,
+    );
+    painter.galley(rect.min, galley, theme::MEASURED_FEATURE);
 }
 
 #[cfg(test)]

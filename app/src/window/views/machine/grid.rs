@@ -1,21 +1,17 @@
 //! Draws the grid and the spindle axis with their figures: Z in mm, X as a diameter in mm.
 
-use egui::{Align2, Color32, FontId, Painter, Pos2, Shape, Stroke, pos2, vec2};
+use egui::{Align2, FontId, Painter, Pos2, Shape, Stroke, pos2, vec2};
 
 use super::camera::Camera;
+use crate::window::theme;
 
-const LINE_COLOR: Color32 = Color32::from_gray(34);
-const FIGURE_COLOR: Color32 = Color32::from_gray(150);
-const AXIS_COLOR: Color32 = Color32::from_rgb(176, 120, 120);
-/// Background of words over the picture.
-pub const LABEL_BACKGROUND: Color32 = Color32::from_rgba_premultiplied(12, 12, 12, 170);
 /// Least distance of two lines, points.
 const MIN_LINE_DISTANCE: f32 = 56.0;
 
 /// Draws the grid lines below the picture.
 pub fn draw_lines(painter: &Painter, camera: &Camera) {
     let (room, seen) = (camera.rect, camera.visible_bounds());
-    let stroke = Stroke::new(1.0, LINE_COLOR);
+    let stroke = Stroke::new(1.0, theme::GRID_LINE);
     let step = round_step(MIN_LINE_DISTANCE / camera.points_per_mm);
     for z in multiples(seen.left(), seen.right(), step) {
         let x = camera.screen_position(pos2(z, 0.0)).x;
@@ -34,17 +30,21 @@ pub fn draw_figures(painter: &Painter, camera: &Camera) {
     let ends = [pos2(room.left(), axis), pos2(room.right(), axis)];
     for (dash, gap, at) in [(18.0, 10.0, 0.0), (3.0, 25.0, 21.5)] {
         let ends = [ends[0] + vec2(at, 0.0), ends[1]];
-        let stroke = Stroke::new(1.0, AXIS_COLOR);
+        let stroke = Stroke::new(1.0, theme::SPINDLE_AXIS);
         painter.extend(Shape::dashed_line(&ends, stroke, dash, gap));
     }
     let step = round_step(MIN_LINE_DISTANCE / camera.points_per_mm);
-    let font = FontId::monospace(11.0);
+    let font = FontId::monospace(theme::SCALE_SIZE);
     let text = |at: Pos2, align: Align2, value: f32| {
         let text = format_figure(value, step);
-        let galley = painter.layout_no_wrap(text, font.clone(), FIGURE_COLOR);
+        let galley = painter.layout_no_wrap(text, font.clone(), theme::GRID_TEXT);
         let rect = align.anchor_size(at, galley.size());
-        painter.rect_filled(rect.expand2(vec2(2.0, 0.0)), 2.0, LABEL_BACKGROUND);
-        painter.galley(rect.min, galley, FIGURE_COLOR);
+        painter.rect_filled(
+            rect.expand2(vec2(2.0, 0.0)),
+            2.0,
+            theme::PICTURE_LABEL_GROUND,
+        );
+        painter.galley(rect.min, galley, theme::GRID_TEXT);
     };
     for z in multiples(seen.left(), seen.right(), step) {
         let x = camera.screen_position(pos2(z, 0.0)).x;

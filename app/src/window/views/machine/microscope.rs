@@ -13,19 +13,13 @@ use gsk_workpiece::region::Region;
 use super::camera::Camera;
 use super::path::{DrawnPath, nearest_point_on};
 use super::repeat_limit::RepeatLimit;
-use super::{path_lines, to_pos2};
+use super::to_pos2;
+use crate::window::theme;
 
 /// Interval of the comparisons while a part is being cut, s.
 const COMPARISON_INTERVAL_S: f64 = 0.3;
 /// Greatest distance of the pointer from a line, points.
 const REACH_POINTS: f32 = 24.0;
-const WITHIN_TOLERANCE: Color32 = Color32::from_rgb(90, 215, 110);
-/// Material is left.
-const MATERIAL_LEFT: Color32 = Color32::from_rgb(80, 150, 255);
-/// The cut is too deep.
-const CUT_TOO_DEEP: Color32 = Color32::from_rgb(255, 70, 60);
-const PROGRAMMED: Color32 = Color32::WHITE;
-const CENTERS: Color32 = Color32::from_rgb(200, 130, 255);
 
 /// The surface that is compared with the intended one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -162,12 +156,12 @@ impl Microscope {
             ui.add(drag);
             ui.separator();
             for (color, words) in [
-                (PROGRAMMED, say::microscope_programmed()),
-                (path_lines::FEED, say::microscope_tips()),
-                (CENTERS, say::microscope_centers()),
-                (WITHIN_TOLERANCE, say::microscope_right()),
-                (MATERIAL_LEFT, say::microscope_left()),
-                (CUT_TOO_DEEP, say::microscope_deep()),
+                (theme::PROGRAMMED_PATH, say::microscope_programmed()),
+                (theme::FEED_PATH, say::microscope_tips()),
+                (theme::NOSE_CENTER_PATH, say::microscope_centers()),
+                (theme::WITHIN_TOLERANCE, say::microscope_right()),
+                (theme::MATERIAL_LEFT, say::microscope_left()),
+                (theme::CUT_TOO_DEEP, say::microscope_deep()),
             ] {
                 ui.colored_label(color, words.text(language));
             }
@@ -185,10 +179,10 @@ impl Microscope {
             for (worst, color, words) in [
                 (
                     deep,
-                    CUT_TOO_DEEP,
+                    theme::CUT_TOO_DEEP,
                     say::microscope_deepest as fn(_, _, _) -> Message,
                 ),
-                (left, MATERIAL_LEFT, say::microscope_most_left),
+                (left, theme::MATERIAL_LEFT, say::microscope_most_left),
             ] {
                 let Some(worst) = worst else { continue };
                 let (x, z) = (worst.at.diameter().0, worst.at.z);
@@ -199,7 +193,7 @@ impl Microscope {
             }
             if deep.is_none() && left.is_none() {
                 let words = say::microscope_all_right(self.tolerance_mm * 1000.0).text(language);
-                ui.colored_label(WITHIN_TOLERANCE, words);
+                ui.colored_label(theme::WITHIN_TOLERANCE, words);
             }
         });
         // Always a row: the picture under the pointer must not move.
@@ -239,11 +233,11 @@ impl Microscope {
             return;
         };
         for (pieces, color) in [
-            (&compared.programmed_path, PROGRAMMED),
-            (&compared.tip_path, path_lines::FEED),
-            (&compared.nose_center_path, CENTERS),
+            (&compared.programmed_path, theme::PROGRAMMED_PATH),
+            (&compared.tip_path, theme::FEED_PATH),
+            (&compared.nose_center_path, theme::NOSE_CENTER_PATH),
         ] {
-            let stroke = Stroke::new(1.0, color.gamma_multiply(0.6));
+            let stroke = Stroke::new(1.0, theme::microscope_path(color));
             for piece in pieces {
                 let ends = piece.ends.map(|end| camera.screen_position(to_pos2(end)));
                 painter.line_segment(ends, stroke);
@@ -262,21 +256,21 @@ impl Microscope {
                 <= REACH_POINTS + nose * camera.points_per_mm
         {
             let at = camera.screen_position(center);
-            let stroke = Stroke::new(1.5, CENTERS);
+            let stroke = Stroke::new(1.5, theme::NOSE_CENTER_PATH);
             painter.add(Shape::circle_stroke(
                 at,
                 nose * camera.points_per_mm,
                 stroke,
             ));
-            painter.circle_filled(at, 2.5, CENTERS);
+            painter.circle_filled(at, 2.5, theme::NOSE_CENTER_PATH);
         }
     }
 
     fn deviation_color(&self, deviation_mm: f64) -> Color32 {
         match deviation_mm {
-            off if off < -self.tolerance_mm => CUT_TOO_DEEP,
-            off if off > self.tolerance_mm => MATERIAL_LEFT,
-            _ => WITHIN_TOLERANCE,
+            off if off < -self.tolerance_mm => theme::CUT_TOO_DEEP,
+            off if off > self.tolerance_mm => theme::MATERIAL_LEFT,
+            _ => theme::WITHIN_TOLERANCE,
         }
     }
 }

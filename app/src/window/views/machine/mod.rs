@@ -25,8 +25,8 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use egui::{
-    Color32, Context, Panel, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, Vec2,
-    WidgetInfo, pos2, vec2,
+    Context, Panel, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo, pos2,
+    vec2,
 };
 use gsk_core::command::{ProgramId, SourcePosition};
 use gsk_core::units::Point;
@@ -59,7 +59,6 @@ const VISIBLE_CHUCK_MM: f32 = 35.0;
 const TOOL_MARGIN_MM: Vec2 = vec2(22.0, 14.0);
 /// Least scale at which a single position is shown, points a millimetre.
 const CLOSE_SCALE: f32 = 120.0;
-const COLLISION_COLOR: Color32 = Color32::from_rgb(255, 70, 60);
 
 /// What the pointer does in the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,30 +1,29 @@
 //! Writes the state of the lathe over the picture and marks collisions.
 
-use egui::{Align2, Color32, FontId, Painter, Rect, Stroke, vec2};
+use egui::{Align2, FontId, Painter, Rect, Stroke, vec2};
 use gsk_messages::{Language, Message, say};
 
 use super::camera::Camera;
-use super::{COLLISION_COLOR, grid, to_pos2};
+use super::to_pos2;
 use crate::kernel::part::PartView;
-
-const TEXT_COLOR: Color32 = Color32::from_gray(190);
+use crate::window::theme;
 
 /// Writes tool, spindle and each state of the lathe that is not at rest into the upper right
 /// corner.
 pub fn draw_states(painter: &Painter, rect: Rect, part: &PartView, language: Language) {
-    let font = FontId::monospace(13.0);
+    let font = FontId::monospace(theme::LABEL_SIZE);
     let corner = rect.right_top() + vec2(-8.0, 6.0);
     for (line, words) in state_messages(part).into_iter().enumerate() {
         let at = corner + vec2(0.0, 18.0 * line as f32);
         let words = words.text(language);
-        let galley = painter.layout_no_wrap(words, font.clone(), TEXT_COLOR);
+        let galley = painter.layout_no_wrap(words, font.clone(), theme::QUIET_TEXT);
         let label_rect = Align2::RIGHT_TOP.anchor_size(at, galley.size());
         painter.rect_filled(
             label_rect.expand2(vec2(4.0, 0.0)),
             2.0,
-            grid::LABEL_BACKGROUND,
+            theme::PICTURE_LABEL_GROUND,
         );
-        painter.galley(label_rect.min, galley, TEXT_COLOR);
+        painter.galley(label_rect.min, galley, theme::QUIET_TEXT);
     }
 }
 
@@ -47,10 +46,10 @@ fn state_messages(part: &PartView) -> Vec<Message> {
 pub fn draw_hits(painter: &Painter, camera: &Camera, part: &PartView) {
     for finding in &part.findings {
         let at = camera.screen_position(to_pos2(finding.collision.contact));
-        painter.circle_stroke(at, 8.0, Stroke::new(2.0, COLLISION_COLOR));
+        painter.circle_stroke(at, 8.0, Stroke::new(2.0, theme::COLLISION));
         let arm = vec2(5.0, 5.0);
-        painter.line_segment([at - arm, at + arm], Stroke::new(2.0, COLLISION_COLOR));
+        painter.line_segment([at - arm, at + arm], Stroke::new(2.0, theme::COLLISION));
         let arm = vec2(5.0, -5.0);
-        painter.line_segment([at - arm, at + arm], Stroke::new(2.0, COLLISION_COLOR));
+        painter.line_segment([at - arm, at + arm], Stroke::new(2.0, theme::COLLISION));
     }
 }

@@ -3,11 +3,12 @@
 
 use std::sync::Arc;
 
-use egui::{Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptions, pos2};
+use egui::{ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptions, pos2};
 
 use super::camera::Camera;
 use super::path::{DrawnPath, SegmentKind};
-use super::path_lines::{DrawingKey, FEED, RAPID, THREAD};
+use super::path_lines::DrawingKey;
+use crate::window::theme;
 
 /// Bits of the index in the hash table of segments.
 const SLOT_BITS: u32 = 18;
@@ -46,7 +47,7 @@ impl PathDots {
         }
         if let Some(texture) = &self.texture {
             let full_uv = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-            painter.image(texture.id(), camera.rect, full_uv, Color32::WHITE);
+            painter.image(texture.id(), camera.rect, full_uv, theme::NO_TINT);
         }
     }
 }
@@ -96,16 +97,16 @@ fn render_image(
         size.x.ceil().max(1.0) as usize,
         size.y.ceil().max(1.0) as usize,
     ];
-    let mut image = ColorImage::filled(size, Color32::TRANSPARENT);
+    let mut image = ColorImage::filled(size, theme::NO_FILL);
     let corner = camera.rect.min;
     let edge = pos2(size[0] as f32 - 1.0, size[1] as f32 - 1.0);
     let at = |point: Pos2| ((camera.screen_position(point) - corner) * pixels_per_point).to_pos2();
     for (ends, way) in pieces {
         let color = match way {
             SegmentKind::Jump => continue,
-            SegmentKind::Rapid => RAPID,
-            SegmentKind::Feed => FEED,
-            SegmentKind::Thread => THREAD,
+            SegmentKind::Rapid => theme::RAPID_PATH,
+            SegmentKind::Feed => theme::FEED_PATH,
+            SegmentKind::Thread => theme::THREAD_PATH,
         };
         let Some([from, to]) = clip_line(ends.map(at), edge) else {
             continue;
@@ -116,7 +117,7 @@ fn render_image(
             let dot = from + step * count as f32;
             let index = dot.y as usize * size[0] + dot.x as usize;
             if let Some(pixel) = image.pixels.get_mut(index)
-                && (*way != SegmentKind::Rapid || *pixel == Color32::TRANSPARENT)
+                && (*way != SegmentKind::Rapid || *pixel == theme::NO_FILL)
             {
                 *pixel = color;
             }
@@ -179,7 +180,7 @@ mod tests {
             render_image(&camera, &thinned.segments, 1.0).pixels,
             whole.pixels
         );
-        assert!(whole.pixels.contains(&FEED));
+        assert!(whole.pixels.contains(&theme::FEED_PATH));
 
         thinned.segments.clear();
         thinned.update(&camera.with_centre(pos2(3.0, 1.0)), &path, 1.0);

@@ -3,22 +3,11 @@
 
 use std::sync::Arc;
 
-use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke};
+use egui::{Painter, Pos2, Rect, Shape, Stroke};
 
 use super::camera::Camera;
 use super::path::{BlockRef, DrawnPath, SegmentKind};
-
-/// Colour of rapid moves.
-pub const RAPID: Color32 = Color32::from_rgb(255, 150, 60);
-/// Colour of cutting moves.
-pub const FEED: Color32 = Color32::from_rgb(90, 180, 255);
-/// Colour of threads.
-pub const THREAD: Color32 = Color32::from_rgb(80, 225, 120);
-const LIT: Color32 = Color32::from_rgb(255, 255, 140);
-/// Colour of the selected pass of a cycle.
-pub const PASS: Color32 = Color32::from_rgb(255, 245, 170);
-const WRONG: Color32 = Color32::from_rgb(255, 60, 50);
-const SELECTED: Color32 = Color32::from_rgb(255, 110, 220);
+use crate::window::theme;
 
 /// Greatest number of rapid segments that are drawn dashed.
 const MAX_DASHED: usize = 4000;
@@ -68,16 +57,22 @@ pub fn highlight_block(
     is_running: bool,
 ) {
     let (color, width) = if is_running {
-        (LIT, 3.0)
+        (theme::RUNNING_PATH, 3.0)
     } else {
-        (SELECTED, 2.5)
+        (theme::SELECTED_PATH, 2.5)
     };
     draw_block(painter, camera, path, block, Stroke::new(width, color));
 }
 
 /// Marks the segments of a block that breaks a rule.
 pub fn mark_wrong(painter: &Painter, camera: &Camera, path: &DrawnPath, block: BlockRef) {
-    draw_block(painter, camera, path, block, Stroke::new(4.0, WRONG));
+    draw_block(
+        painter,
+        camera,
+        path,
+        block,
+        Stroke::new(4.0, theme::FAULT_PATH),
+    );
 }
 
 fn draw_block(
@@ -106,7 +101,7 @@ fn draw_block(
 pub fn highlight_pass(painter: &Painter, camera: &Camera, pieces: &[[Pos2; 2]]) {
     for ends in pieces {
         let ends = ends.map(|end| camera.screen_position(end));
-        painter.line_segment(ends, Stroke::new(3.5, PASS));
+        painter.line_segment(ends, Stroke::new(3.5, theme::PASS_PATH));
     }
 }
 
@@ -203,9 +198,9 @@ impl StrokeBuilder {
             .partition(|(way, _)| *way == SegmentKind::Rapid);
         for (kind, points) in rapids.into_iter().chain(cuts) {
             let stroke = match kind {
-                SegmentKind::Rapid | SegmentKind::Jump => Stroke::new(1.0, RAPID),
-                SegmentKind::Feed => Stroke::new(1.3, FEED),
-                SegmentKind::Thread => Stroke::new(1.3, THREAD),
+                SegmentKind::Rapid | SegmentKind::Jump => Stroke::new(1.0, theme::RAPID_PATH),
+                SegmentKind::Feed => Stroke::new(1.3, theme::FEED_PATH),
+                SegmentKind::Thread => Stroke::new(1.3, theme::THREAD_PATH),
             };
             if kind == SegmentKind::Rapid && is_dashed {
                 shapes.extend(Shape::dashed_line(&points, stroke, DASH.0, DASH.1));

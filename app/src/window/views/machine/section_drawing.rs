@@ -15,17 +15,7 @@ use gsk_workpiece::trapezoid::{SectionFill, Trapezoid, trapezoids};
 use super::animation::SpindleAnimation;
 use super::camera::Camera;
 use crate::kernel::part::PartView;
-use crate::window::theme::white_texture;
-
-const SECTION: Color32 = Color32::from_rgb(118, 116, 112);
-const OUTSIDE: Color32 = Color32::from_rgb(74, 74, 76);
-const EDGE: Color32 = Color32::from_rgb(196, 196, 192);
-const CHUCK: Color32 = Color32::from_rgb(44, 50, 60);
-const JAWS: Color32 = Color32::from_rgb(62, 72, 88);
-const CLAMP_EDGE: Color32 = Color32::from_rgb(104, 116, 136);
-const INSERT: Color32 = Color32::from_rgb(240, 200, 60);
-const HOLDER: Color32 = Color32::from_rgb(98, 104, 112);
-const HOLDER_EDGE: Color32 = Color32::from_rgb(150, 156, 164);
+use crate::window::theme;
 
 /// Trapezoids of the sections, kept until the sections change.
 #[derive(Default)]
@@ -48,14 +38,26 @@ impl SectionDrawing {
         for (filled, region, color) in &self.clamping {
             for mirrored in [true, false] {
                 fill_trapezoids(painter, camera, filled, mirrored, *color);
-                draw_outline(painter, camera, region.contours(), mirrored, CLAMP_EDGE);
+                draw_outline(
+                    painter,
+                    camera,
+                    region.contours(),
+                    mirrored,
+                    theme::CLAMPING_EDGE,
+                );
             }
         }
         self.spindle.draw(painter, camera, part);
-        fill_trapezoids(painter, camera, &self.outside, true, OUTSIDE);
+        fill_trapezoids(painter, camera, &self.outside, true, theme::PART_OUTSIDE);
         draw_silhouette(painter, camera, &self.outside);
-        fill_trapezoids(painter, camera, &self.material, false, SECTION);
-        draw_outline(painter, camera, self.section.contours(), false, EDGE);
+        fill_trapezoids(painter, camera, &self.material, false, theme::SECTION);
+        draw_outline(
+            painter,
+            camera,
+            self.section.contours(),
+            false,
+            theme::PART_EDGE,
+        );
     }
 
     /// Draws the tool with its tip at a position. Returns `false` if the job does not describe
@@ -98,9 +100,9 @@ impl SectionDrawing {
             jaws
         };
         self.clamping = [
-            (body, CHUCK),
-            (jaws, JAWS),
-            (stock.tailstock_section(), CHUCK),
+            (body, theme::CHUCK),
+            (jaws, theme::CHUCK_JAWS),
+            (stock.tailstock_section(), theme::CHUCK),
         ]
         .map(|(region, color)| (trapezoids(&region, SectionFill::Material), region, color))
         .into();
@@ -152,9 +154,14 @@ pub fn draw_tool(painter: &Painter, camera: &Camera, tool: &Tool) {
 fn make_tool_parts(tool: &Tool) -> Vec<ToolPart> {
     let shape = ToolShape::from_tool(tool);
     let body = shape.body.iter();
-    let body = body.map(|(_, contour)| ToolPart::new(contour, HOLDER, HOLDER_EDGE));
-    body.chain([ToolPart::new(&shape.cutting, INSERT, Color32::WHITE)])
-        .collect()
+    let body = body
+        .map(|(_, contour)| ToolPart::new(contour, theme::TOOL_HOLDER, theme::TOOL_HOLDER_EDGE));
+    body.chain([ToolPart::new(
+        &shape.cutting,
+        theme::INSERT,
+        theme::INSERT_EDGE,
+    )])
+    .collect()
 }
 
 /// Fills trapezoids, or their mirror image below the axis.
@@ -166,9 +173,9 @@ fn fill_trapezoids(
     color: Color32,
 ) {
     let mut mesh = Mesh::default();
-    if color == INSERT {
+    if color == theme::INSERT {
         // A light theme does not recolour meshes with this texture: the insert stays yellow.
-        mesh.texture_id = white_texture(painter.ctx());
+        mesh.texture_id = theme::white_texture(painter.ctx());
     }
     mesh.reserve_vertices(filled.len() * 4);
     mesh.reserve_triangles(filled.len() * 2);
@@ -218,7 +225,7 @@ fn draw_silhouette(painter: &Painter, camera: &Camera, outside: &[Trapezoid]) {
         .into_iter()
         .map(|at| camera.screen_position(at))
         .collect();
-    painter.add(Shape::line(line, Stroke::new(1.0, EDGE)));
+    painter.add(Shape::line(line, Stroke::new(1.0, theme::PART_EDGE)));
 }
 
 fn contour_points(contour: &GridContour, mirrored: bool) -> impl Iterator<Item = Pos2> + '_ {
@@ -235,7 +242,7 @@ fn mirror_if(at: Pos2, mirrored: bool) -> Pos2 {
 
 /// Draws a cross at the tip of a tool that the job does not describe.
 pub fn draw_tip_cross(painter: &Painter, camera: &Camera, tip: Pos2) {
-    let (at, stroke) = (camera.screen_position(tip), Stroke::new(1.5, INSERT));
+    let (at, stroke) = (camera.screen_position(tip), Stroke::new(1.5, theme::INSERT));
     for arm in [Vec2::new(7.0, 0.0), Vec2::new(0.0, 7.0)] {
         painter.line_segment([at - arm, at + arm], stroke);
     }

@@ -15,6 +15,7 @@ use gsk_workpiece::region::Region;
 
 use super::camera::Camera;
 use crate::kernel::part::PartView;
+use crate::window::theme;
 
 /// Time without a change after which the edges are smoothed, s.
 const SMOOTHING_DELAY_S: f64 = 0.15;
@@ -86,7 +87,7 @@ impl SolidDrawing {
             let size = texture.size_vec2() / painter.pixels_per_point();
             let full_uv = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
             let rect = Rect::from_min_size(corner, size);
-            painter.image(texture.id(), rect, full_uv, Color32::WHITE);
+            painter.image(texture.id(), rect, full_uv, theme::NO_TINT);
         }
         part.job.tools.contains_key(&part.tool)
     }

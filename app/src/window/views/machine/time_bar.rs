@@ -9,13 +9,11 @@ use gsk_runner::text_format::format_whole_seconds as clock;
 use gsk_runner::times::{ProgramTimes, TimeUse};
 
 use super::path::{BlockRef, DrawnPath, SegmentKind};
-use super::path_lines;
+use crate::window::theme;
 
 const COLUMN_COUNT: usize = 600;
 /// Height of the bar, points.
 const BAR_HEIGHT: f32 = 12.0;
-/// Dwells and times without a known move.
-const WAIT_COLOR: Color32 = Color32::from_gray(64);
 
 /// The time bar, and the path it was made for.
 #[derive(Default)]
@@ -60,7 +58,7 @@ impl TimeBar {
                     }
                     None => say::lathe_time(all).text(language),
                 },
-                Color32::from_gray(200),
+                theme::SECONDARY_TEXT,
             );
             for what in TimeUse::ALL {
                 let seconds = times.spent().seconds_of(what);
@@ -86,18 +84,18 @@ impl TimeBar {
             // Slightly wider, so that no gaps remain between the columns.
             let column = Rect::from_x_y_ranges(left..=left + width + 0.5, room.y_range());
             let color = match kind {
-                SegmentKind::Jump => WAIT_COLOR,
-                SegmentKind::Rapid => path_lines::RAPID,
-                SegmentKind::Feed => path_lines::FEED,
-                SegmentKind::Thread => path_lines::THREAD,
+                SegmentKind::Jump => theme::DWELL,
+                SegmentKind::Rapid => theme::RAPID_PATH,
+                SegmentKind::Feed => theme::FEED_PATH,
+                SegmentKind::Thread => theme::THREAD_PATH,
             };
-            painter.rect_filled(column, 0.0, color.gamma_multiply(0.75));
+            painter.rect_filled(column, 0.0, theme::time_column(color));
         }
         if let Some(at) = at {
             let x = room.left() + at * room.width();
             let done = Rect::from_min_max(room.min, pos2(x, room.bottom()));
-            painter.rect_filled(done, 0.0, Color32::from_black_alpha(110));
-            painter.vline(x, room.y_range(), Stroke::new(2.0, Color32::WHITE));
+            painter.rect_filled(done, 0.0, theme::TIME_DONE_SHADE);
+            painter.vline(x, room.y_range(), Stroke::new(2.0, theme::TIME_CURSOR));
         }
         let tools = times.tools().iter().map(|tool| {
             let time = clock(tool.times.total_s());
@@ -112,10 +110,10 @@ impl TimeBar {
 
 const fn spending_color(what: TimeUse) -> Color32 {
     match what {
-        TimeUse::Rapid => path_lines::RAPID,
-        TimeUse::Feed => path_lines::FEED,
-        TimeUse::Thread => path_lines::THREAD,
-        TimeUse::Dwell | TimeUse::Other => Color32::from_gray(150),
+        TimeUse::Rapid => theme::RAPID_PATH,
+        TimeUse::Feed => theme::FEED_PATH,
+        TimeUse::Thread => theme::THREAD_PATH,
+        TimeUse::Dwell | TimeUse::Other => theme::DWELL_TEXT,
     }
 }
 

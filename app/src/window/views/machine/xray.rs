@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use egui::{Color32, DragValue, RichText, Ui};
+use egui::{DragValue, RichText, Ui};
 use gsk_core::alarm::Alarm;
 use gsk_core::command::ProgramId;
 use gsk_core::program::Program;
@@ -14,9 +14,8 @@ use gsk_core::units::parse_finite;
 use gsk_messages::{Language, say};
 
 use super::path::{BlockRef, DrawnPath};
+use crate::window::theme;
 use gsk_language::words::{spans, word_of};
-
-const TRIAL_COLOR: Color32 = Color32::from_rgb(255, 196, 90);
 
 /// A changed text of a program that is tried out.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,7 +73,7 @@ pub fn show(
     if let Some(trial) = trial {
         ui.horizontal_wrapped(|ui| {
             let words = say::xray_tried().text(language);
-            ui.label(RichText::new(words).color(TRIAL_COLOR));
+            ui.label(RichText::new(words).color(theme::WARNING));
             if ui.button(say::xray_take().text(language)).clicked() {
                 action = Some(TrialAction::TakeOver(trial.clone()));
             }

@@ -6,8 +6,8 @@ use std::ops::Range;
 use egui::text::{CCursor, CCursorRange, LayoutJob};
 use egui::text_edit::TextEditState;
 use egui::{
-    Align, Align2, Color32, Context, FontId, Frame, Galley, Id, Margin, Pos2, Rect, Response,
-    ScrollArea, TextEdit, Ui, pos2, vec2,
+    Align, Align2, Context, FontId, Frame, Galley, Id, Margin, Pos2, Rect, Response, ScrollArea,
+    TextEdit, Ui, pos2, vec2,
 };
 use gsk_language::meaning::word_meaning;
 use gsk_language::words::{spans, word_of};
@@ -17,11 +17,8 @@ use super::check::TextFinding;
 use super::document::ProgramDocument;
 use super::paint::{self, TextColorizer, find_alarm_ranges};
 use super::targets::JumpTarget;
+use crate::window::theme;
 
-const FONT_SIZE: f32 = 15.0;
-const BACKGROUND: Color32 = Color32::from_gray(22);
-const NUMBERS_BACKGROUND: Color32 = Color32::from_gray(30);
-const NUMBERS_COLOR: Color32 = Color32::from_gray(110);
 /// Width of a digit of a line number, and margin beside the numbers, points.
 const DIGIT_WIDTH: f32 = 9.0;
 const NUMBERS_MARGIN: f32 = 14.0;
@@ -92,14 +89,15 @@ pub fn show_editable(
     painter: &mut TextColorizer,
     jump: &mut Option<Range<usize>>,
 ) -> EditorResponse {
-    let font = FontId::monospace(FONT_SIZE);
+    let font = FontId::monospace(theme::READING_SIZE);
     let numbers_width = line_numbers_width(sheet.document.line_count());
     let EditorInputs {
         document,
         marks,
         language,
     } = sheet;
-    ui.painter().rect_filled(ui.max_rect(), 0.0, BACKGROUND);
+    ui.painter()
+        .rect_filled(ui.max_rect(), 0.0, theme::CODE_GROUND);
     let area = ScrollArea::both()
         .auto_shrink([false, false])
         .id_salt("text");
@@ -170,11 +168,12 @@ pub fn show_editable(
 
 /// Draws a read-only text, only its visible lines. `jump`: a line to scroll to.
 pub fn show_read_only(ui: &mut Ui, sheet: &EditorInputs<'_>, jump: Option<usize>) {
-    let font = FontId::monospace(FONT_SIZE);
+    let font = FontId::monospace(theme::READING_SIZE);
     let count = sheet.document.line_count();
     let numbers_width = line_numbers_width(count);
     let height = ui.fonts_mut(|fonts| fonts.row_height(&font));
-    ui.painter().rect_filled(ui.max_rect(), 0.0, BACKGROUND);
+    ui.painter()
+        .rect_filled(ui.max_rect(), 0.0, theme::CODE_GROUND);
     ui.spacing_mut().item_spacing.y = 0.0;
     let mut area = ScrollArea::both()
         .auto_shrink([false, false])
@@ -192,7 +191,7 @@ pub fn show_read_only(ui: &mut Ui, sheet: &EditorInputs<'_>, jump: Option<usize>
             let size = vec2(numbers_width + galley.size().x, height);
             let (rect, _) = ui.allocate_exact_size(size, egui::Sense::HOVER);
             let at = rect.left_top() + vec2(numbers_width, 0.0);
-            ui.painter().galley(at, galley, Color32::WHITE);
+            ui.painter().galley(at, galley, theme::BRIGHT_TEXT);
             draw_line_number(
                 ui,
                 index + 1,
@@ -217,7 +216,8 @@ fn draw_line_numbers(ui: &Ui, galley: &Galley, origin: Pos2, width: f32) {
         clip.left_top(),
         pos2(clip.left() + width - 4.0, clip.bottom()),
     );
-    ui.painter().rect_filled(column, 0.0, NUMBERS_BACKGROUND);
+    ui.painter()
+        .rect_filled(column, 0.0, theme::LINE_NUMBER_GROUND);
     let mut line = 1;
     for row in &galley.rows {
         let top = origin.y + row.pos.y;
@@ -232,9 +232,9 @@ fn draw_line_numbers(ui: &Ui, galley: &Galley, origin: Pos2, width: f32) {
 }
 
 fn draw_line_number(ui: &Ui, line: usize, at: Pos2) {
-    let font = FontId::monospace(FONT_SIZE - 2.0);
+    let font = FontId::monospace(theme::LABEL_SIZE);
     ui.painter()
-        .text(at, Align2::RIGHT_TOP, line, font, NUMBERS_COLOR);
+        .text(at, Align2::RIGHT_TOP, line, font, theme::LINE_NUMBER_TEXT);
 }
 
 /// Index of the character at a position in the window.
@@ -300,7 +300,7 @@ fn show_hover_text(
     }
     // There is no word after the end of a line.
     let row = galley.pos_from_cursor(galley.cursor_from_pos(at - origin));
-    let is_near = (row.center() + origin.to_vec2() - at).length() < 2.0 * FONT_SIZE;
+    let is_near = (row.center() + origin.to_vec2() - at).length() < 2.0 * theme::READING_SIZE;
     if is_near && !lines.is_empty() {
         response.clone().on_hover_text_at_pointer(lines.join("\n"));
     }

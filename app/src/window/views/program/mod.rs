@@ -17,15 +17,15 @@ use gsk_messages::{Language, Message, say};
 
 use super::{bar_frame, plain_frame, side_frame};
 use crate::kernel::{Console, ProgramPlacement};
-use crate::window::focus;
 use crate::window::status_message::not_stored_reason;
+use crate::window::{focus, theme};
 use bar::{EditorCommand, ProgramBar};
 use check::{TextCheck, TextChecker};
 use document::file_name;
 pub use document::{ProgramDocument, TextOrigin, with_line_feeds};
 use document_store::{DocumentEvent, DocumentStore};
 use editor::EditorInputs;
-use paint::{ALARM_COLOR, TextColorizer};
+use paint::TextColorizer;
 use targets::JumpTarget;
 
 /// A text that shall be loaded into the editor.
@@ -407,10 +407,10 @@ impl ProgramView {
     fn show_findings(&mut self, ui: &mut Ui, language: Language) {
         let shown_message = self.message.as_ref().map(|message| match message {
             EditorMessage::Good(message) => (message.text(language), None),
-            EditorMessage::Bad(message) => (message.text(language), Some(ALARM_COLOR)),
+            EditorMessage::Bad(message) => (message.text(language), Some(theme::CODE_ALARM_TEXT)),
             EditorMessage::NotStored(why) => (
                 not_stored_reason(why, language).text(language),
-                Some(ALARM_COLOR),
+                Some(theme::CODE_ALARM_TEXT),
             ),
         });
         if let Some((text, color)) = shown_message {
@@ -432,7 +432,7 @@ impl ProgramView {
             .show(ui, |ui| {
                 if checked.is_incomplete() {
                     let words = say::program_given_up().text(language);
-                    ui.label(RichText::new(words).color(ALARM_COLOR));
+                    ui.label(RichText::new(words).color(theme::CODE_ALARM_TEXT));
                 } else if checked.findings.is_empty() {
                     ui.label(checked.first_look.summary_line(language));
                 }
@@ -441,8 +441,8 @@ impl ProgramView {
                 let list = focus::FocusList::begin(ui, "findings", &name, count, None);
                 for (at, finding) in checked.findings.iter().enumerate() {
                     let report = finding.report(language);
-                    let sentence =
-                        RichText::new(report.sentence(Some(language))).color(ALARM_COLOR);
+                    let sentence = RichText::new(report.sentence(Some(language)))
+                        .color(theme::CODE_ALARM_TEXT);
                     let link = focus::link_row(ui, sentence);
                     if list.show_cursor(ui, at, &link) || list.entered_row() == Some(at) {
                         clicked_finding = finding.line.map(|line| (line, finding.columns.clone()));

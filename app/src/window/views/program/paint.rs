@@ -6,25 +6,22 @@ use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, FontId, Stroke};
 
 use super::check::TextFinding;
+use crate::window::theme;
 use gsk_language::words::{SpanKind, spans};
-
-/// Colour of words that raise an alarm.
-pub const ALARM_COLOR: Color32 = Color32::from_rgb(255, 110, 96);
-const ALARM_BACKGROUND: Color32 = Color32::from_rgb(70, 28, 26);
 
 /// The colour of a span on a dark background.
 const fn span_color(kind: SpanKind) -> Color32 {
     match kind {
-        SpanKind::Name => Color32::from_gray(140),
-        SpanKind::Code => Color32::from_rgb(110, 180, 255),
-        SpanKind::Function => Color32::from_rgb(255, 170, 90),
-        SpanKind::Setting => Color32::from_rgb(225, 150, 230),
-        SpanKind::Axis => Color32::from_rgb(240, 240, 240),
-        SpanKind::Other => Color32::from_rgb(230, 215, 140),
-        SpanKind::Statement => Color32::from_rgb(150, 215, 225),
-        SpanKind::Comment => Color32::from_rgb(120, 190, 130),
-        SpanKind::Mark => Color32::from_gray(110),
-        SpanKind::Foreign => ALARM_COLOR,
+        SpanKind::Name => theme::CODE_NAME,
+        SpanKind::Code => theme::CODE_G,
+        SpanKind::Function => theme::CODE_FUNCTION,
+        SpanKind::Setting => theme::CODE_SETTING,
+        SpanKind::Axis => theme::CODE_AXIS,
+        SpanKind::Other => theme::CODE_OTHER,
+        SpanKind::Statement => theme::CODE_STATEMENT,
+        SpanKind::Comment => theme::CODE_COMMENT,
+        SpanKind::Mark => theme::CODE_MARK,
+        SpanKind::Foreign => theme::CODE_ALARM_TEXT,
     }
 }
 
@@ -36,8 +33,8 @@ pub fn append_line(job: &mut LayoutJob, text: &str, font: &FontId, alarm_ranges:
         let characters = text[..span.range.start].chars().count();
         let mut format = plain(span_color(span.kind));
         if alarm_ranges.iter().any(|range| range.contains(&characters)) {
-            format.underline = Stroke::new(1.5, ALARM_COLOR);
-            format.background = ALARM_BACKGROUND;
+            format.underline = Stroke::new(1.5, theme::CODE_ALARM_TEXT);
+            format.background = theme::CODE_ALARM_GROUND;
         }
         if last < span.range.start {
             job.append(
@@ -105,11 +102,16 @@ mod tests {
     fn nothing_of_a_text_is_lost_in_its_colours() {
         let text = "O0001 (车削)\n\nN10  G1 X2? ;\n  ";
         let mut painter = TextColorizer::default();
-        let job = painter.layout_text(text, &FontId::monospace(14.0), (None, &[]));
+        let job = painter.layout_text(text, &FontId::monospace(theme::READING_SIZE), (None, &[]));
         assert_eq!(job.text, text);
         let mut line_job = LayoutJob::default();
         let wrong: Vec<Range<usize>> = core::iter::once(3..5).collect();
-        append_line(&mut line_job, "G1 X2", &FontId::monospace(14.0), &wrong);
+        append_line(
+            &mut line_job,
+            "G1 X2",
+            &FontId::monospace(theme::READING_SIZE),
+            &wrong,
+        );
         let lined: Vec<bool> = (line_job.sections.iter())
             .map(|section| section.format.underline.width > 0.0)
             .collect();

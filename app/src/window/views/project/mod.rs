@@ -14,15 +14,14 @@ use std::sync::Arc;
 
 use crossbeam::channel::{Receiver, Sender, unbounded};
 use egui::{
-    Button, CentralPanel, Color32, ComboBox, Context, Panel, RichText, Role, ScrollArea, Ui,
-    WidgetInfo,
+    Button, CentralPanel, ComboBox, Context, Panel, RichText, Role, ScrollArea, Ui, WidgetInfo,
 };
 use gsk_messages::{Language, Message, say};
 use serde::{Deserialize, Serialize};
 
 use crate::kernel::Console;
 use crate::project::Encodings;
-use crate::window::focus;
+use crate::window::{focus, theme};
 pub use commands::{COMMANDS, ProjectViewCommand};
 use commands::{ComparisonCounter, ProjectEvent, ProjectQuestion};
 pub use comparison::ProjectSelection;
@@ -41,8 +40,6 @@ const NARROW_WIDTH: f32 = 520.0;
 const LIST_MARGIN: f32 = 50.0;
 /// Greatest count of recent projects (manual PLC-V 3: four).
 const MAX_RECENT: usize = 4;
-/// Colour of the sign for unsaved changes.
-const CHANGED_COLOR: Color32 = Color32::from_rgb(255, 214, 110);
 
 /// The projects that the settings store for the next start.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -236,7 +233,7 @@ impl ProjectView {
             }
             if is_changed {
                 let words = say::project_view_changed().text(language);
-                ui.label(RichText::new(words).color(CHANGED_COLOR));
+                ui.label(RichText::new(words).color(theme::UNSAVED_TEXT));
             }
             ui.weak(folder);
         });

@@ -4,14 +4,12 @@
 //! are drawn.
 
 use egui::epaint::PathShape;
-use egui::{
-    Align2, Color32, FontId, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
-};
+use egui::{Align2, FontId, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 use super::scale::{LaneRange, round_step, step_decimals};
-use super::side::{BIT_COLOUR, CURSOR_COLOURS};
 use super::trace::{Quantity, TRACES, Trace};
 use super::{BitChannel, Scope};
+use crate::window::theme;
 use gsk_messages::{Language, say};
 
 /// Width for the figures of a scale, points.
@@ -20,11 +18,6 @@ const SCALE_WIDTH: f32 = 74.0;
 const TIME_HEIGHT: f32 = 24.0;
 /// Height of a bit's lane, points.
 const BIT_HEIGHT: f32 = 24.0;
-
-const GRID: Color32 = Color32::from_gray(46);
-const ZERO_LINE: Color32 = Color32::from_gray(74);
-const FRAME: Color32 = Color32::from_gray(84);
-const FIGURES: Color32 = Color32::from_gray(160);
 
 /// Converts ticks to window coordinates and back.
 #[derive(Clone, Copy)]
@@ -71,13 +64,13 @@ impl Scope {
         let lanes = self.layout_lanes(area);
         let Some((first, last)) = self.visible_ticks() else {
             let words = say::scope_waits_for_samples().text(language);
-            let font = FontId::proportional(15.0);
+            let font = FontId::proportional(theme::READING_SIZE);
             ui.painter().text(
                 plot_rect.center(),
                 Align2::CENTER_CENTER,
                 words,
                 font,
-                FIGURES,
+                theme::SCALE_TEXT,
             );
             return;
         };
@@ -149,7 +142,11 @@ impl Scope {
         while count * step <= from + span * 1.000_001 {
             let seconds = count * step;
             let x = time.to_x(self.origin_tick as f64 + seconds * 1000.0);
-            let colour = if count == 0.0 { ZERO_LINE } else { GRID };
+            let colour = if count == 0.0 {
+                theme::SCOPE_ZERO_LINE
+            } else {
+                theme::SCOPE_GRID
+            };
             painter.vline(x, area.y_range(), Stroke::new(1.0, colour));
             let text = format!("{:.decimals$}", seconds + 0.0);
             let at = pos2(x, area.bottom() + 5.0);
@@ -158,8 +155,8 @@ impl Scope {
                     at,
                     Align2::CENTER_TOP,
                     text,
-                    FontId::proportional(12.0),
-                    FIGURES,
+                    FontId::proportional(theme::ANNOTATION_SIZE),
+                    theme::SCALE_TEXT,
                 );
             }
             count += 1.0;
@@ -169,8 +166,8 @@ impl Scope {
             at,
             Align2::RIGHT_TOP,
             "s",
-            FontId::proportional(12.0),
-            FIGURES,
+            FontId::proportional(theme::ANNOTATION_SIZE),
+            theme::SCALE_TEXT,
         );
     }
 
@@ -216,19 +213,19 @@ impl Scope {
                 painter.add(Shape::Path(PathShape::line(points, stroke)));
             }
         }
-        let frame = Stroke::new(1.0, FRAME);
+        let frame = Stroke::new(1.0, theme::SCOPE_FRAME);
         ui.painter()
             .rect_stroke(rect, 0.0, frame, egui::StrokeKind::Inside);
         let name = format!("{}  {}", quantity.name(language), quantity.unit());
-        let font = FontId::proportional(13.0);
+        let font = FontId::proportional(theme::LABEL_SIZE);
         let name = ui
             .painter()
-            .layout_no_wrap(name, font, Color32::from_gray(205));
+            .layout_no_wrap(name, font, theme::SCOPE_LANE_TEXT);
         let corner = rect.min + vec2(6.0, 3.0);
         let back = Rect::from_min_size(corner, name.size()).expand2(vec2(3.0, 1.0));
-        let shade = Color32::from_black_alpha(150);
+        let shade = theme::SCOPE_LANE_GROUND;
         ui.painter().rect_filled(back, 2.0, shade);
-        ui.painter().galley(corner, name, FIGURES);
+        ui.painter().galley(corner, name, theme::SCALE_TEXT);
     }
 
     /// The line segments of a trace: at most two values a column of pixels.
@@ -291,7 +288,11 @@ impl Scope {
             let value = count * step;
             let share = ((value - range.low) / range.span()) as f32;
             let y = rect.bottom() - share * rect.height();
-            let colour = if count == 0.0 { ZERO_LINE } else { GRID };
+            let colour = if count == 0.0 {
+                theme::SCOPE_ZERO_LINE
+            } else {
+                theme::SCOPE_GRID
+            };
             painter.hline(rect.x_range(), y, Stroke::new(1.0, colour));
             let text = format!("{:.decimals$}", value + 0.0);
             let y = y.clamp(rect.top() + 6.0, rect.bottom() - 6.0);
@@ -300,8 +301,8 @@ impl Scope {
                 at,
                 Align2::RIGHT_CENTER,
                 text,
-                FontId::proportional(12.0),
-                FIGURES,
+                FontId::proportional(theme::ANNOTATION_SIZE),
+                theme::SCALE_TEXT,
             );
             count += 1.0;
         }
@@ -315,8 +316,8 @@ impl Scope {
             at,
             Align2::RIGHT_CENTER,
             name,
-            FontId::monospace(11.5),
-            BIT_COLOUR,
+            FontId::monospace(theme::BIT_NAME_SIZE),
+            theme::SCOPE_BIT,
         );
         let Some(record) = &self.record else { return };
         let Some((oldest, newest)) = record.tick_range() else {
@@ -351,7 +352,7 @@ impl Scope {
         }
         self.fill_bit(ui, rect, (level_start, to), state(level_start), time);
         points.push(pos2(time.to_x(to as f64), y(state(level_start))));
-        let stroke = Stroke::new(1.3, BIT_COLOUR);
+        let stroke = Stroke::new(1.3, theme::SCOPE_BIT);
         painter.add(Shape::Path(PathShape::line(points, stroke)));
     }
 
@@ -360,7 +361,7 @@ impl Scope {
             let left = time.to_x(ticks.0 as f64);
             let right = time.to_x(ticks.1 as f64);
             let part = Rect::from_x_y_ranges(left..=right, rect.y_range());
-            let colour = BIT_COLOUR.gamma_multiply(0.25);
+            let colour = theme::scope_bit_ground();
             ui.painter().rect_filled(part, 0.0, colour);
         }
     }
@@ -372,15 +373,15 @@ impl Scope {
             if !area.x_range().contains(x) {
                 continue;
             }
-            let colour = CURSOR_COLOURS[place];
+            let colour = theme::SCOPE_CURSORS[place];
             let width = if place == cursors.active { 1.6 } else { 1.0 };
             ui.painter()
                 .vline(x, area.y_range(), Stroke::new(width, colour));
             let name = ["A", "B"][place];
             let flag = Rect::from_center_size(pos2(x, area.bottom() + 11.0), vec2(16.0, 16.0));
             ui.painter().rect_filled(flag, 3.0, colour);
-            let font = FontId::proportional(12.0);
-            let black = Color32::BLACK;
+            let font = FontId::proportional(theme::ANNOTATION_SIZE);
+            let black = theme::TEXT_ON_BRIGHT;
             ui.painter()
                 .text(flag.center(), Align2::CENTER_CENTER, name, font, black);
         }

@@ -1,11 +1,11 @@
 //! The list beside the plot: selects the traces and shows their readings.
 
-use egui::{Align, Color32, Label, Layout, RichText, ScrollArea, Ui, UiBuilder, vec2};
+use egui::{Align, Label, Layout, RichText, ScrollArea, Ui, UiBuilder, vec2};
 use gsk_panel::pages::signal_meaning;
 
 use super::trace::{Quantity, TRACES};
 use super::{BitChannel, Cursors, Scope};
-use crate::window::focus;
+use crate::window::{focus, theme};
 use gsk_messages::{Language, say};
 
 /// Width of the list with one reading a trace, and with two cursors, points.
@@ -15,11 +15,6 @@ const WIDE_WIDTH: f32 = 366.0;
 const LINE_HEIGHT: f32 = 21.0;
 /// Width of a reading, points.
 const READING_WIDTH: f32 = 80.0;
-pub const BIT_COLOUR: Color32 = Color32::from_rgb(150, 214, 190);
-pub const CURSOR_COLOURS: [Color32; 2] = [
-    Color32::from_rgb(255, 226, 90),
-    Color32::from_rgb(120, 226, 226),
-];
 
 impl Scope {
     pub(super) const fn side_width(&self) -> f32 {
@@ -73,7 +68,7 @@ impl Scope {
             |ui| {
                 draw_reading(ui, RichText::new("B - A").weak());
                 for (name, place) in [("B", 1), ("A", 0)] {
-                    let colour = CURSOR_COLOURS[place];
+                    let colour = theme::SCOPE_CURSORS[place];
                     draw_reading(ui, RichText::new(name).color(colour).strong());
                 }
             },
@@ -175,7 +170,7 @@ impl Scope {
                         removed = Some(index);
                     }
                     let name = RichText::new(channel.address.to_string())
-                        .color(BIT_COLOUR)
+                        .color(theme::SCOPE_BIT)
                         .monospace();
                     ui.label(name);
                     let meaning = bit_meaning(channel, language);
@@ -214,7 +209,7 @@ impl Scope {
             }
         });
         if let Some(complaint) = &self.entry_error {
-            ui.label(RichText::new(complaint).color(Color32::from_rgb(255, 150, 120)));
+            ui.label(RichText::new(complaint).color(theme::SCOPE_ERROR_TEXT));
         }
     }
 

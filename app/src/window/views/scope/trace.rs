@@ -5,6 +5,8 @@ use gsk_core::units::Axis;
 
 use gsk_messages::{Language, say};
 
+use crate::window::theme;
+
 /// A measured quantity. Each has a lane and a scale in its unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Quantity {
@@ -90,7 +92,7 @@ pub struct Trace {
     pub is_commanded: bool,
     /// The trace is shown when the scope is opened for the first time.
     pub on_at_start: bool,
-    colour: [u8; 3],
+    colour: Color32,
 }
 
 impl Trace {
@@ -100,7 +102,7 @@ impl Trace {
         subject: TraceSubject,
         is_commanded: bool,
         on_at_start: bool,
-        colour: [u8; 3],
+        colour: Color32,
     ) -> Self {
         Self {
             id,
@@ -113,8 +115,7 @@ impl Trace {
     }
 
     pub const fn colour(&self) -> Color32 {
-        let [red, green, blue] = self.colour;
-        Color32::from_rgb(red, green, blue)
+        self.colour
     }
 
     /// The short name for a list under the quantity: `X`, `X 指令`, …
@@ -139,13 +140,6 @@ impl Trace {
 
 const X: TraceSubject = TraceSubject::Axis(Axis::X);
 const Z: TraceSubject = TraceSubject::Axis(Axis::Z);
-const BLUE: [u8; 3] = [92, 190, 255];
-const PALE_BLUE: [u8; 3] = [64, 118, 158];
-const ORANGE: [u8; 3] = [255, 176, 72];
-const PALE_ORANGE: [u8; 3] = [164, 118, 58];
-const GREEN: [u8; 3] = [140, 222, 120];
-const PINK: [u8; 3] = [238, 130, 208];
-const PALE_PINK: [u8; 3] = [150, 88, 132];
 
 /// All traces but the PLC bits. Commanded values come first, so they are drawn below the
 /// actual ones.
@@ -156,7 +150,7 @@ pub static TRACES: [Trace; 15] = [
         X,
         true,
         false,
-        PALE_BLUE,
+        theme::SCOPE_X_COMMAND,
     ),
     Trace::new(
         "z_command_mm",
@@ -164,17 +158,17 @@ pub static TRACES: [Trace; 15] = [
         Z,
         true,
         false,
-        PALE_ORANGE,
+        theme::SCOPE_Z_COMMAND,
     ),
-    Trace::new("x_mm", Quantity::Position, X, false, true, BLUE),
-    Trace::new("z_mm", Quantity::Position, Z, false, true, ORANGE),
+    Trace::new("x_mm", Quantity::Position, X, false, true, theme::SCOPE_X),
+    Trace::new("z_mm", Quantity::Position, Z, false, true, theme::SCOPE_Z),
     Trace::new(
         "vx_command_mm_min",
         Quantity::Speed,
         X,
         true,
         false,
-        PALE_BLUE,
+        theme::SCOPE_X_COMMAND,
     ),
     Trace::new(
         "vz_command_mm_min",
@@ -182,29 +176,57 @@ pub static TRACES: [Trace; 15] = [
         Z,
         true,
         false,
-        PALE_ORANGE,
+        theme::SCOPE_Z_COMMAND,
     ),
-    Trace::new("vx_mm_min", Quantity::Speed, X, false, true, BLUE),
-    Trace::new("vz_mm_min", Quantity::Speed, Z, false, true, ORANGE),
+    Trace::new("vx_mm_min", Quantity::Speed, X, false, true, theme::SCOPE_X),
+    Trace::new("vz_mm_min", Quantity::Speed, Z, false, true, theme::SCOPE_Z),
     Trace::new(
         "v_mm_min",
         Quantity::Speed,
         TraceSubject::Path,
         false,
         false,
-        GREEN,
+        theme::SCOPE_PATH,
     ),
-    Trace::new("ax_m_s2", Quantity::Acceleration, X, false, true, BLUE),
-    Trace::new("az_m_s2", Quantity::Acceleration, Z, false, true, ORANGE),
-    Trace::new("ex_mm", Quantity::FollowingError, X, false, true, BLUE),
-    Trace::new("ez_mm", Quantity::FollowingError, Z, false, true, ORANGE),
+    Trace::new(
+        "ax_m_s2",
+        Quantity::Acceleration,
+        X,
+        false,
+        true,
+        theme::SCOPE_X,
+    ),
+    Trace::new(
+        "az_m_s2",
+        Quantity::Acceleration,
+        Z,
+        false,
+        true,
+        theme::SCOPE_Z,
+    ),
+    Trace::new(
+        "ex_mm",
+        Quantity::FollowingError,
+        X,
+        false,
+        true,
+        theme::SCOPE_X,
+    ),
+    Trace::new(
+        "ez_mm",
+        Quantity::FollowingError,
+        Z,
+        false,
+        true,
+        theme::SCOPE_Z,
+    ),
     Trace::new(
         "s_command_rpm",
         Quantity::Spindle,
         TraceSubject::Path,
         true,
         true,
-        PALE_PINK,
+        theme::SCOPE_SPINDLE_COMMAND,
     ),
     Trace::new(
         "s_rpm",
@@ -212,6 +234,6 @@ pub static TRACES: [Trace; 15] = [
         TraceSubject::Path,
         false,
         true,
-        PINK,
+        theme::SCOPE_SPINDLE,
     ),
 ];

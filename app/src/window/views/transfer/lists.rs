@@ -3,7 +3,8 @@
 use egui::{Grid, Label, RichText, Sense, Ui, vec2};
 use gsk_messages::{Language, say};
 
-use super::{ERROR_COLOR, TransferDialog, TransferView};
+use super::{TransferDialog, TransferView};
+use crate::window::theme;
 
 /// Least and greatest width of the column of paths, and the width of the columns after it,
 /// points.
@@ -58,7 +59,7 @@ impl TransferView {
                     let length = self.lengths.get(&item.path).copied();
                     let text = RichText::new(shorten_path(&path, width));
                     let text = match length {
-                        Some(None) => text.color(ERROR_COLOR),
+                        Some(None) => text.color(theme::ALARM_TEXT),
                         _ => text,
                     };
                     let label = Label::new(text).truncate().selectable(false);

@@ -12,9 +12,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::PathBuf;
 
 use crossbeam::channel::{Receiver, Sender, unbounded};
-use egui::{
-    CentralPanel, Color32, ComboBox, Id, Panel, Rect, RichText, ScrollArea, TextEdit, Ui, vec2,
-};
+use egui::{CentralPanel, ComboBox, Id, Panel, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
 use gsk_messages::{Language, Message, say};
 use gsk_transfer::{BLOCK_BYTES, DirectoryEntry, FileName, Partition, RemotePath, TransferFile};
 use web_time::Duration;
@@ -22,7 +20,7 @@ use web_time::Duration;
 use crate::kernel::Console;
 use crate::pc::worker::{ConnectionStage, PcWorker, PcWorkerCommand, PcWorkerEvent};
 use crate::pc::{SendListItem, TransferSettings};
-use crate::window::focus;
+use crate::window::{focus, theme};
 use dialogs::TransferDialog;
 use transfer_job::TransferJob;
 
@@ -30,10 +28,6 @@ use transfer_job::TransferJob;
 const BAUD_RATES: [u32; 6] = [4800, 9600, 19_200, 38_400, 57_600, 115_200];
 /// Width of the column of buttons, points.
 const BUTTON_COLUMN_WIDTH: f32 = 148.0;
-
-const SUCCESS_COLOR: Color32 = Color32::from_rgb(110, 230, 120);
-const WAITING_COLOR: Color32 = Color32::from_rgb(255, 196, 90);
-const ERROR_COLOR: Color32 = Color32::from_rgb(255, 120, 96);
 
 /// 传输方式: the direction of a transfer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -323,12 +317,14 @@ impl TransferView {
     /// Draws the last message, or what to do next.
     fn show_message(&self, ui: &mut Ui, language: Language) {
         let (message, ink) = match &self.message {
-            Some((message, true)) => (message.clone(), ERROR_COLOR),
+            Some((message, true)) => (message.clone(), theme::ALARM_TEXT),
             Some((message, false)) => (message.clone(), ui.visuals().text_color()),
             None => match self.stage {
-                ConnectionStage::Closed => (say::transfer_view_stage_closed(), WAITING_COLOR),
-                ConnectionStage::Open => (say::transfer_view_stage_open(), WAITING_COLOR),
-                ConnectionStage::Connected => (say::transfer_view_stage_connected(), SUCCESS_COLOR),
+                ConnectionStage::Closed => (say::transfer_view_stage_closed(), theme::WARNING),
+                ConnectionStage::Open => (say::transfer_view_stage_open(), theme::WARNING),
+                ConnectionStage::Connected => {
+                    (say::transfer_view_stage_connected(), theme::SUCCESS)
+                }
             },
         };
         ui.set_min_height(ui.spacing().interact_size.y);

@@ -7,9 +7,8 @@ use egui::{
 use gsk_messages::{Language, Message, say};
 use gsk_transfer::{DirectoryEntry, FileName, Partition};
 
-use super::ERROR_COLOR;
-use crate::window::focus;
 use crate::window::stop_key_clearance;
+use crate::window::{focus, theme};
 
 /// Width of a text field, points.
 pub const FIELD_WIDTH: f32 = 300.0;
@@ -113,7 +112,7 @@ pub fn show_name_error(ui: &mut Ui, language: Language, name: &str) {
         return;
     }
     if let Err(error) = FileName::new(name) {
-        let text = RichText::new(error.message().text(language)).color(ERROR_COLOR);
+        let text = RichText::new(error.message().text(language)).color(theme::ALARM_TEXT);
         ui.add(Label::new(text).wrap());
     }
 }

@@ -9,11 +9,11 @@ use gsk_messages::{Language, Message, say};
 use gsk_transfer::{FileName, TransferProgress};
 
 use super::rename_fields::{RenameFields, show_window};
-use super::{ERROR_COLOR, SUCCESS_COLOR};
 use crate::pc::TransferTotals;
 use crate::pc::worker::{
     FileJobKind, FileResult, NameConflict, NameConflictAnswer, NameConflictChoice, PcWorkerEvent,
 };
+use crate::window::theme;
 
 /// Height of the list of files, points.
 const LIST_HEIGHT: f32 = 160.0;
@@ -216,7 +216,7 @@ impl TransferJob {
         }
         if let Some(reason) = &self.last_error {
             let text = say::transfer_view_last_error(reason.clone()).text(language);
-            ui.add(Label::new(RichText::new(text).color(ERROR_COLOR)).wrap());
+            ui.add(Label::new(RichText::new(text).color(theme::ALARM_TEXT)).wrap());
         }
     }
 
@@ -307,12 +307,18 @@ fn show_status_sign(ui: &mut Ui, fate: Option<&FileResult>, is_current: bool) {
     let painter = ui.painter();
     match fate {
         Some(FileResult::Done) => {
-            painter.line_segment([point(0.1, 0.55), point(0.4, 0.85)], stroke(SUCCESS_COLOR));
-            painter.line_segment([point(0.4, 0.85), point(0.9, 0.2)], stroke(SUCCESS_COLOR));
+            painter.line_segment([point(0.1, 0.55), point(0.4, 0.85)], stroke(theme::SUCCESS));
+            painter.line_segment([point(0.4, 0.85), point(0.9, 0.2)], stroke(theme::SUCCESS));
         }
         Some(FileResult::Refused(_)) => {
-            painter.line_segment([point(0.15, 0.15), point(0.85, 0.85)], stroke(ERROR_COLOR));
-            painter.line_segment([point(0.85, 0.15), point(0.15, 0.85)], stroke(ERROR_COLOR));
+            painter.line_segment(
+                [point(0.15, 0.15), point(0.85, 0.85)],
+                stroke(theme::ALARM_TEXT),
+            );
+            painter.line_segment(
+                [point(0.85, 0.15), point(0.15, 0.85)],
+                stroke(theme::ALARM_TEXT),
+            );
         }
         Some(FileResult::Skipped) => {
             painter.line_segment([point(0.2, 0.5), point(0.8, 0.5)], stroke(text));

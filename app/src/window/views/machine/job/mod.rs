@@ -14,11 +14,8 @@ use gsk_workpiece::job::Job;
 use gsk_workpiece::tool::Tool;
 
 use crate::job;
-use crate::window::focus;
+use crate::window::{focus, theme};
 
-const WRONG: Color32 = Color32::from_rgb(255, 100, 90);
-const UNCERTAIN: Color32 = Color32::from_rgb(255, 196, 90);
-const GOOD: Color32 = Color32::from_rgb(110, 220, 120);
 /// The highest T number.
 const MAX_TOOL_NUMBER: u8 = 99;
 
@@ -93,7 +90,7 @@ impl JobPanel {
         self.show_origin(ui, context, &job, language);
         if context.is_running {
             let words = say::job_while_running().text(language);
-            ui.colored_label(UNCERTAIN, words);
+            ui.colored_label(theme::WARNING, words);
         }
         ui.add_enabled_ui(!context.is_running, |ui| {
             self.show_list(ui, &mut job, context, language);
@@ -161,11 +158,11 @@ impl JobPanel {
         let file = self.saved.as_ref().map(|(path, _)| file_name(path));
         let is_saved = self.saved.as_ref().is_some_and(|(_, saved)| saved == job);
         let (words, color) = match file {
-            Some(file) if is_saved => (say::job_from_file(file), GOOD),
-            Some(file) => (say::job_differs(file), UNCERTAIN),
-            None if self.original_job.as_ref() != Some(job) => (say::job_unsaved(), UNCERTAIN),
-            None if lathe.is_guessed => (say::job_guessed(), UNCERTAIN),
-            None => (say::job_of_sample(), GOOD),
+            Some(file) if is_saved => (say::job_from_file(file), theme::JOB_VALID),
+            Some(file) => (say::job_differs(file), theme::WARNING),
+            None if self.original_job.as_ref() != Some(job) => (say::job_unsaved(), theme::WARNING),
+            None if lathe.is_guessed => (say::job_guessed(), theme::WARNING),
+            None => (say::job_of_sample(), theme::JOB_VALID),
         };
         ui.colored_label(color, words.text(language));
         let rule = job.check().err();
@@ -181,7 +178,7 @@ impl JobPanel {
             }
         });
         if let Some(rule) = rule {
-            ui.colored_label(WRONG, rule.text(language));
+            ui.colored_label(theme::JOB_ERROR, rule.text(language));
         } else if let Some((message, color)) = &self.message {
             ui.colored_label(*color, message.text(language));
         }
@@ -190,12 +187,12 @@ impl JobPanel {
 
     fn save(&mut self, lathe: &JobContext<'_>, job: &Job) {
         let Some(program) = lathe.program_file else {
-            self.message = Some((say::job_without_program_file(), WRONG));
+            self.message = Some((say::job_without_program_file(), theme::JOB_ERROR));
             return;
         };
         if let Some(error) = lathe.file_error {
             // Saving would overwrite a misspelt file that a user has written.
-            self.message = Some((say::job_file_in_trouble(error.clone()), WRONG));
+            self.message = Some((say::job_file_in_trouble(error.clone()), theme::JOB_ERROR));
             return;
         }
         let path = job::job_path(program);
@@ -203,9 +200,9 @@ impl JobPanel {
             Ok(()) => {
                 let message = say::window_saved(path.display());
                 self.saved = Some((path, job.clone()));
-                (message, GOOD)
+                (message, theme::JOB_VALID)
             }
-            Err(error) => (error.message(), WRONG),
+            Err(error) => (error.message(), theme::JOB_ERROR),
         });
     }
 
@@ -237,7 +234,7 @@ impl JobPanel {
             .find(|it| !job.tools.contains_key(it));
         if let Some(number) = missing {
             let words = say::job_tool_missing(*number).text(language);
-            ui.colored_label(UNCERTAIN, words);
+            ui.colored_label(theme::WARNING, words);
         }
         ui.horizontal_wrapped(|ui| {
             let free = (1..=MAX_TOOL_NUMBER).find(|number| !job.tools.contains_key(number));

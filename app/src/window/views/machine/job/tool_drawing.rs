@@ -6,6 +6,7 @@ use gsk_messages::{Language, say};
 use gsk_workpiece::grid::{GridPoint, from_grid};
 use gsk_workpiece::tool::{Tool, ToolShape};
 
+use crate::window::theme;
 use crate::window::views::machine::camera::Camera;
 use crate::window::views::machine::{grid, section_drawing, to_pos2};
 
@@ -26,7 +27,7 @@ pub fn show(ui: &mut Ui, tool: &Tool, language: Language) {
         return;
     }
     let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 2.0, grid::LABEL_BACKGROUND);
+    painter.rect_filled(rect, 2.0, theme::PICTURE_LABEL_GROUND);
     let shape = ToolShape::from_tool(tool);
     let bounds_mm = bounding_box(&shape.cutting);
     let camera = Camera::fit(
@@ -38,7 +39,7 @@ pub fn show(ui: &mut Ui, tool: &Tool, language: Language) {
     section_drawing::draw_tool(&painter, &camera, tool);
     let center = camera.screen_position(to_pos2(tool.center()));
     let nose = tool.nose() as f32 * camera.points_per_mm;
-    let stroke = Stroke::new(1.5, super::WRONG);
+    let stroke = Stroke::new(1.5, theme::JOB_ERROR);
     if nose > 1.0 {
         painter.add(Shape::circle_stroke(center, nose, stroke));
     }
