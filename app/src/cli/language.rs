@@ -17,12 +17,37 @@ pub(super) fn language_parser() -> impl TypedValueParser<Value = Language> {
 /// The default language of a command: Chinese on a Chinese system, else `None`, as without
 /// `--lang` (COMMAND-8).
 pub fn system_language() -> Option<Language> {
+    let chinese = locale().is_some_and(|it| is_chinese(&it));
+    chinese.then_some(Language::Zh)
+}
+
+/// The language of the window at the first start, before one is selected (WINDOW-16).
+pub fn first_window_language() -> Language {
+    window_language(locale().as_deref())
+}
+
+/// English on a system of any other language than Chinese. A system without a language leaves
+/// the panel's own.
+fn window_language(locale: Option<&str>) -> Language {
+    match locale {
+        Some(name) if !is_chinese(name) && !is_unset(name) => Language::En,
+        _ => Language::Zh,
+    }
+}
+
+/// Whether a locale names no language: `C`, `POSIX`, `C.UTF-8`.
+fn is_unset(locale: &str) -> bool {
+    let name = locale.split('.').next().unwrap_or_default();
+    matches!(name, "C" | "POSIX")
+}
+
+/// The locale of the user.
+fn locale() -> Option<String> {
     // The first variable that is set decides, as usual. This holds on Windows, too, for
     // shells ported from Unix; otherwise the operating system decides.
     let variables = ["LC_ALL", "LC_MESSAGES", "LANG"].map(env::var);
     let first_set = variables.into_iter().flatten().find(|it| !it.is_empty());
-    let chinese = first_set.or_else(system).is_some_and(|it| is_chinese(&it));
-    chinese.then_some(Language::Zh)
+    first_set.or_else(system)
 }
 
 /// The language of error messages about a command line that may be malformed: from `--lang`
@@ -66,7 +91,22 @@ pub fn is_chinese(locale: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::is_chinese;
+    use super::{is_chinese, window_language};
+    use gsk_messages::Language;
+
+    #[test]
+    fn the_first_window_speaks_the_language_of_the_system() {
+        for (locale, language) in [
+            (Some("en_US.UTF-8"), Language::En),
+            (Some("de-CH"), Language::En),
+            (Some("zh_CN.UTF-8"), Language::Zh),
+            (Some("C.UTF-8"), Language::Zh),
+            (Some("POSIX"), Language::Zh),
+            (None, Language::Zh),
+        ] {
+            assert_eq!(window_language(locale), language, "{locale:?}");
+        }
+    }
 
     #[test]
     fn the_first_part_of_a_locale_is_its_language() {

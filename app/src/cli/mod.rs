@@ -31,7 +31,7 @@ pub use dialect::DialectArgs;
 pub use help::HelpArgs;
 pub use ladder::{LadderArgs, LadderCommand, LadderRunArgs};
 use language::language_parser;
-pub use language::{find_language, is_chinese, system_language};
+pub use language::{find_language, first_window_language, is_chinese, system_language};
 pub use lesson::{LessonCheckArgs, LessonCommand, LessonListArgs, LessonRunArgs};
 pub use link::{
     LinkArgs, LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs, LinkTwinArgs, TwinBoard,

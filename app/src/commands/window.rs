@@ -11,7 +11,7 @@ use tracing::level_filters::LevelFilter;
 use web_time::Instant;
 
 use super::{CommandError, EXIT_OK, EXIT_USAGE};
-use crate::cli::{SerialArgs, TextEnd, WindowArgs, system_language};
+use crate::cli::{SerialArgs, TextEnd, WindowArgs, first_window_language, system_language};
 use crate::dnc::{self, DncSource};
 use crate::files::data_dir::{self, DataDir, DataDirError};
 use crate::files::models;
@@ -139,7 +139,12 @@ impl WindowStarter {
             // Missing or damaged window settings are not reported.
             _ => None,
         };
-        let remembered = || stored.clone().unwrap_or_default();
+        let remembered = || {
+            stored.clone().unwrap_or_else(|| WindowSettings {
+                language: first_window_language(),
+                ..WindowSettings::default()
+            })
+        };
         let settings = settings.cloned().unwrap_or_else(|| WindowSettings {
             language: self.language.unwrap_or(remembered().language),
             first_start: is_new || remembered().first_start,
