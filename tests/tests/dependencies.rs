@@ -307,7 +307,10 @@ const PAGE_FOLDERS: [&str; 11] = [
     "app/src/work_limit.rs",
 ];
 /// Except boards, which a page does not have.
-const BOARD_FILES: [&str; 2] = ["app/src/kernel/drive.rs", "app/src/kernel/headless_board.rs"];
+const BOARD_FILES: [&str; 2] = [
+    "app/src/kernel/drive.rs",
+    "app/src/kernel/headless_board.rs",
+];
 /// Functions that fail on a page at run time.
 const UNAVAILABLE_ON_A_PAGE: [&str; 6] = [
     "std::fs",

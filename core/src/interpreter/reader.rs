@@ -21,8 +21,10 @@ use crate::model::{ControlModel, ModelRecord};
 use crate::program::{BlockCache, Program, Syntax};
 use crate::units::{Axis, Point};
 
+mod block_evaluation;
 mod block_read;
 mod block_reader;
+mod pending_block;
 mod statements;
 
 /// Turns blocks into commands. It is plain data that can be saved and restored at any time.
