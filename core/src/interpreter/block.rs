@@ -8,7 +8,7 @@ use crate::alarm::Alarm;
 use crate::command::{Action, SpindleCommand};
 use crate::interpreter::ModalState;
 use crate::interpreter::calls::block_call;
-use crate::interpreter::calls::special_call;
+use crate::interpreter::calls::special_call::{self, SpecialCall};
 use crate::interpreter::calls::subprogram;
 use crate::interpreter::canned_cycle::CycleGenerator;
 use crate::interpreter::codes::arc;
@@ -142,13 +142,7 @@ pub(crate) fn evaluate(
         plan.after = Some(Action::Dwell { ms: 0 });
     }
     if let Some(call) = special {
-        check_call(state, context, plan.motion.is_contour())?;
-        plan.flow = subprogram::plan_special_call(context, call)?;
-        // A call alone in its block is no stop of single block, as with M98.
-        plan.is_stop = words.count > 1;
-        if plan.is_stop && plan.is_done() {
-            plan.after = Some(Action::Nothing);
-        }
+        plan_special(call, state, context, words, plan)?;
     }
     plan.modal = state.modal;
     plan.mark_last_tool();
@@ -180,6 +174,24 @@ fn plan_tool(
     let before = state.offset;
     tool::apply_tool_word(state, context, word, execution, &mut plan.before);
     Ok(execution == OffsetExecution::Travel && state.offset != before)
+}
+
+/// Plans the call of a program by an M or T word.
+fn plan_special(
+    call: SpecialCall,
+    state: &State,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
+    plan: &mut Plan,
+) -> Result<(), Alarm> {
+    check_call(state, context, plan.motion.is_contour())?;
+    plan.flow = subprogram::plan_special_call(context, call)?;
+    // A call alone in its block is no stop of single block, as with M98.
+    plan.is_stop = words.count > 1;
+    if plan.is_stop && plan.is_done() {
+        plan.after = Some(Action::Nothing);
+    }
+    Ok(())
 }
 
 /// Plans the travel per revolution of a thread cycle before its motion.
