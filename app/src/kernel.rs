@@ -25,6 +25,7 @@ use crossbeam::channel::{Receiver, Sender, bounded};
 use crossbeam::queue::ArrayQueue;
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::{ControlRequest, Event};
+use gsk_core::memory::OperationLevel;
 use gsk_core::operation::{OperatingMode, RunState};
 use gsk_core::program::Program;
 use gsk_core::simulation::Simulation;
@@ -33,11 +34,13 @@ use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
 use gsk_panel::panel::KeyEvent;
 use gsk_panel::refusal::KeyPress;
+use gsk_project::ProjectState;
 use gsk_runner::partner::{PartnerWait, ProgramPartner as _};
 use web_time::Duration;
 
 use crate::dnc::{DncPartner, DncSource};
 use crate::input_watch::InputWatch;
+use crate::job::SelectedJob;
 use crate::pace::RunSpeed;
 use crate::platform;
 use crate::retained;
@@ -56,7 +59,7 @@ pub use lesson::{LessonAction, LessonState};
 use link_view::LinkView;
 use monitor::MachineView;
 use part::KernelPart;
-use probe::ActiveProbe;
+use probe::{ActiveProbe, Probe};
 use program_opening::LastOpened;
 use program_wait::WaitWatch;
 pub use thread::{KernelEnvironment, KernelThread, start};
@@ -377,29 +380,15 @@ impl Kernel {
             self.interrupt_demonstration();
         }
         match command {
-            // The emergency stop waits for no other key.
-            Command::Key {
-                key: Key::EmergencyStop,
-                down: true,
-            }
-            | Command::Tap(Key::EmergencyStop) => {
-                self.emulator.key_down(Key::EmergencyStop);
-            }
-            Command::Key { key, down: true } => self.key_edges.push(KeyEdge::Down(key)),
+            Command::Key { key, down: true } => self.press_key(key, KeyEdge::Down(key)),
             Command::Key { key, down: false } => self.key_edges.push(KeyEdge::Up(key)),
-            Command::Tap(key) => self.key_edges.push(KeyEdge::Tap(key)),
+            Command::Tap(key) => self.press_key(key, KeyEdge::Tap(key)),
             Command::Type(character) => self.key_edges.push(KeyEdge::Type(character)),
             Command::Turn(detents) => self.turn_handwheel(detents),
             Command::Open(opened) => {
                 self.open(*opened);
             }
-            Command::OpenAndStart(opened) => {
-                let is_selected = self.open(*opened);
-                if is_selected && self.drive.is_none() {
-                    self.key_edges.push(KeyEdge::Tap(Key::Auto));
-                    self.key_edges.push(KeyEdge::Tap(Key::CycleStart));
-                }
-            }
+            Command::OpenAndStart(opened) => self.open_and_start(*opened),
             Command::Receive(file) => {
                 if let Err(refused) = self.emulator.receive(*file) {
                     self.notify(Notice::Message(refused.message()));
@@ -407,11 +396,7 @@ impl Kernel {
             }
             Command::TransferFailed => self.emulator.panel.transfer_failed(),
             Command::FitGraphic { least, greatest } => self.emulator.fit_graphic(least, greatest),
-            Command::Probe(None) => self.active_probe = None,
-            Command::Probe(Some(probe)) => match &mut self.active_probe {
-                Some(probing) => probing.replace_probe(probe),
-                None => self.active_probe = Some(ActiveProbe::new(probe)),
-            },
+            Command::Probe(probe) => self.set_probe(probe),
             Command::Monitor(on) => self.machine_monitor = on.then(MachineMonitor::default),
             Command::Fault(fault, on) => self.emulator.simulation.lathe.set_fault(fault, on),
             Command::Request(request) => {
@@ -420,13 +405,7 @@ impl Kernel {
                 }
             }
             Command::Write(requests) => self.write_all_or_none(requests),
-            Command::Job(chosen) => {
-                let part = match &mut self.lesson {
-                    Some(lesson) => lesson.own_part(),
-                    None => &mut self.part,
-                };
-                part.set_job(chosen.map(|chosen| *chosen));
-            }
+            Command::Job(chosen) => self.set_job(chosen.map(|chosen| *chosen)),
             Command::FreshStock => {
                 self.part.fresh_stock();
                 self.notify(Notice::FreshStock);
@@ -437,14 +416,7 @@ impl Kernel {
             Command::ForceInput(address, state) => {
                 self.emulator.simulation.lathe.force_input(address, state);
             }
-            Command::ReleaseForcedBits => {
-                let forces = self.emulator.simulation.cnc.plc().forces().to_vec();
-                for force in forces {
-                    self.execute_command(Command::Request(Box::new(ControlRequest::ForceBit(
-                        force.bit, None,
-                    ))));
-                }
-            }
+            Command::ReleaseForcedBits => self.release_forced_bits(),
             Command::Lesson(order) => self.execute_lesson_command(order),
             Command::Speed(speed) => self.speed = speed,
             Command::ClearFaults => self.emulator.simulation.lathe.clear_faults(),
@@ -456,12 +428,7 @@ impl Kernel {
             Command::Link(order) => self.execute_link_command(order),
             Command::Translate(on) => self.translate_screen = on,
             Command::PublishMotion(on) => self.publish_motion = on,
-            Command::WatchLink(on) => {
-                self.link_watched = on;
-                if let Some(drive) = &mut self.drive {
-                    drive.request_view(on);
-                }
-            }
+            Command::WatchLink(on) => self.watch_link(on),
             Command::Store(text, to) => {
                 let _ = to.try_send(self.store(&Program::new(text)));
             }
@@ -470,16 +437,70 @@ impl Kernel {
                 let _ = to.try_send(Box::new(preview_setup::make_preview_setup(&self.emulator)));
             }
             Command::SendState(to) => {
-                let own = self.own_machine();
-                let level = own.simulation.cnc.battery_memory().authority.level();
-                let state = retained::project::state_of_emulator(own);
                 // The receiver may be gone.
-                let _ = to.try_send(Box::new((state, level)));
+                let _ = to.try_send(Box::new(self.project_state()));
             }
             Command::ReleaseAll => self.release_all_keys(),
             Command::Alive => {}
             Command::Quit => self.quit_requested = true,
         }
+    }
+
+    /// Queues a key press. The emergency stop waits for no other key.
+    fn press_key(&mut self, key: Key, edge: KeyEdge) {
+        match key {
+            Key::EmergencyStop => {
+                self.emulator.key_down(Key::EmergencyStop);
+            }
+            _ => self.key_edges.push(edge),
+        }
+    }
+
+    /// Opens a program and starts it on the simulated lathe.
+    fn open_and_start(&mut self, opened: OpenedProgram) {
+        let is_selected = self.open(opened);
+        if is_selected && self.drive.is_none() {
+            self.key_edges.push(KeyEdge::Tap(Key::Auto));
+            self.key_edges.push(KeyEdge::Tap(Key::CycleStart));
+        }
+    }
+
+    fn set_probe(&mut self, probe: Option<Probe>) {
+        match (probe, self.active_probe.as_mut()) {
+            (Some(probe), Some(probing)) => probing.replace_probe(probe),
+            (probe, _) => self.active_probe = probe.map(ActiveProbe::new),
+        }
+    }
+
+    fn set_job(&mut self, chosen: Option<SelectedJob>) {
+        let part = match &mut self.lesson {
+            Some(lesson) => lesson.own_part(),
+            None => &mut self.part,
+        };
+        part.set_job(chosen);
+    }
+
+    fn release_forced_bits(&mut self) {
+        let forces = self.emulator.simulation.cnc.plc().forces().to_vec();
+        for force in forces {
+            self.execute_command(Command::Request(Box::new(ControlRequest::ForceBit(
+                force.bit, None,
+            ))));
+        }
+    }
+
+    fn watch_link(&mut self, on: bool) {
+        self.link_watched = on;
+        if let Some(drive) = &mut self.drive {
+            drive.request_view(on);
+        }
+    }
+
+    /// The state that a project stores, and the operation level.
+    fn project_state(&self) -> (ProjectState, OperationLevel) {
+        let own = self.own_machine();
+        let level = own.simulation.cnc.battery_memory().authority.level();
+        (retained::project::state_of_emulator(own), level)
     }
 
     /// Whether the command would move a real machine while the display has hung: the age

@@ -1,12 +1,14 @@
 //! Adds the values of a pitch error table file to the table of the control (manual III-10).
 
+use std::ops::RangeInclusive;
+
 use gsk_core::memory::{ControlParameters, PitchTable, parameter};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
 use crate::correction::{MAX_BACKLASH, MAX_POINT_VALUE, units_per_mm};
 use crate::parameter_change::{ParameterChange, Proposal, axis_letter, select_by_axis};
-use crate::renishaw_ren::PitchTableFile;
+use crate::renishaw_ren::{PitchTableFile, PitchTableRow};
 
 /// Proposes to add the values of a file to the pitch error table of an axis (manual III-10;
 /// decision COMMISSION-1). `clear` empties the column first and takes the interval from the
@@ -23,97 +25,38 @@ pub fn propose_table_values(
     clear: bool,
 ) -> Result<Proposal, Message> {
     let units = units_per_mm(parameters);
-    let at_line = |line: u32, rule: Message| say::pitch_file_line(line, rule);
     let mut changes = Vec::new();
     let mut changed_parameters = parameters.clone();
-    if let Some((line, spacing)) = table.spacing {
-        let interval_units = (spacing.0 * units).round();
-        let number = select_by_axis(
-            axis,
-            parameter::X_PITCH_INTERVAL,
-            parameter::Z_PITCH_INTERVAL,
-        );
-        if !(1.0..=999_999.0).contains(&interval_units) {
-            return Err(at_line(line, say::pitch_interval_wrong(spacing.0)));
-        }
-        if interval_units as i64 != parameters.pitch_interval(axis) {
-            if !clear {
-                let current = parameters.pitch_interval(axis) as f64 / units;
-                let rule = say::pitch_ren_spacing(spacing.0, number, current);
-                return Err(at_line(line, rule));
-            }
-            let change = ParameterChange::Value {
-                number,
-                value: interval_units as i32,
-            };
-            changes.push(change);
-            let mut empty = PitchTable::default();
-            change.apply(&mut changed_parameters, &mut empty)?;
-        }
+    if let Some(change) = change_interval(axis, table, parameters, clear)? {
+        changes.push(change);
+        change.apply(&mut changed_parameters, &mut PitchTable::default())?;
     }
     let interval = changed_parameters.pitch_interval(axis);
     if interval == 0 {
-        return Err(say::pitch_no_interval(select_by_axis(
-            axis,
-            parameter::X_PITCH_INTERVAL,
-            parameter::Z_PITCH_INTERVAL,
-        )));
+        return Err(say::pitch_no_interval(interval_number(axis)));
     }
-    let origin = i64::from(parameters.pitch_origin(axis));
-    let counts = parameters.pitch_points(axis);
-    let mut column: Vec<i64> = (0..=u8::MAX)
-        .map(|point| {
-            if clear {
-                0
-            } else {
-                pitch.value(axis, point).into()
-            }
-        })
-        .collect();
-    let factor = f64::from(parameters.pitch_factor());
+    let mut column = PitchColumn {
+        values: (0..=u8::MAX)
+            .map(|point| {
+                if clear {
+                    0
+                } else {
+                    pitch.value(axis, point).into()
+                }
+            })
+            .collect(),
+        units,
+        interval: interval as f64,
+        factor: f64::from(parameters.pitch_factor()),
+        origin: i64::from(parameters.pitch_origin(axis)),
+        counts: parameters.pitch_points(axis),
+    };
     for row in &table.rows {
-        let steps = row.end.0 * units / interval as f64;
-        let whole = steps.round();
-        if (steps - whole).abs() > 1e-3 {
-            return Err(at_line(row.line, say::pitch_ren_off_grid(row.end.0)));
-        }
-        let units_value = row.value.0 * units / 1000.0 / factor;
-        if (units_value - units_value.round()).abs() > 1e-6 {
-            return Err(at_line(
-                row.line,
-                say::pitch_ren_fraction(row.value.0, factor),
-            ));
-        }
-        // No interval ends at the machine zero.
-        let whole = whole as i64;
-        let point = match whole {
-            0 if row.point.is_none() && units_value == 0.0 => continue,
-            0 if row.point.is_none() => {
-                return Err(at_line(row.line, say::pitch_ren_at_zero()));
-            }
-            1.. => origin + whole,
-            _ => origin + whole + 1,
-        };
-        if let Some(stated) = row.point
-            && whole != 0
-            && i64::from(stated) != point
-        {
-            return Err(at_line(row.line, say::pitch_ren_other_point(stated, point)));
-        }
-        let point = row.point.map_or(point, i64::from);
-        let entry = usize::try_from(point).ok().filter(|it| counts.contains(it));
-        let entry = entry.filter(|it| *it > 0).and_then(|it| column.get_mut(it));
-        let Some(entry) = entry else {
-            let (low, high) = (counts.start().max(&1), counts.end());
-            return Err(at_line(row.line, say::pitch_ren_no_point(point, low, high)));
-        };
-        *entry += units_value.round() as i64;
-        if entry.abs() > MAX_POINT_VALUE {
-            let rule = say::pitch_ren_sum(point, *entry, MAX_POINT_VALUE);
-            return Err(at_line(row.line, rule));
-        }
+        column
+            .add_row(row)
+            .map_err(|rule| say::pitch_file_line(row.line, rule))?;
     }
-    let points = (0..=u8::MAX).zip(column);
+    let points = (0..=u8::MAX).zip(column.values);
     changes.extend(points.map(|(point, value)| ParameterChange::Pitch {
         axis,
         point,
@@ -123,7 +66,7 @@ pub fn propose_table_values(
         let value = (backlash.0 * units / 1000.0).round();
         if !(0.0..=MAX_BACKLASH).contains(&value) {
             let rule = say::pitch_backlash_beyond(value, MAX_BACKLASH);
-            return Err(at_line(line, rule));
+            return Err(say::pitch_file_line(line, rule));
         }
         changes.push(ParameterChange::Value {
             number: select_by_axis(axis, parameter::X_BACKLASH, parameter::Z_BACKLASH),
@@ -135,6 +78,113 @@ pub fn propose_table_values(
         notes.insert(0, say::pitch_switched_off(axis_letter(axis)));
     }
     Proposal::from_changes(changes, notes, parameters, pitch)
+}
+
+/// The parameter of the interval of an axis.
+const fn interval_number(axis: Axis) -> u16 {
+    select_by_axis(
+        axis,
+        parameter::X_PITCH_INTERVAL,
+        parameter::Z_PITCH_INTERVAL,
+    )
+}
+
+/// The change of the interval to the spacing of a file; `None` if the parameter has it.
+///
+/// # Errors
+/// A spacing outside the range of the parameter, or another interval without `clear`.
+fn change_interval(
+    axis: Axis,
+    table: &PitchTableFile,
+    parameters: &ControlParameters,
+    clear: bool,
+) -> Result<Option<ParameterChange>, Message> {
+    let Some((line, spacing)) = table.spacing else {
+        return Ok(None);
+    };
+    let units = units_per_mm(parameters);
+    let interval_units = (spacing.0 * units).round();
+    let number = interval_number(axis);
+    if !(1.0..=999_999.0).contains(&interval_units) {
+        let rule = say::pitch_interval_wrong(spacing.0);
+        return Err(say::pitch_file_line(line, rule));
+    }
+    if interval_units as i64 == parameters.pitch_interval(axis) {
+        return Ok(None);
+    }
+    if !clear {
+        let current = parameters.pitch_interval(axis) as f64 / units;
+        let rule = say::pitch_ren_spacing(spacing.0, number, current);
+        return Err(say::pitch_file_line(line, rule));
+    }
+    Ok(Some(ParameterChange::Value {
+        number,
+        value: interval_units as i32,
+    }))
+}
+
+/// The column of an axis in the pitch error table, and the parameters of its points.
+struct PitchColumn {
+    /// Value of each point, in 0.001 mm before multiplication by `factor`.
+    values: Vec<i64>,
+    /// Units of the parameters in a millimetre.
+    units: f64,
+    /// Interval between two points, units.
+    interval: f64,
+    /// Factor of parameter 013.
+    factor: f64,
+    /// Point at the machine zero.
+    origin: i64,
+    /// The points that have an effect.
+    counts: RangeInclusive<usize>,
+}
+
+impl PitchColumn {
+    /// Adds a row of a file to its point.
+    ///
+    /// # Errors
+    /// The rule that the row breaks.
+    fn add_row(&mut self, row: &PitchTableRow) -> Result<(), Message> {
+        let steps = row.end.0 * self.units / self.interval;
+        let whole = steps.round();
+        if (steps - whole).abs() > 1e-3 {
+            return Err(say::pitch_ren_off_grid(row.end.0));
+        }
+        let units_value = row.value.0 * self.units / 1000.0 / self.factor;
+        if (units_value - units_value.round()).abs() > 1e-6 {
+            return Err(say::pitch_ren_fraction(row.value.0, self.factor));
+        }
+        // No interval ends at the machine zero.
+        let whole = whole as i64;
+        let point = match whole {
+            0 if row.point.is_none() && units_value == 0.0 => return Ok(()),
+            0 if row.point.is_none() => return Err(say::pitch_ren_at_zero()),
+            1.. => self.origin + whole,
+            _ => self.origin + whole + 1,
+        };
+        if let Some(stated) = row.point
+            && whole != 0
+            && i64::from(stated) != point
+        {
+            return Err(say::pitch_ren_other_point(stated, point));
+        }
+        let point = row.point.map_or(point, i64::from);
+        let entry = usize::try_from(point)
+            .ok()
+            .filter(|it| self.counts.contains(it));
+        let entry = entry
+            .filter(|it| *it > 0)
+            .and_then(|it| self.values.get_mut(it));
+        let Some(entry) = entry else {
+            let (low, high) = (self.counts.start().max(&1), self.counts.end());
+            return Err(say::pitch_ren_no_point(point, low, high));
+        };
+        *entry += units_value.round() as i64;
+        if entry.abs() > MAX_POINT_VALUE {
+            return Err(say::pitch_ren_sum(point, *entry, MAX_POINT_VALUE));
+        }
+        Ok(())
+    }
 }
 
 #[cfg(test)]

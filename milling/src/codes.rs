@@ -37,23 +37,7 @@ pub(crate) fn execute_one_shot(
     match code {
         OneShotCode::Dwell => return dwell(state, words, context).map(|()| false),
         OneShotCode::OffsetInput => return offset_input(state, words, context).map(|()| false),
-        OneShotCode::ReferenceCheck => {
-            let programmed = target(state, words);
-            let to = state.to_machine(programmed, context.memory);
-            context.go(state, to, StepKind::Rapid, true)?;
-            let reference = context.memory.point(parameter::REFERENCE);
-            let reference = state.axes.wrapped(reference);
-            for axis in named_axes(words) {
-                let (at, point) = (state.machine.get(axis), reference.get(axis));
-                if at != point {
-                    let name = state.axes.letter(axis);
-                    let (at, point) = (at.mm(), point.mm());
-                    let detail = say::mill_not_at_reference(name, at, point);
-                    return Err(alarm(number::ZERO_RETURN, detail));
-                }
-            }
-            keep_or_cancel_length(state, context);
-        }
+        OneShotCode::ReferenceCheck => check_reference(state, words, context)?,
         OneShotCode::Reference => return_to_reference(0, state, words, context)?,
         OneShotCode::FurtherReference => {
             let p = words.letters.p.map_or(2, WordNumber::integer);
@@ -62,75 +46,131 @@ pub(crate) fn execute_one_shot(
             }
             return_to_reference(p as u16 - 1, state, words, context)?;
         }
-        OneShotCode::ReferenceBack => {
-            let programmed = target(state, words);
-            let end = programmed + state.frame(context.memory);
-            let intermediate = state.intermediate;
-            rapid_to_point(state, words, &intermediate, context)?;
-            rapid_to_point(state, words, &end, context)?;
-        }
-        OneShotCode::Skip => {
-            // Without a signal the move ends at its programmed point.
-            settle_rotation(state, context.memory);
-            let programmed = target(state, words);
-            let to = state.to_machine(programmed, context.memory);
-            let kind = if context.memory.bit(parameter::SKIP, 2) {
-                StepKind::CutAt(context.memory.value(parameter::SKIP_FEED).into())
-            } else {
-                StepKind::Cut
-            };
-            context.go(state, to, kind, true)?;
-            state.skipped = state.work(context.memory);
-        }
+        OneShotCode::ReferenceBack => return_from_reference(state, words, context)?,
+        OneShotCode::Skip => move_until_skip(state, words, context)?,
         OneShotCode::Measure => measure_tool(state, words, context)?,
         OneShotCode::Local => {
-            for axis in named_axes(words) {
-                let value = words.letters.axes.get(axis);
-                let value = value.map(|it| state.axis_value(axis, it));
-                let before = if state.modal.incremental {
-                    state.local.get(axis)
-                } else {
-                    Length::ZERO
-                };
-                state.local.set(axis, before + value.unwrap_or_default());
-            }
-            state.resync(context.memory);
+            set_local(state, words, context);
             return Ok(false);
         }
-        OneShotCode::Machine => {
-            if state.modal.incremental {
-                return Err(alarm(number::BAD_G, say::mill_machine_incremental()));
-            }
-            let mut to = state.machine;
-            for axis in named_axes(words) {
-                let value = words.letters.axes.get(axis);
-                let value = value
-                    .map(|it| state.axis_value(axis, it))
-                    .unwrap_or_default();
-                let from = state.machine.get(axis);
-                to.set(axis, state.axes.towards(axis, from, value));
-            }
-            let kind = match state.modal.motion {
-                MillMotion::Rapid => StepKind::Rapid,
-                _ => StepKind::Cut,
-            };
-            context.go(state, to, kind, true)?;
-            keep_or_cancel_length(state, context);
-        }
+        OneShotCode::Machine => move_in_machine_coordinates(state, words, context)?,
         OneShotCode::Coordinates => {
-            let work = state.work(context.memory);
-            for axis in named_axes(words) {
-                let value = words.letters.axes.get(axis);
-                let value = value.map(|it| state.axis_value(axis, it));
-                let by = work.get(axis) - value.unwrap_or_default();
-                state.shift.set(axis, state.shift.get(axis) + by);
-            }
-            state.resync(context.memory);
+            set_coordinates(state, words, context);
             return Ok(false);
         }
     }
     state.resync(context.memory);
     Ok(words.has_axes())
+}
+
+/// G27: moves at rapid to the reference point and checks the position.
+fn check_reference(
+    state: &mut MillState,
+    words: &BlockWords,
+    context: &mut RunContext<'_, '_>,
+) -> Result<(), Alarm> {
+    let programmed = target(state, words);
+    let to = state.to_machine(programmed, context.memory);
+    context.go(state, to, StepKind::Rapid, true)?;
+    let reference = context.memory.point(parameter::REFERENCE);
+    let reference = state.axes.wrapped(reference);
+    for axis in named_axes(words) {
+        let (at, point) = (state.machine.get(axis), reference.get(axis));
+        if at != point {
+            let name = state.axes.letter(axis);
+            let (at, point) = (at.mm(), point.mm());
+            let detail = say::mill_not_at_reference(name, at, point);
+            return Err(alarm(number::ZERO_RETURN, detail));
+        }
+    }
+    keep_or_cancel_length(state, context);
+    Ok(())
+}
+
+/// G29: from the reference point over the intermediate point of the last return.
+fn return_from_reference(
+    state: &mut MillState,
+    words: &BlockWords,
+    context: &mut RunContext<'_, '_>,
+) -> Result<(), Alarm> {
+    let programmed = target(state, words);
+    let end = programmed + state.frame(context.memory);
+    let intermediate = state.intermediate;
+    rapid_to_point(state, words, &intermediate, context)?;
+    rapid_to_point(state, words, &end, context)
+}
+
+/// G31: without a signal the move ends at its programmed point.
+fn move_until_skip(
+    state: &mut MillState,
+    words: &BlockWords,
+    context: &mut RunContext<'_, '_>,
+) -> Result<(), Alarm> {
+    settle_rotation(state, context.memory);
+    let programmed = target(state, words);
+    let to = state.to_machine(programmed, context.memory);
+    let kind = if context.memory.bit(parameter::SKIP, 2) {
+        StepKind::CutAt(context.memory.value(parameter::SKIP_FEED).into())
+    } else {
+        StepKind::Cut
+    };
+    context.go(state, to, kind, true)?;
+    state.skipped = state.work(context.memory);
+    Ok(())
+}
+
+/// G52: sets the local coordinate system.
+fn set_local(state: &mut MillState, words: &BlockWords, context: &RunContext<'_, '_>) {
+    for axis in named_axes(words) {
+        let value = words.letters.axes.get(axis);
+        let value = value.map(|it| state.axis_value(axis, it));
+        let before = if state.modal.incremental {
+            state.local.get(axis)
+        } else {
+            Length::ZERO
+        };
+        state.local.set(axis, before + value.unwrap_or_default());
+    }
+    state.resync(context.memory);
+}
+
+/// G53: moves in machine coordinates.
+fn move_in_machine_coordinates(
+    state: &mut MillState,
+    words: &BlockWords,
+    context: &mut RunContext<'_, '_>,
+) -> Result<(), Alarm> {
+    if state.modal.incremental {
+        return Err(alarm(number::BAD_G, say::mill_machine_incremental()));
+    }
+    let mut to = state.machine;
+    for axis in named_axes(words) {
+        let value = words.letters.axes.get(axis);
+        let value = value
+            .map(|it| state.axis_value(axis, it))
+            .unwrap_or_default();
+        let from = state.machine.get(axis);
+        to.set(axis, state.axes.towards(axis, from, value));
+    }
+    let kind = match state.modal.motion {
+        MillMotion::Rapid => StepKind::Rapid,
+        _ => StepKind::Cut,
+    };
+    context.go(state, to, kind, true)?;
+    keep_or_cancel_length(state, context);
+    Ok(())
+}
+
+/// G92: shifts the work coordinates so that the position has the programmed values.
+fn set_coordinates(state: &mut MillState, words: &BlockWords, context: &RunContext<'_, '_>) {
+    let work = state.work(context.memory);
+    for axis in named_axes(words) {
+        let value = words.letters.axes.get(axis);
+        let value = value.map(|it| state.axis_value(axis, it));
+        let by = work.get(axis) - value.unwrap_or_default();
+        state.shift.set(axis, state.shift.get(axis) + by);
+    }
+    state.resync(context.memory);
 }
 
 /// Moves at rapid to a point in machine coordinates, in the axes of the block.

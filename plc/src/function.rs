@@ -60,32 +60,7 @@ pub(crate) fn execute(
             write(bytes, *at, 4, elapsed);
             write_bit(bytes, *output, done);
         }
-        Function::Counter {
-            down,
-            initial,
-            reset,
-            at,
-            preset,
-            output,
-            edge,
-        } => {
-            let Some(last) = state.counter_inputs.get_mut(usize::from(*edge)) else {
-                return;
-            };
-            let rising = act && !*last;
-            *last = act;
-            let preset = read(bytes, *preset, 4);
-            if read_bit(bytes, *reset) {
-                let start = if *down { preset } else { *initial };
-                write(bytes, *at, 4, start);
-                write_bit(bytes, *output, false);
-            } else if rising {
-                let value = read(bytes, OperandValue::Address(*at), 4);
-                let (value, end) = next_counter_value(value, *down, *initial, preset);
-                write(bytes, *at, 4, value);
-                write_bit(bytes, *output, value == end);
-            }
-        }
+        counter @ Function::Counter { .. } => count(counter, act, bytes, state.counter_inputs),
         Function::Move { length, from, to } => {
             if act {
                 let value = read(bytes, *from, *length);
@@ -135,6 +110,39 @@ pub(crate) fn execute(
                 write_bit(bytes, *output, reverse);
             }
         }
+    }
+}
+
+/// Runs a CTRC: counts a rising input and clears the counter on its reset.
+#[inline]
+fn count(counter: &Function, act: bool, bytes: &mut MemoryBytes, inputs: &mut [bool]) {
+    let Function::Counter {
+        down,
+        initial,
+        reset,
+        at,
+        preset,
+        output,
+        edge,
+    } = counter
+    else {
+        return;
+    };
+    let Some(last) = inputs.get_mut(usize::from(*edge)) else {
+        return;
+    };
+    let rising = act && !*last;
+    *last = act;
+    let preset = read(bytes, *preset, 4);
+    if read_bit(bytes, *reset) {
+        let start = if *down { preset } else { *initial };
+        write(bytes, *at, 4, start);
+        write_bit(bytes, *output, false);
+    } else if rising {
+        let value = read(bytes, OperandValue::Address(*at), 4);
+        let (value, end) = next_counter_value(value, *down, *initial, preset);
+        write(bytes, *at, 4, value);
+        write_bit(bytes, *output, value == end);
     }
 }
 

@@ -427,9 +427,7 @@ impl Plc {
                 *executed += at - from;
                 from = next;
                 if *executed > MAX_SLOT_OPERATIONS {
-                    let jump = ladder.statements().get(at.saturating_sub(1));
-                    let line = jump.map_or(0, |statement| statement.line);
-                    return Err(PlcFault::Watchdog { line });
+                    return Err(watchdog_fault(ladder, at));
                 }
             }
             at = next;
@@ -437,6 +435,14 @@ impl Plc {
         *executed += at.saturating_sub(from);
         Ok(at)
     }
+}
+
+/// The fault of a slot with too many operations, the last of them the jump before `at`.
+#[cold]
+fn watchdog_fault(ladder: &Ladder, at: usize) -> PlcFault {
+    let jump = ladder.statements().get(at.saturating_sub(1));
+    let line = jump.map_or(0, |statement| statement.line);
+    PlcFault::Watchdog { line }
 }
 
 fn is_set(bytes: &[u8; SIZE], bit: MemoryBit) -> bool {

@@ -8,6 +8,7 @@ use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Event;
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::interpreter::{Explanation, ModalState};
+use gsk_core::memory::ControlParameters;
 use gsk_core::operation::{OperatingMode, RunState};
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::simulation::Simulation;
@@ -93,6 +94,24 @@ enum ExecutionEnd {
     Limit,
 }
 
+impl ExecutionEnd {
+    /// The end as the report names it.
+    const fn to_run_end(&self) -> report::RunEnd {
+        match self {
+            Self::M30 => report::RunEnd::M30,
+            Self::M02 => report::RunEnd::M02,
+            Self::M99 => report::RunEnd::M99,
+            Self::Text => report::RunEnd::Text,
+            Self::Alarm(_) => report::RunEnd::Alarm,
+            Self::Refused(_) => report::RunEnd::Refused,
+            Self::Stop(_) => report::RunEnd::Stop,
+            Self::Requested => report::RunEnd::Requested,
+            Self::Collision => report::RunEnd::Collision,
+            Self::Limit => report::RunEnd::Limit,
+        }
+    }
+}
+
 struct ProgramRun<'a> {
     simulation: Simulation,
     partner: Option<&'a mut dyn ProgramPartner>,
@@ -164,80 +183,88 @@ pub fn execute<'a>(
     }
     let end = run.run_to_end(limits);
     let time_ms = run.time_ms();
-    let waits_for = match &end {
-        ExecutionEnd::Refused(why) | ExecutionEnd::Stop(why) => {
-            Some(report::message_text(why, language))
-        }
-        ExecutionEnd::Limit => {
-            (run.simulation.cnc.wait_reason()).map(|what| report::message_text(&what, language))
-        }
-        _ => None,
-    };
+    let waits_for = run.wait_text(&end, language);
     run.stop_motion();
     run.close_board();
-    let cnc = &run.simulation.cnc;
-    let alarm = match &end {
-        ExecutionEnd::Alarm(alarm) => Some(AlarmReport::new(alarm, cnc.programs(), language)),
-        _ => None,
-    };
-    let is_on = |address| cnc.plc().memory().bit(address);
-    // After the last requested part an M99 has started another one.
-    let (beyond, modal) = match end {
-        ExecutionEnd::M99 => (
-            run.last_point
-                .map_or(Point::default(), |point| cnc.position_absolute() - point),
-            run.last_modal.unwrap_or(*cnc.modal()),
-        ),
-        _ => (Point::default(), *cnc.modal()),
-    };
-    let report = ProgramReport {
-        file: name.to_owned(),
-        end: match end {
-            ExecutionEnd::M30 => report::RunEnd::M30,
-            ExecutionEnd::M02 => report::RunEnd::M02,
-            ExecutionEnd::M99 => report::RunEnd::M99,
-            ExecutionEnd::Text => report::RunEnd::Text,
-            ExecutionEnd::Alarm(_) => report::RunEnd::Alarm,
-            ExecutionEnd::Refused(_) => report::RunEnd::Refused,
-            ExecutionEnd::Stop(_) => report::RunEnd::Stop,
-            ExecutionEnd::Requested => report::RunEnd::Requested,
-            ExecutionEnd::Collision => report::RunEnd::Collision,
-            ExecutionEnd::Limit => report::RunEnd::Limit,
-        },
-        alarm,
-        waits_for,
-        time_s: time_ms as f64 / 1000.0,
-        cutting_s: round_to_millionth(run.cutting_s),
-        blocks: run.blocks,
-        moves: run.moves,
-        parts: run.parts,
-        stops: run.stops,
-        position: FinalPositions::new(
-            cnc.position_absolute() - beyond,
-            cnc.position_machine() - beyond,
-            cnc.position_relative() - beyond,
-        ),
-        modal: report::modal_codes(&modal),
-        f: modal.feed,
-        s: modal.spindle,
-        t: report::tool_word(cnc.tool()),
-        spindle: if is_on(M03_OUTPUT) {
-            "cw"
-        } else if is_on(M04_OUTPUT) {
-            "ccw"
-        } else {
-            "stop"
-        },
-        coolant: cnc.plc().memory().y(5) & 1 != 0,
-        parameters_changed: report::changed_parameters(&before, cnc.parameters()),
-        warnings: Vec::new(),
-        path: None,
-        part: None,
-    };
+    let time_s = time_ms as f64 / 1000.0;
+    let report = run.report(name, &end, time_s, waits_for, &before, language);
     Ok((report, run.simulation))
 }
 
 impl ProgramRun<'_> {
+    /// What the ended program waits for; `None` if it has finished.
+    fn wait_text(&self, end: &ExecutionEnd, language: Option<Language>) -> Option<String> {
+        match end {
+            ExecutionEnd::Refused(why) | ExecutionEnd::Stop(why) => {
+                Some(report::message_text(why, language))
+            }
+            ExecutionEnd::Limit => (self.simulation.cnc.wait_reason())
+                .map(|what| report::message_text(&what, language)),
+            _ => None,
+        }
+    }
+
+    /// The report on a program that ran `time_s` and ended. `before` are the parameters
+    /// before its start.
+    fn report(
+        &self,
+        name: &str,
+        end: &ExecutionEnd,
+        time_s: f64,
+        waits_for: Option<String>,
+        before: &ControlParameters,
+        language: Option<Language>,
+    ) -> ProgramReport {
+        let cnc = &self.simulation.cnc;
+        let alarm = match end {
+            ExecutionEnd::Alarm(alarm) => Some(AlarmReport::new(alarm, cnc.programs(), language)),
+            _ => None,
+        };
+        let is_on = |address| cnc.plc().memory().bit(address);
+        // After the last requested part an M99 has started another one.
+        let (beyond, modal) = match end {
+            ExecutionEnd::M99 => (
+                self.last_point
+                    .map_or(Point::default(), |point| cnc.position_absolute() - point),
+                self.last_modal.unwrap_or(*cnc.modal()),
+            ),
+            _ => (Point::default(), *cnc.modal()),
+        };
+        ProgramReport {
+            file: name.to_owned(),
+            end: end.to_run_end(),
+            alarm,
+            waits_for,
+            time_s,
+            cutting_s: round_to_millionth(self.cutting_s),
+            blocks: self.blocks,
+            moves: self.moves,
+            parts: self.parts,
+            stops: self.stops,
+            position: FinalPositions::new(
+                cnc.position_absolute() - beyond,
+                cnc.position_machine() - beyond,
+                cnc.position_relative() - beyond,
+            ),
+            modal: report::modal_codes(&modal),
+            f: modal.feed,
+            s: modal.spindle,
+            t: report::tool_word(cnc.tool()),
+            spindle: if is_on(M03_OUTPUT) {
+                "cw"
+            } else if is_on(M04_OUTPUT) {
+                "ccw"
+            } else {
+                "stop"
+            },
+            coolant: cnc.plc().memory().y(5) & 1 != 0,
+            parameters_changed: report::changed_parameters(before, cnc.parameters()),
+            warnings: Vec::new(),
+            path: None,
+            part: None,
+        }
+    }
+
     fn time_ms(&self) -> u64 {
         if self.start_ticks == 0 {
             return 0;

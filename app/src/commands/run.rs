@@ -16,7 +16,7 @@ use gsk_runner::execution::{self, ExecutionLimits, ExecutionWatcher, SupervisedB
 use gsk_runner::machining::live_part::LivePart;
 use gsk_runner::partner::ProgramPartner;
 use gsk_runner::picture::{self, PathDrawing, PictureFormat};
-use gsk_runner::report::PartReport;
+use gsk_runner::report::{PartReport, ProgramReport};
 use gsk_runner::text_format::format_time;
 use gsk_runner::{move_output, narration, report};
 use indicatif::ProgressBar;
@@ -25,12 +25,16 @@ use super::{CommandError, EXIT_ALARM, EXIT_COLLISION, EXIT_OK, output};
 use crate::cli::RunArgs;
 use crate::dnc::{self, DncSource};
 use crate::files::data_dir::DataDir;
+use crate::job::SelectedJob;
+use crate::kernel::BoardConnection;
+use crate::kernel::headless_board::HeadlessBoard;
 use crate::loading::LoadError;
 use crate::overwrite_guard::{CommandInputs, check_overwrites, collect_outputs};
 use crate::picture::check_name;
+use crate::retained::Restored;
 use crate::terminal::StdinOperator;
 use crate::termination::TERMINATED_EXIT_CODE;
-use crate::{job, kernel, loading, retained};
+use crate::{job, loading, retained};
 
 /// Interval at which the progress line is updated, ms of machine time.
 const PROGRESS_INTERVAL_MS: u64 = 4096;
@@ -38,43 +42,10 @@ const PROGRESS_INTERVAL_MS: u64 = 4096;
 /// Executes a program and returns the exit code.
 pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError> {
     args.setup.refuse_mill().map_err(LoadError::from)?;
-    if let Some(path) = &args.plot {
-        check_name(path)?;
-    }
-    let inputs = CommandInputs {
-        files: (args.files.iter().map(PathBuf::as_path))
-            .chain(args.dnc.as_deref())
-            .chain(args.setup.input_files())
-            .collect(),
-        main_program: args
-            .files
-            .first()
-            .filter(|_| args.dnc.is_none())
-            .map(PathBuf::as_path),
-        data_dir: args.setup.data.as_deref(),
-    };
-    let output_paths =
-        collect_outputs(&[&args.moves, &args.positions, &args.plot, &args.part.section]);
-    check_overwrites(&inputs, &output_paths)?;
+    check_outputs(args)?;
     let terminal = find_operator(args)?;
     let language = spoken.unwrap_or(Language::En);
-    let initial_setup = match args.link {
-        Some(_) => Setup::for_operator_script(),
-        None => Setup::default(),
-    };
-    let mut setup = loading::with_training_lathe(initial_setup, args.setup.machine.as_ref());
-    let data = match &args.setup.data_folder() {
-        Some(path) => Some(DataDir::open(path)?),
-        None => None,
-    };
-    let restored = data.as_ref().map(|data| retained::load(data, &mut setup));
-    for complaint in restored.iter().flat_map(|restored| &restored.complaints) {
-        output::report_error(complaint);
-    }
-    if let (Some(restored), Some(_)) = (&restored, &args.link) {
-        restored.place_slides(&mut setup);
-    }
-    loading::apply_options(&mut setup, &args.setup)?;
+    let (mut setup, memory) = prepare_setup(args)?;
     let mut partner = args
         .dnc
         .as_ref()
@@ -87,42 +58,12 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
     }
 
     let main = args.dnc.as_ref().or(args.files.first());
+    let main = main.map(PathBuf::as_path);
     let name = main
         .map(|path| path.display().to_string())
         .unwrap_or_default();
-    let lines = setup
-        .memory
-        .programs
-        .selected()
-        .and_then(|program| setup.memory.programs.get(program))
-        .map_or(0, gsk_core::program::Program::line_count);
-    let mut outputs = RunOutputs {
-        moves: args.moves.as_deref().map(output::open).transpose()?,
-        positions: args.positions.as_deref().map(output::open).transpose()?,
-        drawing: args.plot.is_some().then(|| {
-            let title = main.map(|path| picture_title(path)).unwrap_or_default();
-            PathDrawing::new(title, args.picture.to_look())
-        }),
-        rates: RapidRates::from_memory(&setup.memory),
-        explain: args.explain,
-        language,
-        progress_bar: output::create_progress_bar(u64::from(lines)),
-        current_line: 0,
-        explained_pass: None,
-        live_part: None,
-        stops_at_collision: args.stop_on_collision,
-        first_error: None,
-    };
-    let needs_part =
-        args.part.is_requested() || args.stop_on_collision || args.picture.needs_part();
-    let job_choice = match needs_part {
-        true => Some(job::choose(
-            &args.part.job,
-            main.map(PathBuf::as_path),
-            &setup,
-        )?),
-        false => None,
-    };
+    let mut outputs = RunOutputs::open(args, main, &setup, language)?;
+    let job_choice = choose_job(args, main, &setup)?;
     outputs.live_part = job_choice
         .as_ref()
         .map(|chosen| LivePart::new(chosen.create_machining()));
@@ -140,23 +81,13 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
     };
     let mut simulation = Simulation::new(setup);
     let board = match link {
-        Some(link) => {
-            let mut live = kernel::headless_board::HeadlessBoard::open(link, &mut simulation)?;
-            let readiness =
-                live.wait_until_ready(&mut simulation, |simulation| simulation, Simulation::tick);
-            if let Err(error) = readiness {
-                outputs.progress_bar.finish_and_clear();
-                output::report_error(&error.message());
-                return Ok(if live.has_ended() {
-                    TERMINATED_EXIT_CODE
-                } else {
-                    EXIT_ALARM
-                });
+        Some(link) => match open_board(link, &mut simulation, &outputs.progress_bar)? {
+            Ok(live) => {
+                let operator = terminal.map(|person| Box::new(person) as Box<dyn TerminalOperator>);
+                Some(SupervisedBoard::new(Box::new(live), args.home, operator))
             }
-            let home = args.home;
-            let operator = terminal.map(|person| Box::new(person) as Box<dyn TerminalOperator>);
-            Some(SupervisedBoard::new(Box::new(live), home, operator))
-        }
+            Err(exit_code) => return Ok(exit_code),
+        },
         None => None,
     };
     let partner = partner
@@ -183,10 +114,116 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
         });
     // Each result is written independently: one failure does not affect the others.
     let mut failures = Vec::new();
-    if let (Some(data), Some(restored)) = (data, restored) {
+    if let Some((data, restored)) = memory {
         let saved = retained::save(data, &restored, &simulation.cnc);
         failures.extend(saved.map_err(CommandError::from).err());
     }
+    failures.extend(write_results(args, &mut outputs, target, report.time_s));
+    print_result(args, &report, spoken)?;
+    if !failures.is_empty() {
+        return Err(CommandError::Several(failures));
+    }
+    Ok(match report.end {
+        report::RunEnd::Requested => TERMINATED_EXIT_CODE,
+        _ if report.has_collision() => EXIT_COLLISION,
+        _ if report.has_failed() => EXIT_ALARM,
+        _ => EXIT_OK,
+    })
+}
+
+/// Checks the name of the picture, and that no result overwrites an input or another result.
+fn check_outputs(args: &RunArgs) -> Result<(), CommandError> {
+    if let Some(path) = &args.plot {
+        check_name(path)?;
+    }
+    let inputs = CommandInputs {
+        files: (args.files.iter().map(PathBuf::as_path))
+            .chain(args.dnc.as_deref())
+            .chain(args.setup.input_files())
+            .collect(),
+        main_program: args
+            .files
+            .first()
+            .filter(|_| args.dnc.is_none())
+            .map(PathBuf::as_path),
+        data_dir: args.setup.data.as_deref(),
+    };
+    let output_paths =
+        collect_outputs(&[&args.moves, &args.positions, &args.plot, &args.part.section]);
+    check_overwrites(&inputs, &output_paths)?;
+    Ok(())
+}
+
+/// The setup of control and lathe from options and data directory, and that directory with
+/// the memory that was loaded from it.
+fn prepare_setup(args: &RunArgs) -> Result<(Setup, Option<(DataDir, Restored)>), CommandError> {
+    let initial_setup = match args.link {
+        Some(_) => Setup::for_operator_script(),
+        None => Setup::default(),
+    };
+    let mut setup = loading::with_training_lathe(initial_setup, args.setup.machine.as_ref());
+    let memory = match &args.setup.data_folder() {
+        Some(path) => {
+            let data = DataDir::open(path)?;
+            let restored = retained::load(&data, &mut setup);
+            Some((data, restored))
+        }
+        None => None,
+    };
+    for complaint in memory.iter().flat_map(|(_, restored)| &restored.complaints) {
+        output::report_error(complaint);
+    }
+    if let (Some((_, restored)), Some(_)) = (&memory, &args.link) {
+        restored.place_slides(&mut setup);
+    }
+    loading::apply_options(&mut setup, &args.setup)?;
+    Ok((setup, memory))
+}
+
+/// The job of the part; `None` if no result needs the part.
+fn choose_job(
+    args: &RunArgs,
+    main: Option<&Path>,
+    setup: &Setup,
+) -> Result<Option<SelectedJob>, CommandError> {
+    let needs_part =
+        args.part.is_requested() || args.stop_on_collision || args.picture.needs_part();
+    match needs_part {
+        true => Ok(Some(job::choose(&args.part.job, main, setup)?)),
+        false => Ok(None),
+    }
+}
+
+/// Opens a board and waits until it is ready. Returns the exit code if it does not become
+/// ready.
+fn open_board(
+    link: BoardConnection,
+    simulation: &mut Simulation,
+    progress_bar: &ProgressBar,
+) -> Result<Result<HeadlessBoard, u8>, CommandError> {
+    let mut live = HeadlessBoard::open(link, simulation)?;
+    let readiness = live.wait_until_ready(simulation, |simulation| simulation, Simulation::tick);
+    if let Err(error) = readiness {
+        progress_bar.finish_and_clear();
+        output::report_error(&error.message());
+        return Ok(Err(if live.has_ended() {
+            TERMINATED_EXIT_CODE
+        } else {
+            EXIT_ALARM
+        }));
+    }
+    Ok(Ok(live))
+}
+
+/// Writes the moves, the section of the part and the picture of a run of `time_s`. Returns
+/// what could not be written.
+fn write_results(
+    args: &RunArgs,
+    outputs: &mut RunOutputs,
+    target: Option<output::ReservedFile>,
+    time_s: f64,
+) -> Vec<CommandError> {
+    let mut failures = Vec::new();
     failures.extend(outputs.end().err());
     if let (Some(path), Some(live)) = (&args.part.section, &outputs.live_part) {
         failures.extend(
@@ -197,19 +234,28 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
     }
     let mut drawing = outputs.drawing.take();
     if let (Some(path), Some(target), Some(drawing)) = (&args.plot, target, &mut drawing) {
-        drawing.end(report.time_s);
+        drawing.end(time_s);
         if let Some(live) = &outputs.live_part {
             drawing.add_scenery(live.machining());
         }
-        failures.extend(write_picture(path, drawing, target, language).err());
+        failures.extend(write_picture(path, drawing, target, outputs.language).err());
         if let Some(message) = picture::missing_moves_message(drawing) {
             output::report_error(&message);
         }
     }
+    failures
+}
+
+/// Prints the report, and the advice for an unknown position of the slides.
+fn print_result(
+    args: &RunArgs,
+    report: &ProgramReport,
+    spoken: Option<Language>,
+) -> Result<(), CommandError> {
     let uses_stdout = [&args.moves, &args.positions]
         .into_iter()
         .any(|path| output::is_standard_output(path.as_deref()));
-    output::print_report(&report, args.json, uses_stdout, spoken)?;
+    output::print_report(report, args.json, uses_stdout, spoken)?;
     let is_position_unknown = report
         .alarm
         .as_ref()
@@ -217,15 +263,7 @@ pub fn run(args: &RunArgs, spoken: Option<Language>) -> Result<u8, CommandError>
     if is_position_unknown && !args.home {
         output::report_error(&say::run_home_first());
     }
-    if !failures.is_empty() {
-        return Err(CommandError::Several(failures));
-    }
-    Ok(match report.end {
-        report::RunEnd::Requested => TERMINATED_EXIT_CODE,
-        _ if report.has_collision() => EXIT_COLLISION,
-        _ if report.has_failed() => EXIT_ALARM,
-        _ => EXIT_OK,
-    })
+    Ok(())
 }
 
 /// Draws the toolpath and writes the picture.
@@ -294,6 +332,38 @@ struct RunOutputs {
 }
 
 impl RunOutputs {
+    /// Opens the files of the results. `main` is the program that runs.
+    fn open(
+        args: &RunArgs,
+        main: Option<&Path>,
+        setup: &Setup,
+        language: Language,
+    ) -> Result<Self, CommandError> {
+        let lines = setup
+            .memory
+            .programs
+            .selected()
+            .and_then(|program| setup.memory.programs.get(program))
+            .map_or(0, gsk_core::program::Program::line_count);
+        Ok(Self {
+            moves: args.moves.as_deref().map(output::open).transpose()?,
+            positions: args.positions.as_deref().map(output::open).transpose()?,
+            drawing: args.plot.is_some().then(|| {
+                let title = main.map(picture_title).unwrap_or_default();
+                PathDrawing::new(title, args.picture.to_look())
+            }),
+            rates: RapidRates::from_memory(&setup.memory),
+            explain: args.explain,
+            language,
+            progress_bar: output::create_progress_bar(u64::from(lines)),
+            current_line: 0,
+            explained_pass: None,
+            live_part: None,
+            stops_at_collision: args.stop_on_collision,
+            first_error: None,
+        })
+    }
+
     fn begin(&mut self) -> Result<(), CommandError> {
         if let Some(out) = &mut self.positions {
             out.write_all(move_output::POSITIONS_HEADER.as_bytes())

@@ -15,7 +15,7 @@ pub use received::{ReceivedData, SerialPort};
 use super::{Cnc, LadderStep, X_BYTES};
 use crate::alarm::Alarm;
 use crate::command::ProgramId;
-use crate::memory::{ElectronicDisk, Rights, SettingRow, WriteRefusal};
+use crate::memory::{Authority, ElectronicDisk, Rights, SettingRow, WriteRefusal};
 use crate::operation::{RunState, SoftSwitch};
 use crate::program::Program;
 use crate::units::Axis;
@@ -217,12 +217,7 @@ impl Cnc {
             ControlRequest::SelectProgram(number) => {
                 self.select_program(ProgramId::Stored(number))?
             }
-            ControlRequest::CursorTo(line) => {
-                if !self.run.automatic.is_operating() {
-                    self.drop_stopped_run();
-                    self.run.cursor_line = line.max(1);
-                }
-            }
+            ControlRequest::CursorTo(line) => self.move_cursor(line),
             ControlRequest::NotFound { sequence } => return Err(self.search_alarm(sequence)),
             ControlRequest::CreateProgram(number) => self.create_program(number)?,
             ControlRequest::SaveProgramAs(number) => self.save_program_as(number)?,
@@ -243,31 +238,10 @@ impl Cnc {
             ControlRequest::StoreEdited { number, program } => {
                 self.store_edited(number, program)?
             }
-            ControlRequest::StoreProgram(_) if self.is_memory_protected() => {}
-            ControlRequest::StoreProgram(text) => {
-                let number = self.memory.programs.store(text)?;
-                if !self.rights().is_hidden(number) {
-                    self.select_program(ProgramId::Stored(number))?;
-                }
-            }
-            ControlRequest::OpenExternal(program) => {
-                if self.run.automatic.is_operating() {
-                    return Ok(());
-                }
-                self.memory.programs.open_external(program);
-                self.select_program(ProgramId::External)?;
-            }
-            ControlRequest::AddMdiWord(word) => {
-                let macro_b = self.are_variables_real();
-                self.run
-                    .mdi
-                    .enter(&word, &self.memory.parameters, macro_b)?;
-            }
-            ControlRequest::SetVariable { number, value } => {
-                if self.rights().check_variables().is_ok() {
-                    self.memory.variables.set(number, value)?;
-                }
-            }
+            ControlRequest::StoreProgram(text) => self.store_program(text)?,
+            ControlRequest::OpenExternal(program) => self.open_external(program)?,
+            ControlRequest::AddMdiWord(word) => self.add_mdi_word(&word)?,
+            ControlRequest::SetVariable { number, value } => self.set_variable(number, value)?,
             ControlRequest::SetMacroVariable { number, value } => {
                 self.set_macro_variable(number, value)?;
             }
@@ -275,40 +249,23 @@ impl Cnc {
                 self.set_pitch(axis, point, value)?
             }
             ControlRequest::SetOffset { number, entry } => self.set_offset(number, entry)?,
-            ControlRequest::SetParameter { number, value } => {
-                let record = self.memory.model.record();
-                self.change_parameters(|parameters| {
-                    parameters.set_for_model(record, number, value)
-                })?;
-            }
+            ControlRequest::SetParameter { number, value } => self.set_parameter(number, value)?,
             ControlRequest::SetParameterBit { number, bit, on } => {
                 self.change_parameters(|parameters| parameters.set_bit(number, bit, on))?;
             }
             ControlRequest::SetSetting(setting, on) => self.set_setting(setting, on),
             ControlRequest::SetParameterSwitch(on) => self.set_parameter_switch(on),
-            ControlRequest::SetProgramSwitch(on) => {
-                if self.rights().check_program_switch().is_ok() {
-                    self.switches.programs = on;
-                }
-            }
+            ControlRequest::SetProgramSwitch(on) => self.set_program_switch(on),
             ControlRequest::CancelSwitchAlarm => self.cancel_switch_alarm(),
             ControlRequest::LoadDisk(disk) => self.load_disk(disk),
             ControlRequest::SaveDisk(disk) => self.save_disk(disk),
             ControlRequest::EnterPassword(password) => {
-                if self.rights().check_password().is_ok() {
-                    self.memory.authority.enter(&password);
-                }
+                self.change_authority(|authority| authority.enter(&password));
             }
             ControlRequest::ChangePassword { old, new } => {
-                if self.rights().check_password().is_ok() {
-                    self.memory.authority.change_password(&old, &new);
-                }
+                self.change_authority(|authority| authority.change_password(&old, &new));
             }
-            ControlRequest::LowerLevel => {
-                if self.rights().check_password().is_ok() {
-                    self.memory.authority.log_off();
-                }
-            }
+            ControlRequest::LowerLevel => self.change_authority(Authority::log_off),
             ControlRequest::ToggleSoftSwitch(switch) => self.plc.toggle_soft_switch(switch),
             ControlRequest::SetTool(tool) => self.set_tool_in_position(tool)?,
             ControlRequest::SetPreset(address, value) => self.set_preset(address, value)?,
@@ -318,11 +275,7 @@ impl Cnc {
             ControlRequest::ForceBit(bit, value) => self.plc.engine.force(bit, value),
             ControlRequest::HaltLadder(halt) => self.plc.halted = halt,
             ControlRequest::StepLadder(step) => self.step_ladder(step),
-            ControlRequest::LoadLadder(ladder) => {
-                if self.rights().check_ladder().is_ok() {
-                    self.plc.next_ladder = Some(ladder);
-                }
-            }
+            ControlRequest::LoadLadder(ladder) => self.load_ladder(ladder),
         }
         Ok(())
     }

@@ -8,7 +8,7 @@ use crate::alarm::Alarm;
 use crate::command::{Action, SpindleCommand};
 use crate::interpreter::ModalState;
 use crate::interpreter::calls::block_call;
-use crate::interpreter::calls::special_call;
+use crate::interpreter::calls::special_call::{self, SpecialCall};
 use crate::interpreter::calls::subprogram;
 use crate::interpreter::canned_cycle::CycleGenerator;
 use crate::interpreter::codes::arc;
@@ -105,18 +105,7 @@ pub(crate) fn evaluate(
     let kind = find_motion(state, words, &axes);
 
     plan.modal = state.modal;
-    let mut offset_travels = false;
-    let word = match words.t {
-        Some(t) => Some(ToolWord::from_block(t, context)?),
-        None if words.m.is_some() => miscellaneous::read_offset_word(all_words, context)?,
-        None => None,
-    };
-    if let Some(word) = word {
-        let execution = find_offset_execution(context, kind);
-        let before = state.offset;
-        tool::apply_tool_word(state, context, word, execution, &mut plan.before);
-        offset_travels = execution == OffsetExecution::Travel && state.offset != before;
-    }
+    let offset_travels = plan_tool(state, context, all_words, kind, plan)?;
     if let Some(command) = plan_spindle(state, context, words, kind)? {
         plan.queue_with_tool(Action::Spindle(command));
     }
@@ -137,15 +126,7 @@ pub(crate) fn evaluate(
         }
         _ => plan.motion = plan_motion(state, context, words, kind, &axes)?,
     }
-    if let PlannedMotion::Cycle(cycle) = &plan.motion
-        && let Some(per_revolution) =
-            cycle.thread_travel_per_revolution(context.parameters.run_out_rate() <= 0.0)
-    {
-        plan.before.push_front(Action::ThreadCycle {
-            per_revolution,
-            extra_feature: cycle.beyond_pass(),
-        });
-    }
+    plan_thread_travel(context, plan);
     state.is_threading = matches!(kind, BlockMotion::Thread) && plan.motion.has_motion();
     if offset_travels && matches!(kind, BlockMotion::Nothing) {
         plan.motion = PlannedMotion::Single(positioning::plan_rapid(state, state.position));
@@ -161,13 +142,7 @@ pub(crate) fn evaluate(
         plan.after = Some(Action::Dwell { ms: 0 });
     }
     if let Some(call) = special {
-        check_call(state, context, plan.motion.is_contour())?;
-        plan.flow = subprogram::plan_special_call(context, call)?;
-        // A call alone in its block is no stop of single block, as with M98.
-        plan.is_stop = words.count > 1;
-        if plan.is_stop && plan.is_done() {
-            plan.after = Some(Action::Nothing);
-        }
+        plan_special(call, state, context, words, plan)?;
     }
     plan.modal = state.modal;
     plan.mark_last_tool();
@@ -175,6 +150,62 @@ pub(crate) fn evaluate(
         plan.after = Some(Action::Nothing);
     }
     Ok(())
+}
+
+/// Plans the tool change and the offset of the block. Returns whether the motion of the block
+/// travels a changed offset.
+#[inline]
+fn plan_tool(
+    state: &mut State,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
+    kind: BlockMotion,
+    plan: &mut Plan,
+) -> Result<bool, Alarm> {
+    let word = match words.t {
+        Some(t) => Some(ToolWord::from_block(t, context)?),
+        None if words.m.is_some() => miscellaneous::read_offset_word(words, context)?,
+        None => None,
+    };
+    let Some(word) = word else {
+        return Ok(false);
+    };
+    let execution = find_offset_execution(context, kind);
+    let before = state.offset;
+    tool::apply_tool_word(state, context, word, execution, &mut plan.before);
+    Ok(execution == OffsetExecution::Travel && state.offset != before)
+}
+
+/// Plans the call of a program by an M or T word.
+fn plan_special(
+    call: SpecialCall,
+    state: &State,
+    context: &BlockContext<'_>,
+    words: &SortedWords,
+    plan: &mut Plan,
+) -> Result<(), Alarm> {
+    check_call(state, context, plan.motion.is_contour())?;
+    plan.flow = subprogram::plan_special_call(context, call)?;
+    // A call alone in its block is no stop of single block, as with M98.
+    plan.is_stop = words.count > 1;
+    if plan.is_stop && plan.is_done() {
+        plan.after = Some(Action::Nothing);
+    }
+    Ok(())
+}
+
+/// Plans the travel per revolution of a thread cycle before its motion.
+#[inline]
+fn plan_thread_travel(context: &BlockContext<'_>, plan: &mut Plan) {
+    if let PlannedMotion::Cycle(cycle) = &plan.motion
+        && let Some(per_revolution) =
+            cycle.thread_travel_per_revolution(context.parameters.run_out_rate() <= 0.0)
+    {
+        plan.before.push_front(Action::ThreadCycle {
+            per_revolution,
+            extra_feature: cycle.beyond_pass(),
+        });
+    }
 }
 
 /// Applies the modal G codes and F to the state. In a thread block F and I set the lead

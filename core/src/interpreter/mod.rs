@@ -21,6 +21,7 @@ mod immediate_host;
 mod macros;
 mod nose_compensation;
 mod one_shot;
+mod pass_explanation;
 mod pass_over;
 mod plain_move;
 mod plan;

@@ -9,11 +9,12 @@ use crate::interpreter::ModalState;
 use crate::interpreter::calls::jump::JumpTargets;
 use crate::interpreter::context::code_calls::CodeCalls;
 use crate::interpreter::context::exact::ExactPoint;
-use crate::interpreter::context::explanation::{Explanation, PassNote};
+use crate::interpreter::context::explanation::Explanation;
 use crate::interpreter::context::host::{Host, InterpreterStep};
 use crate::interpreter::context::machine_codes::MachineCodes;
 use crate::interpreter::context::program_position::ProgramPosition;
 use crate::interpreter::context::state::{RunStart, State};
+use crate::interpreter::pass_explanation::explain_pass;
 use crate::interpreter::run::InterpreterRun;
 use crate::interpreter::word_audit::{LocatedRemark, WordAudit};
 use crate::memory::ControlParameters;
@@ -21,8 +22,10 @@ use crate::model::{ControlModel, ModelRecord};
 use crate::program::{BlockCache, Program, Syntax};
 use crate::units::{Axis, Point};
 
+mod block_evaluation;
 mod block_read;
 mod block_reader;
+mod pending_block;
 mod statements;
 
 /// Turns blocks into commands. It is plain data that can be saved and restored at any time.
@@ -220,7 +223,7 @@ impl Interpreter {
             Some(plan) => plan.pass_note(),
             None => run.last_note,
         };
-        note.and_then(PassNote::explain)
+        note.and_then(explain_pass)
     }
 
     /// Number of running subprogram and macro calls.

@@ -25,18 +25,8 @@ impl PreviewRun<'_> {
             self.spindle.start_pending();
         }
         match &command.action {
-            Action::Rapid { to } => self.execute_move(command, MoveKind::Rapid, *to, None, None)?,
-            Action::Line { to, feed } => {
-                self.execute_move(command, MoveKind::Feed, *to, None, Some(*feed))?;
-            }
-            Action::Arc {
-                to,
-                center,
-                clockwise,
-                feed,
-            } => {
-                let kind = MoveKind::arc(*clockwise);
-                self.execute_move(command, kind, *to, Some(*center), Some(*feed))?;
+            Action::Rapid { .. } | Action::Line { .. } | Action::Arc { .. } => {
+                self.execute_path_move(command)?;
             }
             thread @ Action::Thread { .. } => {
                 if let Some(thread) = ThreadMove::from_action(thread) {
@@ -67,22 +57,7 @@ impl PreviewRun<'_> {
                     self.record_preset(command.source);
                 }
             }
-            Action::Miscellaneous { code } => {
-                self.messages.check_m_code(*code, self.spindle.rotation())?;
-                self.spindle.start_m_in_parallel(*code);
-                match code {
-                    8 => self.preview.coolant = true,
-                    9 => self.preview.coolant = false,
-                    _ => {}
-                }
-                match code {
-                    41..=44 if self.spindle.change_gear(code - 40) => {
-                        self.clock.change_gear(code - 40);
-                    }
-                    41..=44 => {}
-                    _ => self.clock.start_m_function(),
-                }
-            }
+            Action::Miscellaneous { code } => self.execute_miscellaneous(*code)?,
             Action::Spindle(speed) => {
                 self.spindle.set_speed(*speed);
                 self.clock.add_speed_time(speed);
@@ -94,24 +69,7 @@ impl PreviewRun<'_> {
                 }
             }
             Action::ProgramStop => self.preview.stops += 1,
-            Action::Repeat => {
-                self.preview.parts += 1;
-                self.preview.blocks += 1;
-                return Ok(Some(PreviewEnd::M99));
-            }
-            Action::End { counts, m30, m02 } => {
-                self.preview.parts += u32::from(*counts);
-                self.preview.blocks += u64::from(*m30);
-                if *m30 {
-                    self.spindle.execute_m(5);
-                    self.preview.coolant = false;
-                }
-                return Ok(Some(match (m30, m02) {
-                    (_, true) => PreviewEnd::M02,
-                    (true, false) => PreviewEnd::M30,
-                    (false, false) => PreviewEnd::Text,
-                }));
-            }
+            Action::Repeat | Action::End { .. } => return Ok(self.end_part(&command.action)),
             Action::Macro => self.clock.advance(TICK_S),
             Action::ZeroReturn { x, z } | Action::Referenced { x, z } => {
                 self.record_return(command.source, PerAxis::new(*x, *z));
@@ -125,6 +83,70 @@ impl PreviewRun<'_> {
             self.clock.end_block();
         }
         Ok(None)
+    }
+
+    /// Executes a rapid, a line or an arc.
+    #[inline]
+    fn execute_path_move(&mut self, command: &ControlCommand) -> Result<(), Alarm> {
+        match &command.action {
+            Action::Rapid { to } => self.execute_move(command, MoveKind::Rapid, *to, None, None),
+            Action::Line { to, feed } => {
+                self.execute_move(command, MoveKind::Feed, *to, None, Some(*feed))
+            }
+            Action::Arc {
+                to,
+                center,
+                clockwise,
+                feed,
+            } => {
+                let kind = MoveKind::arc(*clockwise);
+                self.execute_move(command, kind, *to, Some(*center), Some(*feed))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn execute_miscellaneous(&mut self, code: u8) -> Result<(), Alarm> {
+        self.messages.check_m_code(code, self.spindle.rotation())?;
+        self.spindle.start_m_in_parallel(code);
+        match code {
+            8 => self.preview.coolant = true,
+            9 => self.preview.coolant = false,
+            _ => {}
+        }
+        match code {
+            41..=44 if self.spindle.change_gear(code - 40) => {
+                self.clock.change_gear(code - 40);
+            }
+            41..=44 => {}
+            _ => self.clock.start_m_function(),
+        }
+        Ok(())
+    }
+
+    /// Counts a finished part. Returns the end of the preview; `None` for other actions.
+    fn end_part(&mut self, action: &Action) -> Option<PreviewEnd> {
+        match action {
+            Action::Repeat => {
+                self.preview.parts += 1;
+                self.preview.blocks += 1;
+                Some(PreviewEnd::M99)
+            }
+            Action::End { counts, m30, m02 } => {
+                self.preview.parts += u32::from(*counts);
+                self.preview.blocks += u64::from(*m30);
+                if *m30 {
+                    self.spindle.execute_m(5);
+                    self.preview.coolant = false;
+                }
+                Some(match (m30, m02) {
+                    (_, true) => PreviewEnd::M02,
+                    (true, false) => PreviewEnd::M30,
+                    (false, false) => PreviewEnd::Text,
+                })
+            }
+            _ => None,
+        }
     }
 
     /// Adds the deceleration of the last thread, unless the next thread continues it in

@@ -55,11 +55,8 @@ fn read_words(
 ) -> Result<(), BlockError> {
     let mut g65 = false;
     skip_blanks(&mut lexer)?;
-    if seen == 0
-        && let (b'/', len) = lexer.peek()
-    {
-        lexer.at += len;
-        block.skip = true;
+    if seen == 0 {
+        read_skip_mark(&mut lexer, block);
     }
     loop {
         skip_blanks(&mut lexer)?;
@@ -88,13 +85,11 @@ fn read_words(
             return Err(foreign_address(text, address, start, syntax));
         }
         if g65 && !matches!(address, b'H' | b'P' | b'Q' | b'R') {
-            let detail = say::macro_address_wrong(char::from(address));
-            return Err(BlockError::at(number::BAD_IN_MACRO, start, detail));
+            return Err(foreign_macro_address(address, start));
         }
         let bit = 1 << (address - b'A');
         if seen & bit != 0 && address != b'G' && !is_count_word(address, syntax, block) {
-            let detail = say::address_twice(char::from(address));
-            return Err(BlockError::at(number::ADDRESS_TWICE, start, detail));
+            return Err(repeated_address(address, start));
         }
         seen |= bit;
 
@@ -134,11 +129,7 @@ fn read_words(
         let code = address == b'G' && value.variable().is_none();
         if code && value.integer() == 65 && !syntax.model.is_mill() {
             if !block.is_empty() {
-                return Err(BlockError::at(
-                    number::BAD_IN_MACRO,
-                    start,
-                    say::macro_not_first_in_block(),
-                ));
+                return Err(macro_not_first(start));
             }
             g65 = true;
         }
@@ -148,10 +139,46 @@ fn read_words(
             value,
             span,
         }) {
-            let rule = say::block_words_too_many();
-            return Err(BlockError::at(number::TOO_MANY_WORDS, start, rule));
+            return Err(too_many_words(start));
         }
     }
+}
+
+/// Reads the skip mark `/` at the start of a block.
+#[inline]
+fn read_skip_mark(lexer: &mut Lexer<'_>, block: &mut ProgramBlock) {
+    if let (b'/', len) = lexer.peek() {
+        lexer.at += len;
+        block.skip = true;
+    }
+}
+
+/// The error of a block with too many words.
+#[cold]
+fn too_many_words(start: usize) -> BlockError {
+    let rule = say::block_words_too_many();
+    BlockError::at(number::TOO_MANY_WORDS, start, rule)
+}
+
+/// The error of an address that a G65 block does not read.
+#[cold]
+fn foreign_macro_address(address: u8, start: usize) -> BlockError {
+    let detail = say::macro_address_wrong(char::from(address));
+    BlockError::at(number::BAD_IN_MACRO, start, detail)
+}
+
+/// The error of an address that the block already has.
+#[cold]
+fn repeated_address(address: u8, start: usize) -> BlockError {
+    let detail = say::address_twice(char::from(address));
+    BlockError::at(number::ADDRESS_TWICE, start, detail)
+}
+
+/// The error of a G65 after other words.
+#[cold]
+fn macro_not_first(start: usize) -> BlockError {
+    let detail = say::macro_not_first_in_block();
+    BlockError::at(number::BAD_IN_MACRO, start, detail)
 }
 
 /// Whether an N word is after a G code (Huaxing): it is not a sequence number then.

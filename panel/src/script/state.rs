@@ -1,6 +1,7 @@
 //! Defines the expectations of lessons: ranges, offsets, parameters, programs, and the state of
 //! a run.
 
+use gsk_core::cnc::Cnc;
 use gsk_core::command::ProgramId;
 use gsk_core::operation::RunState;
 use gsk_core::units::{Axis, parse_finite};
@@ -189,43 +190,9 @@ impl ExpectedState {
                     say::script_value_is(name, format!("{seen:.3}"))
                 })
             }
-            Self::Offset(number, column, range) => {
-                let row = cnc.offsets().get(*number);
-                let (name, seen, digits) = match column {
-                    OffsetField::X => ("X", row.x, 3),
-                    OffsetField::Z => ("Z", row.z, 3),
-                    OffsetField::Radius => ("R", row.r, 3),
-                    OffsetField::Tip => ("T", row.t.into(), 0),
-                };
-                verdict(range.contains(seen), || {
-                    say::script_value_is(format!("{number:03} {name}"), format!("{seen:.digits$}"))
-                })
-            }
-            Self::Parameter(number, None, value) => {
-                let seen = cnc.parameters().value(*number);
-                verdict(seen == *value, || {
-                    say::script_value_is(format!("No.{number:03}"), seen)
-                })
-            }
-            Self::Parameter(number, Some(bit), value) => {
-                let seen = i32::from(cnc.parameters().bit(*number, *bit));
-                verdict(seen == *value, || {
-                    say::script_value_is(format!("No.{number:03}.{bit}"), seen)
-                })
-            }
-            Self::Program(number, text) => {
-                let edited = emulator.panel.edited().filter(|(it, _)| it == number);
-                let stored = || cnc.programs().stored(*number).cloned();
-                let program = edited.map(|(_, program)| program).or_else(stored);
-                match (program, text) {
-                    (None, _) => Err(say::script_value_is(format!("O{number:04}"), "-")),
-                    (Some(_), None) => Ok(()),
-                    (Some(program), Some(text)) => {
-                        let seen = program.text();
-                        verdict(tight(seen).contains(text), || say::script_state_is(seen))
-                    }
-                }
-            }
+            Self::Offset(number, column, range) => check_offset(cnc, *number, *column, *range),
+            Self::Parameter(number, bit, value) => check_parameter(cnc, *number, *bit, *value),
+            Self::Program(number, text) => check_program(emulator, *number, text.as_deref()),
             Self::Selected(number) => {
                 let seen = cnc.programs().selected();
                 verdict(seen == Some(ProgramId::Stored(*number)), || {
@@ -267,6 +234,53 @@ impl ExpectedState {
             Self::Referenced(axis) => verdict(*cnc.referenced_axes().get(*axis), || {
                 say::script_no_reference(format!("{axis:?}"))
             }),
+        }
+    }
+}
+
+fn check_offset(
+    cnc: &Cnc,
+    number: u8,
+    column: OffsetField,
+    range: ValueRange,
+) -> Result<(), Message> {
+    let row = cnc.offsets().get(number);
+    let (name, seen, digits) = match column {
+        OffsetField::X => ("X", row.x, 3),
+        OffsetField::Z => ("Z", row.z, 3),
+        OffsetField::Radius => ("R", row.r, 3),
+        OffsetField::Tip => ("T", row.t.into(), 0),
+    };
+    verdict(range.contains(seen), || {
+        say::script_value_is(format!("{number:03} {name}"), format!("{seen:.digits$}"))
+    })
+}
+
+fn check_parameter(cnc: &Cnc, number: u16, bit: Option<u8>, value: i32) -> Result<(), Message> {
+    let parameters = cnc.parameters();
+    let (name, seen) = match bit {
+        None => (format!("No.{number:03}"), parameters.value(number)),
+        Some(bit) => (
+            format!("No.{number:03}.{bit}"),
+            i32::from(parameters.bit(number, bit)),
+        ),
+    };
+    verdict(seen == value, || say::script_value_is(name, seen))
+}
+
+fn check_program(emulator: &Emulator, number: u16, text: Option<&str>) -> Result<(), Message> {
+    let edited = emulator.panel.edited().filter(|(it, _)| *it == number);
+    let stored = || {
+        let programs = emulator.simulation.cnc.programs();
+        programs.stored(number).cloned()
+    };
+    let program = edited.map(|(_, program)| program).or_else(stored);
+    match (program, text) {
+        (None, _) => Err(say::script_value_is(format!("O{number:04}"), "-")),
+        (Some(_), None) => Ok(()),
+        (Some(program), Some(text)) => {
+            let seen = program.text();
+            verdict(tight(seen).contains(text), || say::script_state_is(seen))
         }
     }
 }

@@ -107,11 +107,165 @@ impl Modal {
         spindle_sync: bool,
         offset: [f64; 3],
     ) -> Result<ParsedBlock, u8> {
-        let mut next = *self;
-        let mut block = ParsedBlock::default();
-        let mut axes: [Option<f64>; 3] = [None; 3];
-        let (mut feed, mut dwell_s, mut dwells, mut machine) = (None, None, false, false);
-        let (mut lead, mut has_motion_code) = (None, false);
+        let (mut next, mut block) = (*self, ParsedBlock::default());
+        let words = GrblWords::read(text, spindle_sync, &mut next, &mut block)?;
+        let scale = if next.inches { 25.4 } else { 1.0 };
+        if let (Some(feed), false) = (words.feed, next.inverse_time) {
+            next.feed = feed * scale;
+        }
+        if words.dwells {
+            block.dwell = Some(words.dwell_s.ok_or(28_u8)?);
+        }
+        if words.lead.is_some() && next.motion != 33 {
+            return Err(36);
+        }
+        // A motion code needs F in inverse time mode even without a target.
+        if (words.has_motion_code || words.has_axis_word())
+            && next.inverse_time
+            && next.motion == 1
+            && words.feed.is_none()
+        {
+            return Err(22);
+        }
+        if words.has_axis_word() {
+            next.move_axes(&words, scale, offset, &mut block)?;
+        }
+        if block.ends_program {
+            let Modal {
+                position, inches, ..
+            } = next;
+            next = Self {
+                motion: 1,
+                position,
+                inches,
+                ..Self::default()
+            };
+        }
+        *self = next;
+        Ok(block)
+    }
+
+    /// Executes a G code.
+    fn execute_g_code(
+        &mut self,
+        value: f64,
+        spindle_sync: bool,
+        words: &mut GrblWords,
+    ) -> Result<(), u8> {
+        match (value * 10.0).round() as i32 {
+            motion @ (0 | 10 | 330) if motion < 330 || spindle_sync => {
+                self.motion = (motion / 10) as u8;
+                words.has_motion_code = true;
+            }
+            40 => words.dwells = true,
+            170 => self.plane = 17,
+            180 => self.plane = 18,
+            190 => self.plane = 19,
+            200 => self.inches = true,
+            210 => self.inches = false,
+            400 | 490 | 610 | 911 => {}
+            530 => words.in_machine_coordinates = true,
+            540 | 550 | 560 | 570 | 580 | 590 => self.system = value as u8,
+            800 => self.motion = 80,
+            900 => self.incremental = false,
+            910 => self.incremental = true,
+            930 => self.inverse_time = true,
+            940 => self.inverse_time = false,
+            _ => return Err(20),
+        }
+        Ok(())
+    }
+
+    /// Executes an M code.
+    fn execute_m_code(&mut self, value: f64, block: &mut ParsedBlock) -> Result<(), u8> {
+        match value as i32 {
+            0 | 1 => {}
+            2 | 30 => block.ends_program = true,
+            3..=5 => self.spindle_code = value as u8,
+            7..=9 => self.coolant = value < 9.0,
+            _ => return Err(20),
+        }
+        block.waits_for_empty_queue = true;
+        Ok(())
+    }
+
+    /// Sets target and feed of a block with axis words and moves the modal position there.
+    fn move_axes(
+        &mut self,
+        words: &GrblWords,
+        scale: f64,
+        offset: [f64; 3],
+        block: &mut ParsedBlock,
+    ) -> Result<(), u8> {
+        if self.motion == 80 {
+            return Err(31);
+        }
+        if words.in_machine_coordinates && self.motion > 1 {
+            return Err(30);
+        }
+        let mut target = self.position;
+        for axis in 0..3 {
+            if let Some(value) = words.axes[axis] {
+                let distance = value * scale;
+                target[axis] = if words.in_machine_coordinates {
+                    distance
+                } else if self.incremental {
+                    target[axis] + distance
+                } else if self.system == 54 {
+                    distance + offset[axis]
+                } else {
+                    distance
+                };
+            }
+        }
+        block.rapid = self.motion == 0;
+        if self.motion == 33 {
+            // A thread waits for the end of all earlier motion.
+            block.waits_for_empty_queue = true;
+            block.lead = Some(words.lead.unwrap_or(0.0) * scale);
+            if block.lead == Some(0.0) {
+                return Err(39);
+            }
+        }
+        block.feed = match (self.inverse_time, words.feed) {
+            _ if self.motion == 33 => CutFeed::default(),
+            (true, Some(minutes)) if minutes > 0.0 => CutFeed::Duration(60.0 / minutes),
+            (false, _) if self.feed > 0.0 => CutFeed::Speed(self.feed / 60.0),
+            _ if block.rapid => CutFeed::Speed(0.0),
+            _ => return Err(22),
+        };
+        block.target = Some(target);
+        self.position = target;
+        Ok(())
+    }
+}
+
+/// The words of a block that take effect together after its last word.
+#[derive(Default)]
+struct GrblWords {
+    axes: [Option<f64>; 3],
+    /// F as written.
+    feed: Option<f64>,
+    /// P, s.
+    dwell_s: Option<f64>,
+    /// K as written.
+    lead: Option<f64>,
+    /// G04.
+    dwells: bool,
+    /// G53.
+    in_machine_coordinates: bool,
+    has_motion_code: bool,
+}
+
+impl GrblWords {
+    /// Reads the words of a block. Modal codes and M codes act at once.
+    fn read(
+        text: &str,
+        spindle_sync: bool,
+        next: &mut Modal,
+        block: &mut ParsedBlock,
+    ) -> Result<Self, u8> {
+        let mut words = Self::default();
         let mut rest = text;
         let mut seen = 0_u32;
         while let Some(letter) = rest.chars().next() {
@@ -127,131 +281,28 @@ impl Modal {
             }
             seen |= bit;
             match letter {
-                'G' => match (value * 10.0).round() as i32 {
-                    motion @ (0 | 10 | 330) if motion < 330 || spindle_sync => {
-                        next.motion = (motion / 10) as u8;
-                        has_motion_code = true;
-                    }
-                    40 => dwells = true,
-                    170 => next.plane = 17,
-                    180 => next.plane = 18,
-                    190 => next.plane = 19,
-                    200 => next.inches = true,
-                    210 => next.inches = false,
-                    400 | 490 | 610 | 911 => {}
-                    530 => machine = true,
-                    540 | 550 | 560 | 570 | 580 | 590 => next.system = value as u8,
-                    800 => next.motion = 80,
-                    900 => next.incremental = false,
-                    910 => next.incremental = true,
-                    930 => next.inverse_time = true,
-                    940 => next.inverse_time = false,
-                    _ => return Err(20),
-                },
-                'M' => match value as i32 {
-                    0 | 1 => block.waits_for_empty_queue = true,
-                    2 | 30 => {
-                        block.waits_for_empty_queue = true;
-                        block.ends_program = true;
-                    }
-                    3..=5 => {
-                        next.spindle_code = value as u8;
-                        block.waits_for_empty_queue = true;
-                    }
-                    7..=9 => {
-                        next.coolant = value < 9.0;
-                        block.waits_for_empty_queue = true;
-                    }
-                    _ => return Err(20),
-                },
-                'X' => axes[0] = Some(value),
-                'Y' => axes[1] = Some(value),
-                'Z' => axes[2] = Some(value),
+                'G' => next.execute_g_code(value, spindle_sync, &mut words)?,
+                'M' => next.execute_m_code(value, block)?,
+                'X' => words.axes[0] = Some(value),
+                'Y' => words.axes[1] = Some(value),
+                'Z' => words.axes[2] = Some(value),
                 'F' | 'S' if value < 0.0 => return Err(4),
-                'F' => feed = Some(value),
+                'F' => words.feed = Some(value),
                 'S' => {
                     block.waits_for_empty_queue |= next.speed.to_bits() != value.to_bits();
                     next.speed = value;
                 }
-                'P' => dwell_s = Some(value),
-                'K' => lead = Some(value),
+                'P' => words.dwell_s = Some(value),
+                'K' => words.lead = Some(value),
                 'N' | 'T' => {}
                 _ => return Err(36),
             }
         }
-        let scale = if next.inches { 25.4 } else { 1.0 };
-        if let (Some(feed), false) = (feed, next.inverse_time) {
-            next.feed = feed * scale;
-        }
-        if dwells {
-            block.dwell = Some(dwell_s.ok_or(28_u8)?);
-        }
-        let has_axis_word = axes.iter().any(Option::is_some);
-        if lead.is_some() && next.motion != 33 {
-            return Err(36);
-        }
-        // A motion code needs F in inverse time mode even without a target.
-        if (has_motion_code || has_axis_word)
-            && next.inverse_time
-            && next.motion == 1
-            && feed.is_none()
-        {
-            return Err(22);
-        }
-        if has_axis_word {
-            if next.motion == 80 {
-                return Err(31);
-            }
-            if machine && next.motion > 1 {
-                return Err(30);
-            }
-            let mut target = next.position;
-            for axis in 0..3 {
-                if let Some(value) = axes[axis] {
-                    let distance = value * scale;
-                    target[axis] = if machine {
-                        distance
-                    } else if next.incremental {
-                        target[axis] + distance
-                    } else if next.system == 54 {
-                        distance + offset[axis]
-                    } else {
-                        distance
-                    };
-                }
-            }
-            block.rapid = next.motion == 0;
-            if next.motion == 33 {
-                // A thread waits for the end of all earlier motion.
-                block.waits_for_empty_queue = true;
-                block.lead = Some(lead.unwrap_or(0.0) * scale);
-                if block.lead == Some(0.0) {
-                    return Err(39);
-                }
-            }
-            block.feed = match (next.inverse_time, feed) {
-                _ if next.motion == 33 => CutFeed::default(),
-                (true, Some(minutes)) if minutes > 0.0 => CutFeed::Duration(60.0 / minutes),
-                (false, _) if next.feed > 0.0 => CutFeed::Speed(next.feed / 60.0),
-                _ if block.rapid => CutFeed::Speed(0.0),
-                _ => return Err(22),
-            };
-            block.target = Some(target);
-            next.position = target;
-        }
-        if block.ends_program {
-            let Modal {
-                position, inches, ..
-            } = next;
-            next = Self {
-                motion: 1,
-                position,
-                inches,
-                ..Self::default()
-            };
-        }
-        *self = next;
-        Ok(block)
+        Ok(words)
+    }
+
+    fn has_axis_word(&self) -> bool {
+        self.axes.iter().any(Option::is_some)
     }
 }
 

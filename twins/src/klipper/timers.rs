@@ -43,110 +43,129 @@ impl KlipperTwin {
     }
 
     fn run_timer(&mut self, oid: u32, at: i64) {
-        let Some(object) = self.oids.get_mut(&oid) else {
+        match self.oids.get_mut(&oid) {
+            Some(ConfigObject::Stepper(_)) => self.make_step(oid, at),
+            Some(ConfigObject::Endstop(_)) => self.sample_endstop(oid),
+            Some(ConfigObject::Trsync(trsync)) if trsync.expires == Some(at) => {
+                trsync.expires = None;
+                let reason = trsync.expire_reason;
+                self.trigger_trsync(oid, reason);
+            }
+            Some(ConfigObject::Trsync(trsync)) => {
+                trsync.report = Some(at + trsync.report_ticks.max(1));
+                self.report_trsync(oid);
+            }
+            Some(ConfigObject::Output(..)) => self.switch_output(oid),
+            Some(ConfigObject::EdgeCounter(_)) => self.sample_edge_counter(oid, at),
+            None => {}
+        }
+    }
+
+    /// Makes the step of a stepper that is due at clock `at`.
+    fn make_step(&mut self, oid: u32, at: i64) {
+        // One processor makes all steps, one after the other.
+        let when = at.max(self.processor_free_at);
+        self.processor_free_at = when + ticks(STEP_NS);
+        if when - at > ticks(TOO_LATE_NS) {
+            self.shut_down("Rescheduled timer in the past");
+            return;
+        }
+        let Some(ConfigObject::Stepper(stepper)) = self.oids.get_mut(&oid) else {
             return;
         };
-        match object {
-            ConfigObject::Stepper(stepper) => {
-                // One processor makes all steps, one after the other.
-                let when = at.max(self.processor_free_at);
-                self.processor_free_at = when + ticks(STEP_NS);
-                if when - at > ticks(TOO_LATE_NS) {
-                    self.shut_down("Rescheduled timer in the past");
-                    return;
-                }
-                let (up, _) = stepper.step();
-                let index = self
-                    .oids
-                    .range(..oid)
-                    .filter(|(_, object)| matches!(object, ConfigObject::Stepper(_)))
-                    .count();
-                self.statistics.step_count += 1;
-                self.last_pulse_ns = self.clock_to_ns(when);
-                let due_ns = self.clock_to_ns(at);
-                if let Some(count) = self.pulses.get_mut(index) {
-                    *count += if up { 1 } else { -1 };
-                    if let Some(recorded) = &mut self.recorded_steps {
-                        recorded.push(MadeStep {
-                            at_ns: self.last_pulse_ns,
-                            due_ns,
-                            stepper: index,
-                            position: *count,
-                        });
-                    }
-                }
+        let (up, _) = stepper.step();
+        let index = self
+            .oids
+            .range(..oid)
+            .filter(|(_, object)| matches!(object, ConfigObject::Stepper(_)))
+            .count();
+        self.statistics.step_count += 1;
+        self.last_pulse_ns = self.clock_to_ns(when);
+        let due_ns = self.clock_to_ns(at);
+        if let Some(count) = self.pulses.get_mut(index) {
+            *count += if up { 1 } else { -1 };
+            if let Some(recorded) = &mut self.recorded_steps {
+                recorded.push(MadeStep {
+                    at_ns: self.last_pulse_ns,
+                    due_ns,
+                    stepper: index,
+                    position: *count,
+                });
             }
-            ConfigObject::Endstop(endstop) => {
-                let pin = endstop.pin;
-                let level = self.pin_level(pin);
-                if let Some(ConfigObject::Endstop(endstop)) = self.oids.get_mut(&oid)
-                    && endstop.sample_level(level)
-                {
-                    let (trsync, reason) = (endstop.trsync, endstop.reason);
-                    self.trigger_trsync(trsync, reason);
-                }
+        }
+    }
+
+    /// Samples the pin of an endstop and triggers its trsync.
+    fn sample_endstop(&mut self, oid: u32) {
+        let Some(ConfigObject::Endstop(endstop)) = self.oids.get(&oid) else {
+            return;
+        };
+        let level = self.pin_level(endstop.pin);
+        if let Some(ConfigObject::Endstop(endstop)) = self.oids.get_mut(&oid)
+            && endstop.sample_level(level)
+        {
+            let (trsync, reason) = (endstop.trsync, endstop.reason);
+            self.trigger_trsync(trsync, reason);
+        }
+    }
+
+    /// Switches an output to the next value of its queue.
+    fn switch_output(&mut self, oid: u32) {
+        let Some(ConfigObject::Output(output, value)) = self.oids.get_mut(&oid) else {
+            return;
+        };
+        let Some((clock, new)) = output.queue.pop_front() else {
+            let missed = output.missed_reason();
+            self.shut_down(missed);
+            return;
+        };
+        *value = new;
+        output.max_duration_end = None;
+        if new != output.default && output.max_duration > 0 {
+            let max_duration_end = clock + output.max_duration;
+            if output
+                .queue
+                .front()
+                .is_some_and(|(next, _)| *next > max_duration_end)
+            {
+                let exceeds = output.exceeded_reason();
+                self.shut_down(exceeds);
+                return;
             }
-            ConfigObject::Trsync(trsync) => {
-                if trsync.expires == Some(at) {
-                    trsync.expires = None;
-                    let reason = trsync.expire_reason;
-                    self.trigger_trsync(oid, reason);
-                } else {
-                    trsync.report = Some(at + trsync.report_ticks.max(1));
-                    self.report_trsync(oid);
-                }
-            }
-            ConfigObject::Output(output, value) => {
-                let Some((clock, new)) = output.queue.pop_front() else {
-                    let missed = output.missed_reason();
-                    self.shut_down(missed);
-                    return;
-                };
-                *value = new;
-                output.max_duration_end = None;
-                if new != output.default && output.max_duration > 0 {
-                    let max_duration_end = clock + output.max_duration;
-                    if output
-                        .queue
-                        .front()
-                        .is_some_and(|(next, _)| *next > max_duration_end)
-                    {
-                        let exceeds = output.exceeded_reason();
-                        self.shut_down(exceeds);
-                        return;
-                    }
-                    output.max_duration_end = output.queue.is_empty().then_some(max_duration_end);
-                }
-                let moment = self.clock_to_ns(clock).min(self.now);
-                self.drive_spindle(moment);
-            }
-            ConfigObject::EdgeCounter(counter) => {
-                let pin = counter.pin;
-                let level = self.pin_level(pin);
-                let Some(ConfigObject::EdgeCounter(counter)) = self.oids.get_mut(&oid) else {
-                    return;
-                };
-                if level != counter.level {
-                    counter.level = level;
-                    counter.count = counter.count.wrapping_add(1);
-                    counter.count_clock = at;
-                }
-                counter.next = Some(at + counter.poll.max(1));
-                if at >= counter.report {
-                    counter.report = at + counter.report_every;
-                    let (count, clock) = (counter.count, counter.count_clock);
-                    let next = at + counter.report_every;
-                    self.send_response(
-                        Response::CounterState,
-                        &[
-                            oid.into(),
-                            i64::from(next as u32),
-                            count.into(),
-                            i64::from(clock as u32),
-                        ],
-                    );
-                }
-            }
+            output.max_duration_end = output.queue.is_empty().then_some(max_duration_end);
+        }
+        let moment = self.clock_to_ns(clock).min(self.now);
+        self.drive_spindle(moment);
+    }
+
+    /// Samples the pin of an edge counter and reports its count when a report is due.
+    fn sample_edge_counter(&mut self, oid: u32, at: i64) {
+        let Some(ConfigObject::EdgeCounter(counter)) = self.oids.get(&oid) else {
+            return;
+        };
+        let level = self.pin_level(counter.pin);
+        let Some(ConfigObject::EdgeCounter(counter)) = self.oids.get_mut(&oid) else {
+            return;
+        };
+        if level != counter.level {
+            counter.level = level;
+            counter.count = counter.count.wrapping_add(1);
+            counter.count_clock = at;
+        }
+        counter.next = Some(at + counter.poll.max(1));
+        if at >= counter.report {
+            counter.report = at + counter.report_every;
+            let (count, clock) = (counter.count, counter.count_clock);
+            let next = at + counter.report_every;
+            self.send_response(
+                Response::CounterState,
+                &[
+                    oid.into(),
+                    i64::from(next as u32),
+                    count.into(),
+                    i64::from(clock as u32),
+                ],
+            );
         }
     }
 

@@ -158,6 +158,34 @@ impl TestMove<'_> {
         self.board.link.state() == LinkState::Ready
     }
 
+    /// Moves to pulse `leg` and back and stops at equal distances, as an operator does with
+    /// feed hold. Adds the duration of each stop to `holds`. Returns false if the connection
+    /// is lost or the motion is refused.
+    fn move_with_holds(&mut self, leg: f64, top_speed: f64, holds: &mut Vec<Duration>) -> bool {
+        for target in [leg, 0.0] {
+            let from = self.z_pulses;
+            let direction = (target - from).signum();
+            for hold in 1..=HOLD_COUNT / 2 {
+                let hold_position =
+                    from + (target - from) * f64::from(hold) / f64::from(HOLD_COUNT / 2);
+                while (hold_position - self.z_pulses) * direction > self.braking_distance(top_speed)
+                {
+                    if !self.move_tick(direction * top_speed, top_speed) {
+                        return false;
+                    }
+                }
+                // Here the operator presses feed hold.
+                let pressed = self.board.now();
+                if !self.stop(top_speed) {
+                    return false;
+                }
+                let stopped_at = self.board.link.standing_since();
+                holds.extend(stopped_at.map(|at| at.saturating_sub(pressed)));
+            }
+        }
+        true
+    }
+
     /// Moves to pulse 0 exactly, from standstill to standstill.
     fn return_to_start(&mut self, top_speed: f64) -> bool {
         let from = self.z_pulses;
@@ -225,38 +253,13 @@ pub fn measure_motion(
         distances: Vec::new(),
         refused: None,
     };
-    let leg = distance_mm * per_mm;
     let mut holds = Vec::new();
-    let mut completed = true;
-    'legs: for target in [leg, 0.0] {
-        let from = test_move.z_pulses;
-        let direction = (target - from).signum();
-        for hold in 1..=HOLD_COUNT / 2 {
-            let hold_position =
-                from + (target - from) * f64::from(hold) / f64::from(HOLD_COUNT / 2);
-            while (hold_position - test_move.z_pulses) * direction
-                > test_move.braking_distance(top_speed)
-            {
-                if !test_move.move_tick(direction * top_speed, top_speed) {
-                    completed = false;
-                    break 'legs;
-                }
-            }
-            // Here the operator presses feed hold.
-            let pressed = test_move.board.now();
-            if !test_move.stop(top_speed) {
-                completed = false;
-                break 'legs;
-            }
-            let stopped_at = test_move.board.link.standing_since();
-            holds.extend(stopped_at.map(|at| at.saturating_sub(pressed)));
-        }
-    }
+    let legs_completed = test_move.move_with_holds(distance_mm * per_mm, top_speed, &mut holds);
     let traffic = test_move.board.link.traffic();
     let seconds = test_move.board.now().saturating_sub(from).as_secs_f64();
     let executed = test_move.executed_distance();
     let load = processor.zip(processor_time(test_move.board));
-    completed = completed && test_move.return_to_start(top_speed);
+    let completed = legs_completed && test_move.return_to_start(top_speed);
     if !completed {
         // Some boards report the cause with a later status report only.
         let late = test_move
@@ -264,7 +267,6 @@ pub fn measure_motion(
             .pump_until(Duration::from_secs(2), |_, _| false);
         test_move.events.extend(late);
     }
-    let (commanded, refused, events) = (test_move.sent_pulses, test_move.refused, test_move.events);
     output::print_message(&say::link_test_motion(
         traffic.segments - before.segments,
         (traffic.segments - before.segments) as f64 / seconds,
@@ -278,7 +280,23 @@ pub fn measure_motion(
     if let Some((median, worst)) = median_and_max(&mut holds) {
         output::print_message(&say::link_test_hold(median, worst, holds.len()));
     }
-    let failed = super::print_alarms(&events);
+    let (commanded, refused) = (test_move.sent_pulses, test_move.refused);
+    Ok(compare_pulses(
+        completed,
+        commanded,
+        refused,
+        &test_move.events,
+    ))
+}
+
+/// Compares the pulse counts of link and board and prints the result. Returns the exit code.
+fn compare_pulses(
+    completed: bool,
+    commanded: i64,
+    refused: Option<MotionRefused>,
+    events: &[LinkEvent],
+) -> u8 {
+    let failed = super::print_alarms(events);
     let position = events.iter().rev().find_map(|event| match event {
         LinkEvent::Position(pulses) => Some(pulses.z.0),
         _ => None,
@@ -286,11 +304,11 @@ pub fn measure_motion(
     match position {
         Some(counted) if completed && !failed => {
             output::print_message(&say::link_test_pulses(commanded, counted));
-            Ok(if counted == commanded {
+            if counted == commanded {
                 EXIT_OK
             } else {
                 EXIT_ALARM
-            })
+            }
         }
         _ => {
             if let Some(refused) = refused {
@@ -298,7 +316,7 @@ pub fn measure_motion(
                 complain!("gsk980td: {number}: {}", output::localize(&text));
             }
             output::print_message(&say::link_test_run_broke_off());
-            Ok(EXIT_ALARM)
+            EXIT_ALARM
         }
     }
 }

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use crate::alarm::{Alarm, number};
 use crate::cnc::{Cnc, Event};
 use crate::command::{
-    Action, ControlCommand, ExecutedMove, MoveConditions, MoveKind, SpindleCommand,
+    Action, ControlCommand, ExecutedMove, Frame, MoveConditions, MoveKind, SpindleCommand,
 };
 use crate::memory::SwitchedOff;
 use crate::motion::ThreadMove;
@@ -70,18 +70,64 @@ impl Cnc {
     fn execute(&mut self, command: &ControlCommand) -> Result<CommandStage, Alarm> {
         self.check_for_board(&command.action)?;
         match &command.action {
+            Action::Rapid { .. } | Action::Line { .. } | Action::Arc { .. } => {
+                self.start_path_move(&command.action)?;
+            }
+            thread @ Action::Thread { .. } => {
+                if let Some(thread) = ThreadMove::from_action(thread) {
+                    self.start_thread(&thread)?;
+                }
+            }
+            Action::ThreadCycle { per_revolution, .. } => {
+                self.check_thread_cycle(*per_revolution)?;
+            }
+            Action::Tap { to, lead, .. } => self.start_tap(*to, *lead)?,
+            Action::Dwell { ms } => self.run.automatic.dwell_left_ms = *ms,
+            Action::ZeroReturn { x, z } => self.start_zero_return(*x, *z)?,
+            Action::Referenced { x, z } => self.record_reference(PerAxis::new(*x, *z)),
+            Action::Frame {
+                frame,
+                program_zero,
+                relative,
+            } => self.change_frame(*frame, *program_zero, *relative),
+            Action::Miscellaneous { code } => self.output_m(*code),
+            Action::Outputs { on, off, ms } => {
+                if !self.plc.signals.auxiliary_lock {
+                    self.switch_outputs(*on, *off, *ms);
+                }
+            }
+            Action::InputWait { .. } => self.run.automatic.dwell_left_ms = INPUT_LEVEL_MS,
+            Action::Spindle(spindle) => self.output_s(*spindle),
+            Action::Tool { tool, offset, .. } => {
+                self.run.tool = (*tool, *offset);
+                // An M of the same block does not delay the motion when no tool is changed.
+                return Ok(match self.output_t(*tool) {
+                    true => CommandStage::Handshake,
+                    false => CommandStage::Acting,
+                });
+            }
+            Action::ProgramStop => return Ok(self.start_decoded_m(0)),
+            Action::End { m30: true, .. } => return Ok(self.start_decoded_m(30)),
+            Action::Macro => self.run.automatic.dwell_left_ms = TICK_MS,
+            Action::End { .. } | Action::Repeat | Action::Nothing => {}
+        }
+        Ok(CommandStage::Acting)
+    }
+
+    /// Starts a rapid, a line or an arc.
+    #[inline]
+    fn start_path_move(&mut self, action: &Action) -> Result<(), Alarm> {
+        match action {
             Action::Rapid { to } => {
                 self.check_gear_before_move(MoveKind::Rapid, *to, Feed::PerMinute(0.0))?;
                 self.drives
                     .interpolator
                     .start_rapid(*to, &self.drives.limits);
-                Ok(CommandStage::Acting)
             }
             Action::Line { to, feed } => {
                 self.check_feed(*feed)?;
                 self.check_gear_before_move(MoveKind::Feed, *to, *feed)?;
                 self.drives.interpolator.start_line(*to, *feed);
-                Ok(CommandStage::Acting)
             }
             Action::Arc {
                 to,
@@ -94,108 +140,55 @@ impl Cnc {
                 self.drives
                     .interpolator
                     .start_arc(*to, *center, *clockwise, *feed);
-                Ok(CommandStage::Acting)
             }
-            thread @ Action::Thread { .. } => {
-                if let Some(thread) = ThreadMove::from_action(thread) {
-                    self.start_thread(&thread)?;
-                }
-                Ok(CommandStage::Acting)
-            }
-            Action::ThreadCycle { per_revolution, .. } => {
-                self.check_thread_cycle(*per_revolution)?;
-                Ok(CommandStage::Acting)
-            }
-            Action::Tap { to, lead, .. } => {
-                self.start_tap(*to, *lead)?;
-                Ok(CommandStage::Acting)
-            }
-            Action::Dwell { ms } => {
-                self.run.automatic.dwell_left_ms = *ms;
-                Ok(CommandStage::Acting)
-            }
-            Action::ZeroReturn { x, z } => {
-                self.start_zero_return(*x, *z)?;
-                Ok(CommandStage::Acting)
-            }
-            Action::Referenced { x, z } => {
-                // Under machine lock the slides are not at the reference point (manual
-                // I-3.2.7).
-                let locked = self.plc.signals.machine_lock;
-                for (axis, takes_part) in [(Axis::X, *x), (Axis::Z, *z)] {
-                    if takes_part && !locked.get(axis) {
-                        *self.coordinates.referenced.get_mut(axis) = true;
-                        let at = self.position().get(axis);
-                        *self.coordinates.at_reference.get_mut(axis) = Some(at);
-                    }
-                }
-                Ok(CommandStage::Acting)
-            }
-            Action::Frame {
-                frame,
-                program_zero,
-                relative,
-            } => {
-                let relative_before = self.relative_base();
-                let moved = frame.zero != self.coordinates.frame.zero;
-                self.coordinates.frame = *frame;
-                if let Some(point) = program_zero {
-                    self.coordinates.program_zero = Some(*point);
-                    self.coordinates.program_zero_ended = PerAxis::default();
-                }
-                // The relative display follows an offset by PROD, a G50 by PPD.
-                if moved {
-                    let relative_after = self.relative_base();
-                    self.coordinates.relative_zero = if *relative {
-                        Point::default()
-                    } else {
-                        self.coordinates.relative_zero + relative_after - relative_before
-                    };
-                }
-                Ok(CommandStage::Acting)
-            }
-            Action::Miscellaneous { code } => {
-                self.output_m(*code);
-                Ok(CommandStage::Acting)
-            }
-            Action::Outputs { on, off, ms } => {
-                if !self.plc.signals.auxiliary_lock {
-                    self.switch_outputs(*on, *off, *ms);
-                }
-                Ok(CommandStage::Acting)
-            }
-            Action::InputWait { .. } => {
-                self.run.automatic.dwell_left_ms = INPUT_LEVEL_MS;
-                Ok(CommandStage::Acting)
-            }
-            Action::Spindle(spindle) => {
-                self.output_s(*spindle);
-                Ok(CommandStage::Acting)
-            }
-            Action::Tool { tool, offset, .. } => {
-                self.run.tool = (*tool, *offset);
-                // An M of the same block does not delay the motion when no tool is changed.
-                Ok(match self.output_t(*tool) {
-                    true => CommandStage::Handshake,
-                    false => CommandStage::Acting,
-                })
-            }
-            Action::ProgramStop => {
-                self.run.automatic.decoded_m = Some(0);
-                self.run.handshake.start(Strobe::M, 0);
-                Ok(CommandStage::Handshake)
-            }
-            Action::End { m30: true, .. } => {
-                self.run.automatic.decoded_m = Some(30);
-                self.run.handshake.start(Strobe::M, 30);
-                Ok(CommandStage::Handshake)
-            }
-            Action::Macro => {
-                self.run.automatic.dwell_left_ms = TICK_MS;
-                Ok(CommandStage::Acting)
-            }
-            Action::End { .. } | Action::Repeat | Action::Nothing => Ok(CommandStage::Acting),
+            _ => {}
         }
+        Ok(())
+    }
+
+    /// Records that axes are at their reference point. Under machine lock the slides are not
+    /// there (manual I-3.2.7).
+    fn record_reference(&mut self, axes: PerAxis<bool>) {
+        let locked = self.plc.signals.machine_lock;
+        for axis in [Axis::X, Axis::Z] {
+            if *axes.get(axis) && !locked.get(axis) {
+                *self.coordinates.referenced.get_mut(axis) = true;
+                let at = self.position().get(axis);
+                *self.coordinates.at_reference.get_mut(axis) = Some(at);
+            }
+        }
+    }
+
+    /// Changes the coordinate frame. The relative display follows an offset by PROD, a G50
+    /// (`is_relative_cleared`) by PPD.
+    fn change_frame(
+        &mut self,
+        frame: Frame,
+        program_zero: Option<Point>,
+        is_relative_cleared: bool,
+    ) {
+        let relative_before = self.relative_base();
+        let moved = frame.zero != self.coordinates.frame.zero;
+        self.coordinates.frame = frame;
+        if let Some(point) = program_zero {
+            self.coordinates.program_zero = Some(point);
+            self.coordinates.program_zero_ended = PerAxis::default();
+        }
+        if moved {
+            let relative_after = self.relative_base();
+            self.coordinates.relative_zero = if is_relative_cleared {
+                Point::default()
+            } else {
+                self.coordinates.relative_zero + relative_after - relative_before
+            };
+        }
+    }
+
+    /// Outputs the decode signal and the strobe of M00 or M30.
+    fn start_decoded_m(&mut self, code: u8) -> CommandStage {
+        self.run.automatic.decoded_m = Some(code);
+        self.run.handshake.start(Strobe::M, code);
+        CommandStage::Handshake
     }
 
     /// A cut per revolution needs a turning spindle (alarm 011).

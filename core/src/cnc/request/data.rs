@@ -1,7 +1,10 @@
 //! Requests about offsets, parameters, settings, disks and presets
 //! (manual III-2.3, III-2.5, III-2.6, III-7).
 
+use std::sync::Arc;
+
 use gsk_messages::say;
+use gsk_plc::Ladder;
 use gsk_plc::address::{Area, ByteAddress};
 
 use super::OffsetEntry;
@@ -9,8 +12,8 @@ use crate::alarm::{Alarm, number};
 use crate::axis::SoftLimits;
 use crate::cnc::{Cnc, TIMER_PRESETS};
 use crate::memory::{
-    ControlParameters, DiskContent, ElectronicDisk, ParameterError, SettingRow, ToolOffset,
-    Variables, parameter,
+    Authority, ControlParameters, DiskContent, ElectronicDisk, ParameterError, SettingRow,
+    ToolOffset, Variables, parameter,
 };
 use crate::motion::MotionLimits;
 use crate::setup::TOOL_IN_POSITION;
@@ -29,6 +32,45 @@ const ENCODER: [u16; 3] = [
 const MM_PER_INCH: f64 = 25.4;
 
 impl Cnc {
+    /// Adds a word to the block of the MDI page.
+    pub(super) fn add_mdi_word(&mut self, word: &str) -> Result<(), Alarm> {
+        let macro_b = self.are_variables_real();
+        self.run.mdi.enter(word, &self.memory.parameters, macro_b)?;
+        Ok(())
+    }
+
+    pub(super) fn set_variable(&mut self, number: u16, value: i64) -> Result<(), Alarm> {
+        if self.rights().check_variables().is_ok() {
+            self.memory.variables.set(number, value)?;
+        }
+        Ok(())
+    }
+
+    /// Sets a parameter within its range in the selected model.
+    pub(super) fn set_parameter(&mut self, number: u16, value: i32) -> Result<(), Alarm> {
+        let record = self.memory.model.record();
+        self.change_parameters(|parameters| parameters.set_for_model(record, number, value))
+    }
+
+    pub(super) fn set_program_switch(&mut self, on: bool) {
+        if self.rights().check_program_switch().is_ok() {
+            self.switches.programs = on;
+        }
+    }
+
+    /// Changes passwords or the operation level, if the operator may.
+    pub(super) fn change_authority<R>(&mut self, change: impl FnOnce(&mut Authority) -> R) {
+        if self.rights().check_password().is_ok() {
+            change(&mut self.memory.authority);
+        }
+    }
+
+    pub(super) fn load_ladder(&mut self, ladder: Arc<Ladder>) {
+        if self.rights().check_ladder().is_ok() {
+            self.plc.next_ladder = Some(ladder);
+        }
+    }
+
     /// Sets a value of the offset page (manual III-7): stored, measured, added, or the
     /// relative coordinate.
     pub(super) fn set_offset(&mut self, number: u8, entry: OffsetEntry) -> Result<(), Alarm> {

@@ -42,6 +42,35 @@ impl Cnc {
         })
     }
 
+    /// Moves the cursor to a line of the selected program, if no program runs.
+    pub(super) fn move_cursor(&mut self, line: u32) {
+        if !self.run.automatic.is_operating() {
+            self.drop_stopped_run();
+            self.run.cursor_line = line.max(1);
+        }
+    }
+
+    /// Stores a program and selects it.
+    pub(super) fn store_program(&mut self, text: String) -> Result<(), Alarm> {
+        if self.is_memory_protected() {
+            return Ok(());
+        }
+        let number = self.memory.programs.store(text)?;
+        if !self.rights().is_hidden(number) {
+            self.select_program(ProgramId::Stored(number))?;
+        }
+        Ok(())
+    }
+
+    /// Opens a program outside the memory and selects it.
+    pub(super) fn open_external(&mut self, program: Program) -> Result<(), Alarm> {
+        if self.run.automatic.is_operating() {
+            return Ok(());
+        }
+        self.memory.programs.open_external(program);
+        self.select_program(ProgramId::External)
+    }
+
     pub(super) fn create_program(&mut self, number: u16) -> Result<(), Alarm> {
         if check_allowed(self.rights().check_program_edit(number))? {
             self.memory.programs.create(number)?;

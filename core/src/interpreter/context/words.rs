@@ -67,6 +67,54 @@ pub(crate) enum OneShot {
 }
 
 impl OneShot {
+    /// The code of group 00 with this meaning; `None` for modal codes, for codes of models
+    /// whose programs are not carried out, and for G65, which the reader handles separately.
+    #[inline]
+    const fn from_meaning(meaning: GCode) -> Option<Self> {
+        Some(match meaning {
+            GCode::ZeroOffsetOff => Self::ZeroOffset(ZeroOffsetCode::Off),
+            GCode::ZeroOffsetAbsolute => Self::ZeroOffset(ZeroOffsetCode::Absolute),
+            GCode::ZeroOffsetIncremental => Self::ZeroOffset(ZeroOffsetCode::Added),
+            GCode::ZeroOffsetHere => Self::ZeroOffset(ZeroOffsetCode::Here),
+            GCode::ScaleOff => Self::Scale { on: false },
+            GCode::ScaleOn => Self::Scale { on: true },
+            GCode::MachineZero => Self::Reference(ReturnRoute::NamedAxes),
+            GCode::StartByMachine => Self::StartReturn(StartReturn::Machine),
+            GCode::StartByWork => Self::StartReturn(StartReturn::Work),
+            GCode::MetricThreadPass => Self::ThreadPass(LeadUnit::Millimetres),
+            GCode::InchThreadPass => Self::ThreadPass(LeadUnit::PerInch),
+            GCode::SteppedTurning => Self::Stepped(Axis::X),
+            GCode::SteppedFacing => Self::Stepped(Axis::Z),
+            GCode::DeepHole => Self::DeepHole,
+            GCode::MetricRigidTapping => Self::RigidTap(LeadUnit::Millimetres),
+            GCode::InchRigidTapping => Self::RigidTap(LeadUnit::PerInch),
+            GCode::MetricThreadCycle => Self::CountedThread(LeadUnit::Millimetres),
+            GCode::InchThreadCycle => Self::CountedThread(LeadUnit::PerInch),
+            GCode::SubprogramCall => Self::BlockCall,
+            GCode::SubprogramBegin => Self::SubprogramBegin,
+            GCode::SubprogramEnd => Self::SubprogramEnd,
+            GCode::RepeatAndGoOnThere => Self::Repeat { returns: false },
+            GCode::RepeatAndComeBack => Self::Repeat { returns: true },
+            GCode::EndlessLoop => Self::EndlessLoop,
+            GCode::CountedTurningRough => Self::TurningRough(ContourSource::Counted),
+            GCode::CountedFacingRough => Self::FacingRough(ContourSource::Counted),
+            GCode::CountedPattern => Self::Pattern(ContourSource::Counted),
+            GCode::Dwell | GCode::DwellSecondsFirst | GCode::DwellByK => Self::Dwell,
+            GCode::Reference => Self::Reference(ReturnRoute::MachineZero),
+            GCode::ReferenceByParameter => Self::Reference(ReturnRoute::Parameters),
+            GCode::ReferenceDirect => Self::Reference(ReturnRoute::Direct),
+            GCode::Coordinates => Self::Coordinates,
+            GCode::Finishing => Self::Finishing,
+            GCode::TurningRough => Self::TurningRough(ContourSource::Named),
+            GCode::FacingRough => Self::FacingRough(ContourSource::Named),
+            GCode::Pattern => Self::Pattern(ContourSource::Named),
+            GCode::FacePecking => Self::FacePecking,
+            GCode::Grooving => Self::Grooving,
+            GCode::CompoundThread => Self::CompoundThread,
+            _ => return None,
+        })
+    }
+
     /// Whether the code is one of G70 to G76 (`compound`).
     pub(crate) const fn is_compound(self) -> bool {
         matches!(
@@ -275,73 +323,6 @@ impl SortedWords {
             GCode::ExactStop => self.exact_stop = true,
             GCode::Absolute => self.incremental = Some(false),
             GCode::Incremental => self.incremental = Some(true),
-            GCode::ZeroOffsetOff => self.one_shot = Some(OneShot::ZeroOffset(ZeroOffsetCode::Off)),
-            GCode::ZeroOffsetAbsolute => {
-                self.one_shot = Some(OneShot::ZeroOffset(ZeroOffsetCode::Absolute));
-            }
-            GCode::ZeroOffsetIncremental => {
-                self.one_shot = Some(OneShot::ZeroOffset(ZeroOffsetCode::Added));
-            }
-            GCode::ZeroOffsetHere => {
-                self.one_shot = Some(OneShot::ZeroOffset(ZeroOffsetCode::Here))
-            }
-            GCode::ScaleOff => self.one_shot = Some(OneShot::Scale { on: false }),
-            GCode::ScaleOn => self.one_shot = Some(OneShot::Scale { on: true }),
-            GCode::MachineZero => self.one_shot = Some(OneShot::Reference(ReturnRoute::NamedAxes)),
-            GCode::StartByMachine => {
-                self.one_shot = Some(OneShot::StartReturn(StartReturn::Machine));
-            }
-            GCode::StartByWork => self.one_shot = Some(OneShot::StartReturn(StartReturn::Work)),
-            GCode::MetricThreadPass => {
-                self.one_shot = Some(OneShot::ThreadPass(LeadUnit::Millimetres));
-            }
-            GCode::InchThreadPass => self.one_shot = Some(OneShot::ThreadPass(LeadUnit::PerInch)),
-            GCode::SteppedTurning => self.one_shot = Some(OneShot::Stepped(Axis::X)),
-            GCode::SteppedFacing => self.one_shot = Some(OneShot::Stepped(Axis::Z)),
-            GCode::DeepHole => self.one_shot = Some(OneShot::DeepHole),
-            GCode::MetricRigidTapping => {
-                self.one_shot = Some(OneShot::RigidTap(LeadUnit::Millimetres));
-            }
-            GCode::InchRigidTapping => self.one_shot = Some(OneShot::RigidTap(LeadUnit::PerInch)),
-            GCode::MetricThreadCycle => {
-                self.one_shot = Some(OneShot::CountedThread(LeadUnit::Millimetres));
-            }
-            GCode::InchThreadCycle => {
-                self.one_shot = Some(OneShot::CountedThread(LeadUnit::PerInch));
-            }
-            GCode::SubprogramCall => self.one_shot = Some(OneShot::BlockCall),
-            GCode::SubprogramBegin => self.one_shot = Some(OneShot::SubprogramBegin),
-            GCode::SubprogramEnd => self.one_shot = Some(OneShot::SubprogramEnd),
-            GCode::RepeatAndGoOnThere => {
-                self.one_shot = Some(OneShot::Repeat { returns: false });
-            }
-            GCode::RepeatAndComeBack => self.one_shot = Some(OneShot::Repeat { returns: true }),
-            GCode::EndlessLoop => self.one_shot = Some(OneShot::EndlessLoop),
-            GCode::CountedTurningRough => {
-                self.one_shot = Some(OneShot::TurningRough(ContourSource::Counted));
-            }
-            GCode::CountedFacingRough => {
-                self.one_shot = Some(OneShot::FacingRough(ContourSource::Counted));
-            }
-            GCode::CountedPattern => self.one_shot = Some(OneShot::Pattern(ContourSource::Counted)),
-            GCode::Dwell | GCode::DwellSecondsFirst | GCode::DwellByK => {
-                self.one_shot = Some(OneShot::Dwell);
-            }
-            GCode::Reference => self.one_shot = Some(OneShot::Reference(ReturnRoute::MachineZero)),
-            GCode::ReferenceByParameter => {
-                self.one_shot = Some(OneShot::Reference(ReturnRoute::Parameters));
-            }
-            GCode::ReferenceDirect => self.one_shot = Some(OneShot::Reference(ReturnRoute::Direct)),
-            GCode::Coordinates => self.one_shot = Some(OneShot::Coordinates),
-            GCode::Finishing => self.one_shot = Some(OneShot::Finishing),
-            GCode::TurningRough => {
-                self.one_shot = Some(OneShot::TurningRough(ContourSource::Named))
-            }
-            GCode::FacingRough => self.one_shot = Some(OneShot::FacingRough(ContourSource::Named)),
-            GCode::Pattern => self.one_shot = Some(OneShot::Pattern(ContourSource::Named)),
-            GCode::FacePecking => self.one_shot = Some(OneShot::FacePecking),
-            GCode::Grooving => self.one_shot = Some(OneShot::Grooving),
-            GCode::CompoundThread => self.one_shot = Some(OneShot::CompoundThread),
             GCode::NoseOff => self.nose = Some(40),
             GCode::NoseLeft => self.nose = Some(41),
             GCode::NoseRight => self.nose = Some(42),
@@ -349,9 +330,10 @@ impl SortedWords {
             GCode::SpindleSpeed => self.surface = Some(false),
             GCode::FeedPerMinute => self.per_revolution = Some(false),
             GCode::FeedPerRevolution => self.per_revolution = Some(true),
-            // Codes of models whose programs are not carried out, and G65, which the reader
-            // handles separately.
-            _ => return Err(unsupported_g_alarm(code)),
+            meaning => match OneShot::from_meaning(meaning) {
+                Some(one_shot) => self.one_shot = Some(one_shot),
+                None => return Err(unsupported_g_alarm(code)),
+            },
         }
         Ok(())
     }

@@ -8,10 +8,12 @@ use crate::command::Action;
 use crate::compensation::{Nose, box_corners};
 use crate::interpreter::codes::positioning;
 use crate::interpreter::context::exact::{CoordinateRange, ExactPoint, to_mm};
-use crate::interpreter::context::explanation::PassNote;
+use crate::interpreter::context::explanation::{
+    Explanation, PassNote, depth_mm, format_corner_b, formula_message,
+};
 use crate::interpreter::context::planned_action::PlannedAction;
 use crate::interpreter::context::state::State;
-use crate::units::{Feed, Point};
+use crate::units::{Axis, Feed, Point};
 
 /// A running box. Single block stops after each move.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -96,4 +98,25 @@ pub(crate) fn check_taper(r: i64, infeed: i64, names: (&str, &str)) -> Result<()
             to_mm(infeed),
         )),
     )
+}
+
+/// Explains the box of G90 or G94. `None` for another note.
+pub(crate) fn explain_box(note: PassNote) -> Option<Explanation> {
+    let PassNote::Box { axis, a, c, taper } = note else {
+        return None;
+    };
+    let (code, words) = match axis {
+        Axis::X => (90, "X(U), Z(W), R: a radius"),
+        Axis::Z => (94, "X(U), Z(W), R"),
+    };
+    Some(Explanation {
+        code,
+        pass: 1,
+        passes: Some(1),
+        level: Some(to_mm(c.get(axis))),
+        depth: depth_mm(axis, c.get(axis) - a.get(axis)).abs(),
+        remaining: 0.0,
+        formula: formula_message(format_corner_b(axis, c, taper)),
+        words,
+    })
 }

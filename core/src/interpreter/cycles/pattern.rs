@@ -15,7 +15,7 @@ use crate::alarm::{Alarm, number};
 use crate::interpreter::codes::positioning::{check_stroke, current_feed};
 use crate::interpreter::context::BlockContext;
 use crate::interpreter::context::exact::{ExactPoint, UNITS_PER_MM, scale_rounded, to_mm};
-use crate::interpreter::context::explanation::PassNote;
+use crate::interpreter::context::explanation::{Explanation, PassNote, formula_message};
 use crate::interpreter::context::moves::{FrameShift, Move};
 use crate::interpreter::context::parameter_writes::ParameterWrites;
 use crate::interpreter::context::state::State;
@@ -220,4 +220,38 @@ impl PatternCycle {
 
 fn pattern_alarm(detail: Message) -> Alarm {
     Alarm::new(number::CYCLE_DATA).with_detail(say::cycle_in_code(73, detail))
+}
+
+/// Explains a pass of G73. `None` for another note.
+pub(crate) fn explain_shifted_pass(note: PassNote) -> Option<Explanation> {
+    let PassNote::Shifted {
+        number,
+        passes,
+        shift,
+        allowance,
+        relief,
+    } = note
+    else {
+        return None;
+    };
+    Some(Explanation {
+        code: 73,
+        pass: number.unsigned_abs(),
+        passes: Some(passes.unsigned_abs()),
+        level: None,
+        depth: to_mm(relief.x + allowance.x - shift.x).abs() / 2.0,
+        remaining: to_mm(shift.x - allowance.x).abs() / 2.0,
+        formula: formula_message(format!(
+            "X{:+.3} = {:+.3} {:+.3}·{left}/{gaps}, Z{:+.3} = {:+.3} {:+.3}·{left}/{gaps}",
+            to_mm(shift.x),
+            to_mm(allowance.x),
+            to_mm(relief.x),
+            to_mm(shift.z),
+            to_mm(allowance.z),
+            to_mm(relief.z),
+            left = passes - number,
+            gaps = passes - 1,
+        )),
+        words: "U(Δi), W(Δk), R(d), 053, 054, 055, U(Δu), W(Δw)",
+    })
 }

@@ -19,7 +19,7 @@ use crate::interpreter::codes::positioning::{check_stroke, current_feed};
 use crate::interpreter::context::BlockContext;
 use crate::interpreter::context::exact::length_on_axis;
 use crate::interpreter::context::exact::{ExactPoint, UNITS_PER_MM, to_mm};
-use crate::interpreter::context::explanation::PassNote;
+use crate::interpreter::context::explanation::{Explanation, PassNote, axis_letter, depth_mm};
 use crate::interpreter::context::moves::{FrameShift, Move};
 use crate::interpreter::context::parameter_writes::ParameterWrites;
 use crate::interpreter::context::state::State;
@@ -343,4 +343,54 @@ fn pecking_alarm(axis: Axis, detail: Message) -> Alarm {
         Axis::X => 75,
     };
     Alarm::new(number::CYCLE_DATA).with_detail(say::cycle_in_code(code, detail))
+}
+
+/// Explains a column of G74, G75 or G83. `None` for another note.
+pub(crate) fn explain_column(note: PassNote) -> Option<Explanation> {
+    let PassNote::Column {
+        axis,
+        number,
+        columns,
+        at,
+        from,
+        step,
+        peck,
+        pecks,
+        feed,
+        bottom,
+        deep_hole,
+    } = note
+    else {
+        return None;
+    };
+    let reached = if peck >= pecks {
+        bottom
+    } else {
+        from + feed * peck
+    };
+    Some(Explanation {
+        code: match axis {
+            _ if deep_hole => 83,
+            Axis::Z => 74,
+            Axis::X => 75,
+        },
+        pass: number.unsigned_abs(),
+        passes: Some(columns.unsigned_abs()),
+        level: Some(to_mm(at)),
+        depth: depth_mm(axis, reached - from).abs(),
+        remaining: depth_mm(axis, bottom - reached).abs(),
+        formula: say::explain_peck(
+            peck,
+            pecks,
+            axis_letter(axis),
+            to_mm(reached),
+            number,
+            columns,
+            to_mm(step),
+        ),
+        words: match deep_hole {
+            true => "Z, I, K",
+            false => "P(Δi), Q(Δk), R(e), 056, R(Δd)",
+        },
+    })
 }

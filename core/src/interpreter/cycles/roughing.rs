@@ -18,7 +18,9 @@ use crate::command::Action;
 use crate::interpreter::codes::positioning::{check_stroke, current_feed};
 use crate::interpreter::context::BlockContext;
 use crate::interpreter::context::exact::{CoordinateRange, ExactPoint, UNITS_PER_MM, to_mm};
-use crate::interpreter::context::explanation::PassNote;
+use crate::interpreter::context::explanation::{
+    Explanation, PassNote, axis_letter, depth_mm, formula_message,
+};
 use crate::interpreter::context::moves::{FrameShift, Move};
 use crate::interpreter::context::parameter_writes::ParameterWrites;
 use crate::interpreter::context::state::State;
@@ -425,4 +427,68 @@ pub(crate) fn step_move(
 
 fn roughing_alarm(detail: Message) -> Alarm {
     Alarm::new(number::CYCLE_DATA).with_detail(detail)
+}
+
+/// Explains a level of G71 or G72. `None` for another note.
+pub(crate) fn explain_level(note: PassNote) -> Option<Explanation> {
+    let PassNote::Level {
+        axis,
+        number,
+        levels,
+        from,
+        step,
+        last,
+    } = note
+    else {
+        return None;
+    };
+    let level = from + step * number;
+    let axis_name = axis_letter(axis);
+    Some(Explanation {
+        code: roughing_code(axis),
+        pass: number.unsigned_abs(),
+        passes: Some(levels.unsigned_abs()),
+        level: Some(to_mm(level)),
+        depth: depth_mm(axis, step * number).abs(),
+        remaining: depth_mm(axis, last - level).abs(),
+        formula: formula_message(format!(
+            "{axis_name}{number} = {:.3} {:+.3}·{number} = {:.3}",
+            to_mm(from),
+            to_mm(step),
+            to_mm(level)
+        )),
+        words: match axis {
+            Axis::X => "U(Δd), 051",
+            Axis::Z => "W(Δd), 051",
+        },
+    })
+}
+
+/// Explains the contour pass of G71 and G72. `None` for another note.
+pub(crate) fn explain_contour_pass(note: PassNote) -> Option<Explanation> {
+    let PassNote::Contour {
+        axis,
+        levels,
+        allowance,
+    } = note
+    else {
+        return None;
+    };
+    Some(Explanation {
+        code: roughing_code(axis),
+        pass: levels.unsigned_abs(),
+        passes: Some(levels.unsigned_abs()),
+        level: None,
+        depth: 0.0,
+        remaining: 0.0,
+        formula: say::explain_contour(to_mm(allowance.x), to_mm(allowance.z)),
+        words: "U(Δu), W(Δw)",
+    })
+}
+
+const fn roughing_code(axis: Axis) -> u8 {
+    match axis {
+        Axis::X => 71,
+        Axis::Z => 72,
+    }
 }

@@ -18,7 +18,9 @@ use crate::alarm::{Alarm, number};
 use crate::interpreter::codes::positioning::{check_stroke, current_feed};
 use crate::interpreter::context::BlockContext;
 use crate::interpreter::context::exact::{ExactPoint, scale_rounded, to_mm};
-use crate::interpreter::context::explanation::PassNote;
+use crate::interpreter::context::explanation::{
+    Explanation, PassNote, axis_letter, depth_mm, formula_message,
+};
 use crate::interpreter::context::moves::{FrameShift, Move};
 use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{AxisWords, SortedWords};
@@ -205,4 +207,50 @@ fn stepped_alarm(axis: Axis, detail: Message) -> Alarm {
     };
     let detail = say::dialect_decided(say::cycle_in_code(code, detail));
     Alarm::new(number::CYCLE_DATA).with_detail(detail)
+}
+
+/// Explains a box of G81 or G82. `None` for another note.
+pub(crate) fn explain_step(note: PassNote) -> Option<Explanation> {
+    let PassNote::Stepped {
+        axis,
+        pass,
+        passes,
+        a,
+        depth,
+        whole,
+        step,
+        finish,
+    } = note
+    else {
+        return None;
+    };
+    let (level, remaining, at) = (a + depth, whole - depth.abs(), axis_letter(axis));
+    let formula = match depth.abs() {
+        full if full == whole => format!("{at}{pass} = {:.3}", to_mm(level)),
+        rough if rough == whole - finish => format!(
+            "{at}{pass} = {:.3} {:+.3} = {:.3}",
+            to_mm(a + whole * depth.signum()),
+            to_mm(-finish * depth.signum()),
+            to_mm(level)
+        ),
+        _ => format!(
+            "{at}{pass} = {:.3} {:+.3}·{pass} = {:.3}",
+            to_mm(a),
+            to_mm(step * depth.signum()),
+            to_mm(level)
+        ),
+    };
+    Some(Explanation {
+        code: match axis {
+            Axis::X => 81,
+            Axis::Z => 82,
+        },
+        pass: pass.unsigned_abs(),
+        passes: Some(passes.unsigned_abs()),
+        level: Some(to_mm(level)),
+        depth: depth_mm(axis, depth).abs(),
+        remaining: depth_mm(axis, remaining).abs(),
+        formula: formula_message(formula),
+        words: "X, Z, R, I, K",
+    })
 }

@@ -3,39 +3,27 @@
 use gsk_messages::{Message, say};
 
 use crate::alarm::{Alarm, number};
-use crate::command::{Action, ControlCommand, ProgramId, SequenceNumber, SourcePosition};
-use crate::interpreter::ModalState;
-use crate::interpreter::block;
+use crate::command::{Action, ControlCommand, SourcePosition};
 use crate::interpreter::calls::subprogram;
-use crate::interpreter::codes::corner;
-use crate::interpreter::codes::inch;
 use crate::interpreter::codes::nose_radius::check_call;
-use crate::interpreter::context::code_calls::{self, CodeCalls};
+use crate::interpreter::context::BlockContext;
+use crate::interpreter::context::code_calls::{self, PlainCall};
 use crate::interpreter::context::exact::ExactPoint;
 use crate::interpreter::context::flow::Flow;
 use crate::interpreter::context::host::Host;
-use crate::interpreter::context::machine_codes::MachineCodes;
-use crate::interpreter::context::program_position::{ProgramCall, ProgramPosition};
-use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::SortedWords;
-use crate::interpreter::context::{BlockContext, CompensationMode};
-use crate::interpreter::macros::formula;
-use crate::interpreter::macros::lookahead;
 use crate::interpreter::macros::lookahead::LookaheadReader;
-use crate::interpreter::macros::statement::{self, StatementContext};
 use crate::interpreter::macros::system::VariableSources;
-use crate::interpreter::macros::variable::ReadError;
 use crate::interpreter::plain_move::{MoveContext, PlainMove};
 use crate::interpreter::plan::Plan;
 use crate::interpreter::run::InterpreterRun;
-use crate::interpreter::word_audit::{BlockRemark, EvaluatedBlock};
-use crate::memory::ControlParameters;
-use crate::model::ControlModel;
-use crate::program::{BlockCache, Program, ProgramBlock, further_foreign_words};
+use crate::model::ModelRecord;
+use crate::program::{BlockCache, BlockError, Program, ProgramBlock, further_foreign_words};
 
+use super::block_evaluation::{BlockEvaluation, build_context, x_factor};
 use super::block_read::{BlockRead, missing_program_alarm};
-use super::statements::{huaxing_alarm, resolve_block};
-use super::{AdvanceResult, Interpreter};
+use super::pending_block::{PendingBlock, ReadObstacle, TextBoundary};
+use super::{AdvanceResult, Interpreter, MdiRun};
 
 /// Greatest number of blocks without a command in one call.
 const SILENT_BLOCKS: u32 = 16;
@@ -135,145 +123,49 @@ impl Interpreter {
         recent: &mut BlockCache,
         host: &mut H,
     ) -> Result<BlockRead, Alarm> {
-        let mdi = self.mdi.as_ref();
-        let run = mdi.map_or(&self.main, |mdi| &mdi.run);
+        let is_mdi = self.mdi.is_some();
+        let (program, run) = find_text(self.mdi.as_ref(), &self.main, &*host)?;
+        if let Some(boundary) = TextBoundary::find(program, run, is_mdi, &*host) {
+            return self.pass_boundary(boundary, host);
+        }
         let position = run.position;
-        let program = match mdi {
-            Some(mdi) => &mdi.program,
-            None => host
-                .programs()
-                .get(position.program)
-                .ok_or_else(|| missing_program_alarm(position.program))?,
-        };
-        if let Some(finishing) = run
-            .finishing
-            .filter(|profile| profile.is_finished_at(position))
-        {
-            // The last block of the profile ends square to its direction.
-            self.compensation.flush();
-            let mut plan = Plan::return_from_profile(&finishing, &mut self.state);
-            plan.holds_at_move_end = true;
-            self.current_run_mut().finishing = None;
-            self.record_source(plan.source);
-            return Ok(self.store_plan(plan));
-        }
-        if run
-            .calls
-            .last()
-            .is_some_and(|call| call.is_finished_at(position))
-        {
-            return self
-                .handle_end_of_text(program.block_line(position.block.saturating_sub(1)), host);
-        }
-        if position.block >= program.block_count() {
-            if mdi.is_none() && host.programs().has_more(position.program) {
-                return Ok(BlockRead::Starved);
-            }
-            return self.handle_end_of_text(program.line_count(), host);
-        }
         let syntax = self.syntax(position.program, program, host.parameters());
-        let mut source = SourcePosition {
-            program: position.program,
-            line: 0,
-            sequence: run.sequence,
-        };
-        let is_skipping = host.is_block_skip_on() && mdi.is_none();
-        if let Some(calls) = active_code_calls(self.code_calls.as_deref(), run, position) {
-            let call = program.code_call(position.block, &|letter, code| {
-                calls.find_macro(letter, code)
-            });
-            let call = match call {
-                Ok(call) => call.filter(|call| !(is_skipping && call.skip)),
-                Err(_) if is_skipping && program.has_skip_mark(position.block) => None,
-                Err(error) => {
-                    source.line = program.block_line(position.block);
-                    return Err(Alarm::from(error).with_source(source));
-                }
-            };
-            if let Some(call) = call {
-                source.line = program.block_line(position.block);
-                source.sequence = call.n.map(SequenceNumber::from).or(source.sequence);
-                let sources = VariableSources {
-                    levels: &run.levels,
-                    state: self.state,
-                    source,
-                    has_huaxing_variables: false,
-                };
-                let statement_context = StatementContext {
-                    program,
-                    programs: host.programs(),
-                    position,
-                    calls: &run.calls,
-                    syntax,
-                    current_loop: None,
-                };
-                let read_variable = |it| sources.read(it, &*host);
-                let effect = statement::evaluate_code_call(
-                    &call,
-                    &statement_context,
-                    formula::FormulaContext::new(&read_variable),
-                );
-                return self.execute_statement(effect, source, position, host);
-            }
-        }
-        let mut block = match recent.read(program, position.block, syntax) {
-            Ok(block) => block,
-            Err(mut error) => {
-                if error.alarm == number::BAD_ADDRESS {
-                    let further = self.find_further_foreign_words(program, position.block);
-                    error.detail = append_further(error.detail, further);
-                }
-                source.line = program.block_line(position.block);
-                let number = program.sequence(position.block).map(SequenceNumber::from);
-                source.sequence = number.or(source.sequence);
-                if !(is_skipping && program.has_skip_mark(position.block)) {
-                    return Err(Alarm::from(error).with_source(source));
-                }
-                self.record_source(source);
-                return Ok(BlockRead::Skipped);
-            }
-        };
-        source.line = block.line;
-        source.sequence = block.n.map(SequenceNumber::from).or(source.sequence);
-        let is_skipped = is_skipping && block.skip;
-        if is_skipped || block.is_name_only() {
-            self.record_source(source);
-            return Ok(BlockRead::Skipped);
-        }
-        let is_audited = self.audit.is_some() && mdi.is_none();
-        if is_audited
-            && program.follows_semicolon(position.block)
-            && let Some(audit) = &mut self.audit
+        let is_skipping = host.is_block_skip_on() && !is_mdi;
+        let mut pending = PendingBlock::new((program, run), syntax, is_mdi, is_skipping);
+        let code_calls = pending.active_code_calls(self.code_calls.as_deref());
+        if let Some(calls) = code_calls
+            && let Some(call) = pending.find_code_call(calls)?
         {
-            audit.add_remark(BlockRemark::AfterSemicolon, source);
+            let effect = pending.evaluate_code_call(&call, self.state, &*host);
+            let source = pending.source;
+            return self.execute_statement(effect, source, position, host);
+        }
+        let block = match recent.read(program, position.block, syntax) {
+            Ok(block) => block,
+            Err(error) => {
+                let source = self.skip_unparsed(error, &mut pending)?;
+                return Ok(self.skip_block(source));
+            }
+        };
+        pending.locate(block.line, block.n);
+        let source = pending.source;
+        if pending.is_without_effect(block) {
+            return Ok(self.skip_block(source));
+        }
+        let mut audit = self.audit.as_deref_mut().filter(|_| !is_mdi);
+        if let Some(audit) = &mut audit {
+            pending.audit_semicolon(audit);
         }
         if block.has_g(65) {
-            if self.record().g_code(65).is_none() {
-                let rule = say::g_unknown(65);
-                return Err(Alarm::new(number::BAD_G)
-                    .with_detail(rule)
-                    .with_source(source));
-            }
-            if is_audited && let Some(audit) = &mut self.audit {
+            check_macro_code(self.model.record()).map_err(|alarm| alarm.with_source(source))?;
+            if let Some(audit) = audit {
                 audit.audit_macro_block(program, position.block, block, source);
             }
             return self.execute_macro_block(block, source, position, host);
         }
-        let plain_move = match mdi.is_some()
-            || syntax.inch
-            || self.state.scale.is_some()
-            || run.levels.has_modal_call()
-            || (is_audited && has_competing_words(block))
-        {
-            true => None,
-            false => PlainMove::from_block(block, self.state.modal.motion, self.record()),
-        };
-        if let Some(plain) = plain_move {
-            let move_context = MoveContext {
-                record: self.record(),
-                compensation: self.compensation_mode(),
-                x_factor: x_factor(host.parameters()),
-            };
+        let is_audited = audit.is_some();
+        if let Some(plain) = self.find_plain_move(block, &pending, is_audited) {
+            let move_context = self.move_context(&*host);
             let from = self.state.to_machine(self.state.position);
             let action = plain.apply(&mut self.state, move_context);
             // A block of an arc of no length has no motion.
@@ -281,142 +173,149 @@ impl Interpreter {
                 return Ok(self.command_plain_move(action, from, source));
             }
         }
-        // The state is large: copy it only for formulas.
-        let sources = match syntax.macro_b {
-            true => Some(VariableSources {
-                levels: &run.levels,
-                state: self.state,
-                source,
-                has_huaxing_variables: self.has_huaxing_variables,
-            }),
-            false => None,
-        };
+        let sources = self.variable_sources(&pending);
         if let (Some(statement), Some(known)) = (block.macro_statement(), &sources) {
-            if known.has_huaxing_variables
-                && let Some(alarm) = huaxing_alarm(statement)
-            {
-                return Err(alarm.with_source(source));
-            }
-            let statement_context = StatementContext {
-                program,
-                programs: host.programs(),
-                position,
-                calls: &run.calls,
-                syntax,
-                current_loop: run.levels.innermost_loop(run.calls.len()),
-            };
-            let read_variable = |it| known.read(it, &*host);
-            let effect = statement::evaluate_statement(
-                statement,
-                &statement_context,
-                formula::FormulaContext::new(&read_variable),
-            );
+            let effect = pending.evaluate_statement(statement, known, &*host);
             return self.execute_statement(effect, source, position, host);
         }
-        let resolved = match resolve_block(block, sources.as_ref(), syntax, &*host) {
-            Ok(resolved) => resolved,
-            Err(ReadError::Wait) => return Ok(BlockRead::Wait),
-            Err(ReadError::Fault(alarm)) => return Err(alarm.with_source(source)),
+        let motion = self.state.modal.motion;
+        let converted = match pending.convert(block, sources.as_ref(), motion, &*host) {
+            Ok(converted) => converted,
+            Err(reason) => return ReadObstacle::from(reason).into_read(source),
         };
-        block = resolved.as_ref().unwrap_or(block);
-        let mut metric;
-        if syntax.inch {
-            metric = block.clone();
-            inch::convert_to_metric(&mut metric, self.state.modal.motion);
-            block = &metric;
-        }
+        let block = converted.as_ref().unwrap_or(block);
+        let ahead = pending.lookahead_reader(sources.as_ref(), &*host);
         let mut words = SortedWords::default();
-        words
-            .sort_block(block, self.record())
-            .map_err(|alarm| alarm.with_source(source))?;
-        if words.needs_standstill() && !host.is_settled() && !self.can_read_early(&words) {
-            return Ok(BlockRead::Wait);
-        }
-        let ahead_reader = LookaheadReader {
-            program,
-            syntax,
-            is_skipping,
-            host: &*host,
-            sources: sources.as_ref(),
+        let next = match self.sort_words(block, &pending, &ahead, &mut words) {
+            Ok(next) => next,
+            Err(obstacle) => return obstacle.into_read(source),
         };
-        let is_corner = corner::can_be_corner(&words, &self.state.modal);
-        // A corner or the end of a thread depends on the next block, and not on the time of
-        // its arrival through the serial line.
-        let may_arrive = mdi.is_none() && host.programs().can_bring_block(position.program);
-        if may_arrive
-            && (is_corner || is_thread(&words, &self.state.modal))
-            && !ahead_reader.has_next(position.block)
-        {
-            return Ok(BlockRead::Starved);
-        }
-        let next = if is_corner {
-            match ahead_reader.read_words_after(position.block, 1) {
-                Ok(next) => next,
-                Err(ReadError::Wait) => return Ok(BlockRead::Wait),
-                Err(ReadError::Fault(alarm)) => return Err(alarm.with_source(source)),
-            }
-        } else {
-            None
-        };
-        let read_words = |index, motion| {
-            ahead_reader
-                .read_words_at(index, motion)
-                .map_err(lookahead::to_alarm)
-        };
-        let code_calls = active_code_calls(self.code_calls.as_deref(), run, position);
-        let t_calls = code_calls.and_then(|calls| calls.find_subprogram(&words));
-        let context = BlockContext {
+        let t_call = code_calls.and_then(|calls| calls.find_subprogram(&words));
+        let evaluation = BlockEvaluation {
+            pending: &pending,
+            block,
+            words: &words,
+            next: next.as_ref(),
+            code_calls,
             compensation: self.compensation_mode(),
             machine_codes: self.machine_codes,
-            code_calls,
-            next: next.as_ref(),
-            ..build_context(
-                &*host,
-                &self.model,
-                source,
-                position,
-                &run.calls,
-                mdi.is_some(),
-                &read_words,
-            )
+            model: &self.model,
+            ahead: &ahead,
         };
         let before = self.state;
         let mut plan = Plan::new(source, before.modal);
-        let result = block::evaluate(&mut self.state, &context, &words, &mut plan);
-        if is_audited
-            && result.is_ok()
-            && let Some(audit) = &mut self.audit
-        {
-            let evaluated = EvaluatedBlock {
-                block,
-                words: &words,
-                record: self.model.record(),
-                before: &before,
-                after: &self.state,
-                plan: &plan,
-            };
-            let mut evaluate = |words: &SortedWords, state: &mut State, plan: &mut Plan| {
-                block::evaluate(state, &context, words, plan)
-            };
-            audit.audit_block(program, position.block, &evaluated, &mut evaluate);
-        }
-        let result = result
-            .and_then(|()| plan_modal_call(run, &self.state, &context, &mut plan))
+        let audit = self.audit.as_deref_mut().filter(|_| is_audited);
+        let result = evaluation
+            .evaluate(&mut self.state, &before, audit, &mut plan)
             .and_then(|()| Ok(plan.writes.apply(host.parameters_mut())?));
         if let Err(alarm) = result {
             self.state = before;
             return Err(alarm.with_source(source));
         }
-        if let Some(call) = t_calls
-            && call.address == 'T'
-        {
-            let variables = host.variables_mut();
-            let set = variables.set_real(code_calls::T_VARIABLE, Some(call.code as f64));
-            set.map_err(|alarm| alarm.with_source(source))?;
-        }
+        set_t_variable(t_call, host).map_err(|alarm| alarm.with_source(source))?;
         self.set_compensation_start(&before);
         self.record_source(source);
         Ok(self.store_plan(plan))
+    }
+
+    /// Handles a position at which no block is read.
+    fn pass_boundary<H: Host>(
+        &mut self,
+        boundary: TextBoundary,
+        host: &H,
+    ) -> Result<BlockRead, Alarm> {
+        match boundary {
+            TextBoundary::Starved => Ok(BlockRead::Starved),
+            TextBoundary::TextEnd(last_line) => self.handle_end_of_text(last_line, host),
+            TextBoundary::ProfileEnd(finishing) => {
+                // The last block of the profile ends square to its direction.
+                self.compensation.flush();
+                let mut plan = Plan::return_from_profile(&finishing, &mut self.state);
+                plan.holds_at_move_end = true;
+                self.current_run_mut().finishing = None;
+                self.record_source(plan.source);
+                Ok(self.store_plan(plan))
+            }
+        }
+    }
+
+    /// The source position of a block that cannot be parsed, if it is skipped.
+    ///
+    /// # Errors
+    /// The alarm of the block, with its other foreign words.
+    #[cold]
+    fn skip_unparsed(
+        &self,
+        mut error: BlockError,
+        pending: &mut PendingBlock<'_>,
+    ) -> Result<SourcePosition, Alarm> {
+        pending.locate_unparsed();
+        if pending.is_unparsed_skipped() {
+            return Ok(pending.source);
+        }
+        if error.alarm == number::BAD_ADDRESS {
+            let further = self.find_further_foreign_words(pending.program, pending.position.block);
+            error.detail = append_further(error.detail, further);
+        }
+        Err(Alarm::from(error).with_source(pending.source))
+    }
+
+    /// The move of a block that only moves; `None` for other blocks and where a plan is
+    /// needed.
+    #[inline]
+    fn find_plain_move(
+        &self,
+        block: &ProgramBlock,
+        pending: &PendingBlock<'_>,
+        is_audited: bool,
+    ) -> Option<PlainMove> {
+        let needs_plan = pending.is_mdi
+            || pending.syntax.inch
+            || self.state.scale.is_some()
+            || pending.run.levels.has_modal_call()
+            || (is_audited && has_competing_words(block));
+        match needs_plan {
+            true => None,
+            false => PlainMove::from_block(block, self.state.modal.motion, self.record()),
+        }
+    }
+
+    #[inline]
+    fn move_context<H: Host>(&self, host: &H) -> MoveContext<'static> {
+        MoveContext {
+            record: self.record(),
+            compensation: self.compensation_mode(),
+            x_factor: x_factor(host.parameters()),
+        }
+    }
+
+    /// The variables that formulas of the block read; `None` if it has no formulas.
+    #[inline]
+    fn variable_sources<'a>(&self, pending: &PendingBlock<'a>) -> Option<VariableSources<'a>> {
+        // The state is large: copy it only for formulas.
+        match pending.syntax.macro_b {
+            true => Some(pending.variable_sources(self.state, self.has_huaxing_variables)),
+            false => None,
+        }
+    }
+
+    /// Sorts the words of a block into empty ones. Returns the words of the next block, if the
+    /// block needs them for its corner.
+    #[inline]
+    fn sort_words<H: Host>(
+        &self,
+        block: &ProgramBlock,
+        pending: &PendingBlock<'_>,
+        ahead: &LookaheadReader<'_, H>,
+        words: &mut SortedWords,
+    ) -> Result<Option<SortedWords>, ReadObstacle> {
+        words
+            .sort_block(block, self.record())
+            .map_err(ReadObstacle::Fault)?;
+        if words.needs_standstill() && !ahead.host.is_settled() && !self.can_read_early(words) {
+            return Err(ReadObstacle::Wait);
+        }
+        pending.read_next_words(words, &self.state.modal, ahead)
     }
 
     /// The command of a block that only moves, from machine position `from`, without a plan.
@@ -504,6 +403,11 @@ impl Interpreter {
         BlockRead::Planned
     }
 
+    fn skip_block(&mut self, source: SourcePosition) -> BlockRead {
+        self.record_source(source);
+        BlockRead::Skipped
+    }
+
     pub(super) fn record_source(&mut self, source: SourcePosition) {
         let run = self.current_run_mut();
         run.source = Some(source);
@@ -527,76 +431,42 @@ const fn has_competing_words(block: &ProgramBlock) -> bool {
         || block.has_two_g_codes()
 }
 
-/// The codes that call a program at the position of a run; `None` if they are ordinary.
+/// The text and the run that the next block belongs to.
+///
+/// # Errors
+/// 031 for a missing program.
 #[inline]
-fn active_code_calls<'a>(
-    calls: Option<&'a CodeCalls>,
-    run: &InterpreterRun,
-    position: ProgramPosition,
-) -> Option<&'a CodeCalls> {
-    let stored = !matches!(position.program, ProgramId::Mdi | ProgramId::Dnc);
-    calls.filter(|_| stored && !code_calls::are_ordinary(&run.calls))
-}
-
-/// Plans the macro call that G66 makes after a move, outside the profile of a cycle.
-#[inline]
-fn plan_modal_call(
-    run: &InterpreterRun,
-    state: &State,
-    context: &BlockContext<'_>,
-    plan: &mut Plan,
-) -> Result<(), Alarm> {
-    let can_call =
-        run.levels.has_modal_call() && plan.motion.has_motion() && run.finishing.is_none();
-    if !can_call || !matches!(plan.flow, Flow::Next) {
-        return Ok(());
-    }
-    plan.flow = run.flow_after_move(context.position);
-    match plan.flow {
-        Flow::MacroCall(_) => check_call(state, context, plan.motion.is_contour()),
-        _ => Ok(()),
-    }
-}
-
-/// Whether a block cuts a thread that may continue in the next block.
-fn is_thread(words: &SortedWords, modal: &ModalState) -> bool {
-    let motion = words.motion.unwrap_or(modal.motion);
-    matches!(motion, 32 | 34) && words.one_shot.is_none() && words.has_axis_words()
-}
-
-fn build_context<'a, H: Host>(
+fn find_text<'a, H: Host>(
+    mdi: Option<&'a MdiRun>,
+    main: &'a InterpreterRun,
     host: &'a H,
-    model: &'a ControlModel,
-    source: SourcePosition,
-    position: ProgramPosition,
-    calls: &'a [ProgramCall],
-    mdi: bool,
-    read_words: &'a dyn Fn(u32, u8) -> Result<Option<SortedWords>, Alarm>,
-) -> BlockContext<'a> {
-    let parameters = host.parameters();
-    BlockContext {
-        parameters,
-        model,
-        offsets: host.offsets(),
-        programs: host.programs(),
-        referenced: host.referenced(),
-        calls,
-        source,
-        position,
-        is_mdi: mdi,
-        machine_codes: MachineCodes::default(),
-        code_calls: None,
-        x_factor: x_factor(parameters),
-        compensation: CompensationMode::Never,
-        read_words,
-        next: None,
+) -> Result<(&'a Program, &'a InterpreterRun), Alarm> {
+    match mdi {
+        Some(mdi) => Ok((&mdi.program, &mdi.run)),
+        None => host
+            .programs()
+            .get(main.position.program)
+            .map(|program| (program, main))
+            .ok_or_else(|| missing_program_alarm(main.position.program)),
     }
 }
 
-/// Diameters per programmed X: 2 under radius programming (001.2), else 1.
-fn x_factor(parameters: &ControlParameters) -> i64 {
-    match parameters.is_radius_programming() {
-        true => 2,
-        false => 1,
+/// Checks that the model has G65.
+fn check_macro_code(record: &ModelRecord) -> Result<(), Alarm> {
+    match record.g_code(65) {
+        Some(_) => Ok(()),
+        None => Err(Alarm::new(number::BAD_G).with_detail(say::g_unknown(65))),
+    }
+}
+
+/// Stores the number of a T word that calls a program.
+#[inline]
+fn set_t_variable<H: Host>(call: Option<PlainCall>, host: &mut H) -> Result<(), Alarm> {
+    match call {
+        Some(call) if call.address == 'T' => {
+            let variables = host.variables_mut();
+            Ok(variables.set_real(code_calls::T_VARIABLE, Some(call.code as f64))?)
+        }
+        _ => Ok(()),
     }
 }

@@ -18,7 +18,7 @@ use crate::command::{Action, ThreadPassFeature, ThreadStart};
 use crate::interpreter::codes::positioning::check_stroke;
 use crate::interpreter::context::BlockContext;
 use crate::interpreter::context::exact::{ExactPoint, UNITS_PER_MM, round_to_units, to_mm};
-use crate::interpreter::context::explanation::{DepthRule, PassNote};
+use crate::interpreter::context::explanation::{DepthRule, Explanation, PassNote, formula_message};
 use crate::interpreter::context::moves::{FrameShift, Move};
 use crate::interpreter::context::parameter_writes::ParameterWrites;
 use crate::interpreter::context::state::State;
@@ -400,4 +400,54 @@ impl ThreadGeometry {
 
 fn thread_alarm(detail: Message) -> Alarm {
     Alarm::new(number::CYCLE_DATA).with_detail(say::cycle_in_code(76, detail))
+}
+
+/// Explains a pass of G76. `None` for another note.
+pub(crate) fn explain_thread_pass(note: PassNote) -> Option<Explanation> {
+    let PassNote::ThreadPass {
+        number,
+        depth,
+        previous,
+        height,
+        first,
+        least,
+        rule,
+    } = note
+    else {
+        return None;
+    };
+    let shown = to_mm(depth);
+    let formula = match rule {
+        DepthRule::Root => formula_message(format!(
+            "d{number} = √{number}·{:.3} = {shown:.3}",
+            to_mm(first)
+        )),
+        DepthRule::Least => formula_message(format!(
+            "d{number} = d{} + Δdmin = {:.3} + {:.3} = {shown:.3}",
+            number - 1,
+            to_mm(previous),
+            to_mm(least)
+        )),
+        DepthRule::Last => formula_message(format!(
+            "d{number} = k - d = {:.3} - {:.3}",
+            to_mm(height),
+            to_mm(height - depth)
+        )),
+        DepthRule::Finish => say::explain_finish_pass(shown, to_mm(depth - previous)),
+    };
+    Some(Explanation {
+        code: 76,
+        pass: number,
+        passes: None,
+        level: None,
+        depth: shown,
+        remaining: to_mm(height - depth),
+        formula,
+        words: match rule {
+            DepthRule::Root => "Q(Δd)",
+            DepthRule::Least => "Q(Δdmin), 059",
+            DepthRule::Last => "P(k), R(d), 060",
+            DepthRule::Finish => "P(k), P(m), 057",
+        },
+    })
 }

@@ -20,14 +20,16 @@ use crate::command::{Action, ThreadPassFeature, ThreadStart};
 use crate::interpreter::codes::positioning::check_stroke;
 use crate::interpreter::context::BlockContext;
 use crate::interpreter::context::exact::{ExactPoint, UNITS_PER_MM, round_to_units, to_mm};
-use crate::interpreter::context::explanation::PassNote;
+use crate::interpreter::context::explanation::{
+    Explanation, PassNote, add_start_angle, depth_mm, formula_message,
+};
 use crate::interpreter::context::moves::{FrameShift, Move};
 use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{AxisWords, LeadUnit, SortedWords};
 use crate::interpreter::threads::lead_word;
 use crate::interpreter::threads::tapping::start_angle_degrees;
 use crate::interpreter::threads::thread::{self, RunOut, ThreadCut, long_axis};
-use crate::units::Point;
+use crate::units::{Axis, Point};
 
 /// Least increment of a depth, units of [`ExactPoint`].
 const UNITS_PER_MICRON: i64 = UNITS_PER_MM / 1000;
@@ -291,4 +293,36 @@ impl CountedThread {
 fn thread_alarm(code: u8, detail: Message) -> Alarm {
     let detail = say::dialect_decided(say::cycle_in_code(code, detail));
     Alarm::new(number::CYCLE_DATA).with_detail(detail)
+}
+
+/// Explains a pass of G86 or G87. `None` for another note.
+pub(crate) fn explain_counted_pass(note: PassNote) -> Option<Explanation> {
+    let PassNote::CountedThread {
+        code,
+        pass,
+        passes,
+        start,
+        starts,
+        crest,
+        depth,
+        whole,
+    } = note
+    else {
+        return None;
+    };
+    let formula = formula_message(format!(
+        "d{pass} = {:.3}·√({pass}/{passes}) = {:.3}",
+        to_mm(whole),
+        to_mm(depth)
+    ));
+    Some(Explanation {
+        code,
+        pass: pass.unsigned_abs(),
+        passes: Some(passes.unsigned_abs()),
+        level: Some(to_mm(crest)),
+        depth: depth_mm(Axis::X, depth),
+        remaining: depth_mm(Axis::X, whole - depth),
+        formula: add_start_angle(formula, start + 1, starts),
+        words: "R, L, N, K, I, J",
+    })
 }

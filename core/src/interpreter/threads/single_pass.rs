@@ -15,14 +15,14 @@ use crate::alarm::{Alarm, number};
 use crate::command::{Action, ThreadStart};
 use crate::interpreter::codes::positioning::check_stroke;
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::context::exact::ExactPoint;
-use crate::interpreter::context::explanation::PassNote;
+use crate::interpreter::context::exact::{ExactPoint, to_mm};
+use crate::interpreter::context::explanation::{Explanation, PassNote, depth_mm, formula_message};
 use crate::interpreter::context::moves::{FrameShift, Move};
 use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{AxisWords, LeadUnit, SortedWords};
 use crate::interpreter::threads::lead_word;
 use crate::interpreter::threads::thread::{self, ThreadCut, long_axis};
-use crate::units::Point;
+use crate::units::{Axis, Point};
 
 /// The three moves of a pass, machine coordinates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -113,4 +113,32 @@ impl SinglePass {
 fn pass_alarm(code: u8, detail: Message) -> Alarm {
     let detail = say::dialect_decided(say::cycle_in_code(code, detail));
     Alarm::new(number::CYCLE_DATA).with_detail(detail)
+}
+
+/// Explains G33 or G34 of the Huaxing lathes. `None` for another note.
+pub(crate) fn explain_single_pass(note: PassNote) -> Option<Explanation> {
+    let PassNote::SinglePass {
+        code,
+        a,
+        begin,
+        end,
+    } = note
+    else {
+        return None;
+    };
+    Some(Explanation {
+        code,
+        pass: 1,
+        passes: Some(1),
+        level: Some(to_mm(end.x)),
+        depth: depth_mm(Axis::X, begin.x - a.x).abs(),
+        remaining: 0.0,
+        formula: formula_message(format!(
+            "X_B = {:.3} {:+.3} = {:.3}",
+            to_mm(a.x),
+            to_mm(begin.x - a.x),
+            to_mm(begin.x)
+        )),
+        words: "D, X, Z, K, I",
+    })
 }

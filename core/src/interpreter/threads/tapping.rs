@@ -13,8 +13,8 @@ use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::interpreter::codes::positioning::check_stroke;
 use crate::interpreter::context::BlockContext;
-use crate::interpreter::context::exact::CoordinateRange;
-use crate::interpreter::context::explanation::PassNote;
+use crate::interpreter::context::exact::{CoordinateRange, to_mm};
+use crate::interpreter::context::explanation::{Explanation, PassNote, add_start_angle};
 use crate::interpreter::context::moves::{FrameShift, Move};
 use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{AxisWords, LeadUnit, SortedWords};
@@ -142,4 +142,32 @@ impl Tapping {
 /// The start angle of a start, counted from 0, of a multi-start thread, degrees.
 pub(crate) fn start_angle_degrees(start: u32, starts: u32) -> f64 {
     360.0 * f64::from(start) / f64::from(starts.max(1))
+}
+
+/// Explains a start of rigid tapping. `None` for another note.
+pub(crate) fn explain_tap(note: PassNote) -> Option<Explanation> {
+    let PassNote::Tap {
+        start,
+        starts,
+        a,
+        bottom,
+        code,
+    } = note
+    else {
+        return None;
+    };
+    Some(Explanation {
+        code: if code == 0 { 33 } else { code },
+        pass: start.into(),
+        passes: Some(starts.into()),
+        level: None,
+        depth: to_mm(bottom - a).abs(),
+        remaining: 0.0,
+        formula: add_start_angle(say::explain_tap(to_mm(a), to_mm(bottom)), start, starts),
+        words: match code {
+            84 => "Z, K",
+            85 => "Z, I",
+            _ => "Z(W), F(I), L",
+        },
+    })
 }

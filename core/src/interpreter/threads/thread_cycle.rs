@@ -18,16 +18,18 @@ use crate::interpreter::codes::positioning::check_stroke;
 use crate::interpreter::context::cycle_words::CycleData;
 use crate::interpreter::context::exact::length_on_axis;
 use crate::interpreter::context::exact::{
-    CoordinateRange, ExactPoint, UNITS_PER_MM, round_to_units,
+    CoordinateRange, ExactPoint, UNITS_PER_MM, round_to_units, to_mm,
 };
-use crate::interpreter::context::explanation::PassNote;
+use crate::interpreter::context::explanation::{
+    Explanation, PassNote, add_start_angle, depth_mm, format_corner_b,
+};
 use crate::interpreter::context::moves::{FrameShift, Move};
 use crate::interpreter::context::state::State;
 use crate::interpreter::cycles::box_cycle::check_taper;
 use crate::interpreter::threads::tapping::start_angle_degrees;
 use crate::interpreter::threads::thread::{self, RunOut, ThreadCut, long_axis};
 use crate::memory::ControlParameters;
-use crate::units::Point;
+use crate::units::{Axis, Point};
 
 /// The size of a run-out, and the X that limits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -212,4 +214,37 @@ pub(crate) fn with_start_angle(thread: &Action, degrees: f64) -> Action {
         *start = ThreadStart::AtIndex { degrees };
     }
     action
+}
+
+/// Explains a start of G92. `None` for another note.
+pub(crate) fn explain_thread_start(note: PassNote) -> Option<Explanation> {
+    let PassNote::Thread {
+        start,
+        starts,
+        a,
+        c,
+        taper,
+        run_out: (height, length),
+    } = note
+    else {
+        return None;
+    };
+    Some(Explanation {
+        code: 92,
+        pass: start.into(),
+        passes: Some(starts.into()),
+        level: Some(to_mm(c.x)),
+        depth: depth_mm(Axis::X, c.x - a.x).abs(),
+        remaining: 0.0,
+        formula: add_start_angle(
+            say::explain_thread(
+                format_corner_b(Axis::X, c, taper),
+                to_mm(height),
+                to_mm(length),
+            ),
+            start,
+            starts,
+        ),
+        words: "X(U), Z(W), R, J, K, 019, L",
+    })
 }

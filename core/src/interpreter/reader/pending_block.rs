@@ -1,0 +1,347 @@
+//! The block at the position of a run, and the steps that read it without changing anything.
+
+use crate::alarm::Alarm;
+use crate::command::{ProgramId, SequenceNumber, SourcePosition};
+use crate::interpreter::ModalState;
+use crate::interpreter::codes::corner;
+use crate::interpreter::codes::inch;
+use crate::interpreter::context::code_calls::{self, CodeCalls};
+use crate::interpreter::context::flow::Finishing;
+use crate::interpreter::context::host::Host;
+use crate::interpreter::context::program_position::ProgramPosition;
+use crate::interpreter::context::state::State;
+use crate::interpreter::context::words::SortedWords;
+use crate::interpreter::macros::formula::FormulaContext;
+use crate::interpreter::macros::lookahead::LookaheadReader;
+use crate::interpreter::macros::statement::{self, StatementContext, StatementEffect};
+use crate::interpreter::macros::system::VariableSources;
+use crate::interpreter::macros::variable::ReadError;
+use crate::interpreter::run::InterpreterRun;
+use crate::interpreter::word_audit::{BlockRemark, WordAudit};
+use crate::program::{CodeCall, MacroStatement, Program, ProgramBlock, Syntax};
+
+use super::block_read::BlockRead;
+use super::statements::{huaxing_alarm, resolve_block};
+
+/// The block at the position of a run.
+pub(super) struct PendingBlock<'a> {
+    pub(super) program: &'a Program,
+    pub(super) run: &'a InterpreterRun,
+    pub(super) position: ProgramPosition,
+    pub(super) syntax: Syntax,
+    /// The position for commands and alarms: line 0 and the last sequence number before the
+    /// block is located.
+    pub(super) source: SourcePosition,
+    pub(super) is_mdi: bool,
+    /// Whether blocks marked `/` are skipped.
+    pub(super) is_skipping: bool,
+}
+
+/// A position at which a run reads no block.
+pub(super) enum TextBoundary {
+    /// The end of the profile that G70 runs.
+    ProfileEnd(Finishing),
+    /// The end of the text or of the blocks of a call, after this line.
+    TextEnd(u32),
+    /// The end of the blocks that have arrived through the serial line.
+    Starved,
+}
+
+/// Why a block cannot be evaluated now.
+pub(super) enum ReadObstacle {
+    /// It must wait until every earlier command is finished.
+    Wait,
+    /// The block that it depends on has not arrived through the serial line yet.
+    Starved,
+    /// It raises an alarm.
+    Fault(Alarm),
+}
+
+impl From<ReadError> for ReadObstacle {
+    fn from(reason: ReadError) -> Self {
+        match reason {
+            ReadError::Wait => Self::Wait,
+            ReadError::Fault(alarm) => Self::Fault(alarm),
+        }
+    }
+}
+
+impl ReadObstacle {
+    /// The result of reading the block at this source position.
+    pub(super) fn into_read(self, source: SourcePosition) -> Result<BlockRead, Alarm> {
+        match self {
+            Self::Wait => Ok(BlockRead::Wait),
+            Self::Starved => Ok(BlockRead::Starved),
+            Self::Fault(alarm) => Err(alarm.with_source(source)),
+        }
+    }
+}
+
+impl TextBoundary {
+    /// The boundary at the position of a run; `None` if a block is to be read there.
+    #[inline]
+    pub(super) fn find<H: Host>(
+        program: &Program,
+        run: &InterpreterRun,
+        is_mdi: bool,
+        host: &H,
+    ) -> Option<Self> {
+        let position = run.position;
+        if let Some(finishing) = run
+            .finishing
+            .filter(|profile| profile.is_finished_at(position))
+        {
+            return Some(Self::ProfileEnd(finishing));
+        }
+        if run
+            .calls
+            .last()
+            .is_some_and(|call| call.is_finished_at(position))
+        {
+            let last_line = program.block_line(position.block.saturating_sub(1));
+            return Some(Self::TextEnd(last_line));
+        }
+        if position.block < program.block_count() {
+            return None;
+        }
+        Some(
+            match !is_mdi && host.programs().has_more(position.program) {
+                true => Self::Starved,
+                false => Self::TextEnd(program.line_count()),
+            },
+        )
+    }
+}
+
+impl<'a> PendingBlock<'a> {
+    /// The block at the position of a run over a text, not located yet.
+    #[inline]
+    pub(super) fn new(
+        (program, run): (&'a Program, &'a InterpreterRun),
+        syntax: Syntax,
+        is_mdi: bool,
+        is_skipping: bool,
+    ) -> Self {
+        Self {
+            program,
+            run,
+            position: run.position,
+            syntax,
+            source: SourcePosition {
+                program: run.position.program,
+                line: 0,
+                sequence: run.sequence,
+            },
+            is_mdi,
+            is_skipping,
+        }
+    }
+
+    /// Sets line and sequence number of the block.
+    #[inline]
+    pub(super) fn locate(&mut self, line: u32, n: Option<u32>) {
+        self.source.line = line;
+        self.source.sequence = n.map(SequenceNumber::from).or(self.source.sequence);
+    }
+
+    /// Sets line and sequence number of a block that cannot be parsed.
+    #[cold]
+    pub(super) fn locate_unparsed(&mut self) {
+        let n = self.program.sequence(self.position.block);
+        self.locate(self.program.block_line(self.position.block), n);
+    }
+
+    /// Whether a block that cannot be parsed is skipped.
+    pub(super) fn is_unparsed_skipped(&self) -> bool {
+        self.is_skipping && self.program.has_skip_mark(self.position.block)
+    }
+
+    /// Whether the block is skipped or has no words.
+    #[inline]
+    pub(super) fn is_without_effect(&self, block: &ProgramBlock) -> bool {
+        let is_skipped = self.is_skipping && block.skip;
+        is_skipped || block.is_name_only()
+    }
+
+    /// Adds a remark if the block follows a semicolon in its line.
+    pub(super) fn audit_semicolon(&self, audit: &mut WordAudit) {
+        if self.program.follows_semicolon(self.position.block) {
+            audit.add_remark(BlockRemark::AfterSemicolon, self.source);
+        }
+    }
+
+    /// The codes that call a program in this block; `None` if they are ordinary.
+    #[inline]
+    pub(super) fn active_code_calls<'c>(
+        &self,
+        calls: Option<&'c CodeCalls>,
+    ) -> Option<&'c CodeCalls> {
+        let stored = !matches!(self.position.program, ProgramId::Mdi | ProgramId::Dnc);
+        calls.filter(|_| stored && !code_calls::are_ordinary(&self.run.calls))
+    }
+
+    /// The macro call by the first code of the block; `None` if the block is ordinary or
+    /// skipped. Locates the block that calls.
+    ///
+    /// # Errors
+    /// The alarm of an argument.
+    pub(super) fn find_code_call(&mut self, calls: &CodeCalls) -> Result<Option<CodeCall>, Alarm> {
+        let index = self.position.block;
+        let found = self
+            .program
+            .code_call(index, &|letter, code| calls.find_macro(letter, code));
+        let call = match found {
+            Ok(call) => call.filter(|call| !(self.is_skipping && call.skip)),
+            Err(_) if self.is_unparsed_skipped() => None,
+            Err(error) => {
+                self.source.line = self.program.block_line(index);
+                return Err(Alarm::from(error).with_source(self.source));
+            }
+        };
+        if let Some(call) = &call {
+            self.locate(self.program.block_line(index), call.n);
+        }
+        Ok(call)
+    }
+
+    /// The effect of a macro call by the first code of the block.
+    ///
+    /// # Errors
+    /// The alarm of an argument, or a variable that cannot be read yet.
+    pub(super) fn evaluate_code_call<H: Host>(
+        &self,
+        call: &CodeCall,
+        state: State,
+        host: &H,
+    ) -> Result<StatementEffect, ReadError> {
+        let sources = self.variable_sources(state, false);
+        let context = StatementContext {
+            current_loop: None,
+            ..self.statement_context(host)
+        };
+        let read_variable = |it| sources.read(it, host);
+        statement::evaluate_code_call(call, &context, FormulaContext::new(&read_variable))
+    }
+
+    /// The effect of a statement of macro B.
+    ///
+    /// # Errors
+    /// The alarm of the statement, or a variable that cannot be read yet.
+    pub(super) fn evaluate_statement<H: Host>(
+        &self,
+        statement: &MacroStatement,
+        sources: &VariableSources<'_>,
+        host: &H,
+    ) -> Result<StatementEffect, ReadError> {
+        if sources.has_huaxing_variables
+            && let Some(alarm) = huaxing_alarm(statement)
+        {
+            return Err(alarm.into());
+        }
+        let context = self.statement_context(host);
+        let read_variable = |it| sources.read(it, host);
+        statement::evaluate_statement(statement, &context, FormulaContext::new(&read_variable))
+    }
+
+    fn statement_context<'s, H: Host>(&'s self, host: &'s H) -> StatementContext<'s> {
+        StatementContext {
+            program: self.program,
+            programs: host.programs(),
+            position: self.position,
+            calls: &self.run.calls,
+            syntax: self.syntax,
+            current_loop: self.run.levels.innermost_loop(self.run.calls.len()),
+        }
+    }
+
+    /// The variables that formulas of the block read. `state` is that after the previous
+    /// block.
+    #[inline]
+    pub(super) fn variable_sources(
+        &self,
+        state: State,
+        has_huaxing_variables: bool,
+    ) -> VariableSources<'a> {
+        VariableSources {
+            levels: &self.run.levels,
+            state,
+            source: self.source,
+            has_huaxing_variables,
+        }
+    }
+
+    /// Reads the blocks after this one.
+    #[inline]
+    pub(super) fn lookahead_reader<'s, H>(
+        &self,
+        sources: Option<&'s VariableSources<'s>>,
+        host: &'s H,
+    ) -> LookaheadReader<'s, H>
+    where
+        'a: 's,
+    {
+        LookaheadReader {
+            program: self.program,
+            syntax: self.syntax,
+            is_skipping: self.is_skipping,
+            host,
+            sources,
+        }
+    }
+
+    /// A copy of the block with numbers in place of its variables and formulas, in mm; `None`
+    /// if it has such numbers only.
+    ///
+    /// # Errors
+    /// The alarm of a formula, or a variable that cannot be read yet.
+    #[inline]
+    pub(super) fn convert<H: Host>(
+        &self,
+        block: &ProgramBlock,
+        sources: Option<&VariableSources<'_>>,
+        motion: u8,
+        host: &H,
+    ) -> Result<Option<ProgramBlock>, ReadError> {
+        let resolved = resolve_block(block, sources, self.syntax, host)?;
+        if !self.syntax.inch {
+            return Ok(resolved);
+        }
+        let mut metric = resolved.unwrap_or_else(|| block.clone());
+        inch::convert_to_metric(&mut metric, motion);
+        Ok(Some(metric))
+    }
+
+    /// The words of the next block, if the block needs them for its corner.
+    ///
+    /// # Errors
+    /// A next block that has not arrived, cannot be read yet or has an alarm.
+    #[inline]
+    pub(super) fn read_next_words<H: Host>(
+        &self,
+        words: &SortedWords,
+        modal: &ModalState,
+        ahead: &LookaheadReader<'_, H>,
+    ) -> Result<Option<SortedWords>, ReadObstacle> {
+        let is_corner = corner::can_be_corner(words, modal);
+        // A corner or the end of a thread depends on the next block, and not on the time of
+        // its arrival through the serial line.
+        let may_arrive =
+            !self.is_mdi && ahead.host.programs().can_bring_block(self.position.program);
+        if may_arrive
+            && (is_corner || is_thread(words, modal))
+            && !ahead.has_next(self.position.block)
+        {
+            return Err(ReadObstacle::Starved);
+        }
+        match is_corner {
+            true => Ok(ahead.read_words_after(self.position.block, 1)?),
+            false => Ok(None),
+        }
+    }
+}
+
+/// Whether a block cuts a thread that may continue in the next block.
+fn is_thread(words: &SortedWords, modal: &ModalState) -> bool {
+    let motion = words.motion.unwrap_or(modal.motion);
+    matches!(motion, 32 | 34) && words.one_shot.is_none() && words.has_axis_words()
+}
