@@ -465,7 +465,7 @@ fn set_t_variable<H: Host>(call: Option<PlainCall>, host: &mut H) -> Result<(), 
     match call {
         Some(call) if call.address == 'T' => {
             let variables = host.variables_mut();
-            Ok(variables.set_real(code_calls::T_VARIABLE, Some(call.code as f64))?)
+            variables.set_real(code_calls::T_VARIABLE, Some(call.code as f64))
         }
         _ => Ok(()),
     }
