@@ -323,19 +323,7 @@ impl Window {
                 }
             });
         stop_key_clearance::store_stop_keys(ui.ctx(), &self.placed_areas);
-        self.settings.solid = self.views.lathe().is_solid();
-        let finished = self.views.lessons().finished_lessons();
-        if self.settings.lessons != *finished {
-            self.settings.lessons.clone_from(finished);
-        }
-        let transfer = self.views.transfer().settings();
-        if self.settings.transfer != *transfer {
-            self.settings.transfer.clone_from(transfer);
-        }
-        let projects = self.views.project().settings();
-        if self.settings.projects != *projects {
-            self.settings.projects.clone_from(projects);
-        }
+        self.store_view_settings();
         if let Some(requests) = requests {
             if requests.needs_window_area() {
                 self.first_start = None;
@@ -379,6 +367,28 @@ impl Window {
         if !focused {
             self.release_keys();
         }
+        self.renew_held_keys(ui.ctx());
+    }
+
+    /// Copies what the views keep for the next start into the settings.
+    fn store_view_settings(&mut self) {
+        self.settings.solid = self.views.lathe().is_solid();
+        let finished = self.views.lessons().finished_lessons();
+        if self.settings.lessons != *finished {
+            self.settings.lessons.clone_from(finished);
+        }
+        let transfer = self.views.transfer().settings();
+        if self.settings.transfer != *transfer {
+            self.settings.transfer.clone_from(transfer);
+        }
+        let projects = self.views.project().settings();
+        if self.settings.projects != *projects {
+            self.settings.projects.clone_from(projects);
+        }
+    }
+
+    /// Reports that the window is alive while keys are held.
+    fn renew_held_keys(&self, context: &egui::Context) {
         self.console
             .input_watch
             .set_holders(self.held_keys.holders());
@@ -386,7 +396,7 @@ impl Window {
             // The kernel releases all keys when it receives no `Alive` command from the
             // window, or when the display does not show the keys as held.
             self.console.send(Command::Alive);
-            ui.ctx().request_repaint_after(QUERY_INTERVAL);
+            context.request_repaint_after(QUERY_INTERVAL);
         }
     }
 
