@@ -28,8 +28,9 @@ const Z_LIMITS: LimitSwitches = LimitSwitches {
 pub struct LatheConfig {
     /// Name of the lathe in lists and titles.
     pub name: String,
-    /// Whether the tool post is on the rear side of the spindle axis, as in the pictures of
-    /// the manual.
+    /// Whether the tool post is on the rear side of the spindle axis, where X+ points up the
+    /// picture (manual I-3.1.1 to I-3.1.3). The lathe as delivered has a front tool post: the
+    /// keys of parameter 175.0 = 0 agree with its picture.
     pub rear_tool_post: bool,
     /// Cross slide; lengths in diameter, mm.
     #[serde(with = "CrossSlide")]
@@ -51,7 +52,7 @@ impl Default for LatheConfig {
     fn default() -> Self {
         Self {
             name: "training lathe".to_owned(),
-            rear_tool_post: true,
+            rear_tool_post: false,
             x: AxisConfig::cross_slide(),
             z: AxisConfig::default(),
             turret: TurretConfig::default(),

@@ -474,9 +474,9 @@ impl LatheView {
         Camera::fit(bounds, self.is_rear(), rect)
     }
 
-    /// Whether the tool post is on the far side of the spindle; true until the first result.
+    /// Whether the tool post is on the far side of the spindle; false until the first result.
     const fn is_rear(&self) -> bool {
-        self.preview.rear_tool_post || self.preview.program_count == 0
+        self.preview.rear_tool_post
     }
 
     /// Handles the mouse and touch input in the picture.
