@@ -82,7 +82,7 @@ impl TrialOperator {
             hand: MouseOperator::on_bench(bench),
             _folder: folder,
         };
-        operator.wait_for_text("come from the job file");
+        operator.wait_for_text("Stock and tools come from ");
         operator.hand.bench.click("Measure");
         let page = "press MDI\npress PRG\npress PGDN\nexpect row 1 \"(程序段值)\"\npress POS";
         operator.hand.run_script(page);

@@ -151,6 +151,7 @@ impl Kernel {
             Ok(begun) => begun,
             Err(why) => return self.notify(Notice::Message(why)),
         };
+        let name = practice.lesson().name.clone();
         self.leave_lesson();
         self.release_keys();
         let beside = self.part.empty_for_same_window();
@@ -162,9 +163,10 @@ impl Kernel {
             own_raised: core::mem::take(&mut self.alarm_history),
         };
         self.lesson = Some(own);
+        let file = job.is_some().then(|| format!("{name}.ron").into());
         self.part.set_job(Some(SelectedJob {
             job: job.unwrap_or_else(|| Job::new(Stock::bar(50.0, 0.0, 60.0))),
-            file: None,
+            file,
         }));
         self.key_refusals = KeyRefusals::default();
     }

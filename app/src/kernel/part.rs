@@ -1,6 +1,7 @@
 //! The part in the simulated lathe: the slides cut it as they move, whether a view shows it
 //! or not. A collision may stop the lathe.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use crossbeam::queue::ArrayQueue;
@@ -19,8 +20,8 @@ use crate::job::SelectedJob;
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartView {
     pub job: Arc<Job>,
-    /// The job is a guess, not read from a file.
-    pub is_guessed: bool,
+    /// Name of the file that the job comes from; `None`: it is guessed.
+    pub job_name: Option<Arc<str>>,
     /// Half section of what is left of the stock.
     pub section: Arc<Region>,
     /// Tool in the working position, 0 = none.
@@ -67,7 +68,7 @@ pub(super) fn end_crash_faults(simulation: &mut Simulation) {
 pub(super) struct KernelPart {
     live: Option<LivePart>,
     job: Arc<Job>,
-    is_guessed: bool,
+    job_name: Option<Arc<str>>,
     crash_stops: bool,
     /// A view shows the part.
     visible: bool,
@@ -86,7 +87,7 @@ impl KernelPart {
         Self {
             live: None,
             job: Arc::new(Job::new(gsk_workpiece::stock::Stock::bar(50.0, 0.0, 60.0))),
-            is_guessed: true,
+            job_name: None,
             crash_stops: true,
             visible: false,
             has_gripped: false,
@@ -121,7 +122,8 @@ impl KernelPart {
         self.last = None;
         self.live = chosen.map(|chosen| {
             self.job = Arc::new(chosen.job.clone());
-            self.is_guessed = chosen.file.is_none();
+            let name = chosen.file.as_deref().and_then(Path::file_name);
+            self.job_name = name.map(|name| name.to_string_lossy().into());
             LivePart::new(chosen.create_machining())
         });
     }
@@ -183,7 +185,7 @@ impl KernelPart {
         let mounting = live.machining().mounting();
         let view = PartView {
             job: Arc::clone(&self.job),
-            is_guessed: self.is_guessed,
+            job_name: self.job_name.clone(),
             section: Arc::clone(&self.section),
             tool,
             tip: mounting.tip_in_part(tool, cnc.position_machine(), &frame),

@@ -119,14 +119,14 @@ impl LatheView {
         self.time_bar
             .show(ui, made, running.map(to_block_ref), language);
         let (words, color) = match &self.part {
-            Some(part) if part.is_guessed && self.instruments.job.is_own_change(&part.job) => {
-                (say::lathe_changed(), theme::STATE_TEXT)
-            }
-            Some(part) if part.is_guessed && self.preview.is_practice_job => {
-                (say::lathe_practice(), theme::STATE_TEXT)
-            }
-            Some(part) if part.is_guessed => (say::lathe_guessed(), theme::WARNING),
-            Some(_) => (say::lathe_job(), theme::STATE_TEXT),
+            Some(part) => match &part.job_name {
+                Some(name) => (say::lathe_job(name), theme::STATE_TEXT),
+                None if self.instruments.job.is_own_change(&part.job) => {
+                    (say::lathe_changed(), theme::STATE_TEXT)
+                }
+                None if self.preview.is_practice_job => (say::lathe_practice(), theme::STATE_TEXT),
+                None => (say::lathe_guessed(), theme::WARNING),
+            },
             None if self.preview.is_practice_job => (say::lathe_no_path(), theme::STATE_TEXT),
             None if self.preview.program_count > 0 => (say::lathe_nothing_cut(), theme::WARNING),
             None => (say::window_one_moment(), theme::STATE_TEXT),

@@ -263,7 +263,7 @@ impl LatheView {
         let file = file.filter(|(program, _)| selected == Some(*program));
         let lathe = job::JobContext {
             job: &part.job,
-            is_guessed: part.is_guessed,
+            is_guessed: part.job_name.is_none(),
             program_file: file.map(|(_, path)| path.as_path()),
             used_tools: tools
                 .iter()
