@@ -64,7 +64,7 @@ enum LineFault {
 struct PlacedFault(usize, u64, LineFault);
 
 impl PlacedFault {
-    fn to_text(&self) -> String {
+    fn to_text(self) -> String {
         let fault = match self.2 {
             LineFault::Lost => "lost",
             LineFault::Doubled => "doubled",
@@ -118,7 +118,7 @@ impl LineState {
                 match fault {
                     // Received at another baud rate, each byte becomes two others.
                     LineFault::WrongBaudRate => {
-                        carried = vec![byte.rotate_left(3) ^ 0xE0, byte | 0xF0]
+                        carried = vec![byte.rotate_left(3) ^ 0xE0, byte | 0xF0];
                     }
                     _ if (*fault_direction, *count) != (direction, index) => continue,
                     LineFault::Lost => carried.clear(),
@@ -151,7 +151,7 @@ const LINE_VARIABLE: &str = "GSK980TD_TEST_LINE";
 impl FaultyLine {
     fn start(control: &str, plan: &FaultPlan) -> Self {
         let mut fields = vec![control.to_owned()];
-        fields.extend(plan.faults.iter().map(PlacedFault::to_text));
+        fields.extend(plan.faults.iter().map(|fault| fault.to_text()));
         let mut child = Command::new(std::env::current_exe().expect("this test"))
             .args(["--exact", "--nocapture", "transfer_faults::the_line_itself"])
             .env(LINE_VARIABLE, fields.join(";"))

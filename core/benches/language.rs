@@ -85,7 +85,7 @@ fn bench(criterion: &mut Criterion) {
         let elements = seen.blocks.max(seen.moves);
         group.throughput(Throughput::Elements(elements));
         group.bench_function(name, |bencher| {
-            bencher.iter(|| check_program(&setup, &text))
+            bencher.iter(|| check_program(&setup, &text));
         });
     }
     group.finish();

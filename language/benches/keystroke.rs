@@ -75,7 +75,7 @@ fn keystroke(criterion: &mut Criterion) {
         });
     });
     group.bench_function("look", |bench| {
-        bench.iter(|| black_box(analyse_text(&text)))
+        bench.iter(|| black_box(analyse_text(&text)));
     });
     group.bench_function("structure", |bench| {
         bench.iter(|| black_box(Structure::read(&text)));

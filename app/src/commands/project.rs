@@ -201,7 +201,7 @@ fn compare(args: &ProjectDiffArgs, language: Option<Language>) -> Result<u8, Com
             output::print(&format!("{text}\n"));
         }
         DiffFormat::Human if differences.is_empty() => {
-            print_message(&say::project_same(), language)
+            print_message(&say::project_same(), language);
         }
         DiffFormat::Human => {
             print_differences(&differences, &old, &new, language);

@@ -380,7 +380,7 @@ impl PcWorkerThread {
             PcWorkerCommand::Delete(places) => self.delete(places),
             PcWorkerCommand::Rename { from, to } => self.rename(from, to),
             PcWorkerCommand::StorePushed { path, file } => {
-                self.events.send(store_pushed(&path, &file))
+                self.events.send(store_pushed(&path, &file));
             }
             // The job that asked has ended meanwhile.
             PcWorkerCommand::Answer(_) => {}

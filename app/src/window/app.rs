@@ -148,7 +148,7 @@ impl App {
         // The board stops at once when the display is lost, whatever the window library does.
         let display_lost = ending.clone();
         platform::watch_display(display, console.input_watch.clone(), move || {
-            display_lost.request()
+            display_lost.request();
         })?;
         let thread = kernel::start(kernel, &console, kernel_host)?;
         let mut window = Window::new(console, settings.clone());

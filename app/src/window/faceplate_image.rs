@@ -113,7 +113,7 @@ impl AreaSlot {
         let waker = context.clone();
         let thread_sender = sender.clone();
         let started = platform::run_in_background("faceplate", move || {
-            render(area, scale, &thread_sender, &waker)
+            render(area, scale, &thread_sender, &waker);
         });
         if started.is_err() {
             render(area, scale, &sender, context);

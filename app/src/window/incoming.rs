@@ -78,7 +78,7 @@ impl Window {
                         Some(StatusMessage::for_preview(self.message.take(), file, look));
                 }
                 Notice::KeyRefusal(Some(reason)) => {
-                    self.message = Some(StatusMessage::KeyRefused(reason))
+                    self.message = Some(StatusMessage::KeyRefused(reason));
                 }
                 Notice::KeyRefusal(None) => {
                     self.message

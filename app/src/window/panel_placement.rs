@@ -51,7 +51,7 @@ impl PlacedArea {
     }
 
     /// Converts a rectangle of the panel to window points, with its edges on whole pixels.
-    pub fn to_window(&self, rect: faceplate::Rect) -> Rect {
+    pub fn to_window(self, rect: faceplate::Rect) -> Rect {
         let snap = |at: f32| (at * self.pixels_per_point).round() / self.pixels_per_point;
         let x = |units: f32| snap(self.origin.x + units * self.scale);
         let y = |units: f32| snap(self.origin.y + units * self.scale);
@@ -62,7 +62,7 @@ impl PlacedArea {
     }
 
     /// Converts a position in the window to panel units.
-    pub fn to_panel(&self, position: Pos2) -> (f32, f32) {
+    pub fn to_panel(self, position: Pos2) -> (f32, f32) {
         let from_origin = (position - self.origin) / self.scale;
         (from_origin.x, from_origin.y)
     }

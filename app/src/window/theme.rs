@@ -713,6 +713,7 @@ mod tests {
     }
 
     #[test]
+    #[allow(clippy::print_stdout, reason = "the figures are read with --nocapture")]
     fn texts_have_contrast_to_their_grounds() {
         for (what, inks, grounds) in texts_on_grounds() {
             for ink in inks {

@@ -56,7 +56,7 @@ impl CheckedParameters {
 
     /// The alarm that forbids motion until the board is connected again; `None` if no
     /// relevant parameter has changed.
-    pub(crate) fn to_alarm(&self, parameters: &ControlParameters) -> Option<Alarm> {
+    pub(crate) fn to_alarm(self, parameters: &ControlParameters) -> Option<Alarm> {
         let changed = self.changed_parameter(parameters)?;
         let why = say::parameter_since_connection(changed);
         Some(Alarm::new(number::BOARD_SETTINGS).with_detail(why))

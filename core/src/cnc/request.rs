@@ -215,7 +215,7 @@ impl Cnc {
             | ControlRequest::ClearParts
             | ControlRequest::ClearCuttingTime => {}
             ControlRequest::SelectProgram(number) => {
-                self.select_program(ProgramId::Stored(number))?
+                self.select_program(ProgramId::Stored(number))?;
             }
             ControlRequest::CursorTo(line) => self.move_cursor(line),
             ControlRequest::NotFound { sequence } => return Err(self.search_alarm(sequence)),
@@ -236,7 +236,7 @@ impl Cnc {
             ControlRequest::SetSerialPort(state) => self.serial_port = state,
             ControlRequest::StoreReceived(received) => self.store_received(received)?,
             ControlRequest::StoreEdited { number, program } => {
-                self.store_edited(number, program)?
+                self.store_edited(number, program)?;
             }
             ControlRequest::StoreProgram(text) => self.store_program(text)?,
             ControlRequest::OpenExternal(program) => self.open_external(program)?,
@@ -246,7 +246,7 @@ impl Cnc {
                 self.set_macro_variable(number, value)?;
             }
             ControlRequest::SetPitch { axis, point, value } => {
-                self.set_pitch(axis, point, value)?
+                self.set_pitch(axis, point, value)?;
             }
             ControlRequest::SetOffset { number, entry } => self.set_offset(number, entry)?,
             ControlRequest::SetParameter { number, value } => self.set_parameter(number, value)?,

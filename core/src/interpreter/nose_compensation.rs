@@ -60,7 +60,7 @@ impl Interpreter {
                 Ok(AdvanceResult::Starved) => return Ok(AdvanceResult::Starved),
                 // The reader reads the block again when every earlier command is finished.
                 Ok(AdvanceResult::Wait | AdvanceResult::Ended) | Err(_) if is_holding => {
-                    self.compensation.flush()
+                    self.compensation.flush();
                 }
                 answer => return answer,
             }

@@ -278,7 +278,7 @@ impl Walker {
         match effect {
             StatementEffect::Nothing => {}
             StatementEffect::Assign(number, value) => {
-                self.assign_variable(number, value, system)?
+                self.assign_variable(number, value, system)?;
             }
             StatementEffect::Enter(entered) => self.levels.enter_loop(entered),
             StatementEffect::Repeat(first) => self.jump_to(first),

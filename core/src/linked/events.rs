@@ -270,7 +270,7 @@ impl LinkedControl {
                 });
             }
             LinkEvent::Differs(difference) => {
-                self.log.notes.push(LinkNote::SettingDiffers(difference))
+                self.log.notes.push(LinkNote::SettingDiffers(difference));
             }
         }
     }

@@ -216,7 +216,7 @@ impl TryFrom<BTreeMap<u16, Stored>> for Variables {
         for (number, value) in values {
             match value {
                 Stored::Whole(value) if Self::has_integer(number) => {
-                    variables.set(number, value)?
+                    variables.set(number, value)?;
                 }
                 Stored::Whole(value) => variables.set_real(number, Some(value as f64))?,
                 // Earlier versions stored such values from project folders. The variable is

@@ -179,7 +179,7 @@ impl DncBuffer {
         };
         let first = reading.saturating_sub(LINES_BEFORE);
         let gone = self.window.block_from_line(first);
-        self.window = self.window.from_line_with(first, &self.arrived);
+        self.window = self.window.join_from_line(first, &self.arrived);
         self.arrived.clear();
         self.arrived_first_line = self.line;
         gone

@@ -395,7 +395,7 @@ impl Program {
 
     /// The text from a line of the file on, followed by more text. The lines keep their
     /// numbers.
-    pub(super) fn from_line_with(&self, first: u32, more: &str) -> Self {
+    pub(super) fn join_from_line(&self, first: u32, more: &str) -> Self {
         let first = first.max(self.shared.first_line);
         let kept = self.shared.text.get(self.shared.line_byte(first)..);
         let whole = [kept.unwrap_or(""), more].concat();

@@ -114,10 +114,10 @@ impl Panel {
             'U' if relative => requests.push(ControlRequest::ZeroRelative(Axis::X)),
             'W' if relative => requests.push(ControlRequest::ZeroRelative(Axis::Z)),
             'X' if self.page == PageId::PosAll => {
-                requests.push(ControlRequest::SetMachineZero(Axis::X))
+                requests.push(ControlRequest::SetMachineZero(Axis::X));
             }
             'Z' if self.page == PageId::PosAll => {
-                requests.push(ControlRequest::SetMachineZero(Axis::Z))
+                requests.push(ControlRequest::SetMachineZero(Axis::Z));
             }
             'N' if counters => requests.push(ControlRequest::ClearParts),
             'T' if counters => requests.push(ControlRequest::ClearCuttingTime),

@@ -112,7 +112,7 @@ impl PathDrawing {
                 }
             }
             MoveKind::Feed | MoveKind::Thread | MoveKind::RunOut => {
-                self.add_line(line_kind, from, to)
+                self.add_line(line_kind, from, to);
             }
             MoveKind::Clockwise | MoveKind::CounterClockwise => {
                 let clockwise = executed.kind == MoveKind::Clockwise;

@@ -33,7 +33,7 @@ pub fn render(drawing: &PathDrawing, language: Language) -> String {
         };
         clip_to_frame(points, layout.frame, |part| {
             coverage.draw_uncovered(part, |part| {
-                write_polyline(&mut out, LinePen::for_line(made), part)
+                write_polyline(&mut out, LinePen::for_line(made), part);
             });
         });
     }

@@ -65,7 +65,7 @@ fn the_control_cuts_what_the_preview_shows() {
     programs.select(ProgramId::External);
     let mut shown = Vec::new();
     let preview = preview(&setup, &programs, &mut |moved| {
-        shown.push(cycle_move(moved))
+        shown.push(cycle_move(moved));
     });
     assert_eq!(preview.alarm, None);
     assert_eq!(

@@ -114,7 +114,7 @@ fn block_needs(block: &str, threads: ThreadCapability, dry_run: bool) -> BlockNe
                     // In dry run all motion is feed.
                     ('G', Some(96)) if !dry_run => needs.surface_speed = true,
                     ('G', Some(number)) if !dry_run => {
-                        needs.refused_function = g_code_refusal(number, threads)
+                        needs.refused_function = g_code_refusal(number, threads);
                     }
                     ('M', Some(98)) => call = true,
                     ('P', number) => called = number,

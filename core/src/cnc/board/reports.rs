@@ -67,7 +67,7 @@ impl Cnc {
                 self.set_count(*pulses);
             }
             BoardReport::Alarm { alarm, in_pass } => {
-                self.raise_board_alarm(alarm.clone(), *in_pass)
+                self.raise_board_alarm(alarm.clone(), *in_pass);
             }
             BoardReport::PositionlessFault(alarm) => self.raise(alarm.clone()),
             BoardReport::PersistentAlarm(alarm) => {

@@ -95,7 +95,7 @@ impl State {
     }
 
     /// Machine coordinates of a programmed point.
-    pub(crate) fn to_machine(&self, program: ExactPoint) -> ExactPoint {
+    pub(crate) fn to_machine(self, program: ExactPoint) -> ExactPoint {
         program + self.zero + self.offset
     }
 

@@ -38,6 +38,7 @@ pub(super) struct PendingBlock<'a> {
 }
 
 /// A position at which a run reads no block.
+#[derive(Clone, Copy)]
 pub(super) enum TextBoundary {
     /// The end of the profile that G70 runs.
     ProfileEnd(Finishing),

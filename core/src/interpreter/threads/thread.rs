@@ -108,7 +108,7 @@ impl ThreadCut {
     /// The actions of the thread and of its run-out. The first is `None` if the run-out takes
     /// up the whole thread.
     pub(crate) fn to_actions(
-        &self,
+        self,
         shift: FrameShift,
         start: ThreadStart,
     ) -> (Option<Action>, Option<Action>) {

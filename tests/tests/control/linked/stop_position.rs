@@ -175,7 +175,7 @@ fn a_stopped_board_of_timed_steps_is_shown_at_its_position() {
     let breaks = |machine: &mut LinkedMachine<TimedBoard>| machine.twin.fail();
     assert_shows_made_pulses(&ready, breaks, (608, 4, SHUT_DOWN));
     let breaks = |machine: &mut LinkedMachine<TimedBoard>| {
-        machine.simulation.lathe.set_emergency_button(true)
+        machine.simulation.lathe.set_emergency_button(true);
     };
     assert_shows_made_pulses(&ready, breaks, (207, 20, SHUT_DOWN));
     let breaks = |machine: &mut LinkedMachine<TimedBoard>| machine.twin.press_reset();

@@ -79,7 +79,7 @@ impl CommissionView {
             .resizable(false)
             .frame(super::side_frame())
             .show(ui, |ui| {
-                wants_scope = self.show_steps(ui, language, machine)
+                wants_scope = self.show_steps(ui, language, machine);
             });
         CentralPanel::default()
             .frame(super::side_frame())

@@ -407,7 +407,7 @@ impl LatheView {
             // Highlighting all passes of a cycle would hide the part.
             match pass {
                 Some(pass) => {
-                    path_lines::highlight_pass(&painter, &camera, &path.pass_segments(pass))
+                    path_lines::highlight_pass(&painter, &camera, &path.pass_segments(pass));
                 }
                 None => path_lines::highlight_block(&painter, &camera, path, *block, false),
             }

@@ -307,7 +307,7 @@ impl ProgramView {
         self.is_loading = matches!(next, TextToLoad::File(_) | TextToLoad::Memory(_));
         match next {
             TextToLoad::New => {
-                self.set_document(ProgramDocument::new(TextOrigin::New, ""), context)
+                self.set_document(ProgramDocument::new(TextOrigin::New, ""), context);
             }
             TextToLoad::Choose => self.document_store.choose_file(self.bar.language, context),
             TextToLoad::File(path) => self.document_store.load_file(path, context),
@@ -331,7 +331,7 @@ impl ProgramView {
                 match JumpTarget::parse(&typed) {
                     Some(target) => self.go_to(target, 0, context),
                     None => {
-                        self.message = Some(EditorMessage::Bad(say::program_go_to_nothing(typed)))
+                        self.message = Some(EditorMessage::Bad(say::program_go_to_nothing(typed)));
                     }
                 }
             }
@@ -483,7 +483,7 @@ impl ProgramView {
                 match document.origin {
                     TextOrigin::Memory(_) => self.document_store.store(document, context),
                     TextOrigin::File(..) | TextOrigin::New => {
-                        self.document_store.save(document, language, context)
+                        self.document_store.save(document, language, context);
                     }
                 }
             }

@@ -336,7 +336,7 @@ impl ProjectView {
                     }
                 }
                 ProjectEvent::FolderTaken(document) => {
-                    self.question = Some(ProjectQuestion::Replace(document))
+                    self.question = Some(ProjectQuestion::Replace(document));
                 }
             }
         }

@@ -138,7 +138,7 @@ impl TransferView {
                     }
                 }
                 Some(JobRequest::Answer(answer)) => {
-                    self.send_order(PcWorkerCommand::Answer(answer))
+                    self.send_order(PcWorkerCommand::Answer(answer));
                 }
                 Some(JobRequest::Close) => self.job = None,
                 None => {}

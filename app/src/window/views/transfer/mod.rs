@@ -197,7 +197,7 @@ impl TransferView {
         while let Ok(result) = self.chosen_paths.1.try_recv() {
             match result {
                 ChosenPath::File(path, name) => {
-                    self.dialog = Some(TransferDialog::new_file(path, name))
+                    self.dialog = Some(TransferDialog::new_file(path, name));
                 }
                 ChosenPath::List(list) => {
                     self.settings.list = list;
@@ -207,12 +207,12 @@ impl TransferView {
                     self.send_order(PcWorkerCommand::Receive {
                         locations: places,
                         into,
-                    })
+                    });
                 }
                 ChosenPath::BackUp(folder) => self.send_order(PcWorkerCommand::BackUp(folder)),
                 ChosenPath::Restore(folder) => self.dialog = Some(TransferDialog::Restore(folder)),
                 ChosenPath::Save(path, file) => {
-                    self.send_order(PcWorkerCommand::StorePushed { path, file })
+                    self.send_order(PcWorkerCommand::StorePushed { path, file });
                 }
             }
         }
