@@ -55,7 +55,7 @@ pub enum Event {
     MoveEnded(ExecutedMove),
     /// A block begins, with its modal state.
     BlockStarted(SourcePosition, ModalState),
-    /// Explanation of the move that begins; sent only while [`Cnc::explain`] is on.
+    /// Explanation of the move that begins; sent only while [`Cnc::set_explaining`] is on.
     Explained(Explanation),
     /// A block was finished.
     BlockEnded(SourcePosition),

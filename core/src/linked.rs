@@ -174,7 +174,7 @@ impl LinkedControl {
     }
 
     /// Passes received bytes and the host time to the link. Call it at least every 5 ms,
-    /// and before [`may_tick`](Self::may_tick).
+    /// and before [`can_tick`](Self::can_tick).
     pub fn pump(&mut self, bytes: &[u8], now: HostTime) {
         let gap = self.clock.advance(now);
         self.handle_host_gap(gap);

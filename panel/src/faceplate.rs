@@ -1,6 +1,6 @@
 //! Contains the geometry of the panel: a table of parts in panel units (manual III-1.2). The
 //! window and the painter draw it, and the pointer is looked up in it. In a narrow window the
-//! panel is split into [areas](PanelArea::APART).
+//! panel is split into [areas](PanelArea::SECTIONS).
 //!
 //! One panel unit is half a dot of the LCD. At every scale that is a multiple of one half, LCD
 //! dots are whole pixels.

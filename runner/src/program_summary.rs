@@ -50,7 +50,7 @@ pub fn summarize(
     totals.into_summary(name, setup, &preview)
 }
 
-/// Like [`look`], but continues after alarms. Also returns all alarms, in their order, and the
+/// Like [`summarize`], but continues after alarms. Also returns all alarms, in their order, and the
 /// likely mistakes.
 pub fn summarize_past_alarms(
     name: String,

@@ -113,7 +113,7 @@ impl SetupWords {
     /// The set-up of an operator script.
     ///
     /// # Errors
-    /// As for [`Self::setup`].
+    /// As for [`Self::program_setup`].
     pub fn script_setup(&self) -> Result<Setup, String> {
         self.apply_to(Setup::for_operator_script())
     }

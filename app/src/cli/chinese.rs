@@ -197,7 +197,7 @@ pub fn chinese_command() -> Command {
     ChineseTexts::read().translate_command(command)
 }
 
-/// Translates the sentences of clap in a rendered text of [`command`].
+/// Translates the sentences of clap in a rendered text of [`chinese_command`].
 pub fn translate_clap_text(rendered: &str) -> String {
     ChineseTexts::read().translate_rendered(rendered)
 }

@@ -51,7 +51,7 @@ pub fn memory_folder(directory: &Path, model: ModelId) -> PathBuf {
     }
 }
 
-/// The data directory of a model's memory folder: the inverse of [`folder`].
+/// The data directory of a model's memory folder: the inverse of [`memory_folder`].
 pub fn data_directory(folder: &Path, model: ModelId) -> PathBuf {
     match model {
         ModelId::Gsk980td => folder.to_owned(),

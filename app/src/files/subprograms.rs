@@ -70,7 +70,7 @@ pub fn find_called(
     find_in_index(&index_folder(main), calls, loaded, model, &read)
 }
 
-/// Like [`find`], in an index of programs by number; `read` returns the text of a file.
+/// Like [`find_called`], in an index of programs by number; `read` returns the text of a file.
 pub fn find_in_index(
     index: &BTreeMap<u16, PathBuf>,
     calls: SubprogramCalls,

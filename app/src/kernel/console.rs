@@ -57,7 +57,7 @@ pub enum Command {
     Turn(i32),
     /// Open a program read from a file.
     Open(Box<OpenedProgram>),
-    /// Open a program and press [自动] and cycle start. With a pulse board the program is
+    /// Open a program and press 自动 and cycle start. With a pulse board the program is
     /// opened only.
     OpenAndStart(Box<OpenedProgram>),
     /// Receive a file through the serial port.

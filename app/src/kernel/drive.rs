@@ -53,7 +53,7 @@ pub struct BoardConnection {
     /// Folder for the dictionaries of boards, so that a known board connects faster;
     /// `None`: keep none.
     pub dictionary_folder: Option<PathBuf>,
-    /// The program of the process that holds the port: [`crate::platform::own_program`].
+    /// The program of the process that holds the port: [`crate::platform::own_executable`].
     pub holder_program: PathBuf,
 }
 

@@ -187,7 +187,7 @@ pub enum OffsetEntry {
 
 impl Cnc {
     /// Executes a request, or raises the alarm that refuses it. Where the manual specifies
-    /// no alarm, the refusal is silent; see [`refuses`](Self::refuses).
+    /// no alarm, the refusal is silent; see [`request_refusal`](Self::request_refusal).
     ///
     /// # Errors
     /// The alarm that was raised: 031 or 071 program not found, 060 sequence number not

@@ -18,7 +18,7 @@ pub enum LinkNote {
         /// Whether both counts agree.
         agrees: bool,
     },
-    /// The data dictionary of a board, for [`Linked::know`](super::Linked::know) at the
+    /// The data dictionary of a board, for [`LinkedControl::add_dictionaries`](super::LinkedControl::add_dictionaries) at the
     /// next opening.
     DictionaryReceived {
         /// Processor and firmware version.

@@ -145,7 +145,7 @@ pub fn move_duration(
 }
 
 /// Highest speed of each axis in a rapid or a cut, mm/min (for an arc, the speed on its
-/// path); `feed` as for [`duration`].
+/// path); `feed` as for [`move_duration`].
 pub fn top_speed(kind: MoveKind, displacement: Point, feed: f64, limits: &MotionLimits) -> Point {
     if kind == MoveKind::Rapid && limits.rapids_are_straight() {
         return straight_rapid::top_speed(limits, displacement) * 60.0;

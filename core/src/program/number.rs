@@ -22,9 +22,9 @@ enum NumberNotation {
 /// On addresses that accept a point (X Z U W R I J K, and F) the value is in mm, s, mm/min,
 /// …, with or without a point. Lengths are rounded to the least input increment of 0.001
 /// (manual I-1.3.1). A number can also be a reference to a variable, until
-/// [`Block::resolve`] replaces it.
+/// [`ProgramBlock::resolve`] replaces it.
 ///
-/// [`Block::resolve`]: super::Block::resolve
+/// [`ProgramBlock::resolve`]: super::ProgramBlock::resolve
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WordNumber {
     millionths: i64,

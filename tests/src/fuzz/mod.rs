@@ -1,8 +1,8 @@
 //! Fuzz targets: plain functions from bytes, for the driver `fuzz` or any other engine.
 //!
 //! A target panics when the program violates an invariant. It wraps each unit of work (a
-//! parsed block, a tick, a slot of the ladder) in [`watch::unit`], so that a driver sees the
-//! longest one. It reports what an input reached with [`watch::seen`], so that a driver keeps
+//! parsed block, a tick, a slot of the ladder) in [`watch::run_unit`], so that a driver sees the
+//! longest one. It reports what an input reached with [`watch::record_event`], so that a driver keeps
 //! inputs with new results.
 //!
 //! Targets that take a program read settings from a comment in its first line: `(SET 13=1
