@@ -1,6 +1,6 @@
 //! Chooses the most important message for the message line.
 
-use egui::Ui;
+use egui::{Align, Layout, Ui};
 use gsk_messages::say;
 use gsk_panel::keys::Key;
 
@@ -9,8 +9,23 @@ use super::{Window, alarm_text, focus, key_label, top_bar};
 use crate::kernel::Command;
 
 impl Window {
-    /// Draws the message line.
+    /// Draws the message line. At its end a slow computer is indicated: it hides no message.
     pub(super) fn show_message_line(&self, ui: &mut Ui) {
+        let speed = self.snapshot.as_ref().map(|it| it.speed_percent);
+        let Some(speed) = speed.filter(|speed| *speed < 100) else {
+            return self.show_top_message(ui);
+        };
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            top_bar::show_slow_computer(ui, speed, self.settings.language);
+            let rest = ui.available_size();
+            ui.allocate_ui_with_layout(rest, Layout::left_to_right(Align::Center), |ui| {
+                self.show_top_message(ui);
+            });
+        });
+    }
+
+    /// Draws the most important message.
+    fn show_top_message(&self, ui: &mut Ui) {
         let language = self.settings.language;
         if let Some(key) = self.held_keys.latched_key() {
             let text = say::window_key_is_kept_hint(key_label(key)).text(language);
@@ -20,18 +35,10 @@ impl Window {
         if let Some(crash @ StatusMessage::Collided(_)) = &self.message
             && faults > 0
         {
-            if top_bar::crash(ui, &crash.text(language), language) {
+            if top_bar::show_crash(ui, &crash.text(language), language) {
                 self.console.send(Command::FreeLathe);
             }
             return;
-        }
-        let speed = self
-            .snapshot
-            .as_ref()
-            .map_or(100, |picture| picture.speed_percent);
-        if speed < 100 {
-            let text = say::window_too_slow(speed).text(language);
-            return top_bar::show_message(ui, Some(&text), true, "");
         }
         let pressed = self
             .snapshot

@@ -304,9 +304,16 @@ pub fn show_message(ui: &mut Ui, message: Option<&str>, warning: bool, hint: &st
     });
 }
 
+/// Indicates that the computer is too slow for the machine: `percent` of its speed is reached.
+pub fn show_slow_computer(ui: &mut Ui, percent: u32, language: Language) {
+    let text = say::window_slow_computer(percent).text(language);
+    let label = ui.label(RichText::new(text).color(theme::WARNING));
+    label.on_hover_text(say::window_too_slow(percent).text(language));
+}
+
 /// Draws a crash that has stopped the lathe. The button is left of the text, where a long text
 /// does not hide it. Returns true when the button is clicked.
-pub fn crash(ui: &mut Ui, text: &str, language: Language) -> bool {
+pub fn show_crash(ui: &mut Ui, text: &str, language: Language) -> bool {
     ui.horizontal_centered(|ui| {
         let words =
             RichText::new(say::window_free_lathe().text(language)).color(theme::TEXT_ON_BRIGHT);
