@@ -16,6 +16,7 @@ pub mod part;
 mod preview_setup;
 pub mod probe;
 mod program_opening;
+mod program_start;
 mod program_wait;
 mod thread;
 
@@ -61,6 +62,8 @@ use monitor::MachineView;
 use part::KernelPart;
 use probe::{ActiveProbe, Probe};
 use program_opening::LastOpened;
+pub use program_start::StartDistance;
+use program_start::StartWatch;
 use program_wait::WaitWatch;
 pub use thread::{KernelEnvironment, KernelThread, start};
 
@@ -113,6 +116,7 @@ pub struct Kernel {
     key_edges: KeyEdgeQueue,
     key_refusals: KeyRefusals,
     wait_watch: WaitWatch,
+    start_watch: StartWatch,
     tick: u64,
     last_snapshot: Option<PanelSnapshot>,
     speed_percent: u32,
@@ -161,6 +165,7 @@ impl Kernel {
             key_edges: KeyEdgeQueue::default(),
             key_refusals: KeyRefusals::default(),
             wait_watch: WaitWatch::default(),
+            start_watch: StartWatch::default(),
             tick: 0,
             last_snapshot: None,
             speed_percent: 100,
@@ -241,6 +246,7 @@ impl Kernel {
         }
         self.tick += 1;
         self.alarm_history.update(&self.emulator.simulation.cnc);
+        self.start_watch.update(&self.emulator.simulation.cnc);
         if let Some(serial) = &mut self.serial {
             // Files are exchanged with the learner's own machine, also during a lesson.
             let own = match &mut self.lesson {
@@ -338,6 +344,7 @@ impl Kernel {
             program_wait: self
                 .wait_watch
                 .report(self.tick, self.emulator.simulation.cnc.run_state()),
+            start_distance: self.start_watch.report(&self.emulator.simulation.cnc),
             is_moving: self.emulator.simulation.cnc.is_moving() || self.motion().spindle_rpm > 0.0,
             program: self.emulator.simulation.cnc.programs().selected(),
             lesson: self.lesson.as_ref().map(PracticeSession::state),

@@ -26,6 +26,7 @@ mod part;
 mod pitch;
 #[path = "common/process.rs"]
 mod process;
+mod program_start;
 mod program_view;
 mod project;
 #[cfg(unix)]

@@ -33,6 +33,7 @@ use super::link_view::LinkView;
 use super::monitor::MachineView;
 use super::part::PartView;
 use super::probe::Probe;
+use super::program_start::StartDistance;
 use super::program_wait::ProgramWait;
 use crate::input_watch::InputWatch;
 use crate::job::SelectedJob;
@@ -258,6 +259,9 @@ pub struct PanelSnapshot {
     pub run_state: RunState,
     /// What the running program waits for, once that takes longer than usual.
     pub program_wait: Option<ProgramWait>,
+    /// The distance from the last start of the selected program, if its G50 would take another
+    /// start point.
+    pub start_distance: Option<StartDistance>,
     /// A slide or the spindle moves.
     pub is_moving: bool,
     /// The selected program.

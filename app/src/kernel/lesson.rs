@@ -14,6 +14,7 @@ use super::alarm_history::AlarmHistory;
 use super::key_refusals::KeyRefusals;
 use super::part::KernelPart;
 use super::program_opening::LastOpened;
+use super::program_start::StartWatch;
 use super::{Kernel, Notice};
 use crate::job::SelectedJob;
 
@@ -169,6 +170,7 @@ impl Kernel {
             file,
         }));
         self.key_refusals = KeyRefusals::default();
+        self.start_watch = StartWatch::default();
     }
 
     /// Restores the learner's own machine unchanged.
@@ -180,6 +182,7 @@ impl Kernel {
             self.last_opened = lesson.own_opened;
             self.alarm_history = lesson.own_raised;
             self.key_refusals = KeyRefusals::default();
+            self.start_watch = StartWatch::default();
         }
     }
 

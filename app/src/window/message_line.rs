@@ -1,12 +1,13 @@
 //! Chooses the most important message for the message line.
 
 use egui::{Align, Layout, Ui};
-use gsk_messages::say;
+use gsk_core::command::ProgramId;
+use gsk_messages::{Language, Message, say};
 use gsk_panel::keys::Key;
 
 use super::status_message::StatusMessage;
 use super::{Window, alarm_text, focus, key_label, top_bar};
-use crate::kernel::Command;
+use crate::kernel::{Command, StartDistance};
 
 impl Window {
     /// Draws the message line. At its end a slow computer is indicated: it hides no message.
@@ -75,6 +76,11 @@ impl Window {
             let text = say::window_waits(place.unwrap_or_default(), condition).text(language);
             return top_bar::show_message(ui, Some(&text), false, "");
         }
+        let start = self.snapshot.as_ref().and_then(|it| it.start_distance);
+        if let Some(start) = start.filter(|_| !warned) {
+            let text = Self::start_distance_text(start, language).text(language);
+            return top_bar::show_message(ui, Some(&text), true, "");
+        }
         let is_position_unknown = self.snapshot.as_ref().is_some_and(|it| it.position_unknown);
         let program = self.snapshot.as_ref().and_then(|it| it.program);
         // A lesson shows its own instructions.
@@ -91,5 +97,14 @@ impl Window {
         let text = message.map(|message| message.text(language));
         let warning = message.is_some_and(StatusMessage::is_warning);
         top_bar::show_message(ui, text.as_deref(), warning, &hint.text(language));
+    }
+    /// The sentence about a program that would start away from its last start point.
+    fn start_distance_text(start: StartDistance, language: Language) -> Message {
+        let name = match start.program {
+            ProgramId::Stored(number) => format!("O{number:04}"),
+            _ => say::window_this_program().text(language),
+        };
+        let (x, z) = (start.distance.diameter().0, start.distance.z);
+        say::window_start_differs(name, x, z)
     }
 }

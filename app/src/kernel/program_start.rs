@@ -1,0 +1,98 @@
+//! Compares the position at which a program would start with that of its last start.
+//!
+//! A program that begins with G50 takes the current position as its start point. After RESET in
+//! the cut it would move through the part.
+
+use gsk_core::cnc::{Cnc, Event};
+use gsk_core::command::ProgramId;
+use gsk_core::operation::{OperatingMode, RunState};
+use gsk_core::program::Program;
+use gsk_core::units::Point;
+
+/// Distances up to this one are not reported, mm.
+const TOLERANCE_MM: f64 = 0.1;
+/// Lines of a program in which its first G50 is searched.
+const FIRST_LINES: usize = 12;
+
+/// The distance of the slides from the last start of the selected program.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StartDistance {
+    pub program: ProgramId,
+    /// Last start minus current position, mm, X as a radius.
+    pub distance: Point,
+}
+
+/// The last start of a program.
+#[derive(Debug, Default)]
+pub(super) struct StartWatch {
+    /// Program and slide position of the last start, machine coordinates.
+    last_start: Option<(ProgramId, Point)>,
+    /// The last run came to its end: the next start may be anywhere.
+    is_complete: bool,
+    run_state: Option<RunState>,
+}
+
+impl StartWatch {
+    /// Follows the control; call it after every tick.
+    pub(super) fn update(&mut self, cnc: &Cnc) {
+        let now = cnc.run_state();
+        let before = self.run_state.replace(now);
+        let ended = |event: &Event| matches!(event, Event::ProgramEnded { .. });
+        self.is_complete |= cnc.events().iter().any(ended);
+        let starts = before == Some(RunState::Reset) && now == RunState::Run;
+        if !starts || cnc.mode().motion() != OperatingMode::Auto {
+            return;
+        }
+        let Some(program) = cnc.programs().selected() else {
+            return;
+        };
+        let is_same = self.last_start.is_some_and(|(last, _)| last == program);
+        if self.is_complete || !is_same {
+            self.last_start = Some((program, cnc.position_machine()));
+        }
+        self.is_complete = false;
+    }
+
+    /// The distance from the last start, while the selected program waits for its start in
+    /// automatic mode and begins with G50. `None` if it is close to that start.
+    pub(super) fn report(&self, cnc: &Cnc) -> Option<StartDistance> {
+        let (program, last) = self.last_start?;
+        let waits = cnc.run_state() == RunState::Reset && !cnc.is_position_unknown();
+        let is_selected = cnc.programs().selected() == Some(program);
+        if !waits || !is_selected || cnc.mode().motion() != OperatingMode::Auto {
+            return None;
+        }
+        let distance = last - cnc.position_machine();
+        let is_far = distance.x.abs() * 2.0 > TOLERANCE_MM || distance.z.abs() > TOLERANCE_MM;
+        let sets_coordinates = || cnc.programs().get(program).is_some_and(begins_with_g50);
+        (is_far && sets_coordinates()).then_some(StartDistance { program, distance })
+    }
+}
+
+/// Whether one of the first blocks is G50 with coordinates.
+fn begins_with_g50(program: &Program) -> bool {
+    program.text().lines().take(FIRST_LINES).any(|line| {
+        let code = line.split(['(', ';']).next().unwrap_or_default();
+        let Some((_, words)) = code.split_once("G50") else {
+            return false;
+        };
+        words.contains(['X', 'Z', 'U', 'W'])
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_g50_with_coordinates_sets_them() {
+        for (text, expected) in [
+            ("O1\nG50 X100 Z100\nM30\n", true),
+            ("O1\nN10G50Z5\nM30\n", true),
+            ("O1\nG50 S2000\nM30\n", false),
+            ("O1 (G50 X1)\nG00 X1\nM30\n", false),
+        ] {
+            assert_eq!(begins_with_g50(&Program::new(text)), expected, "{text}");
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! The sentence about a program that would start away from its last start point.
+
+use crate::common::WindowBench;
+use egui_kittest::kittest::Queryable;
+use gsk_app::kernel::Command;
+use gsk_core::operation::RunState;
+use gsk_panel::keys::Key;
+
+fn is_reported(bench: &WindowBench) -> bool {
+    let mut all = bench
+        .harness
+        .query_all_by_label_contains("the last start was");
+    all.next().is_some()
+}
+
+fn tap(bench: &mut WindowBench, key: Key) {
+    bench.console.send(Command::Tap(key));
+    bench.run(300);
+}
+
+#[test]
+fn a_start_after_reset_in_the_cut_is_explained_until_the_tool_is_back() {
+    let mut bench = WindowBench::new();
+    bench.open("01-stepped-shaft.CNC");
+    tap(&mut bench, Key::Auto);
+    assert!(!is_reported(&bench), "the first start may be anywhere");
+    tap(&mut bench, Key::CycleStart);
+    for _ in 0..100 {
+        bench.run(200);
+    }
+    let cnc = &bench.kernel.emulator().simulation.cnc;
+    assert_eq!(cnc.run_state(), RunState::Run);
+    tap(&mut bench, Key::Reset);
+    bench.run(1000);
+    assert!(is_reported(&bench), "{}", bench.lcd_of_kernel());
+    tap(&mut bench, Key::ProgramZero);
+    for key in [Key::XDown, Key::ZRight] {
+        bench.console.send(Command::Key { key, down: true });
+        for _ in 0..150 {
+            bench.run(200);
+        }
+        bench.console.send(Command::Key { key, down: false });
+        bench.run(200);
+    }
+    tap(&mut bench, Key::Auto);
+    assert!(!is_reported(&bench), "{}", bench.lcd_of_kernel());
+}
