@@ -187,6 +187,32 @@ fn new_stock_clears_the_collision_message() {
     assert!(!is_shown(&bench));
 }
 
+/// The label with the time left of the running program.
+fn time_left(bench: &WindowBench) -> String {
+    let mut all = bench.harness.query_all_by_label_contains(" left:");
+    let label = all.next().and_then(|node| node.label());
+    label.expect("the time left")
+}
+
+#[test]
+fn the_time_left_runs_within_a_block() {
+    let mut bench = open_program(
+        "O0007\nG50 X100 Z100\nT0101 M03 S800\nG00 X42 Z2\n\
+        G90 X36 Z-30 F60\nG00 X100 Z100\nM30\n",
+    );
+    bench.click("Automatic mode");
+    bench.click("Cycle start");
+    let mut left = Vec::new();
+    for _ in 0..3 {
+        for _ in 0..30 {
+            bench.run(200);
+        }
+        assert!(bench.lcd().contains("G90"), "the cycle runs");
+        left.push(time_left(&bench));
+    }
+    assert!(left[0] != left[1] && left[1] != left[2], "{left:?}");
+}
+
 /// Types a number into a field.
 fn fill(bench: &mut WindowBench, label: &str, number: &str) {
     let spin = By::new().role(Role::SpinButton).label_contains(label);

@@ -114,10 +114,12 @@ impl LatheView {
                 }
             }
         }
-        let running = self.part.as_ref().and_then(|part| part.block);
+        let running = self.part.as_ref().and_then(|part| {
+            let block = part.block.map(to_block_ref)?;
+            Some((block, to_pos2(part.tip)))
+        });
         let made = (&self.preview.times, &self.preview.path);
-        self.time_bar
-            .show(ui, made, running.map(to_block_ref), language);
+        self.time_bar.show(ui, made, running, language);
         let (words, color) = match &self.part {
             Some(part) => match &part.job_name {
                 Some(name) => (say::lathe_job(name), theme::STATE_TEXT),

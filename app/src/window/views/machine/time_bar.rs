@@ -3,15 +3,17 @@
 
 use std::sync::Arc;
 
-use egui::{Color32, Rect, RichText, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+use egui::{Color32, Pos2, Rect, RichText, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 use gsk_messages::{Language, say};
 use gsk_runner::text_format::format_whole_seconds as clock;
 use gsk_runner::times::{ProgramTimes, TimeUse};
 
-use super::path::{BlockRef, DrawnPath, SegmentKind};
+use super::path::{BlockRef, DrawnPath, SegmentKind, nearest_point_on};
 use crate::window::theme;
 
 const COLUMN_COUNT: usize = 600;
+/// A tip nearer to a segment than this is on it, mm.
+const ON_PATH_MM: f32 = 0.05;
 /// Height of the bar, points.
 const BAR_HEIGHT: f32 = 12.0;
 
@@ -20,17 +22,20 @@ const BAR_HEIGHT: f32 = 12.0;
 pub struct TimeBar {
     drawn_path: Option<Arc<DrawnPath>>,
     columns: Vec<SegmentKind>,
-    /// Machine time of the running block, s. A repeated block has a later time.
-    running_block_s: f32,
+    /// Machine time at which the running block begins, s. A repeated block has a later time.
+    block_start_s: f32,
+    /// Machine time at the tip of the tool, s: within the running block.
+    now_s: f32,
 }
 
 impl TimeBar {
-    /// Draws bar and sums. `running`: the block that is being executed.
+    /// Draws bar and sums. `running`: the block that is being executed, and the tip of the tool
+    /// in part coordinates.
     pub fn show(
         &mut self,
         ui: &mut Ui,
         (times, path): (&ProgramTimes, &Arc<DrawnPath>),
-        running: Option<BlockRef>,
+        running: Option<(BlockRef, Pos2)>,
         language: Language,
     ) {
         let total_s = times.spent().total_s();
@@ -42,10 +47,8 @@ impl TimeBar {
             self.columns = fill_columns(path, total_s as f32);
             self.drawn_path = Some(Arc::clone(path));
         }
-        self.running_block_s = running.map_or(0.0, |block| {
-            block_start_s(path, block, self.running_block_s)
-        });
-        let share = (self.running_block_s / total_s as f32).clamp(0.0, 1.0);
+        self.follow(path, running);
+        let share = (self.now_s / total_s as f32).clamp(0.0, 1.0);
         self.draw_bar(ui, running.map(|_| share), times, language);
         ui.horizontal_wrapped(|ui| {
             let mut add_label = |words: String, color| ui.label(RichText::new(words).color(color));
@@ -53,7 +56,7 @@ impl TimeBar {
             add_label(
                 match running {
                     Some(_) => {
-                        let left = clock(total_s - f64::from(self.running_block_s));
+                        let left = clock(total_s - f64::from(self.now_s));
                         say::lathe_time_left(all, left).text(language)
                     }
                     None => say::lathe_time(all).text(language),
@@ -68,6 +71,21 @@ impl TimeBar {
                 }
             }
         });
+    }
+
+    /// Follows the tip along the segments of the running block.
+    fn follow(&mut self, path: &DrawnPath, running: Option<(BlockRef, Pos2)>) {
+        let Some((block, tip)) = running else {
+            (self.block_start_s, self.now_s) = (0.0, 0.0);
+            return;
+        };
+        let start = block_start_s(path, block, self.block_start_s);
+        if start != self.block_start_s {
+            (self.block_start_s, self.now_s) = (start, start);
+        }
+        if let Some(at) = time_at_tip(path, block, self.now_s, tip) {
+            self.now_s = self.now_s.max(at);
+        }
     }
 
     fn draw_bar(&self, ui: &mut Ui, at: Option<f32>, times: &ProgramTimes, language: Language) {
@@ -130,6 +148,33 @@ fn fill_columns(path: &DrawnPath, total_s: f32) -> Vec<SegmentKind> {
         }
     }
     columns
+}
+
+/// Machine time at which the tip is on a segment of a block, s: the first such segment that does
+/// not end before `earliest_s`. `None` if the tip is on no segment.
+fn time_at_tip(path: &DrawnPath, block: BlockRef, earliest_s: f32, tip: Pos2) -> Option<f32> {
+    let of_block = path.segments().filter(|(_, piece)| {
+        piece.line == block.line && piece.program == block.program && piece.end_s >= earliest_s
+    });
+    let mut of_block = of_block.peekable();
+    let mut last_start_s = None;
+    while let Some((from, piece)) = of_block.next() {
+        let nearest = nearest_point_on(from, piece.end, tip);
+        // The chords of an arc have the times of the whole arc.
+        let next_start_s = of_block.peek().map(|(_, next)| next.start_s);
+        let is_chord = [last_start_s, next_start_s].contains(&Some(piece.start_s));
+        last_start_s = Some(piece.start_s);
+        if (tip - nearest).length() > ON_PATH_MM {
+            continue;
+        }
+        let length = (piece.end - from).length();
+        let share = match is_chord || length <= 0.0 {
+            true => 0.0,
+            false => (nearest - from).length() / length,
+        };
+        return Some(piece.start_s + share * (piece.end_s - piece.start_s));
+    }
+    None
 }
 
 /// Machine time at which a block begins, s: the first start that is not before `earliest_s`.
