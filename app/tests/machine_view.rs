@@ -190,7 +190,7 @@ fn new_stock_clears_the_collision_message() {
 /// The label with the time left of the running program.
 fn time_left(bench: &WindowBench) -> String {
     let mut all = bench.harness.query_all_by_label_contains(" left:");
-    let label = all.next().and_then(|node| node.label());
+    let label = all.next().and_then(|node| node.accesskit_node().label());
     label.expect("the time left")
 }
 

@@ -40,7 +40,7 @@ impl StartWatch {
         let ended = |event: &Event| matches!(event, Event::ProgramEnded { .. });
         self.is_complete |= cnc.events().iter().any(ended);
         let starts = before == Some(RunState::Reset) && now == RunState::Run;
-        if !starts || cnc.mode().motion() != OperatingMode::Auto {
+        if !starts || cnc.mode() != OperatingMode::Auto {
             return;
         }
         let Some(program) = cnc.programs().selected() else {
@@ -59,7 +59,7 @@ impl StartWatch {
         let (program, last) = self.last_start?;
         let waits = cnc.run_state() == RunState::Reset && !cnc.is_position_unknown();
         let is_selected = cnc.programs().selected() == Some(program);
-        if !waits || !is_selected || cnc.mode().motion() != OperatingMode::Auto {
+        if !waits || !is_selected || cnc.mode() != OperatingMode::Auto {
             return None;
         }
         let distance = last - cnc.position_machine();
