@@ -290,7 +290,8 @@ pub enum Action {
         frame: Frame,
         /// The point that a G50 sets as program zero; `None` for other frames.
         program_zero: Option<Point>,
-        /// Whether the relative coordinates change with the absolute ones (005.1 PPD).
+        /// Whether the relative coordinates take the values of the absolute ones when the
+        /// work zero moves (005.1 PPD); otherwise they keep their values.
         relative: bool,
     },
     /// M function for the PLC. It begins together with the motion and the other functions
@@ -325,7 +326,7 @@ pub enum Action {
         tool: u8,
         /// Offset number; 0 cancels the offset.
         offset: u8,
-        /// Whether the block has no further action after this one.
+        /// Whether neither a motion nor a stop or end of the program follows in the block.
         is_last: bool,
     },
     /// M00: stops the run after all previous commands have finished.

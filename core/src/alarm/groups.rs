@@ -30,7 +30,7 @@ pub const fn is_memory_alarm(number: u16) -> bool {
     matches!(number, number::MEMORY_DAMAGED | number::WRITE_INTERRUPTED)
 }
 
-/// Whether the alarm concerns an arc after a corner. The move before that corner does
+/// Whether the alarm concerns the corner between a move and the arc after it. That move does
 /// not begin then.
 pub(crate) const fn is_corner_alarm(number: u16) -> bool {
     matches!(
