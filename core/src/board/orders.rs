@@ -27,7 +27,7 @@ pub(crate) struct BoardOrders {
     pub is_emergency_stop: bool,
     /// Whether RESET is active.
     pub is_resetting: bool,
-    /// Whether an alarm of the board is in force, which only RESET clears.
+    /// Whether an alarm of the board or of its link is in force.
     pub has_board_alarm: bool,
     /// Whether an axis has backlash compensation: a stop may interrupt it.
     pub compensates_backlash: bool,
