@@ -7,7 +7,7 @@ use crate::command::MoveKind;
 use crate::memory::ControlParameters;
 use crate::units::{Axis, Feed, Point, TICK_S};
 
-/// Mean speed of the last tick along the path, mm/min.
+/// Mean speed along the path in the last tick, mm/min.
 fn speed(interpolator: &Interpolator) -> f64 {
     interpolator.velocity().length() * 60.0
 }
