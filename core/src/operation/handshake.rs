@@ -30,7 +30,7 @@ pub enum Strobe {
 pub enum HandshakePhase {
     /// No handshake is under way.
     Idle,
-    /// The code is output; the strobe goes on after this many ms.
+    /// The code is output; the strobe is switched on after this many ms.
     Code(u32),
     /// The strobe is on; FIN has been on for this many ms.
     Strobe(u32),

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// 参数开关 and 程序开关: while one is on, its memory may be written.
+/// The switches 参数开关 (parameters) and 程序开关 (programs). Each permits changes of its data
+/// while on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct WriteSwitches {
     /// 参数开关: parameters may be written.
