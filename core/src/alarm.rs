@@ -38,7 +38,7 @@ pub enum AlarmClass {
     Plc,
 }
 
-/// One row of the alarm table.
+/// One row of the alarm table: number, class and texts of an alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AlarmRow {
     /// The class; it decides the prefix on the screen and which stop the alarm causes.

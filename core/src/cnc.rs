@@ -51,7 +51,7 @@ const ESP_MASK: u8 = 1 << 5;
 /// An event of a tick, reported to the caller of [`Cnc::tick`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
-    /// A move was finished or interrupted.
+    /// A programmed move was finished or interrupted: its executed part.
     MoveEnded(ExecutedMove),
     /// A block begins: its source position, and the modal state after it.
     BlockStarted(SourcePosition, ModalState),
@@ -59,7 +59,7 @@ pub enum Event {
     Explained(Explanation),
     /// The block at this source position was finished.
     BlockEnded(SourcePosition),
-    /// An alarm was raised.
+    /// This alarm was raised.
     AlarmRaised(Alarm),
     /// An action of the operator had no effect or ended early, with the reason; no alarm.
     Advised(Message),
@@ -69,12 +69,12 @@ pub enum Event {
     ProgramEnded {
         /// Whether M30 was programmed, or M02 on a model that has it.
         m30: bool,
-        /// Whether M02 was programmed.
+        /// Whether M02 ended the program; `m30` is then true too.
         m02: bool,
     },
 }
 
-/// The control with all its state.
+/// The simulated control; its whole state can be saved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cnc {
     pub(crate) memory: BatteryMemory,

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::{Axis, Feed, PerAxis, Point, round};
 
-/// Which program a block belongs to.
+/// Identifies the program that a block belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ProgramId {
     /// The program of the program memory with this O number.
@@ -58,7 +58,7 @@ pub struct SourcePosition {
 /// radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
-    /// Machine coordinate of the work zero.
+    /// Machine coordinates of the work zero, mm.
     pub zero: Point,
     /// Tool offset in force, added to programmed coordinates.
     pub offset: Point,
@@ -110,7 +110,7 @@ impl ZeroOffset {
 }
 
 impl Frame {
-    /// Converts programmed coordinates to machine coordinates.
+    /// Converts programmed to machine coordinates, mm.
     pub fn to_machine(&self, program: Point) -> Point {
         program + self.zero + self.offset
     }
@@ -126,7 +126,7 @@ impl Frame {
 pub struct ControlCommand {
     /// The block that the command comes from.
     pub source: SourcePosition,
-    /// What the control does.
+    /// The action that the control executes.
     pub action: Action,
     /// Modal state after the block; the pages show it while the command runs.
     pub modal: ModalState,
@@ -205,17 +205,17 @@ impl ProgrammedX {
 pub enum Action {
     /// G00: each axis moves at its own rapid rate, so the path is not straight.
     Rapid {
-        /// End point.
+        /// End point of the rapid.
         to: Point,
     },
-    /// G01: straight cut.
+    /// Straight cut (G01).
     Line {
-        /// End point.
+        /// End point of the cut.
         to: Point,
-        /// Feed along the path.
+        /// Feed along the path of the cut.
         feed: Feed,
     },
-    /// G02, G03: circular cut.
+    /// Circular cut (G02, G03).
     Arc {
         /// End point; equal to the start for a full circle.
         to: Point,
@@ -223,12 +223,12 @@ pub enum Action {
         center: Point,
         /// Whether the arc is clockwise, as seen with +Z to the right and +X up.
         clockwise: bool,
-        /// Feed along the path.
+        /// Feed along the arc.
         feed: Feed,
     },
     /// Straight cut synchronised with the spindle angle (G32, G34, G92, G76).
     Thread {
-        /// End point.
+        /// End point of the thread.
         to: Point,
         /// Axis that the lead is measured along; a lead along X is a radius.
         #[serde(rename = "long")]
@@ -264,7 +264,7 @@ pub enum Action {
     },
     /// G04: waits for a time; a time of zero is an exact stop.
     Dwell {
-        /// Duration, ms.
+        /// Duration of the wait, ms.
         ms: u32,
     },
     /// G28: axes without a reference point seek it as in manual mode, by deceleration
@@ -286,7 +286,7 @@ pub enum Action {
     },
     /// Puts a new coordinate frame into force (G50, T).
     Frame {
-        /// The new frame.
+        /// The new coordinate frame.
         frame: Frame,
         /// The point that a G50 sets as program zero; `None` for other frames.
         program_zero: Option<Point>,
@@ -490,11 +490,11 @@ impl MoveKind {
 pub struct ExecutedMove {
     /// The block that the move comes from.
     pub source: SourcePosition,
-    /// Kind of motion.
+    /// Kind of the motion.
     pub kind: MoveKind,
-    /// Start point.
+    /// Start point in programmed coordinates, mm.
     pub from: Point,
-    /// End point.
+    /// End point in programmed coordinates, mm.
     pub to: Point,
     /// Centre of an arc; `None` for other moves.
     pub center: Option<Point>,
@@ -516,7 +516,7 @@ pub struct MoveConditions {
     pub tool: u8,
     /// Offset number in force, 0 = none.
     pub offset: u8,
-    /// Coordinate frame in force.
+    /// Coordinate frame in force during the move.
     pub frame: Frame,
     /// Spindle speed at the start of the move, r/min; 0 = standstill.
     pub rpm: f64,

@@ -87,7 +87,7 @@ impl ControlSnapshot {
     }
 }
 
-/// Reference returns that the control drives.
+/// Data of the reference returns that the control drives itself.
 #[derive(Clone, Copy, Debug, Default)]
 struct ReturnSearch {
     /// Pulse count of each axis at the start of its search for a switch.

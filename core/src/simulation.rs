@@ -36,9 +36,9 @@ const KEY_TICKS: u32 = 100;
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Simulation {
-    /// The simulated control.
+    /// The simulated control of the lathe.
     pub cnc: Cnc,
-    /// The simulated lathe.
+    /// The simulated lathe that the control drives.
     pub lathe: SimulatedLathe,
     inputs: MachineInputs,
     /// Orders for the pulse board from the last tick; `None` before the first tick or

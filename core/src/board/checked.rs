@@ -6,7 +6,7 @@ use crate::units::Axis;
 use gsk_link::{AxisRates, Protocol};
 use gsk_messages::say;
 
-/// Electronic gear of X and Z.
+/// Parameters of the electronic gear: multiplier and divisor of X and Z.
 const GEAR: [u16; 4] = [
     parameter::X_MULTIPLIER,
     parameter::Z_MULTIPLIER,

@@ -37,7 +37,7 @@ pub(crate) struct BoardInputs {
 /// The board and its drives as the control sees them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct BoardDrives {
-    /// Whether the board accepts motion.
+    /// Whether the board accepts motion, now or after an order under way.
     pub takes_motion: bool,
     /// Whether the board accepts motion from this tick on, without waiting for an order
     /// under way.

@@ -21,11 +21,11 @@ pub(crate) struct BoardOrders {
     pub spindle: SpindleOrders,
     /// The thread pass that the board is to cut; `None` if none waits.
     pub pass: Option<ThreadPass>,
-    /// Reference returns of the axes.
+    /// State of the reference returns of the axes.
     pub returns: ReturnOrders,
     /// Whether the emergency stop is in force.
     pub is_emergency_stop: bool,
-    /// Whether RESET is active.
+    /// Whether the reset signal RST is on.
     pub is_resetting: bool,
     /// Whether an alarm of the board or of its link is in force.
     pub has_board_alarm: bool,
@@ -44,7 +44,7 @@ pub(crate) struct SpindleOrders {
     pub lead_mm: Option<f64>,
 }
 
-/// Reference returns of the axes.
+/// State of the reference returns, as far as the board takes part in them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ReturnOrders {
     /// Axes that the board is to home.
@@ -52,7 +52,7 @@ pub(crate) struct ReturnOrders {
     /// Input of each axis that a return driven by the control waits for; `None`: no return
     /// waits.
     pub awaited: PerAxis<Option<AwaitedInput>>,
-    /// Axes whose reference point is established.
+    /// Axes whose reference point the control knows.
     pub referenced: PerAxis<bool>,
 }
 

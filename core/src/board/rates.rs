@@ -10,7 +10,7 @@ const ROUNDING_FACTOR: f64 = 1.0 + 1e-9;
 /// The axes whose motion needs a higher pulse rate than the board has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ExceededAxes {
-    /// One axis exceeds its own limit.
+    /// This axis exceeds its own limit.
     One(Axis),
     /// Both axes together exceed the common limit.
     Both,

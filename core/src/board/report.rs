@@ -46,7 +46,7 @@ pub(crate) enum BoardReport {
     SwitchReached(Axis),
     /// The board has homed and moved off the switches of these axes.
     Homed {
-        /// Axes that have homed.
+        /// Axes that the board has homed.
         axes: PerAxis<bool>,
         /// Machine coordinates of both axes after homing, mm, X as a radius.
         at: Point,

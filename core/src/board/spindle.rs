@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct BoardSpindle {
-    /// Speed, r/min; negative in reverse.
+    /// Measured speed, r/min; negative in reverse.
     pub rpm: f64,
     /// Spindle angle before and after the tick.
     pub turn: SpindleTurn,
@@ -33,7 +33,7 @@ pub(crate) enum SpindleFault {
     Deviates(f64),
     /// The speed changed by more than No.106 allows, to this value in r/min.
     Fluctuates(f64),
-    /// The index signal has stopped.
+    /// The index signal has stopped coming.
     Lost,
 }
 

@@ -3,11 +3,11 @@
 /// Switches of one axis that are wired to the board for a reference return.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ZeroWiring {
-    /// Whether the deceleration switch is wired.
+    /// Whether a deceleration switch is wired to the board.
     pub has_deceleration_switch: bool,
     /// Whether the zero signal of the drive is wired.
     pub has_zero_signal: bool,
-    /// Whether the limit switch is wired.
+    /// Whether a limit switch is wired to the board.
     pub has_limit_switch: bool,
     /// Whether the limit switch is pressed now.
     pub is_on_limit: bool,

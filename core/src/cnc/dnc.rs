@@ -23,7 +23,7 @@ const CHARACTER_CREDIT: u32 = 10 * 1000;
 /// Most characters that the line can hold between the sending device and the buffer.
 const MAX_ON_LINE: usize = 64;
 
-/// The serial line in DNC operation.
+/// State of the serial line in DNC operation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct DncLine {
     /// Whether a device that sends programs is connected.

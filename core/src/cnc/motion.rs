@@ -143,7 +143,7 @@ impl Cnc {
         PerAxis::new(is_equal(slide.x, zero.x), is_equal(slide.z, zero.z))
     }
 
-    /// PRO: axes at the program zero.
+    /// PRO: whether each axis is at the program zero.
     pub(super) fn at_program_zero(&self) -> PerAxis<bool> {
         let is_at_zero = self.is_on_program_zero();
         let ended = self.coordinates.program_zero_ended;

@@ -20,7 +20,7 @@ use crate::units::{Axis, PerAxis};
 const M03_OUTPUT: BitAddress = BitAddress::new(Area::Y, 1, 2);
 
 impl Cnc {
-    /// Creates a control at power-on.
+    /// Creates a control at power-on, from the retained memory of `setup`.
     pub fn new(setup: Setup) -> Self {
         let tool = setup.tool_in_position();
         let referenced = PerAxis::new(setup.is_referenced(Axis::X), setup.is_referenced(Axis::Z));

@@ -68,7 +68,7 @@ pub enum ControlRequest {
     StoreEdited {
         /// O number of the program.
         number: u16,
-        /// The whole edited program.
+        /// The whole edited program text.
         program: Program,
     },
     /// Stores a program text in the program memory and selects it.
@@ -94,7 +94,7 @@ pub enum ControlRequest {
     },
     /// Sets a point of the pitch error table.
     SetPitch {
-        /// The axis whose table is changed.
+        /// The axis whose pitch error table is changed.
         axis: Axis,
         /// Number of the point in the table, 0–255.
         point: u8,
@@ -112,7 +112,7 @@ pub enum ControlRequest {
     SetParameter {
         /// Parameter number.
         number: u16,
-        /// New value.
+        /// New value of the parameter; a status parameter as a byte.
         value: i32,
     },
     /// Sets one bit of a status parameter.
@@ -145,7 +145,7 @@ pub enum ControlRequest {
         /// The password that replaces it.
         new: String,
     },
-    /// Lowers the operation level to 5.
+    /// Lowers the operation level to 5, which permits least.
     LowerLevel,
     /// Toggles a soft switch, as its key on the page 机床面板 does.
     ToggleSoftSwitch(SoftSwitch),

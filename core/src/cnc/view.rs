@@ -58,7 +58,7 @@ impl Cnc {
         self.spindle.control.volts()
     }
 
-    /// State of automatic operation.
+    /// State of the program run.
     pub const fn run_state(&self) -> RunState {
         self.run.automatic.state
     }
@@ -104,7 +104,7 @@ impl Cnc {
         self.coordinates.frame
     }
 
-    /// Whether any axis moves.
+    /// Whether any axis has speed, in programmed or manual motion.
     pub fn is_moving(&self) -> bool {
         self.drives.interpolator.is_moving() || self.is_waiting_for_motor()
     }
@@ -149,7 +149,7 @@ impl Cnc {
         jog_rate(self.plc.signals.jog_code)
     }
 
-    /// Feed override, 0–150 %.
+    /// Feed override that the ladder commands, 0–150 %.
     pub const fn feed_override(&self) -> u8 {
         self.plc.signals.feed_override
     }
@@ -159,7 +159,7 @@ impl Cnc {
         self.plc.signals.rapid_override
     }
 
-    /// Spindle override, 50–120 %.
+    /// Spindle override in force, 50–120 %.
     pub const fn spindle_override(&self) -> u8 {
         self.plc.signals.spindle_override
     }
@@ -205,7 +205,7 @@ impl Cnc {
         &self.run.modal
     }
 
-    /// Part counter and cutting time.
+    /// Part counter, cutting time and the other counters.
     pub const fn counters(&self) -> Counters {
         self.memory.counters
     }
@@ -233,12 +233,12 @@ impl Cnc {
         }
     }
 
-    /// Tool offsets by number.
+    /// Tool offsets of all numbers.
     pub const fn offsets(&self) -> &Offsets {
         &self.memory.offsets
     }
 
-    /// Macro variables, common and real ones.
+    /// Macro variables: the common ones and the real ones.
     pub const fn variables(&self) -> &Variables {
         &self.memory.variables
     }
@@ -285,7 +285,7 @@ impl Cnc {
         self.memory.settings.inch
     }
 
-    /// The rows of the setting page.
+    /// States of the rows of the setting page.
     pub const fn settings(&self) -> ControlSettings {
         self.memory.settings
     }
@@ -432,7 +432,7 @@ impl Cnc {
         &self.plc.engine
     }
 
-    /// Events of the last tick.
+    /// Events of the last tick, in order.
     pub fn events(&self) -> &[Event] {
         &self.events
     }
@@ -451,7 +451,7 @@ impl Cnc {
         )
     }
 
-    /// Ticks since power-on.
+    /// Ticks of 1 ms since power-on.
     pub const fn ticks(&self) -> u64 {
         self.ticks
     }

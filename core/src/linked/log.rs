@@ -4,7 +4,7 @@ use crate::command::ProgramId;
 use crate::units::{PerAxis, Pulses};
 use gsk_link::SettingDifference;
 
-/// An entry of the link's log.
+/// An entry for the log of the link.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LinkNote {
     /// The board's count was compared with the commanded count.

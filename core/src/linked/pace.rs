@@ -31,7 +31,7 @@ pub(super) struct TickPace {
     blocked_since: Option<(HostTime, Duration)>,
 }
 
-/// Host time and kernel time.
+/// Host time and kernel time of a link.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LinkClock {
     pub(super) now: HostTime,

@@ -68,7 +68,7 @@ pub(super) struct AxisDrive {
     /// Set when the following error is too large, or when a stepper meets the end of its
     /// slide. The drive is then off.
     tripped: bool,
-    /// Whether the slide is jammed (fault).
+    /// Whether the slide is jammed by a fault.
     pub blocked: bool,
     /// Pulses per motor revolution.
     #[serde(rename = "turn")]
@@ -302,7 +302,7 @@ impl AxisDrive {
         (self.slide > plus).then_some(TrippedLimit::Plus)
     }
 
-    /// Whether the deceleration switch is pressed.
+    /// Whether the slide presses the deceleration switch.
     pub(crate) fn is_on_dog(&self) -> bool {
         self.dog
             .is_some_and(|(from, to)| (from..=to).contains(&self.slide))

@@ -9,7 +9,7 @@ use gsk_link::LinkConfig;
 const OVERRUN_MM: f64 = 10.0;
 /// The longest travel that a program can command, mm (alarm 043).
 const STROKE_MM: f64 = 9999.999;
-/// Limit switches of the training lathe.
+/// Limit switches of the training lathe's cross slide, mm (diameter).
 const X_LIMITS: LimitSwitches = LimitSwitches {
     minus: -310.0,
     plus: 10.0,
@@ -32,16 +32,16 @@ pub struct LatheConfig {
     /// picture (manual I-3.1.1 to I-3.1.3). The lathe as delivered has a front tool post: the
     /// keys of parameter 175.0 = 0 agree with its picture.
     pub rear_tool_post: bool,
-    /// Cross slide; lengths in diameter, mm.
+    /// The cross slide; its lengths are diameters, mm.
     #[serde(with = "CrossSlide")]
     pub x: AxisConfig,
-    /// Carriage; lengths in mm.
+    /// The carriage; its lengths are in mm.
     pub z: AxisConfig,
-    /// Tool post.
+    /// The tool post with its stations.
     pub turret: TurretConfig,
-    /// Main spindle.
+    /// The main spindle with inverter, gears and encoder.
     pub spindle: SpindleConfig,
-    /// Chuck and tailstock.
+    /// Travel time of chuck, tailstock and gears.
     pub chuck: ChuckConfig,
     /// The pulse board of a real lathe; `None`: the lathe is simulated only.
     pub link: Option<LinkConfig>,
@@ -297,7 +297,7 @@ pub struct TurretConfig {
     pub coded: bool,
     /// Station in position at the start, from 1.
     pub first: u8,
-    /// Time from station to station, ms.
+    /// Time in which the post turns from station to station, ms.
     pub station_ms: u32,
     /// Time for which TL- must press before the post is clamped, ms.
     pub clamp_ms: u32,

@@ -276,7 +276,7 @@ impl LatheFault {
 pub(super) struct ActiveFaults(u32);
 
 impl ActiveFaults {
-    /// Whether a fault is active.
+    /// Whether this fault is active.
     pub const fn has(self, fault: LatheFault) -> bool {
         self.0 >> (fault as u32) & 1 == 1
     }
@@ -286,7 +286,7 @@ impl ActiveFaults {
         self.0.count_ones() as usize
     }
 
-    /// Sets or clears a fault.
+    /// Sets (`on`) or clears a fault.
     pub const fn set(&mut self, fault: LatheFault, on: bool) {
         let mask = 1 << (fault as u32);
         self.0 = if on { self.0 | mask } else { self.0 & !mask };

@@ -8,9 +8,9 @@ use crate::units::{PerAxis, Pulses};
 /// Which limit switch of an axis is tripped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TrippedLimit {
-    /// The switch at the negative end.
+    /// The switch at the negative end of the slide.
     Minus,
-    /// The switch at the positive end.
+    /// The switch at the positive end of the slide.
     Plus,
     /// A switch that is stuck without being pressed.
     Stuck,
@@ -63,7 +63,7 @@ impl MachineInputs {
 pub(crate) struct BoardContacts {
     /// Whether the emergency-stop chain is open.
     pub emergency_stop_open: bool,
-    /// Whether the door is open.
+    /// Whether the guard door is open.
     pub door_open: bool,
     /// Whether the deceleration switch of each axis is pressed; `None`: not wired.
     pub deceleration_switch: PerAxis<Option<bool>>,

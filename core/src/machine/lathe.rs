@@ -401,7 +401,7 @@ impl SimulatedLathe {
         }
     }
 
-    /// Sets or clears a fault.
+    /// Sets (`on`) or clears a fault of the lathe.
     pub fn set_fault(&mut self, fault: LatheFault, on: bool) {
         if self.faults.has(fault) == on {
             return;
@@ -421,7 +421,7 @@ impl SimulatedLathe {
         }
     }
 
-    /// Whether a fault is active.
+    /// Whether this fault of the lathe is active.
     pub const fn has_fault(&self, fault: LatheFault) -> bool {
         self.faults.has(fault)
     }

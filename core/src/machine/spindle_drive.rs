@@ -32,7 +32,7 @@ pub(super) struct SpindleDrive {
     /// Speed of a spindle that turns without M03 or M04, r/min; negative in reverse.
     /// `None`: it stands still without them.
     coasting: Option<f64>,
-    /// Whether the spindle is jammed (fault).
+    /// Whether the spindle is jammed by a fault.
     pub blocked: bool,
     /// Whether the encoder sends no counts (fault).
     pub encoder_lost: bool,
@@ -53,7 +53,7 @@ pub(super) struct SpindleOutputs {
     pub volts: f64,
     /// Speed step or gear whose output is on, from 1; `None` if none is on.
     pub step: Option<u8>,
-    /// Gear engaged, 1–4.
+    /// Gear that is engaged or being engaged, 1–4.
     pub gear: u8,
 }
 

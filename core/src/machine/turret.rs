@@ -25,7 +25,7 @@ pub(super) struct TurretDrive {
     /// Time for which TL- has been on, ms; at most the clamping time.
     pressed: u32,
     clamped: bool,
-    /// Whether the post is jammed (fault).
+    /// Whether the post is jammed by a fault.
     pub blocked: bool,
 }
 

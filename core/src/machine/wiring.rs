@@ -19,7 +19,7 @@ pub(super) enum SharedPin {
     Enable,
     /// A feed override switch that is closed (the nibble of 100 %).
     Closed,
-    /// No signal.
+    /// No signal: the contact is open.
     Open,
 }
 

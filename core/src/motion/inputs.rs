@@ -6,7 +6,7 @@ use super::limits::MotionLimits;
 use crate::spindle::SpindleTurn;
 use crate::units::{Axis, Feed, PerAxis, min_not_nan};
 
-/// Rapid override.
+/// Override of rapids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RapidOverride {
     /// F0: the lowest rapid rate (032).
@@ -29,7 +29,7 @@ impl RapidOverride {
 /// The rates of dry run (manual III-5.3.2).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DryRun {
-    /// Rate of cuts, mm/min.
+    /// Rate of cuts in dry run, mm/min.
     #[serde(rename = "cutting")]
     pub cutting_mm_per_min: f64,
     /// Rate of rapids, mm/min; `None`: the rapid rates.

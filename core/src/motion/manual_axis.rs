@@ -73,7 +73,7 @@ impl ManualAxis {
         self.speed
     }
 
-    /// Whether a step is under way.
+    /// Whether a step or handwheel motion is under way.
     pub const fn is_stepping(&self) -> bool {
         self.goal.is_some()
     }

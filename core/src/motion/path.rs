@@ -83,12 +83,12 @@ impl CutPath {
         self.length
     }
 
-    /// Whether the path is a line.
+    /// Whether the path is a straight line.
     pub(crate) const fn is_straight(&self) -> bool {
         self.arc_geometry.is_none()
     }
 
-    /// End point.
+    /// End point of the path.
     pub const fn to(&self) -> Point {
         self.to
     }

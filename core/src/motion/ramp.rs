@@ -12,15 +12,15 @@ const MIN_DISTANCE_MM: f64 = 1e-12;
 /// Law by which a speed changes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum SpeedLaw {
-    /// Constant acceleration, mm/s².
+    /// The speed changes with this constant acceleration, mm/s².
     Linear { acceleration: f64 },
-    /// Exponential approach to the target speed.
+    /// The speed approaches its target exponentially.
     Exponential {
-        /// Time constant, s.
+        /// Time constant of the approach, s.
         time: f64,
         /// Speed at which motion starts and ends, mm/s.
         lowest: f64,
-        /// e^(-tick / time), computed once.
+        /// Fraction of a speed difference that remains after a tick: e^(-tick / time).
         tick_decay: f64,
     },
 }
@@ -127,7 +127,7 @@ impl SpeedLaw {
 /// Result of advancing a ramp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RampStep {
-    /// Distance travelled, mm.
+    /// Distance travelled by the step, mm.
     pub distance: f64,
     /// Time used, s; less than the given time only if the end was reached.
     pub used_s: f64,
@@ -158,7 +158,7 @@ impl Ramp {
         }
     }
 
-    /// Whether the end is reached.
+    /// Whether no distance is left to go.
     pub fn is_finished(&self) -> bool {
         self.remaining <= 0.0
     }

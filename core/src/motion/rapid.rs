@@ -28,7 +28,7 @@ impl Rapid {
         }
     }
 
-    /// End point.
+    /// End point of the rapid.
     pub const fn to(&self) -> Point {
         self.to
     }

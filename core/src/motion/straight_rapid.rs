@@ -87,12 +87,12 @@ impl StraightRapid {
         }
     }
 
-    /// End point.
+    /// End point of the rapid.
     pub const fn to(&self) -> Point {
         self.to
     }
 
-    /// Whether the end is reached.
+    /// Whether the end point is reached.
     pub fn is_finished(&self) -> bool {
         self.remaining <= 0.0
     }
@@ -236,7 +236,7 @@ fn speed_along(direction: Point, axis_speeds: PerAxis<f64>) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Mean acceleration along a direction, mm/s².
+/// Highest mean acceleration of an S-curve along a direction, mm/s².
 fn mean_acceleration(limits: &MotionLimits, direction: Point) -> f64 {
     let axis_acceleration = |axis| limits.rapid_law(axis).acceleration();
     speed_along(

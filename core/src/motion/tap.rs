@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::spindle_follower::{FollowerTravel, FollowerWait, SpindleFollower, SpindleTick};
 use crate::units::Point;
 
-/// A tap under way.
+/// A tap under way: Z follows the spindle in, and out after the reversal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct TapMotion {
     from: Point,

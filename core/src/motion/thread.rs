@@ -251,7 +251,7 @@ impl ShortAxisRunOut {
     }
 }
 
-/// A thread under way.
+/// A thread under way, which follows the spindle angle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ThreadMotion {
     path: CutPath,
@@ -307,12 +307,12 @@ impl ThreadMotion {
         self.follower.is_moving()
     }
 
-    /// End point.
+    /// End point of the thread.
     pub const fn to(&self) -> Point {
         self.path.to()
     }
 
-    /// Whether the end is reached.
+    /// Whether the end of the thread and of its run-out is reached.
     pub fn is_finished(&self) -> bool {
         self.has_arrived() && self.run_out.is_none_or(|tail| tail.is_finished())
     }

@@ -45,7 +45,7 @@ pub(crate) struct CurrentCommand {
 /// execution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AutomaticRun {
-    /// Current state of the run.
+    /// State of the run: reset, run, hold or stop.
     pub state: RunState,
     pub(crate) current: Option<CurrentCommand>,
     #[serde(rename = "ahead")]

@@ -44,7 +44,7 @@ pub struct Handshake {
     phases: [HandshakePhase; 3],
     /// M code output on F10; 0 = none.
     pub m: u8,
-    /// S code output on F22–F25.
+    /// S code output on F22–F25; it stays until the next one.
     pub s: u32,
     /// T code (tool number) output on F26.
     pub t: u8,

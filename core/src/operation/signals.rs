@@ -28,7 +28,7 @@ pub struct FromPlc {
     pub emergency_stop: bool,
     /// *SP, G8.5: true if the signal is 0 and feed hold is requested.
     pub feed_hold: bool,
-    /// ERS, G8.7: external reset.
+    /// ERS, G8.7: external reset is requested.
     pub external_reset: bool,
     /// Jog rate code, G10 and G11 (0 = 150 % … 15 = 0 %).
     pub jog_code: u8,
@@ -192,13 +192,13 @@ impl FromPlc {
 
 /// Signals of the control for the ladder.
 pub struct ToPlc<'a> {
-    /// Operating mode.
+    /// Operating mode, reported in F3 and F4.
     pub mode: OperatingMode,
     /// STL: a block is in execution.
     pub started: bool,
     /// SPL: the run is in feed hold.
     pub holding: bool,
-    /// OP: automatic operation in progress.
+    /// OP: automatic operation is in progress.
     pub operating: bool,
     /// AL: an alarm is in force.
     pub alarm: bool,
@@ -218,9 +218,9 @@ pub struct ToPlc<'a> {
     pub tapping: bool,
     /// The M code whose decode signal DM00, DM01, DM02 or DM30 is 1; `None`: all are 0.
     pub decoded: Option<u8>,
-    /// M, S, T codes and strobes.
+    /// Codes and strobes of the M, S and T functions.
     pub handshake: &'a Handshake,
-    /// Gear M41–M44 in force, 1..=4.
+    /// Gear M41–M44 in force, 1–4.
     pub gear: u8,
     /// ZP: the axis is at the reference point.
     pub at_reference: PerAxis<bool>,
@@ -250,7 +250,7 @@ pub struct ToPlc<'a> {
     pub ready: bool,
     /// MSPHD: the spindle is jogged.
     pub spindle_jog: bool,
-    /// Parameters, mirrored in F200–F214.
+    /// Parameters, some of which F200–F214 repeat for the ladder.
     pub parameters: &'a ControlParameters,
 }
 

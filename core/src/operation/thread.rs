@@ -21,7 +21,7 @@ pub(crate) enum AfterThread {
     Continue,
     /// The run holds, because feed hold was requested in the thread.
     Hold,
-    /// The run stops for single block.
+    /// The run stops because of single block.
     Stop,
 }
 

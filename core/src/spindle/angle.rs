@@ -17,11 +17,11 @@ const RATE_GAIN: f64 = 0.05;
 /// The spindle angle around one tick, in turns since power-on; negative in reverse.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SpindleTurn {
-    /// At the beginning of the tick.
+    /// Angle at the beginning of the tick, turns.
     pub before: f64,
-    /// At the end of the tick.
+    /// Angle at the end of the tick, turns.
     pub now: f64,
-    /// At the last one-turn signal.
+    /// Angle at the last one-turn signal, turns.
     pub index: f64,
     /// An angle at which a revolution of the spindle begins; the other such angles differ
     /// from it by whole turns.

@@ -30,7 +30,7 @@ enum SubstituteSpeed {
 /// Inputs of the spindle control in a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SpindleInputs {
-    /// Absolute encoder count (four per line).
+    /// Encoder count since the start, four per line.
     pub encoder: i64,
     /// Speed measured by a pulse board, r/min, which replaces the encoder; `None`: the
     /// encoder applies.
@@ -44,7 +44,7 @@ pub struct SpindleInputs {
     pub override_percent: u8,
 }
 
-/// Parameters of the spindle, decoded once.
+/// Parameters of the spindle, converted once for all ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct SpindleSettings {
     analog: bool,
@@ -124,7 +124,7 @@ impl SpindleControl {
         new
     }
 
-    /// Applies changed parameters.
+    /// Applies changed spindle parameters.
     pub(crate) fn reconfigure(&mut self, parameters: &ControlParameters) {
         self.settings = SpindleSettings::new(parameters);
         self.volts = self.voltage();
@@ -146,7 +146,7 @@ impl SpindleControl {
         self.limit
     }
 
-    /// Whether G96 is in force.
+    /// Whether constant surface speed (G96) is in force.
     pub const fn is_surface_mode(&self) -> bool {
         matches!(self.mode, SpeedMode::Surface(_))
     }
@@ -247,7 +247,7 @@ impl SpindleControl {
         raised.min(self.limit.unwrap_or(f64::INFINITY))
     }
 
-    /// Advances by one tick (1 ms).
+    /// Advances by one tick (1 ms): measures the speed and updates the commanded one.
     pub fn tick(&mut self, inputs: &SpindleInputs) {
         match inputs.measured_rpm {
             Some(rpm) => self.encoder.set_measured_rpm(rpm),

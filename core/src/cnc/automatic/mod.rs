@@ -262,7 +262,8 @@ impl Cnc {
         }
     }
 
-    /// Advances automatic operation by one tick.
+    /// Advances automatic operation by one tick: handshakes, dwell, checks, and the next
+    /// commands.
     pub(crate) fn advance_automatic(&mut self) {
         let fin = self.plc.signals.fin;
         self.run.handshake.tick(fin);

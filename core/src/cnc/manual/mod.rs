@@ -14,7 +14,7 @@ use crate::operation::{AxisDirection, RunState, jog_rate};
 use crate::units::{Axis, PerAxis, Point};
 
 impl Cnc {
-    /// Advances manual motion by one tick.
+    /// Advances manual motion by one tick, from the axis keys and the handwheel.
     pub(crate) fn advance_manual_motion(&mut self, inputs: &MachineInputs) {
         let counts = self.hand.wheel.count_tick(inputs.handwheel);
         // A key held since before a mode change must be released first.

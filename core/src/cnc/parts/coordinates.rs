@@ -22,7 +22,7 @@ pub(crate) struct Coordinates {
     /// have not left the program zero since then.
     #[serde(default)]
     pub program_zero_ended: PerAxis<bool>,
-    /// Axes whose reference point is established.
+    /// Axes whose reference point the control knows.
     pub referenced: PerAxis<bool>,
     /// Machine coordinate of the reference point at which each axis is, mm; `None` if the
     /// axis is elsewhere.

@@ -23,7 +23,7 @@ pub(crate) struct DriveUnit {
     pub axis_chain: AxisChain,
     /// Software travel limits.
     pub soft_limits: SoftLimits,
-    /// Signals of drives and encoder.
+    /// Signals of drives and encoder in the last tick.
     pub sensors: Sensors,
     /// Supervision of the drives' alarm and ready signals.
     pub watch: DriveWatch,

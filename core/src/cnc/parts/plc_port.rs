@@ -8,15 +8,15 @@ use serde::{Deserialize, Serialize};
 use crate::operation::{FromPlc, InputFilter, OutputTimers, SoftSwitchChange, X_BYTES};
 use crate::units::PerAxis;
 
-/// Number of output bytes.
+/// Number of output bytes in the Y area.
 const Y_BYTES: usize = 20;
 
 /// The PLC with its interface to the control.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PlcPort {
-    /// The ladder engine with its memory.
+    /// Executes the ladder and contains the PLC memory.
     pub engine: Plc,
-    /// G signals of the last slot.
+    /// G signals of the ladder after the last slot.
     pub signals: FromPlc,
     /// Filter that debounces the machine contacts.
     pub filter: InputFilter,
@@ -64,7 +64,7 @@ const fn is_zero(levels: &u32) -> bool {
 }
 
 impl PlcPort {
-    /// State at power-on.
+    /// Creates the port at power-on.
     pub(crate) fn new(engine: Plc) -> Self {
         Self {
             signals: FromPlc::read(engine.memory()),

@@ -12,7 +12,7 @@ use crate::motion::Interpolator;
 use crate::operation::{AutomaticRun, Handshake, OperatingMode};
 use crate::program::MdiBlock;
 
-/// State of the program run.
+/// State of the program run, with mode, interpreter and MDI block.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct CncRun {
     /// Operating mode that the ladder has selected.
@@ -50,7 +50,7 @@ pub(crate) struct CncRun {
 }
 
 impl CncRun {
-    /// State at power-on: no program runs.
+    /// Creates the run at power-on: no program runs, and `tool` is in position.
     pub(crate) fn new(interpreter: Interpreter, tool: u8, registers: Registers) -> Self {
         Self {
             mode: OperatingMode::Mdi,

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 /// while on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct WriteSwitches {
-    /// 参数开关: parameters may be written.
+    /// Whether 参数开关 is on: parameters may be changed.
     pub parameters: bool,
-    /// 程序开关: programs may be written.
+    /// Whether 程序开关 is on: programs may be changed.
     pub programs: bool,
 }

@@ -28,7 +28,7 @@ const ENCODER: [u16; 3] = [
     parameter::SPINDLE_TEETH,
     parameter::ENCODER_TEETH,
 ];
-/// Millimetres per inch.
+/// Millimetres in one inch.
 const MM_PER_INCH: f64 = 25.4;
 
 impl Cnc {

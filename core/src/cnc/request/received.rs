@@ -35,9 +35,9 @@ pub enum ReceivedData {
         /// New O number.
         to: u16,
     },
-    /// All tool offsets.
+    /// Values that replace all tool offsets.
     Offsets(Offsets),
-    /// The whole pitch error table.
+    /// Values that replace the whole pitch error table.
     Pitch(PitchTable),
     /// Parameters as pairs of number and value.
     Parameters(Vec<(u16, i32)>),
