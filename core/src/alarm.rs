@@ -22,7 +22,7 @@ const TABLE: &str = include_str!("../../assets/tables/alarms.tsv");
 /// The classes of alarms: what raises them, where they are shown, what they stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum AlarmClass {
-    /// Program and operation: `P/S 000` to `P/S 199`, and `P/S 5nn` of G65 H99.
+    /// Errors of program and operation: `P/S 000` to `P/S 199`, and `P/S 5nn` of G65 H99.
     Ps,
     /// Raised by the control itself (020, 101).
     System,
@@ -38,14 +38,14 @@ pub enum AlarmClass {
     Plc,
 }
 
-/// One row of the alarm table.
+/// One row of the alarm table: number, class and texts of an alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AlarmRow {
-    /// Decides the prefix on the screen and which stop the alarm causes.
+    /// The class; it decides the prefix on the screen and which stop the alarm causes.
     pub class: AlarmClass,
-    /// Alarm number; the first one of a range.
+    /// Alarm number; for a range of alarms, its first number.
     pub number: u16,
-    /// The last number of the range (500–599); otherwise equal to `number`.
+    /// The last number of a range (500–599); otherwise equal to `number`.
     pub last: u16,
     /// Chinese text of the LCD; empty for user alarms, which show a number only.
     pub text_zh: &'static str,
@@ -70,7 +70,7 @@ pub struct Advice {
     pub remedy_en: &'static str,
 }
 
-/// The whole table, by ascending number.
+/// All rows of the alarm table, by ascending number.
 pub fn rows() -> &'static [AlarmRow] {
     static ROWS: LazyLock<Vec<AlarmRow>> = LazyLock::new(|| {
         let mut rows: Vec<AlarmRow> = TABLE.lines().skip(1).filter_map(parse_row).collect();
@@ -117,7 +117,7 @@ fn parse_row(line: &'static str) -> Option<AlarmRow> {
     })
 }
 
-/// Parses the last three columns; `-` in the first of them means no advice.
+/// Parses the last three columns of a row; `None` if the first of them is `-`.
 fn parse_advice(fields: &mut core::str::Split<'static, char>) -> Option<Advice> {
     let cause_zh = fields.next().filter(|text| *text != "-")?;
     Some(Advice {
@@ -131,21 +131,23 @@ const fn shows_number_only(number: u16) -> bool {
     matches!(number, number::USER_ALARM..=number::USER_ALARM_LAST) || is_named_by_program(number)
 }
 
-/// Whether the text comes from the program that raised the alarm (`#3000`).
+/// Whether the alarm text comes from the program that raised the alarm (`#3000`).
 const fn is_named_by_program(number: u16) -> bool {
     matches!(number, number::MACRO_ALARM..=number::MACRO_ALARM_LAST)
 }
 
-/// An alarm that has been raised, with its source and its reason.
+/// An alarm that has been raised, with the block that raised it and the reason.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Alarm {
     /// Number in the manual's alarm list.
     pub number: u16,
     /// The block that raised the alarm; `None` if no block did.
     pub source: Option<SourcePosition>,
-    /// One sentence that names the position and the broken rule.
+    /// The reason in one sentence, which names the position and the broken rule; `None`:
+    /// the table text is all.
     pub detail: Option<Message>,
-    /// Letter that the control model writes before the number (`E` on the NC-B08).
+    /// Letter that the control model writes before the number (`E` on the NC-B08); `None`
+    /// on other models.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub letter: Option<char>,
 }
@@ -192,26 +194,26 @@ impl Alarm {
         format!("{letter}{:03}", self.number)
     }
 
-    /// Sets the reason of the alarm.
+    /// Sets the detail, which gives the reason of the alarm.
     #[must_use]
     pub fn with_detail(mut self, detail: impl Into<Message>) -> Self {
         self.detail = Some(detail.into());
         self
     }
 
-    /// What is wrong, in one sentence: the detail, or else the alarm number.
+    /// The reason of the alarm in one sentence: its detail, or a message with its number.
     pub fn reason(&self) -> Message {
         let detail = self.detail.clone();
         detail.unwrap_or_else(|| say::alarm_of_number(self.number))
     }
 
-    /// The detail in a language; empty if there is none.
+    /// The detail in a language; empty if the alarm has no detail.
     pub(crate) fn detail_text(&self, language: Language) -> String {
         let detail = self.detail.as_ref();
         detail.map_or_else(String::new, |detail| detail.text(language))
     }
 
-    /// The detail in English; empty if there is none.
+    /// The detail in English; empty if the alarm has no detail.
     pub fn detail_en(&self) -> String {
         self.detail_text(Language::En)
     }
@@ -239,8 +241,8 @@ impl Alarm {
         }
     }
 
-    /// The alarm text: from the program that raised it (`#3000`), from the screen in
-    /// Chinese, or its meaning in English. Empty if the alarm has none.
+    /// The alarm text: from the program that raised the alarm (`#3000`), otherwise the
+    /// screen text in Chinese or the meaning in English. Empty if the alarm has no text.
     pub fn text(&self, language: Language) -> String {
         if let Some(detail) = self
             .detail
@@ -256,7 +258,7 @@ impl Alarm {
         text.to_owned()
     }
 
-    /// The reason, unless [`text`](Self::text) already shows it.
+    /// The detail, unless [`text`](Self::text) already shows it; `None` without one.
     pub fn further_detail(&self) -> Option<&Message> {
         let detail = self.detail.as_ref();
         detail.filter(|_| !is_named_by_program(self.number))
@@ -272,7 +274,7 @@ impl Alarm {
         self.format_line(&self.text(Language::Zh))
     }
 
-    /// The line of the alarm page in English.
+    /// The line of the alarm page with the English text.
     pub fn line_text_en(&self) -> String {
         self.format_line(&self.text(Language::En))
     }

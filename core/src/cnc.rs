@@ -40,7 +40,7 @@ use crate::memory::ControlParameters;
 use crate::operation::{ActiveAlarms, RunState, X_BYTES};
 use crate::units::PerAxis;
 
-/// Ticks between two samples of the contacts and refreshes of the outputs.
+/// Ticks between two samples of the input contacts; the outputs are refreshed as often.
 const SAMPLE_TICKS: u64 = 4;
 /// Ticks from one slot of the PLC to the next.
 const SLOT_TICKS: u64 = 8;
@@ -48,42 +48,42 @@ const SLOT_TICKS: u64 = 8;
 const ESP_BYTE: usize = 0;
 const ESP_MASK: u8 = 1 << 5;
 
-/// Something that happened during a tick.
+/// An event of a tick, reported to the caller of [`Cnc::tick`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
-    /// A move was finished or interrupted.
+    /// A programmed move was finished or interrupted: its executed part.
     MoveEnded(ExecutedMove),
-    /// A block begins, with its modal state.
+    /// A block begins: its source position, and the modal state after it.
     BlockStarted(SourcePosition, ModalState),
     /// Explanation of the move that begins; sent only while [`Cnc::set_explaining`] is on.
     Explained(Explanation),
-    /// A block was finished.
+    /// The block at this source position was finished.
     BlockEnded(SourcePosition),
-    /// An alarm was raised.
+    /// This alarm was raised.
     AlarmRaised(Alarm),
     /// An action of the operator had no effect or ended early, with the reason; no alarm.
     Advised(Message),
     /// The part counter counted a part.
     PartFinished,
-    /// A program ended; `m30` distinguishes M30 from the end of the text.
+    /// A program ended: by M30 or M02, or at the end of its text (both fields false).
     ProgramEnded {
-        /// Whether M30 or M02 ended it.
+        /// Whether M30 was programmed, or M02 on a model that has it.
         m30: bool,
-        /// Whether M02 ended it.
+        /// Whether M02 ended the program; `m30` is then true too.
         m02: bool,
     },
 }
 
-/// The control with all its state.
+/// The simulated control; its whole state can be saved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cnc {
     pub(crate) memory: BatteryMemory,
     pub(crate) switches: WriteSwitches,
-    /// Parameter values at power-on.
+    /// Parameter values at the last power-on; some changes act only at the next one.
     at_power_on: ControlParameters,
     pub(crate) plc: PlcPort,
     serial_port: SerialPort,
-    /// Serial line that delivers a program while it runs.
+    /// Serial line that delivers a program while the program runs.
     dnc: DncLine,
     pub(crate) run: CncRun,
     pub(crate) drives: DriveUnit,
@@ -100,7 +100,8 @@ pub struct Cnc {
 }
 
 impl Cnc {
-    /// Advances the control by one tick (1 ms).
+    /// Advances the control by one tick (1 ms) with the signals of the machine. Returns the
+    /// signals for the machine.
     pub fn tick(&mut self, inputs: &MachineInputs) -> MachineOutputs {
         self.events.clear();
         let pulses_before = self.handle_board_reports(inputs.board.as_deref());

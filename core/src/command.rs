@@ -12,10 +12,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::{Axis, Feed, PerAxis, Point, round};
 
-/// Which program a block belongs to.
+/// Identifies the program that a block belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ProgramId {
-    /// A program of the program memory, by its O number.
+    /// The program of the program memory with this O number.
     Stored(u16),
     /// The read-only program opened from a file outside the memory.
     External,
@@ -25,8 +25,8 @@ pub enum ProgramId {
     Dnc,
 }
 
-/// Sequence number N of a block. `Option` of it has the same size, because commands are
-/// copied often.
+/// Sequence number of a block (N word). An `Option` of this type needs no extra memory,
+/// because commands are copied often.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(from = "u32", into = "u32")]
 pub struct SequenceNumber(NonZeroU32);
@@ -48,7 +48,7 @@ impl From<SequenceNumber> for u32 {
 pub struct SourcePosition {
     /// The program that contains the block.
     pub program: ProgramId,
-    /// Line of the file, from 1.
+    /// Line number in the program text, from 1.
     pub line: u32,
     /// The last sequence number N before or in the block; `None` before the first one.
     pub sequence: Option<SequenceNumber>,
@@ -58,9 +58,9 @@ pub struct SourcePosition {
 /// radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
-    /// Machine coordinate of the work zero.
+    /// Machine coordinates of the work zero, mm.
     pub zero: Point,
-    /// Tool offset in force.
+    /// Tool offset in force, added to programmed coordinates.
     pub offset: Point,
     /// The part of `zero` that comes from zero offsets (G55 to G57 of the Huaxing lathes).
     #[serde(default, skip_serializing_if = "ZeroOffset::is_none")]
@@ -88,7 +88,7 @@ impl ZeroOffset {
         }
     }
 
-    /// Converts to mm, X as a radius.
+    /// Converts the offset to a point in mm, X as a radius.
     pub fn to_point(self) -> Point {
         Point::new(
             f64::from(self.x) / Self::UNITS_PER_MM,
@@ -110,7 +110,7 @@ impl ZeroOffset {
 }
 
 impl Frame {
-    /// Converts programmed coordinates to machine coordinates.
+    /// Converts programmed to machine coordinates, mm.
     pub fn to_machine(&self, program: Point) -> Point {
         program + self.zero + self.offset
     }
@@ -126,20 +126,21 @@ impl Frame {
 pub struct ControlCommand {
     /// The block that the command comes from.
     pub source: SourcePosition,
-    /// What the control does.
+    /// The action that the control executes.
     pub action: Action,
     /// Modal state after the block; the pages show it while the command runs.
     pub modal: ModalState,
-    /// Whether it is the last command of its block.
+    /// Whether this is the last command of its block.
     pub block_end: bool,
-    /// Whether single block stops after it (ends of blocks that stop, and the
-    /// moves of cycles, manual I-3.1.13).
+    /// Whether the run stops after this command under single block (ends of blocks that
+    /// stop, and the moves of cycles, manual I-3.1.13).
     pub stop_point: bool,
-    /// Whether feed hold waits for the end of the command: the moves of G70 to G75.
+    /// Whether feed hold waits for the end of this command: true for the moves of G70 to
+    /// G75.
     #[serde(rename = "whole")]
     pub defers_feed_hold: bool,
     /// Programmed X of a move that nose radius compensation has changed. Set only under
-    /// G96, whose surface speed follows the programmed X.
+    /// G96, whose surface speed follows the programmed X; otherwise `None`.
     pub programmed_x: Option<Box<ProgrammedX>>,
 }
 
@@ -150,12 +151,12 @@ pub enum ProgrammedX {
     /// Programmed X changes linearly along a straight move.
     #[serde(rename = "Even")]
     Linear {
-        /// X at the start of the move.
+        /// Programmed X at the start of the move.
         from: f64,
-        /// X at the end of the move.
+        /// Programmed X at the end of the move.
         to: f64,
     },
-    /// Tip and programmed point move on arcs with a common angle.
+    /// Tip and programmed point move on arcs at the same angle.
     #[serde(rename = "Round")]
     Circular {
         /// X of the centre of the tip's arc.
@@ -164,13 +165,13 @@ pub enum ProgrammedX {
         center: f64,
         /// Programmed radius divided by the radius of the tip's arc.
         ratio: f64,
-        /// X at the end of the move.
+        /// Programmed X at the end of the move.
         to: f64,
     },
 }
 
 impl ProgrammedX {
-    /// Programmed X while the tip is between `from` and `target`.
+    /// Programmed X while the tip moves from `from` to `target` and is at `tip`.
     pub fn x_at(&self, tip: Point, from: Point, target: Point) -> f64 {
         match *self {
             Self::Linear { from: first, to } => {
@@ -204,32 +205,32 @@ impl ProgrammedX {
 pub enum Action {
     /// G00: each axis moves at its own rapid rate, so the path is not straight.
     Rapid {
-        /// End point.
+        /// End point of the rapid.
         to: Point,
     },
-    /// G01: straight cut.
+    /// Straight cut (G01).
     Line {
-        /// End point.
+        /// End point of the cut.
         to: Point,
-        /// Feed along the path.
+        /// Feed along the path of the cut.
         feed: Feed,
     },
-    /// G02, G03: circular cut.
+    /// Circular cut (G02, G03).
     Arc {
         /// End point; equal to the start for a full circle.
         to: Point,
-        /// Centre.
+        /// Centre of the arc.
         center: Point,
-        /// Direction as seen with +Z to the right and +X up.
+        /// Whether the arc is clockwise, as seen with +Z to the right and +X up.
         clockwise: bool,
-        /// Feed along the path.
+        /// Feed along the arc.
         feed: Feed,
     },
     /// Straight cut synchronised with the spindle angle (G32, G34, G92, G76).
     Thread {
-        /// End point.
+        /// End point of the thread.
         to: Point,
-        /// Axis that the lead is measured along; X as a radius.
+        /// Axis that the lead is measured along; a lead along X is a radius.
         #[serde(rename = "long")]
         lead_axis: Axis,
         /// Lead at the start, mm per revolution.
@@ -246,12 +247,13 @@ pub enum Action {
     ThreadCycle {
         /// Travel of each axis per revolution in the cuts, mm.
         per_revolution: Point,
-        /// The feature that makes a cut more than one straight pass, if any.
+        /// The feature that a board cannot cut as one straight pass; `None`: all cuts are such
+        /// passes.
         #[serde(rename = "beyond")]
         extra_feature: Option<ThreadPassFeature>,
     },
-    /// Tapping in Z (G33): feed in, stop the spindle, reverse, feed out. It ends at its
-    /// start point with the spindle stopped.
+    /// Tapping in Z (G33): feed in, stop the spindle, reverse it, feed out. The tap ends at
+    /// its start point with the spindle stopped.
     Tap {
         /// Bottom of the hole.
         to: Point,
@@ -260,90 +262,93 @@ pub enum Action {
         /// Spindle angle after the one-turn signal at which the tap begins, degrees.
         start_degrees: f64,
     },
-    /// G04: dwell; zero is an exact stop.
+    /// G04: waits for a time; a time of zero is an exact stop.
     Dwell {
-        /// Duration, ms.
+        /// Duration of the wait, ms.
         ms: u32,
     },
     /// G28: axes without a reference point seek it as in manual mode, by deceleration
-    /// switch and zero signal. Axes of the block that have one are already there.
+    /// switch and zero signal. The other axes of the block are already at their reference
+    /// point.
     ZeroReturn {
-        /// Whether X takes part.
+        /// Whether the block names X.
         x: bool,
-        /// Whether Z takes part.
+        /// Whether the block names Z.
         z: bool,
     },
     /// The axes have reached the reference point (after the rapid of G28): the zero lamps
     /// light.
     Referenced {
-        /// Whether X took part.
+        /// Whether X has reached its reference point.
         x: bool,
-        /// Whether Z took part.
+        /// Whether Z has reached its reference point.
         z: bool,
     },
     /// Puts a new coordinate frame into force (G50, T).
     Frame {
-        /// The new frame.
+        /// The new coordinate frame.
         frame: Frame,
         /// The point that a G50 sets as program zero; `None` for other frames.
         program_zero: Option<Point>,
-        /// Whether the relative coordinates follow the absolute ones (005.1 PPD).
+        /// Whether the relative coordinates take the values of the absolute ones when the
+        /// work zero moves (005.1 PPD); otherwise they keep their values.
         relative: bool,
     },
-    /// M function for the PLC. It begins together with the rest of its block; the block
-    /// ends when both are finished.
+    /// M function for the PLC. It begins together with the motion and the other functions
+    /// of its block; the block ends when all are finished.
     Miscellaneous {
-        /// M number.
+        /// Number of the M code.
         code: u8,
     },
-    /// Outputs that a program switches directly (NC-B08: M10, M11, M21 and up). Bit 0 is
-    /// Y0, which the ladder reads as F54.0; there are 24.
+    /// Outputs that a program switches directly (NC-B08: M10, M11, M21 and up). Bits 0–23
+    /// are Y0–Y23; Y0 is F54.0 for the ladder.
     Outputs {
-        /// Outputs to switch on.
+        /// Mask of the outputs to switch on.
         on: u32,
-        /// Outputs to switch off.
+        /// Mask of the outputs to switch off.
         off: u32,
         /// Duration after which the outputs in `on` switch off again, ms; 0 = never.
         ms: u32,
     },
-    /// The program waits for an input (M01 of the NC-B08): X0 is X0.0, X8 is X1.0.
+    /// The program waits for a level of an input (M01 of the NC-B08). Input 0 is X0.0,
+    /// input 8 is X1.0.
     InputWait {
         /// Number of the input, 0–23.
         input: u8,
-        /// Level that the input must keep for 30 ms.
+        /// The level that the input must keep for 30 ms: true = on.
         high: bool,
     },
-    /// S function: spindle speed.
+    /// S function: speed of the spindle, or its limit.
     Spindle(SpindleCommand),
-    /// T function: tool change and offset number.
+    /// T function: changes the tool and puts an offset number into force.
     Tool {
-        /// Tool number, 0 = none.
+        /// Tool number; 0 = no tool change.
         tool: u8,
-        /// Offset number, 0 = cancelled.
+        /// Offset number; 0 cancels the offset.
         offset: u8,
-        /// Whether no function that takes time follows in the block.
+        /// Whether neither a motion nor a stop or end of the program follows in the block.
         is_last: bool,
     },
-    /// M00: stops after all previous commands have finished.
+    /// M00: stops the run after all previous commands have finished.
     ProgramStop,
-    /// M30, M02, or the end of the program text.
+    /// End of the program: M30, M02, or the end of the text.
     End {
         /// Whether the part counter counts this end (M30, main-program M99).
         counts: bool,
         /// Whether M30 was programmed, or M02 on models that have it: its decode signals go
         /// to the PLC.
         m30: bool,
-        /// Whether M02 was programmed.
+        /// Whether M02 was programmed; `m30` is then true too.
         #[serde(default, skip_serializing_if = "core::ops::Not::not")]
         m02: bool,
     },
     /// M99 in the main program: the part counter counts and the program starts again.
     Repeat,
-    /// A G65 operation on variables. The interpreter executed it when it read the block; it
-    /// takes 1 ms.
+    /// A G65 operation on variables. The interpreter executed it when it read the block;
+    /// for the control it is a wait of 1 ms.
     Macro,
-    /// A block without effect on the machine (only N, modal G codes…). It moves the block
-    /// cursor, and single block stops after it.
+    /// A block without effect on the machine (only N, modal G codes…). The control moves
+    /// the block cursor to it, and single block stops after it.
     Nothing,
 }
 
@@ -383,31 +388,31 @@ pub enum ThreadStart {
     /// The thread waits for the one-turn signal and begins at this angle after it. The
     /// starts of a multi-start thread differ in the angle.
     AtIndex {
-        /// Angle, degrees, 0–360.
+        /// Spindle angle after the one-turn signal, degrees, 0–360.
         degrees: f64,
     },
-    /// The thread continues in phase from the thread before.
+    /// The thread continues from the previous thread without a change of phase.
     Continued,
 }
 
-/// A feature that makes a thread more than one straight pass of constant lead from the
-/// one-turn signal. A board that cuts passes itself cannot make it.
+/// A feature of a thread that is not one straight pass of constant lead from the
+/// one-turn signal. A board that cuts passes itself cannot make such a thread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ThreadPassFeature {
     /// The lead changes (G34).
     LeadChange,
     /// A run-out leaves the thread (J, K, No.019).
     RunOut,
-    /// Another thread continues from it without a stop.
+    /// Another thread continues from this one without a stop.
     #[serde(rename = "GoesOn")]
     Continued,
-    /// The thread begins at another spindle angle (L).
+    /// The thread begins at another angle than the one-turn signal (L).
     #[serde(rename = "Start")]
     StartAngle,
 }
 
 impl ThreadPassFeature {
-    /// The feature in words, with advice.
+    /// Message that names the feature and advises what to program instead.
     pub fn to_message(self) -> Message {
         match self {
             Self::LeadChange => say::pass_lead_changes(),
@@ -425,7 +430,7 @@ pub enum SpindleCommand {
     Step(u8),
     /// Constant rotational speed, r/min (G97).
     Speed(f64),
-    /// Constant surface speed, m/min (G96); the programmed X is the radius.
+    /// Constant surface speed, m/min (G96), at the programmed X as the radius.
     Surface(f64),
     /// Highest speed under G96, r/min (G50 S); 0 stops the spindle.
     Limit(f64),
@@ -460,7 +465,7 @@ impl MoveKind {
         }
     }
 
-    /// The name in `--moves` and in the cases.
+    /// The name of the kind in the output of `--moves` and in the test cases.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Rapid => "rapid",
@@ -473,7 +478,7 @@ impl MoveKind {
         }
     }
 
-    /// Whether the move follows the spindle angle.
+    /// Whether the move follows the spindle angle: a thread or its run-out.
     pub const fn is_thread(self) -> bool {
         matches!(self, Self::Thread | Self::RunOut)
     }
@@ -485,15 +490,16 @@ impl MoveKind {
 pub struct ExecutedMove {
     /// The block that the move comes from.
     pub source: SourcePosition,
-    /// Kind of motion.
+    /// Kind of the motion.
     pub kind: MoveKind,
-    /// Start point.
+    /// Start point in programmed coordinates, mm.
     pub from: Point,
-    /// End point.
+    /// End point in programmed coordinates, mm.
     pub to: Point,
     /// Centre of an arc; `None` for other moves.
     pub center: Option<Point>,
-    /// Commanded feed of a cut, for a thread its lead per revolution; `None` for other moves.
+    /// Commanded feed of a cut, for a thread its lead per revolution; `None` for rapids and
+    /// dwells.
     pub feed: Option<Feed>,
     /// Machine time at the start of the move, s.
     pub start_s: f64,
@@ -510,13 +516,13 @@ pub struct MoveConditions {
     pub tool: u8,
     /// Offset number in force, 0 = none.
     pub offset: u8,
-    /// Coordinate frame in force.
+    /// Coordinate frame in force during the move.
     pub frame: Frame,
     /// Spindle speed at the start of the move, r/min; 0 = standstill.
     pub rpm: f64,
-    /// How a thread follows the spindle angle; `None` for other moves.
+    /// How a thread follows the spindle angle; `None` for moves that are no threads.
     pub thread: Option<ThreadPhase>,
-    /// Coordinates whose relation to the work is unknown.
+    /// Axes whose coordinates have no known relation to the work.
     #[serde(default, skip_serializing_if = "Unplaced::is_none")]
     pub unplaced: Unplaced,
 }
@@ -525,14 +531,14 @@ pub struct MoveConditions {
 /// from a machine zero. The numbers of these axes say nothing about the part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Unplaced {
-    /// Axes of the start point.
+    /// Axes whose coordinate at the start point is not related to the work.
     pub from: PerAxis<bool>,
-    /// Axes of the end point.
+    /// Axes whose coordinate at the end point is not related to the work.
     pub to: PerAxis<bool>,
 }
 
 impl Unplaced {
-    /// Whether all coordinates are known.
+    /// Whether all coordinates are related to the work.
     pub const fn is_none(&self) -> bool {
         !(self.from.x || self.from.z || self.to.x || self.to.z)
     }
@@ -551,8 +557,8 @@ pub struct ThreadPhase {
 }
 
 impl MoveConditions {
-    /// Takes tool, offset and thread from a command; `rpm` is the spindle speed at its
-    /// start.
+    /// Takes tool, offset and thread from a command. `frame` and `rpm` are the coordinate
+    /// frame and the spindle speed (r/min) at its start.
     #[inline]
     pub(crate) fn from_command(command: &ControlCommand, frame: &Frame, rpm: f64) -> Self {
         let thread = match command.action {

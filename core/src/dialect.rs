@@ -3,7 +3,8 @@
 
 use gsk_messages::{Message, say};
 
-/// Advice for a G code that this control does not have (table 3-7).
+/// Advises what to use instead of a G code that this control does not have (table 3-7);
+/// `None` for codes without advice.
 pub(crate) fn advice_for_g_code(code: i64) -> Option<Message> {
     Some(match code {
         17..=19 => say::instead_of_plane(),
@@ -21,7 +22,8 @@ pub(crate) fn advice_for_g_code(code: i64) -> Option<Message> {
     })
 }
 
-/// Advice for an M code that this control does not have (manual I-3.3).
+/// Advises what to use instead of an M code that this control does not have (manual
+/// I-3.3); `None` for codes without advice.
 pub(crate) fn advice_for_m_code(code: u8) -> Option<Message> {
     Some(match code {
         1 => say::instead_of_optional_stop(),
@@ -33,7 +35,8 @@ pub(crate) fn advice_for_m_code(code: u8) -> Option<Message> {
     })
 }
 
-/// Advice for a letter that is not an address (table 2-1).
+/// Advises what to use instead of a letter that is not an address (table 2-1); `None`
+/// for letters without advice.
 pub(crate) fn advice_for_address(letter: u8) -> Option<Message> {
     Some(match letter {
         b'A' => say::instead_of_angle(),
@@ -44,7 +47,8 @@ pub(crate) fn advice_for_address(letter: u8) -> Option<Message> {
     })
 }
 
-/// Advice for a character that the language does not use.
+/// Advises what to use instead of a character that programs of this control cannot
+/// contain; `None` for characters without advice.
 pub(crate) fn advice_for_character(character: u8) -> Option<Message> {
     Some(match character {
         b',' => say::instead_of_comma(),
@@ -53,7 +57,8 @@ pub(crate) fn advice_for_character(character: u8) -> Option<Message> {
     })
 }
 
-/// Advice for a number above 9999 after O or N.
+/// Advises what to do when the number after this address exceeds 9999; `None` for all
+/// but O.
 pub(crate) fn advice_for_number(address: u8) -> Option<Message> {
     match address {
         b'O' => Some(say::instead_of_long_number()),
@@ -61,7 +66,7 @@ pub(crate) fn advice_for_number(address: u8) -> Option<Message> {
     }
 }
 
-/// Joins a broken rule and the advice for it into one message.
+/// Joins the message of a broken rule and the advice for it into one message.
 pub(crate) fn with_advice(rule: Message, advice: Option<Message>) -> Message {
     match advice {
         Some(advice) => say::several([rule, advice]),

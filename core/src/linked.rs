@@ -58,11 +58,11 @@ struct StopKeys {
     emergency: bool,
 }
 
-/// State of the connection as the control last received it.
+/// State of the board connection as the control last received it.
 #[derive(Clone, Copy, Debug)]
 struct LinkedConnection {
     state: LinkState,
-    /// Set when RESET was pressed while the board was lost.
+    /// Set when RESET was pressed while the connection to the board was lost.
     reopen_requested: bool,
     /// Set when the guard process has stopped the lost board.
     guard_stopped: bool,
@@ -71,7 +71,7 @@ struct LinkedConnection {
     outputs_withheld: bool,
 }
 
-/// What the control commanded in its last tick.
+/// Pulse counts and orders of the control after its last tick.
 #[derive(Clone, Copy, Debug, Default)]
 struct ControlSnapshot {
     pulses: PerAxis<Pulses>,
@@ -87,23 +87,24 @@ impl ControlSnapshot {
     }
 }
 
-/// Reference returns that the control drives.
+/// Data of the reference returns that the control drives itself.
 #[derive(Clone, Copy, Debug, Default)]
 struct ReturnSearch {
-    /// Pulse count at which the control began to seek a switch.
+    /// Pulse count of each axis at the start of its search for a switch.
     search_start: PerAxis<Pulses>,
-    /// Set when the board has just homed.
+    /// Set when the board has just completed its homing.
     homed: bool,
-    /// Distance between the limit switches of an axis, mm; X as a diameter.
+    /// Distance between the limit switches of an axis, mm; X as a diameter. `None`: no
+    /// limit switches.
     travel_mm: PerAxis<Option<f64>>,
 }
 
-/// A link to a pulse board and its exchange with the control beside it.
+/// Connects a simulated control to a pulse board through a [`Link`].
 #[derive(Clone, Debug)]
 pub struct LinkedControl {
     link: Link,
     config: LinkConfig,
-    /// Parameter values when the link was opened.
+    /// Parameter values when the link was opened; a later change of them prevents motion.
     checked: CheckedParameters,
     connection: LinkedConnection,
     clock: LinkClock,
@@ -120,7 +121,8 @@ pub struct LinkedControl {
 }
 
 impl LinkedControl {
-    /// Opens the link of a control. The position of its slides is unknown from now on.
+    /// Opens the link to a board and connects it to the control. The position of the slides
+    /// is unknown from now on.
     pub fn open(config: LinkConfig, simulation: &mut Simulation, now: HostTime) -> Self {
         let checked = CheckedParameters::new(simulation.cnc.parameters(), config.protocol);
         let link = Link::open(
@@ -165,8 +167,8 @@ impl LinkedControl {
         self.link.add_dictionaries(dictionaries);
     }
 
-    /// Closes the link and returns to simulated slides. Returns the last bytes for the
-    /// board, which stop it.
+    /// Closes the link and connects the simulated slides again. Returns the last bytes to
+    /// write to the board, which stop it.
     pub fn close(mut self, simulation: &mut Simulation) -> Vec<u8> {
         self.link.close();
         simulation.detach_board();
@@ -189,7 +191,7 @@ impl LinkedControl {
         self.issue_requests();
     }
 
-    /// Reports that the port failed.
+    /// Handles a failure of the port: `cause` becomes the reason of the alarm.
     pub fn handle_port_failure(&mut self, cause: Message) {
         self.link.lost(cause);
         for event in self.link.events() {
@@ -199,14 +201,15 @@ impl LinkedControl {
         self.report_standstill();
     }
 
-    /// Reports that the guard process stopped the board, with the bytes that the board
-    /// answered. They show whether the outputs are off although the link is lost.
+    /// Handles a stop of the board by the guard process. `answered` are the bytes that the
+    /// board sent in answer; they show whether its outputs are off although the link is
+    /// lost.
     pub fn handle_guard_stop(&mut self, answered: &[u8]) {
         self.connection.guard_stopped = self.link.has_answered_stop(answered);
     }
 
-    /// Whether the guard process must stop the board if this program falls silent. A board
-    /// of timed steps stops on its own.
+    /// Whether the guard process must stop the board if this program falls silent. False
+    /// for a board of timed steps, which then stops without a command.
     pub fn needs_guard(&self) -> bool {
         let is_on =
             |outputs: BoardOutputs| outputs.spindle != SpindleDirection::Stop || outputs.coolant;
@@ -216,7 +219,7 @@ impl LinkedControl {
                 || self.link.switched().is_none_or(is_on))
     }
 
-    /// Bytes to write to the port.
+    /// Bytes that wait to be written to the port.
     pub fn tx(&self) -> &[u8] {
         self.link.tx()
     }
@@ -231,7 +234,7 @@ impl LinkedControl {
         self.link.stop_bytes()
     }
 
-    /// Runs one tick of a simulation without a panel.
+    /// Runs one tick of `simulation` with the board, from `before_tick` to `after_tick`.
     pub fn tick(&mut self, simulation: &mut Simulation) {
         self.before_tick(simulation);
         simulation.tick();
@@ -244,7 +247,7 @@ impl LinkedControl {
         simulation.set_board(inputs);
     }
 
-    /// Passes the control's motion and orders to the board. Call it after each tick.
+    /// Passes motion and orders of the control to the board. Call it after each tick.
     pub fn after_tick(&mut self, simulation: &mut Simulation) {
         self.clock.run += Duration::from_millis(1);
         match self.power.tick(simulation.cnc.ticks()) {
@@ -260,7 +263,7 @@ impl LinkedControl {
         simulation.add_board_contacts(&self.board_contacts());
     }
 
-    /// The switches of the board as contacts of the control.
+    /// Reads the inputs of the board as contacts of the control.
     fn board_contacts(&self) -> BoardContacts {
         let pins = self.link.pins();
         let input = |x, z| PerAxis::new(self.link.input(x), self.link.input(z));
@@ -282,7 +285,8 @@ impl LinkedControl {
         contacts
     }
 
-    /// All inputs that a board can have, with their state; `None` = not wired.
+    /// All inputs that a board can have, each with its state: true = active, `None` = not
+    /// wired.
     pub fn inputs(&self) -> Vec<(Input, Option<bool>)> {
         let usual = [
             Input::LimitX,
@@ -315,8 +319,8 @@ impl LinkedControl {
         missing.map(|(output, _)| output).collect()
     }
 
-    /// Handles the loss or return of the control's power: its pulse count starts again from
-    /// zero.
+    /// Handles the loss or return of the control's power, after which its pulse count
+    /// starts at zero.
     fn handle_power_change(&mut self, simulation: &mut Simulation) {
         self.stopping = StopInProgress::None;
         self.thread.pass = None;
@@ -328,7 +332,7 @@ impl LinkedControl {
         self.motion.set_count(self.control.pulses);
     }
 
-    /// Passes the motion of the tick to the board.
+    /// Passes the motion of the last tick to the board.
     fn push_motion(&mut self) {
         let ControlSnapshot { pulses, orders } = self.control;
         if self.thread.pass.is_some() {
@@ -363,8 +367,8 @@ impl LinkedControl {
         }
     }
 
-    /// Handles motion that the board rejects: the control returns to the position of the
-    /// slides.
+    /// Handles motion that the board rejects: raises the alarm, and returns the control to
+    /// the position of the slides.
     fn reject_motion(&mut self, refused: MotionRefused) {
         let (number, text) = refused.to_alarm();
         self.raise(Alarm::new(number).with_detail(text));
@@ -386,18 +390,19 @@ impl LinkedControl {
         ) || self.link.outstanding() > Duration::ZERO
     }
 
-    /// Takes the entries for the link's log.
+    /// Removes and returns the new entries for the link's log.
     pub fn take_notes(&mut self) -> Vec<LinkNote> {
         core::mem::take(&mut self.log.notes)
     }
 
-    /// Whether the operator wants the lost board back: the caller then opens the port
+    /// Whether RESET was pressed while the board was lost: the caller must open the port
     /// again.
     pub const fn needs_reopening(&self) -> bool {
         self.connection.reopen_requested
     }
 
-    /// Starts a comparison of the counts, if the slides stand still.
+    /// Starts a comparison of commanded and counted pulses, if the slides stand still. A
+    /// log entry reports the result.
     pub fn check_count(&mut self) {
         if self.link.state() == LinkState::Ready && !self.has_pending_motion() {
             self.log.checking = self.link.compare();
@@ -420,22 +425,25 @@ impl LinkedControl {
         self.link.knows_position()
     }
 
-    /// Outputs that the board has switched; `None` while an order is under way.
+    /// Outputs that the board has switched; `None` while it still executes an order to
+    /// switch.
     pub fn outputs(&self) -> Option<BoardOutputs> {
         self.link.switched()
     }
 
-    /// Writes the settings that differ to the board. The operator has confirmed it.
+    /// Writes the settings that the control needs to the board, where they differ. Call it
+    /// after the operator has confirmed.
     pub fn write_settings(&mut self) {
         self.link.write_settings();
     }
 
-    /// The spindle whose index the board measures, as the control last received it.
+    /// The spindle that the board measures by its index signal, as the control last
+    /// received it; `None`: the simulated spindle applies.
     pub const fn spindle(&self) -> Option<SpindleView> {
         self.spindle.view
     }
 
-    /// State of the connection.
+    /// State of the connection to the board.
     pub fn state(&self) -> LinkState {
         self.link.state()
     }
@@ -448,28 +456,29 @@ impl LinkedControl {
         )
     }
 
-    /// Settings of the link in the machine file.
+    /// Settings of the link, from the machine file.
     pub const fn config(&self) -> &LinkConfig {
         &self.config
     }
 
-    /// The next message of the traffic as text, taken from the collected bytes; `outward`
-    /// selects the direction.
+    /// Takes the next line or block from `collected`, the bytes of one direction, and
+    /// formats it as text; `None` if it is incomplete. `outward`: the bytes go to the
+    /// board.
     pub fn next_traffic_text(&self, outward: bool, collected: &mut Vec<u8>) -> Option<String> {
         self.link.next_text(outward, collected)
     }
 
-    /// Identity of the board as it reported it.
+    /// Identity of the board, from its own report.
     pub fn board(&self) -> &BoardInfo {
         self.link.board()
     }
 
-    /// Switches at the board that are operated.
+    /// Which switches at the board are operated, from its last report.
     pub fn pins(&self) -> Pins {
         self.link.pins()
     }
 
-    /// Counters of the traffic on the line.
+    /// Counters of the serial traffic with the board.
     pub fn traffic(&self) -> Traffic {
         self.link.traffic()
     }
@@ -479,7 +488,7 @@ impl LinkedControl {
         self.link.outstanding()
     }
 
-    /// Pulses commanded to the board.
+    /// Pulse count of each axis that was commanded to the board.
     pub const fn commanded(&self) -> PerAxis<Pulses> {
         self.motion.pulses
     }
@@ -490,7 +499,7 @@ impl LinkedControl {
         self.link.counted()
     }
 
-    /// Machine coordinates after the board's homing, X as a radius.
+    /// Machine coordinates of both axes after the board's homing, mm, X as a radius.
     fn home_position(&self) -> Point {
         Point::new(self.config.x.home_at / 2.0, self.config.z.home_at)
     }

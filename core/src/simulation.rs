@@ -22,7 +22,8 @@ const CYCLE_START_KEY: BitAddress = BitAddress {
     byte: 25,
     bit: 0,
 };
-/// Time that a finger presses a key, and then releases it, ticks.
+/// Time for which a simulated key press holds the key, and the pause after its release,
+/// ticks.
 const KEY_TICKS: u32 = 100;
 
 /// A [`Cnc`] connected to a simulated lathe.
@@ -35,12 +36,13 @@ const KEY_TICKS: u32 = 100;
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Simulation {
-    /// The simulated control.
+    /// The simulated control of the lathe.
     pub cnc: Cnc,
-    /// The simulated lathe.
+    /// The simulated lathe that the control drives.
     pub lathe: SimulatedLathe,
     inputs: MachineInputs,
-    /// Orders of the last tick to a pulse board.
+    /// Orders for the pulse board from the last tick; `None` before the first tick or
+    /// without a board.
     #[serde(skip)]
     board_orders: Option<Box<BoardOrders>>,
 }
@@ -50,7 +52,7 @@ pub struct Simulation {
 pub enum StopCondition {
     /// No program is running (reset, block end or alarm) and the axes are stationary.
     Stopped,
-    /// A block has ended or the run has stopped.
+    /// The block at the cursor has changed, or the run has stopped.
     BlockEnd,
 }
 
@@ -106,7 +108,7 @@ impl Simulation {
         self.board_orders = None;
     }
 
-    /// Connects the simulated slides again.
+    /// Connects the simulated slides again, after the board was disconnected.
     pub(crate) fn detach_board(&mut self) {
         self.inputs.board = None;
         self.board_orders = None;
@@ -114,26 +116,26 @@ impl Simulation {
         self.lathe.set_real_slides(false);
     }
 
-    /// Sets the reports of a pulse board for the next tick.
+    /// Stores the reports of a pulse board as inputs of the next tick.
     pub(crate) fn set_board(&mut self, board: BoardInputs) {
         self.inputs.board = Some(Box::new(board));
     }
 
-    /// Orders of the last tick to the board. Before the first tick, the orders for the
-    /// current state of the control.
+    /// Orders for the board from the last tick. Before the first tick with a board, the
+    /// orders for the current state of the control.
     pub(crate) fn board_orders(&self) -> BoardOrders {
         self.board_orders
             .as_deref()
             .map_or_else(|| self.cnc.board_orders(), |orders| *orders)
     }
 
-    /// Replaces simulated contacts by those that a pulse board has wired.
+    /// Replaces simulated contacts by the contacts that are wired to a pulse board.
     pub(crate) fn add_board_contacts(&mut self, board: &BoardContacts) {
         self.lathe.add_board_contacts(&mut self.inputs, board);
     }
 
-    /// Runs ticks until the condition is true, at most for `limit_ms` of machine time. The
-    /// condition is checked after each tick.
+    /// Runs ticks until the condition `until` is true, at most for `limit_ms` of machine
+    /// time. The condition is checked after each tick.
     pub fn run_until(&mut self, until: StopCondition, limit_ms: u64) -> RunUntilResult {
         let block = self.cnc.cursor();
         for _ in 0..limit_ms / u64::from(TICK_MS) {
@@ -162,8 +164,8 @@ impl Simulation {
         }
     }
 
-    /// Switches the control off and on. Retained memory is kept and the lathe does not move.
-    /// The spindle drive is then the one that 001.4 selects.
+    /// Switches the power of the control off and on. Retained memory is kept and the lathe
+    /// does not move. The spindle drive is rewired to match 001.4.
     pub fn power_cycle(&mut self) {
         self.cnc.power_cycle();
         self.lathe.rewire_spindle(self.cnc.parameters());

@@ -10,14 +10,14 @@ pub(crate) const CONNECTION_ALARMS: [u16; 4] = [
     number::LINK_LOST,
 ];
 
-/// Whether a board can raise the alarm before it has been identified: its slides have not
-/// moved then.
+/// Whether a board can raise this alarm before it has been identified, that is before
+/// it has moved the slides.
 pub(crate) const fn can_precede_motion(number: u16) -> bool {
     matches!(number, number::BOARD_SILENT..=number::BOARD_CANNOT)
 }
 
-/// Whether RESET leaves the alarm in force. The emergency stop ends with its contact only,
-/// 100 with the parameter switch, 000 with the power.
+/// Whether the alarm stays in force after RESET. 207 ends when the emergency-stop
+/// contact closes, 100 with the parameter switch, 000 at the next power-on.
 pub const fn survives_reset(number: u16) -> bool {
     matches!(
         number,
@@ -30,8 +30,8 @@ pub const fn is_memory_alarm(number: u16) -> bool {
     matches!(number, number::MEMORY_DAMAGED | number::WRITE_INTERRUPTED)
 }
 
-/// Whether the alarm belongs to the corner before its arc. The move before the corner is
-/// not begun then.
+/// Whether the alarm concerns the corner between a move and the arc after it. That move does
+/// not begin then.
 pub(crate) const fn is_corner_alarm(number: u16) -> bool {
     matches!(
         number,
@@ -39,8 +39,8 @@ pub(crate) const fn is_corner_alarm(number: u16) -> bool {
     )
 }
 
-/// Whether the alarm comes from a call, a jump, a profile or a macro: the block would have
-/// changed which block is executed next.
+/// Whether a call, a jump, a profile or a macro raises the alarm: its block would have
+/// changed which block follows.
 pub(crate) const fn is_control_flow_alarm(number: u16) -> bool {
     matches!(
         number,

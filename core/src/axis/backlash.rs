@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::memory::ControlParameters;
 use crate::units::{Axis, TICK_S, round_to_i64};
 
-/// How the compensation is distributed over time.
+/// How the compensation is distributed over the time after a reversal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum BacklashMethod {
     /// Method A: at a steady rate, increments per tick.
@@ -24,16 +24,18 @@ enum BacklashMethod {
     Accelerated(f64),
 }
 
-/// Backlash of one axis, in least output increments.
+/// Backlash compensation of one axis, in least output increments.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Backlash {
     amount: i64,
     output: BacklashMethod,
-    /// Direction in which no compensation is needed.
+    /// Whether motion in the negative direction needs no compensation; otherwise motion in
+    /// the positive one.
     first_negative: bool,
-    /// Direction of the last motion.
+    /// Whether the last motion was in the negative direction.
     negative: bool,
-    /// Compensation at the start and the end of the change, and ticks since its start.
+    /// Compensation before and after the present change, increments, and ticks since the
+    /// reversal.
     from: f64,
     to: f64,
     ticks: u32,
@@ -41,7 +43,8 @@ pub(super) struct Backlash {
 }
 
 impl Backlash {
-    /// State at power-on. `per_mm`: increments per mm; `per_pulse`: increments per pulse.
+    /// State at power-on. `per_mm`: increments per mm of slide travel; `per_pulse`:
+    /// increments per drive pulse.
     pub fn new(axis: Axis, parameters: &ControlParameters, per_mm: f64, per_pulse: f64) -> Self {
         let amount = parameters.backlash(axis) * per_mm;
         let output = if parameters.is_backlash_accelerated() {
@@ -64,7 +67,7 @@ impl Backlash {
         }
     }
 
-    /// The compensation for the direction of the last motion.
+    /// The compensation that the direction of the last motion needs, increments.
     const fn target(&self) -> i64 {
         match (self.negative, self.first_negative) {
             (true, false) => -self.amount,
@@ -73,7 +76,7 @@ impl Backlash {
         }
     }
 
-    /// Advances one tick in which the axis moved by `way` increments.
+    /// Advances by one tick in which the axis moved by this number of increments.
     #[inline]
     pub fn tick(&mut self, increments: i64) {
         if self.amount != 0 {
@@ -94,7 +97,7 @@ impl Backlash {
         }
     }
 
-    /// The compensation at a number of ticks after the reversal.
+    /// The compensation at a number of ticks after the reversal, increments.
     fn compensation_after(&self, ticks: u32) -> f64 {
         let distance = (self.to - self.from).abs();
         let done = match self.output {
@@ -123,13 +126,14 @@ impl Backlash {
         }
     }
 
-    /// The compensation now, whole increments.
+    /// The compensation in force, rounded to whole increments.
     pub fn compensation(&self) -> i64 {
         round_to_i64(self.given)
     }
 
-    /// Takes over new parameters at a standstill. The play stays on the side of the last
-    /// motion and counts as taken up.
+    /// Returns `changed`, the backlash with new parameters, with the state of this one.
+    /// Call it at a standstill: the play is on the side of the last motion and counts as
+    /// taken up.
     pub(crate) fn with_parameters(&self, changed: Self) -> Self {
         let mut new = Self {
             negative: self.negative,
@@ -140,7 +144,8 @@ impl Backlash {
         new
     }
 
-    /// Whether the compensation is complete.
+    /// Whether the compensation has reached the value that the direction of the last motion
+    /// needs.
     pub(crate) fn is_settled(&self) -> bool {
         self.given == self.to
     }

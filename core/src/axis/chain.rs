@@ -40,7 +40,7 @@ pub fn gear_speed_limit(axis: Axis, parameters: &ControlParameters) -> Option<f6
     (multiply > divide).then(|| base * f64::from(divide) / f64::from(multiply))
 }
 
-/// The conversion of one axis.
+/// Converts the position of one axis to pulses.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Chain {
     /// Least output increments per mm.
@@ -52,7 +52,7 @@ struct Chain {
     pitch: PitchCurve,
     /// Machine coordinate at which the increments are zero, mm.
     origin: f64,
-    /// Pulse count at the origin.
+    /// Pulse count at the origin of the increments.
     base: i64,
     /// Corrections in force at the origin, increments.
     #[serde(rename = "without")]
@@ -60,9 +60,9 @@ struct Chain {
     /// Distance that machine lock has kept the slide from moving, mm.
     #[serde(rename = "locked_away")]
     locked_distance: f64,
-    /// Commanded coordinate of the last tick, mm.
+    /// Commanded machine coordinate at the last tick, mm.
     commanded: f64,
-    /// Increments from the origin at the last tick.
+    /// Distance from the origin at the last tick, increments.
     increments: i64,
     /// Pitch error correction at the last tick, increments.
     correction: i64,
@@ -109,8 +109,8 @@ impl Chain {
             .correction_at(round_to_i64(self.slide_position() * self.per_mm))
     }
 
-    /// The position in whole increments with its corrections, then geared. The fraction of
-    /// a pulse that is left over counts again with the next increment.
+    /// The pulse count: the whole increments with their corrections, times the gear ratio.
+    /// A remaining fraction of a pulse is added to the next increments.
     fn pulses(&self) -> i64 {
         let increments = self.increments + self.corrections() - self.origin_correction;
         let geared = match self.divide {
@@ -121,9 +121,9 @@ impl Chain {
         self.base + if self.reversed { -geared } else { geared }
     }
 
-    /// The position between two counts, with the same corrections; the count changes
-    /// halfway. The left-over fraction of a pulse delays the change: the position is
-    /// shifted by that fraction, and stretched around the origin.
+    /// The position in fractional pulses, with the same corrections; the whole count
+    /// changes halfway between two pulses. A remaining fraction of a pulse delays the
+    /// change: the position is shifted by that fraction, and stretched around the origin.
     fn fine_pulses(&self) -> f64 {
         let increments = (self.slide_position() - self.origin) * self.per_mm;
         let increments = increments + (self.corrections() - self.origin_correction) as f64;
@@ -157,14 +157,14 @@ impl Chain {
         self.correction = self.pitch_correction();
     }
 
-    /// Takes up the backlash before the axis moves by `way`.
+    /// Takes up the backlash before the axis moves by `distance`, mm.
     fn take_up_backlash(&mut self, distance: f64) {
         let increments = round_to_i64(distance * self.per_mm);
         self.backlash.tick(increments.signum());
     }
 
-    /// Makes the position of a pulse count the machine zero. Returns the coordinate of the
-    /// present position.
+    /// Makes the position at a pulse count the machine zero. Returns the machine coordinate
+    /// of the present position, mm.
     fn set_zero_at(&mut self, count: i64) -> f64 {
         let from_base = count - self.base;
         let from_base = if self.reversed { -from_base } else { from_base };
@@ -182,7 +182,7 @@ impl Chain {
         self.commanded
     }
 
-    /// Takes a pulse count as the position. Returns its coordinate.
+    /// Makes a pulse count the present position. Returns its machine coordinate, mm.
     fn set_count(&mut self, count: i64) -> f64 {
         let from_base = count - self.base;
         let from_base = if self.reversed { -from_base } else { from_base };
@@ -243,7 +243,7 @@ pub struct AxisChain {
 }
 
 impl AxisChain {
-    /// Starts at machine coordinate zero and pulse count zero.
+    /// Creates a chain at machine coordinate zero and pulse count zero.
     pub fn new(parameters: &ControlParameters, table: &PitchTable) -> Self {
         let chain = |axis| Chain::new(axis, parameters, table);
         Self {
@@ -258,7 +258,7 @@ impl AxisChain {
         self.chains.z.advance(commanded.z, locked.z);
     }
 
-    /// The commanded pulse count of each axis.
+    /// The commanded pulse count of each axis since power-on.
     #[inline]
     pub fn pulses(&self) -> PerAxis<Pulses> {
         PerAxis::new(
@@ -267,13 +267,13 @@ impl AxisChain {
         )
     }
 
-    /// The position in fractional pulses. The whole count changes halfway between two
-    /// pulses.
+    /// The commanded position of each axis in fractional pulses. The whole count changes
+    /// halfway between two pulses.
     pub fn fine_pulses(&self) -> PerAxis<f64> {
         PerAxis::new(self.chains.x.fine_pulses(), self.chains.z.fine_pulses())
     }
 
-    /// Machine coordinate of the slides, mm: the commanded position without the distance
+    /// Machine coordinates of the slides, mm: the commanded position without the distance
     /// that machine lock held back.
     pub fn slide_position(&self) -> Point {
         Point::new(
@@ -282,36 +282,38 @@ impl AxisChain {
         )
     }
 
-    /// Takes up the backlash for a motion by `way` (mm) while the axes stand still.
+    /// Takes up the backlash for a coming motion by `distance` (mm) while the axes stand
+    /// still.
     pub(crate) fn take_up_backlash(&mut self, distance: Point) {
         self.chains.x.take_up_backlash(distance.x);
         self.chains.z.take_up_backlash(distance.z);
     }
 
-    /// Whether backlash is still being compensated.
+    /// Whether the compensation of backlash is still changing on an axis.
     pub fn is_settling(&self) -> bool {
         !(self.chains.x.backlash.is_settled() && self.chains.z.backlash.is_settled())
     }
 
     /// Gives the present position of an axis another machine coordinate, mm (X as a
-    /// radius), without a pulse: reference point, power-on, end of machine lock.
+    /// radius), without a pulse. Used at the reference point, at power-on and at the end of
+    /// machine lock.
     pub fn preset(&mut self, axis: Axis, coordinate: f64) {
         self.chains.get_mut(axis).preset(coordinate);
     }
 
-    /// Makes the position of a pulse count (where the zero signal came) the machine zero of
+    /// Makes the position at a pulse count (where the zero signal came) the machine zero of
     /// an axis. Returns the machine coordinate of the present position, mm.
     pub(crate) fn set_zero_at(&mut self, axis: Axis, count: Pulses) -> f64 {
         self.chains.get_mut(axis).set_zero_at(count.0)
     }
 
-    /// Takes the pulse count at which an axis was stopped as its position. Returns its
+    /// Makes the pulse count at which an axis was stopped its present position. Returns its
     /// machine coordinate, mm.
     pub fn set_count(&mut self, axis: Axis, count: Pulses) -> f64 {
         self.chains.get_mut(axis).set_count(count.0)
     }
 
-    /// Takes over changed parameters (001.2, 003.5, 006, 008, 010, 011, 013, 015–018, 034,
+    /// Applies changed parameters (001.2, 003.5, 006, 008, 010, 011, 013, 015–018, 034,
     /// 035, 090–103) and pitch errors at a standstill, without a pulse.
     pub(crate) fn reconfigure(&mut self, parameters: &ControlParameters, table: &PitchTable) {
         for axis in [Axis::X, Axis::Z] {
@@ -334,7 +336,8 @@ mod tests {
         Chain::new(Axis::Z, &parameters, &PitchTable::default())
     }
 
-    /// Backlash 0.1 mm, points 1 and 2 of the table +7 and -6 µm every 10 mm.
+    /// Parameters and table: backlash of 0.1 mm, +7 and -6 µm at points 1 and 2, every 10
+    /// mm.
     fn corrected() -> (ControlParameters, PitchTable) {
         let mut parameters = ControlParameters::default();
         parameters.set(35, 100).unwrap();

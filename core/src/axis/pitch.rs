@@ -16,14 +16,15 @@ use crate::units::Axis;
 
 const POINTS: usize = 256;
 
-/// Corrections of one axis by position. Empty when the compensation is off.
+/// Pitch error corrections of one axis by machine position. Empty when the compensation
+/// is off.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PitchCurve {
-    /// Correction from each point on, counted from the reference point, increments.
+    /// Correction at each point of the table, increments; 0 at the reference point.
     sums: Vec<i32>,
-    /// The point at the reference position.
+    /// Number of the table point at the reference position, 0–255.
     origin: i64,
-    /// Increments from point to point.
+    /// Distance between two points, increments.
     interval: i64,
 }
 

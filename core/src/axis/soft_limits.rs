@@ -5,17 +5,19 @@ use serde::{Deserialize, Serialize};
 use crate::memory::ControlParameters;
 use crate::units::{Axis, PerAxis, Point};
 
-/// The limits in machine coordinates, mm, computed again when a parameter changes.
+/// The software travel limits in machine coordinates, mm; computed again when a
+/// parameter changes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SoftLimits {
     plus: Point,
     minus: Point,
-    /// How far an axis may pass its limit, mm: rapid rate in m/min divided by 5.
+    /// Distance that an axis may pass its limit, mm: rapid rate in m/min divided by 5.
     tolerance: Point,
 }
 
 impl SoftLimits {
-    /// From 045–048, 022, 023; X is given in diameter unless 001.2 = 1.
+    /// Computes the limits from 045–048, 022 and 023; X is given as a diameter unless 001.2
+    /// = 1.
     pub fn new(parameters: &ControlParameters) -> Self {
         let (plus_x, minus_x) = parameters.soft_limits(Axis::X);
         let (plus_z, minus_z) = parameters.soft_limits(Axis::Z);
@@ -27,8 +29,8 @@ impl SoftLimits {
         }
     }
 
-    /// Whether a coordinate is beyond the positive or negative limit of an axis. A
-    /// coordinate equal to its limit is allowed.
+    /// Whether a machine coordinate (mm) is beyond a limit of an axis: the positive one if
+    /// `plus`, else the negative one. A coordinate equal to its limit is allowed.
     pub(crate) fn is_beyond(&self, axis: Axis, plus: bool, coordinate: f64) -> bool {
         if plus {
             coordinate - self.plus.get(axis) > 1e-6
@@ -46,8 +48,8 @@ impl SoftLimits {
             && point.z - distance >= self.minus.z
     }
 
-    /// The limits X+, X-, Z+, Z- that a watched axis overruns: it moves outwards beyond the
-    /// limit, or it would stop farther beyond than the tolerance.
+    /// Whether a watched axis overruns its limit, for X+, X-, Z+ and Z-: it moves outwards
+    /// beyond the limit, or its stopping point `stop` is farther beyond than the tolerance.
     pub(crate) fn overrun_limits(
         &self,
         position: Point,

@@ -6,7 +6,7 @@ use crate::units::Axis;
 use gsk_link::{AxisRates, Protocol};
 use gsk_messages::say;
 
-/// Electronic gear of X and Z.
+/// Parameters of the electronic gear: multiplier and divisor of X and Z.
 const GEAR: [u16; 4] = [
     parameter::X_MULTIPLIER,
     parameter::Z_MULTIPLIER,
@@ -35,12 +35,13 @@ const RATES: [(Axis, [u16; 3]); 2] = [
     ),
 ];
 
-/// Parameter values at the time of the connection.
+/// Parameter values at the time of the connection, compared with later ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct CheckedParameters {
     gear: [i32; 4],
     increment: [bool; 2],
-    /// Set only for boards that plan with their own rates.
+    /// Rapid rate, time constant and feed limit of X and Z. Set only for boards that plan
+    /// motion with their own rates.
     rates: Option<[[i32; 3]; 2]>,
 }
 
@@ -54,7 +55,7 @@ impl CheckedParameters {
         }
     }
 
-    /// The alarm that forbids motion until the board is connected again; `None` if no
+    /// The alarm that prevents motion until the board is connected again; `None` if no
     /// relevant parameter has changed.
     pub(crate) fn to_alarm(self, parameters: &ControlParameters) -> Option<Alarm> {
         let changed = self.changed_parameter(parameters)?;
@@ -62,8 +63,9 @@ impl CheckedParameters {
         Some(Alarm::new(number::BOARD_SETTINGS).with_detail(why))
     }
 
-    /// The first parameter that differs in a harmful way: pulses would have another size,
-    /// or the board would be slower than the control. Lower rates do no harm.
+    /// Number of the first parameter that differs in a harmful way, as text: pulses would
+    /// have another size, or the board would be slower than the control. `None` without
+    /// one; lower rates do no harm.
     fn changed_parameter(&self, parameters: &ControlParameters) -> Option<String> {
         let mut gear = GEAR.into_iter().zip(self.gear);
         if let Some((number, _)) = gear.find(|&(number, was)| parameters.value(number) != was) {

@@ -22,7 +22,7 @@ pub(crate) use zero::ZeroWiring;
 /// What a board reports to the control before a tick.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct BoardInputs {
-    /// State and abilities of the board with its drives.
+    /// State and abilities of the board and its drives.
     pub drives: BoardDrives,
     /// Events since the last tick, in order.
     pub reports: Vec<BoardReport>,
@@ -30,14 +30,14 @@ pub(crate) struct BoardInputs {
     pub dropped: Vec<BitAddress>,
     /// Fraction of the thread pass that the board has made, 0–1; `None` without a pass.
     pub pass_fraction: Option<f64>,
-    /// Set when the slides stand still and the board has reported their position.
+    /// Set when the slides stand still: what the board knows about their position.
     pub standstill: Option<Standstill>,
 }
 
 /// The board and its drives as the control sees them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct BoardDrives {
-    /// Whether the board accepts motion.
+    /// Whether the board accepts motion, now or after an order under way.
     pub takes_motion: bool,
     /// Whether the board accepts motion from this tick on, without waiting for an order
     /// under way.
@@ -48,33 +48,38 @@ pub(crate) struct BoardDrives {
     pub position_known: bool,
     /// Whether the board holds motion that it has not executed.
     pub has_pending_motion: bool,
-    /// Ticks of motion that may not have been executed yet.
+    /// Ticks of commanded motion that the board may not have executed yet.
     pub ticks_ahead: u64,
-    /// Number of stops after which the control continued from another position.
+    /// Number of stops since the connection after which the control continued from another
+    /// position.
     pub resync_count: u64,
-    /// Whether the axes wait until the board has switched spindle or coolant.
+    /// Whether the axes must wait because the board is still switching spindle or coolant.
     pub outputs_switching: bool,
     /// Whether the board switches spindle and coolant at their position in the motion,
     /// without a standstill.
     pub has_timed_outputs: bool,
-    /// Whether the spindle speed follows the motion.
+    /// Whether the board changes the spindle speed at its position in the motion, without a
+    /// standstill.
     pub speed_follows_motion: bool,
-    /// Highest pulse rates of the board.
+    /// Highest pulse rates of the board, in pulses per second.
     pub rates: PulseRates,
-    /// Pulses per mm of slide travel.
+    /// Pulses per mm of slide travel, for X and Z.
     pub pulses_per_mm: [f64; 2],
     /// Which threads the board can cut.
     pub threads: ThreadCapability,
     /// The spindle whose index the board measures; `None`: the simulated spindle applies.
     pub spindle: Option<BoardSpindle>,
-    /// A pass that the board cuts begins without a ramp. This is its highest speed, mm/min.
+    /// Highest speed of a thread pass that the board cuts, mm/min: the pass begins without
+    /// a ramp.
     pub pass_speed_mm_per_min: f64,
     /// Whether the board's homing moves one axis without the other.
     pub homes_axes_separately: bool,
-    /// Switches for a return that the control drives; `None`: the board homes by itself.
+    /// Switches for a reference return that the control drives; `None`: the board does its
+    /// own homing.
     pub zero_wiring: Option<PerAxis<ZeroWiring>>,
-    /// Input at which the board is armed to stop the axis.
+    /// Input at which the board is armed to stop each axis; `None`: not armed.
     pub armed_inputs: PerAxis<Option<AwaitedInput>>,
-    /// The parameters that the board was configured with.
+    /// The parameters that the board was configured with; `None` before a board is
+    /// connected.
     pub checked_parameters: Option<CheckedParameters>,
 }

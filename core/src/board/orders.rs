@@ -5,30 +5,31 @@ use crate::run_state::RunState;
 use crate::units::PerAxis;
 use gsk_link::{AwaitedInput, BoardOutputs, ThreadPass};
 
-/// Orders to the board beside the pulses.
+/// What the control orders from the board in a tick, in addition to the pulses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct BoardOrders {
     /// Outputs that the ladder and the spindle control command.
     pub outputs: BoardOutputs,
-    /// Fraction of a pulse by which the axes are beyond their count.
+    /// The position of each axis in fractional pulses, from which the pulse count is
+    /// rounded.
     pub fraction: PerAxis<f64>,
-    /// Whether motion is under way or waits for the spindle.
+    /// Whether an axis moves, or a motion waits for the spindle.
     pub is_moving: bool,
-    /// Whether the axes have speed.
+    /// Whether the path speed is above zero.
     pub is_feeding: bool,
     /// How the motion depends on the spindle.
     pub spindle: SpindleOrders,
-    /// A thread pass that waits for the board.
+    /// The thread pass that the board is to cut; `None` if none waits.
     pub pass: Option<ThreadPass>,
-    /// Reference returns of the axes.
+    /// State of the reference returns of the axes.
     pub returns: ReturnOrders,
     /// Whether the emergency stop is in force.
     pub is_emergency_stop: bool,
-    /// Whether RESET is active.
+    /// Whether the reset signal RST is on.
     pub is_resetting: bool,
-    /// Whether an alarm of the board waits for RESET.
+    /// Whether an alarm of the board or of its link is in force.
     pub has_board_alarm: bool,
-    /// Whether backlash is compensated: a stop may interrupt the compensation.
+    /// Whether an axis has backlash compensation: a stop may interrupt it.
     pub compensates_backlash: bool,
     /// State of the program run, for the log of the board.
     pub run: RunOrders,
@@ -43,14 +44,15 @@ pub(crate) struct SpindleOrders {
     pub lead_mm: Option<f64>,
 }
 
-/// Reference returns of the axes.
+/// State of the reference returns, as far as the board takes part in them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ReturnOrders {
-    /// Axes that the board homes.
+    /// Axes that the board is to home.
     pub by_board: PerAxis<bool>,
-    /// Input of each axis that the control's return waits for.
+    /// Input of each axis that a return driven by the control waits for; `None`: no return
+    /// waits.
     pub awaited: PerAxis<Option<AwaitedInput>>,
-    /// Axes whose reference point is established.
+    /// Axes whose reference point the control knows.
     pub referenced: PerAxis<bool>,
 }
 
@@ -59,7 +61,7 @@ pub(crate) struct ReturnOrders {
 pub(crate) struct RunOrders {
     /// State of the run after the tick.
     pub run_state: RunState,
-    /// The program that ended in this tick, if any.
+    /// The program that ended in this tick; `None` if none did.
     pub ended: Option<ProgramId>,
 }
 

@@ -4,20 +4,20 @@ use super::BoardDrives;
 use crate::units::{Axis, Point};
 use gsk_messages::{Message, say};
 
-/// Tolerance for rounding, as a factor.
+/// Factor by which a pulse rate may exceed its limit, because of rounding.
 const ROUNDING_FACTOR: f64 = 1.0 + 1e-9;
 
 /// The axes whose motion needs a higher pulse rate than the board has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ExceededAxes {
-    /// One axis exceeds its own limit.
+    /// This axis exceeds its own limit.
     One(Axis),
     /// Both axes together exceed the common limit.
     Both,
 }
 
 impl ExceededAxes {
-    /// The name of the axis or axes in a message.
+    /// Names the axis, or both axes together, for an alarm.
     pub(crate) fn to_message(self) -> Message {
         match self {
             Self::One(axis) => say::as_written(format!("{axis:?}")),
@@ -32,8 +32,8 @@ impl BoardDrives {
         [speed.x.abs() / 60.0 * x, speed.z.abs() / 60.0 * z]
     }
 
-    /// The first pulse rate of the board that a speed (mm/min) exceeds: the axes, the
-    /// needed and the available pulses per second. `None`: the speed is possible.
+    /// The first pulse rate of the board that a speed (mm/min per axis) exceeds: the axes,
+    /// the needed and the available pulses per second. `None`: the speed is possible.
     pub(crate) fn exceeded_rate(
         &self,
         speed: Point,
@@ -52,7 +52,8 @@ impl BoardDrives {
         .find(|(_, needed, made)| *needed > *made * ROUNDING_FACTOR)
     }
 
-    /// Highest manual speed of an axis, mm/min, at any speed of the other axis.
+    /// Highest manual speed of an axis, mm/min, that is possible at any speed of the other
+    /// axis.
     pub(crate) fn manual_speed_limit(&self, axis: Axis) -> f64 {
         let [each_x, each_z] = self.rates.each;
         let [per_x, per_z] = self.pulses_per_mm;

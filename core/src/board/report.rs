@@ -9,25 +9,29 @@ use gsk_link::Uncertainty;
 pub(crate) enum BoardReport {
     /// All motion ended at the current position.
     MotionEnded,
-    /// All motion ended and the program stops. The alarm that names the reason follows.
-    RunStopped,
-    /// The board stopped the axes at a switch that the control waits for. The position
+    /// All motion ended and the program stops. The report of the alarm with the reason
     /// follows.
+    RunStopped,
+    /// The board stopped the axes at a switch that the control waits for. The report of
+    /// their position follows.
     StoppedAtSwitch,
     /// The slides stopped at this count, which may differ from the control's.
     StoppedAt(PerAxis<Pulses>),
-    /// The board rejected the motion of the last tick: the slides are still at this count.
+    /// The board rejected the motion of the last tick. The slides are still at this pulse
+    /// count.
     MotionRejected(PerAxis<Pulses>),
-    /// A fault. If a thread pass was under way, the alarm names the block that began last.
+    /// A fault at the board that raises an alarm.
     Alarm {
         /// The alarm; its detail later also names the position of the slides.
         alarm: Alarm,
-        /// Whether a thread pass was under way.
+        /// Whether a thread pass was under way; the alarm then names the block that began
+        /// last.
         in_pass: bool,
     },
-    /// A fault that RESET does not clear, until [`CauseRecheck`](Self::CauseRecheck).
+    /// A fault whose alarm stays in force after RESET, until
+    /// [`CauseRecheck`](Self::CauseRecheck).
     PersistentAlarm(Alarm),
-    /// The control checks again whether the cause of the persistent alarm is gone.
+    /// Drops the persistent alarm: the control checks again whether its cause is gone.
     CauseRecheck,
     /// The board is connected, identified and configured. Earlier faults are cleared, and
     /// no motion starts automatically.
@@ -38,24 +42,24 @@ pub(crate) enum BoardReport {
         /// continued.
         raise_alarm: bool,
     },
-    /// An axis stopped at its switch.
+    /// This axis stopped at the switch that its return waited for.
     SwitchReached(Axis),
     /// The board has homed and moved off the switches of these axes.
     Homed {
-        /// Axes that have homed.
+        /// Axes that the board has homed.
         axes: PerAxis<bool>,
-        /// Machine coordinates of the axes after homing.
+        /// Machine coordinates of both axes after homing, mm, X as a radius.
         at: Point,
     },
     /// A fault that does not concern the position of the slides.
     PositionlessFault(Alarm),
-    /// The reference returns under way end; an alarm names the reason.
+    /// All reference returns under way are abandoned; another report gives the alarm.
     ReturnsAbandoned,
-    /// The board cannot cut the pass that waits for it.
+    /// The board cannot cut the pass that waits for it, for the reason in this alarm.
     PassRefused(Alarm),
     /// The board has started the pass that waited for it.
     PassStarted,
-    /// The board has stopped at the end of its pass, at this count.
+    /// The board has stopped at the end of its pass, at this pulse count.
     PassEnded(PerAxis<Pulses>),
 }
 
@@ -64,6 +68,6 @@ pub(crate) enum BoardReport {
 pub(crate) struct Standstill {
     /// Whether the board has reported a position since the connection was opened.
     pub position_reported: bool,
-    /// Why the position is uncertain; `None`: it is certain.
+    /// Why the position is uncertain; `None` if it is certain.
     pub uncertainty: Option<Uncertainty>,
 }

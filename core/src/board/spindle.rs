@@ -11,29 +11,29 @@ use serde::{Deserialize, Serialize};
 /// motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct BoardSpindle {
-    /// Speed, r/min; negative in reverse.
+    /// Measured speed, r/min; negative in reverse.
     pub rpm: f64,
     /// Spindle angle before and after the tick.
     pub turn: SpindleTurn,
-    /// Whether the index passes during the tick.
+    /// Whether the index signal comes during the tick.
     pub index_passed: bool,
     /// Whether M03 or M04 is in force.
     pub is_commanded: bool,
-    /// Greatest difference between recent revolutions, as a fraction of their mean; `None`
-    /// if unknown.
+    /// Greatest difference between recent revolutions of the spindle, as a fraction of
+    /// their mean; `None` if unknown.
     pub variation: Option<f64>,
-    /// Fault of the spindle during a thread.
+    /// Fault of the spindle during a thread; `None` without one.
     pub fault: Option<SpindleFault>,
 }
 
 /// Spindle fault that spoils a thread.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum SpindleFault {
-    /// The index came this many turns away from the commanded angle.
+    /// The index signal came this many turns away from the commanded angle.
     Deviates(f64),
-    /// The speed changed to this value, r/min, by more than No.106 allows.
+    /// The speed changed by more than No.106 allows, to this value in r/min.
     Fluctuates(f64),
-    /// The index signal has stopped.
+    /// The index signal has stopped coming.
     Lost,
 }
 
@@ -47,8 +47,8 @@ impl SpindleFault {
     }
 }
 
-/// Message that names what a function needs from the spindle (angle or speed) and what the
-/// board lacks.
+/// Message that tapping or feed per revolution needs a spindle with an index signal,
+/// and what the board lacks. `tapping` selects the function.
 pub(crate) fn spindle_required_message(board: &BoardDrives, tapping: bool) -> Message {
     let needed = if tapping {
         say::tapping()

@@ -1,18 +1,20 @@
 //! How the switches of a reference return are wired to a board.
 
-/// Inputs of one axis at the board that a reference return can use.
+/// Switches of one axis that are wired to the board for a reference return.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ZeroWiring {
-    /// Whether the deceleration switch is wired.
+    /// Whether a deceleration switch is wired to the board.
     pub has_deceleration_switch: bool,
     /// Whether the zero signal of the drive is wired.
     pub has_zero_signal: bool,
-    /// Whether the limit switch is wired.
+    /// Whether a limit switch is wired to the board.
     pub has_limit_switch: bool,
-    /// Whether the limit switch is operated now.
+    /// Whether the limit switch is pressed now.
     pub is_on_limit: bool,
-    /// Distance past the switch edge before the axis reverses, or off the limit switch, mm.
+    /// Distance that the axis moves past the edge of its switch, or off its limit switch,
+    /// mm.
     pub pull_off_mm: f64,
-    /// Machine coordinate at that position when the limit switch is the reference, mm.
+    /// Machine coordinate after the return when the limit switch is the reference, mm, X as
+    /// a radius.
     pub home_mm: f64,
 }

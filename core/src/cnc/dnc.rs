@@ -17,15 +17,16 @@ use crate::program::{DncBuffer, LineTooLong};
 
 /// Lowest baud rate for DNC (manual III-9.3).
 const MIN_BAUD: u32 = 4800;
-/// Bits of a character (start bit, eight bits, stop bit) times ticks per second.
+/// Credit that a character needs: its bits (start bit, eight bits, stop bit) times 1000
+/// ticks per second.
 const CHARACTER_CREDIT: u32 = 10 * 1000;
-/// Most characters between the partner and the buffer.
+/// Most characters that the line can hold between the sending device and the buffer.
 const MAX_ON_LINE: usize = 64;
 
-/// The serial line in DNC operation.
+/// State of the serial line in DNC operation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct DncLine {
-    /// Whether a partner is connected.
+    /// Whether a device that sends programs is connected.
     #[serde(rename = "partner")]
     is_connected: bool,
     /// Number of programs requested since power-on.
@@ -34,22 +35,22 @@ pub(super) struct DncLine {
     /// Characters on the line, not yet in the buffer.
     #[serde(rename = "coming")]
     line_characters: VecDeque<u8>,
-    /// Bits that the line could have passed, times 1000.
+    /// Bits that the line could have passed and that no character has used, times 1000.
     credit: u32,
-    /// Whether the partner has sent the whole program.
+    /// Whether the device has sent the whole program.
     #[serde(rename = "ended")]
     is_complete: bool,
 }
 
 impl DncLine {
-    /// CTRD: whether characters are being received.
+    /// CTRD: whether characters are on the line.
     pub(super) fn is_receiving(&self) -> bool {
         !self.line_characters.is_empty()
     }
 }
 
 impl Cnc {
-    /// Connects or disconnects a partner that sends programs. A disconnection while its
+    /// Connects or disconnects the device that sends programs. A disconnection while its
     /// program runs ends the program with alarm 086.
     pub fn set_dnc_partner(&mut self, is_connected: bool) {
         let was_disconnected = self.dnc.is_connected && !is_connected;
@@ -59,13 +60,13 @@ impl Cnc {
         }
     }
 
-    /// Number of programs requested since power-on. A partner sends its program from the
-    /// start each time the number changes.
+    /// Number of programs requested since power-on. The device must send its program from
+    /// the start each time the number changes.
     pub const fn dnc_request_count(&self) -> u32 {
         self.dnc.request_count
     }
 
-    /// Number of characters that may be sent now; 0 means XOFF.
+    /// Number of characters that the device may send now; 0 means XOFF.
     pub fn dnc_free_characters(&self) -> usize {
         let on_line = self.dnc.line_characters.len();
         match self.memory.programs.dnc_buffer() {
@@ -77,8 +78,9 @@ impl Cnc {
         }
     }
 
-    /// Takes characters from the partner, up to [`dnc_free_characters`](Self::dnc_free_characters). Returns how
-    /// many were taken.
+    /// Puts characters from the device on the line, at most
+    /// [`dnc_free_characters`](Self::dnc_free_characters). Returns the number of accepted
+    /// characters.
     pub fn receive_dnc(&mut self, characters: &[u8]) -> usize {
         let taken = characters.len().min(self.dnc_free_characters());
         self.dnc
@@ -87,12 +89,13 @@ impl Cnc {
         taken
     }
 
-    /// Notes that the partner has sent the whole program.
+    /// Records that the device has sent the whole program.
     pub const fn end_dnc(&mut self) {
         self.dnc.is_complete = true;
     }
 
-    /// Notes that the line failed; a program that it delivers ends with alarm 086.
+    /// Handles a failure of the line: a program that the line delivers ends with alarm 086
+    /// and this reason.
     pub fn fail_dnc(&mut self, reason: impl Into<Message>) {
         if self.memory.programs.dnc_buffer().is_some() {
             self.raise(Alarm::new(number::SERIAL_NOT_READY).with_detail(reason));
@@ -127,7 +130,7 @@ impl Cnc {
         self.memory.parameters.baud()
     }
 
-    /// Advances the line by one tick (1 ms).
+    /// Advances the serial line by one tick (1 ms).
     pub(super) fn advance_dnc(&mut self) {
         if self.memory.programs.dnc_buffer().is_none() {
             return;
@@ -157,7 +160,8 @@ impl Cnc {
         self.read_received_blocks();
     }
 
-    /// Appends the received blocks to the readable part of the program.
+    /// Makes the received blocks readable for the interpreter, and drops the blocks already
+    /// read.
     pub(crate) fn read_received_blocks(&mut self) {
         let Some(inflow) = self.memory.programs.dnc_buffer_mut() else {
             return;
@@ -175,7 +179,7 @@ impl Cnc {
 }
 
 impl DncLine {
-    /// Moves the characters that the line passes in a tick to the buffer.
+    /// Moves the characters that the line passes in a tick at this baud rate to the buffer.
     fn advance(&mut self, baud: u32, inflow: Option<&mut DncBuffer>) -> Result<(), LineTooLong> {
         let Some(inflow) = inflow else {
             return Ok(());

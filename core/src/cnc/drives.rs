@@ -17,8 +17,8 @@ enum DriveState {
 }
 
 impl Cnc {
-    /// Checks the drives after their signals were read; once per tick. In an alarm all axes
-    /// stop at once; RESET clears it when the drive is healthy again.
+    /// Checks the drives once per tick, after their signals were read. An alarm stops all
+    /// axes at once; RESET clears the alarm when the drive is healthy again.
     pub(crate) fn check_drives(&mut self, inputs: &MachineInputs) {
         let is_healthy = self.are_drives_healthy(inputs);
         self.drives.watch.ready = is_healthy && !self.emergency_stop;
@@ -51,7 +51,7 @@ impl Cnc {
         }
     }
 
-    /// Whether no drive has an alarm, and all ready lines follow their enable.
+    /// Whether no drive has an alarm, and the ready lines agree with the enable.
     fn are_drives_healthy(&self, inputs: &MachineInputs) -> bool {
         let drive_ok = self.drives.sensors.drive_ok;
         let level = self.memory.parameters.drive_ready_level();

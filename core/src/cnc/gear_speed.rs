@@ -9,7 +9,8 @@ use crate::operation::check_gear_speed;
 use crate::units::{Axis, Feed, Point, percent_to_factor};
 
 impl Cnc {
-    /// Checks a rapid or a cut before it begins, at the present overrides.
+    /// Returns alarm 097 as error if a rapid or a cut would exceed the gear speed of an
+    /// axis, at the present overrides.
     pub(crate) fn check_gear_before_move(
         &self,
         kind: MoveKind,
@@ -37,7 +38,7 @@ impl Cnc {
         check_gear_speed(&self.drives.limits, top)
     }
 
-    /// Checks the speed of the last tick.
+    /// Raises alarm 097 if an axis exceeded its gear speed in the last tick.
     pub(crate) fn check_gear_speed_of_tick(&mut self) {
         if !self.drives.limits.gear_limits_speed() {
             return;

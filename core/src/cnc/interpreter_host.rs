@@ -8,9 +8,9 @@ use crate::memory::{ControlParameters, ControlSettings, Counters, Offsets, Regis
 use crate::program::ProgramMemory;
 use crate::units::{PerAxis, Point};
 
-/// G54: macro inputs UI0 and up, #1000.
+/// First G byte of the macro inputs UI0 and up (#1000): G54.
 const MACRO_INPUTS: u16 = 54;
-/// F54 to F59: macro outputs UO0 and up, #1100.
+/// F bytes of the macro outputs UO0 and up (#1100): F54 to F59.
 const MACRO_OUTPUTS: core::ops::RangeInclusive<u16> = 54..=59;
 
 /// The view of the control that the interpreter reads, at one instant.

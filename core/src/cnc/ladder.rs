@@ -9,16 +9,16 @@ use super::Cnc;
 use super::parts::PlcPort;
 use crate::memory::{ControlParameters, parameter};
 
-/// Step of a halted ladder.
+/// Length of a step of the halted ladder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LadderStep {
-    /// One rung.
+    /// One rung of the ladder.
     Rung,
-    /// One slot of 8 ms: level 1 and a part of level 2.
+    /// One slot of 8 ms: level 1 and a portion of level 2.
     Slot,
 }
 
-/// Data parameters that are timer presets of the ladder: (DT entry, parameter).
+/// Data parameters that preset timers of the ladder: (DT entry, parameter).
 pub(super) const TIMER_PRESETS: [(u16, u16); 14] = [
     (0, parameter::GEAR_TIME_1),
     (1, parameter::GEAR_TIME_2),
@@ -38,8 +38,8 @@ pub(super) const TIMER_PRESETS: [(u16, u16); 14] = [
 /// K9: the mode that the ladder restores at power-on.
 const MODE_AT_POWER_ON: u16 = 9;
 
-/// Sets the PLC memory before its first scan: timer presets, and the mode of 174 (manual
-/// III-1.3; MDOK = 0: the mode at power-off, which K9 holds).
+/// Sets the PLC memory before the first scan: timer presets, and the mode of 174
+/// (manual III-1.3). With MDOK = 0 it is the mode at power-off, which K9 contains.
 pub(super) fn preset_plc(memory: &mut PlcMemory, parameters: &ControlParameters) {
     for (entry, parameter) in TIMER_PRESETS {
         memory.set_dt(entry, parameters.timer_ms(parameter));
@@ -67,7 +67,7 @@ impl PlcPort {
 }
 
 impl Cnc {
-    /// Steps the halted ladder; its signals act at once.
+    /// Executes one step of the halted ladder and applies its signals at once.
     pub(super) fn step_ladder(&mut self, step: LadderStep) {
         if !self.plc.halted {
             return;
@@ -85,7 +85,7 @@ impl Cnc {
         self.plc.halted
     }
 
-    /// The ladder that was loaded and waits for the next power-on.
+    /// The ladder that was loaded for the next power-on; `None` without one.
     pub const fn next_ladder(&self) -> Option<&Arc<Ladder>> {
         self.plc.next_ladder.as_ref()
     }

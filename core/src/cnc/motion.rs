@@ -8,13 +8,13 @@ use crate::units::{Axis, PerAxis, Point, percent_to_factor};
 /// Most motions shorter than a tick that are executed in one tick.
 const MOTIONS_PER_TICK: usize = 16;
 
-/// Whether two coordinates of one axis are equal except for rounding, mm.
+/// Whether two coordinates of an axis (mm) are equal except for rounding.
 fn is_equal(one: f64, other: f64) -> bool {
     (one - other).abs() < 1e-6
 }
 
 impl Cnc {
-    /// Inputs of the motion in this tick.
+    /// Inputs of the interpolator in this tick.
     pub(super) fn motion_inputs(&self) -> MotionInputs {
         MotionInputs {
             feed_override: self.feed_override_factor(),
@@ -56,7 +56,8 @@ impl Cnc {
         self.check_gear_speed_of_tick();
     }
 
-    /// The feed override in force, as a factor: 1 when OVC (G6.4) cancels it.
+    /// The feed override in force, as a factor; 1 when OVC (G6.4) or a macro B program
+    /// cancels it.
     pub fn feed_override_factor(&self) -> f64 {
         if self.plc.signals.override_cancel || self.run.registers.off.is_feed_override_off() {
             return 1.0;
@@ -86,9 +87,9 @@ impl Cnc {
         self.plc.signals.machine_lock.x && self.plc.signals.machine_lock.z
     }
 
-    /// Moves the distance that machine lock held back from the motion into the frame,
-    /// before a run. The display and the slides stay, and machine coordinates are valid
-    /// again.
+    /// Adds the distance that machine lock held back to the coordinate frame, before a run
+    /// begins. The displayed coordinates and the slides stay, and machine coordinates are
+    /// valid again.
     pub(crate) fn settle_coordinates(&mut self) {
         let slide = self.drives.axis_chain.slide_position();
         let held_back = self.position() - slide;
@@ -101,12 +102,13 @@ impl Cnc {
         interpreter.set_frame(frame, &world);
     }
 
-    /// Real position of the slides, machine coordinates.
+    /// Position of the slides without the distance that machine lock held back, machine
+    /// coordinates in mm.
     pub(crate) fn slide_position(&self) -> Point {
         self.drives.axis_chain.slide_position()
     }
 
-    /// Position at which the axes stop if they brake now.
+    /// Machine coordinates (mm) at which the axes stop if they brake now.
     pub(crate) fn stopping_point(&self) -> Point {
         self.drives.interpolator.stopping_point(&self.drives.limits)
     }
@@ -141,7 +143,7 @@ impl Cnc {
         PerAxis::new(is_equal(slide.x, zero.x), is_equal(slide.z, zero.z))
     }
 
-    /// PRO: axes at the program zero.
+    /// PRO: whether each axis is at the program zero.
     pub(super) fn at_program_zero(&self) -> PerAxis<bool> {
         let is_at_zero = self.is_on_program_zero();
         let ended = self.coordinates.program_zero_ended;

@@ -11,12 +11,12 @@ use crate::operation::{FromPlc, InputFilter, OperatingMode, RunState, ToPlc, Zer
 use crate::program::DncBuffer;
 use crate::units::{Axis, PerAxis, Point};
 
-/// Bit mask of output numbers.
+/// Combines output numbers (from 0) to a bit mask.
 fn output_mask(outputs: &[u8]) -> u32 {
     outputs.iter().fold(0, |bits, output| bits | 1 << output)
 }
 
-/// The limit switch at a side of an axis.
+/// The limit switch at an end of an axis.
 const fn limit_at(side: AxisEnd) -> TrippedLimit {
     match side {
         AxisEnd::Plus => TrippedLimit::Plus,
@@ -24,11 +24,12 @@ const fn limit_at(side: AxisEnd) -> TrippedLimit {
     }
 }
 
-/// F54 to F56: outputs that a program switches directly.
+/// First F byte of the outputs that a program switches directly: F54 to F56.
 const PROGRAM_OUTPUTS: u16 = 54;
 
 impl Cnc {
-    /// Switches outputs of a program; after `ms` those in `on` switch off again.
+    /// Switches outputs for a program. `on` and `off` are masks with Y0 in bit 0; after
+    /// `ms` (0 = never) the outputs in `on` switch off again.
     pub(super) fn switch_outputs(&mut self, on: u32, off: u32, ms: u32) {
         let before = self.program_outputs();
         let after = self.plc.output_timers.switch(before, on, off, ms);
@@ -56,20 +57,20 @@ impl Cnc {
         memory.set_f(PROGRAM_OUTPUTS + 2, high);
     }
 
-    /// Whether a machine input has a level: 0 is X0.0, 8 is X1.0.
+    /// Whether an input of the model has a level (true = on), by its number from 0.
     pub(super) fn has_input_level(&self, input: u8, high: bool) -> bool {
         self.input_level(input) == high
     }
 
-    /// Level of an input by its number on the model.
+    /// Level of an input of the model, by its number from 0.
     fn input_level(&self, input: u8) -> bool {
         let contact = self.memory.model.record().first_input + input;
         let byte = self.plc.engine.memory().x(u16::from(contact / 8));
         byte >> (contact % 8) & 1 == 1
     }
 
-    /// Combines the inputs of the model with the contacts of the machine: a switch acts
-    /// through either of them, and both show it.
+    /// Combines the inputs of the model with the contacts of the machine, in `contacts`: a
+    /// switch acts through either of them, and both show its state.
     fn combine_inputs(&self, inputs: &MachineInputs, contacts: &mut [u8]) {
         let record = self.memory.model.record();
         let is_on = |(byte, bit): pins::ContactPin| {
@@ -105,7 +106,8 @@ impl Cnc {
         }
     }
 
-    /// The limit switch of an axis that an input of the model reports.
+    /// The limit switch of an axis that an input of the model reports as tripped; `None`
+    /// without one.
     pub(super) fn limit_reported_by_input(&self, axis: Axis) -> Option<TrippedLimit> {
         let wires = &self.memory.model.record().wires;
         wires.iter().find_map(|(input, wire)| match *wire {
@@ -159,8 +161,8 @@ impl Cnc {
         }
     }
 
-    /// Handles inputs with an own function during manual operation: their edges switch
-    /// outputs, or start an M function.
+    /// Handles inputs that have an own function in manual operation: their rising edges
+    /// switch outputs, or start an M function.
     fn handle_input_edges(&mut self) {
         let record = self.memory.model.record();
         if record.edges.is_empty() {
@@ -194,7 +196,7 @@ impl Cnc {
         }
     }
 
-    /// Switches the outputs of an M code, as a program does.
+    /// Switches the outputs of an M code of the model, as a program does.
     fn switch_m_outputs(&mut self, code: u8) {
         let model = &self.memory.model;
         let Some(function) = model.record().m_function(code) else {
@@ -238,7 +240,7 @@ impl Cnc {
         }
     }
 
-    /// Applies the signals of the ladder.
+    /// Reads the signals of the ladder and acts on their changes since `before`.
     pub(super) fn read_signals(&mut self, before: &FromPlc) {
         self.plc.signals = FromPlc::read(self.plc.engine.memory());
         if self.memory.parameters.is_override_code_inverted() {
@@ -317,7 +319,7 @@ impl Cnc {
         message.write(self.plc.engine.memory_mut(), g);
     }
 
-    /// MV: axes that move. Machine lock keeps an axis at its position.
+    /// MV: whether each axis moves. Under machine lock an axis does not move.
     fn moving_axes(&self) -> PerAxis<bool> {
         let velocity = self.drives.interpolator.velocity();
         let locked = self.plc.signals.machine_lock;
@@ -345,7 +347,7 @@ impl Cnc {
     }
 
     /// Whether the motion under way is at a rapid rate, programmed or manual; `None` while
-    /// the axes decelerate after it.
+    /// the axes only decelerate.
     fn is_at_rapid_rate(&self) -> Option<bool> {
         let returns = [Axis::X, Axis::Z].map(|axis| *self.coordinates.returns.get(axis));
         if returns.iter().any(Option::is_some) {
@@ -395,7 +397,7 @@ impl Cnc {
             && self.drives.board.is_none_or(|board| board.position_known)
     }
 
-    /// Follows the mode that the ladder commands.
+    /// Changes to the operating mode that the ladder commands.
     fn follow_mode(&mut self) {
         let handwheel = self.memory.parameters.has_handwheel();
         let Some(mode) = OperatingMode::from_code(self.plc.signals.mode_code, handwheel) else {

@@ -16,11 +16,11 @@ use crate::operation::ActiveAlarms;
 use crate::setup::{Setup, TOOL_IN_POSITION};
 use crate::units::{Axis, PerAxis};
 
-/// Y1.2, M03: the spindle turns forward.
+/// Output Y1.2, M03: the spindle turns forward.
 const M03_OUTPUT: BitAddress = BitAddress::new(Area::Y, 1, 2);
 
 impl Cnc {
-    /// Creates a control at power-on.
+    /// Creates a control at power-on, from the retained memory of `setup`.
     pub fn new(setup: Setup) -> Self {
         let tool = setup.tool_in_position();
         let referenced = PerAxis::new(setup.is_referenced(Axis::X), setup.is_referenced(Axis::Z));
@@ -83,8 +83,8 @@ impl Cnc {
         cnc
     }
 
-    /// Switches the power off and on: retained data stays, all else starts again. With
-    /// 004.7 ABOT = 0 the absolute coordinates stay (manual III-2.1).
+    /// Switches the power off and on: retained data stays, all other state starts again.
+    /// With 004.7 ABOT = 0 the absolute coordinates stay (manual III-2.1).
     pub fn power_cycle(&mut self) {
         let position = self.position();
         let setup = Setup {

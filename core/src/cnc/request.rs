@@ -20,7 +20,7 @@ use crate::operation::{RunState, SoftSwitch};
 use crate::program::Program;
 use crate::units::Axis;
 
-/// A request of the panel.
+/// A request of the panel to the control.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ControlRequest {
     /// Sets the relative coordinate of one axis to zero.
@@ -32,40 +32,43 @@ pub enum ControlRequest {
     ClearParts,
     /// Sets the cutting time to zero.
     ClearCuttingTime,
-    /// Selects a stored program.
+    /// Selects the stored program with this O number.
     SelectProgram(u16),
     /// Moves the cursor to a line of the selected program, from 1.
     CursorTo(u32),
-    /// A search on the program page found nothing: raises its alarm.
+    /// Raises the alarm for a search on the program page that found nothing.
     NotFound {
-        /// Whether a sequence number was searched.
+        /// Whether the search was for a sequence number, not for a program.
         sequence: bool,
     },
-    /// Creates a program that holds only its name.
+    /// Creates a program with this O number, which holds only its name.
     CreateProgram(u16),
-    /// Stores the selected program under another number too (另存).
+    /// Stores the selected program under this O number too (另存).
     SaveProgramAs(u16),
-    /// Gives the selected program another number.
+    /// Gives the selected program this O number.
     RenameProgram(u16),
-    /// Deletes a program.
+    /// Deletes the program with this O number.
     DeleteProgram(u16),
-    /// Deletes all programs that may be deleted.
+    /// Deletes all programs whose deletion is permitted.
     DeleteAllPrograms,
-    /// Checks whether a program may be edited; raises the alarm that refuses it.
+    /// Checks whether the program with this O number may be edited; raises the alarm that
+    /// refuses it.
     CheckEdit(u16),
-    /// Checks whether a program may be sent; raises the alarm that refuses it.
+    /// Checks whether the program with this O number may be sent; raises the alarm that
+    /// refuses it.
     CheckSend(u16),
-    /// Checks whether a program may be received; raises the alarm that refuses it.
+    /// Checks whether a program with this O number may be received; raises the alarm that
+    /// refuses it.
     CheckReceive(u16),
-    /// State of the serial port from now on (F213).
+    /// Sets the state of the serial port (F213).
     SetSerialPort(SerialPort),
-    /// Data received through the serial port.
+    /// Stores data that was received through the serial port.
     StoreReceived(ReceivedData),
     /// Stores the edited text of a program.
     StoreEdited {
         /// O number of the program.
         number: u16,
-        /// The whole edited program.
+        /// The whole edited program text.
         program: Program,
     },
     /// Stores a program text in the program memory and selects it.
@@ -76,112 +79,113 @@ pub enum ControlRequest {
     AddMdiWord(String),
     /// Sets a common macro variable from its page.
     SetVariable {
-        /// Variable number: #200–#231, #500–#515.
+        /// Number of the variable: #200–#231, #500–#515.
         number: u16,
-        /// Value, −2³² to 2³² − 1.
+        /// New value, −2³² to 2³² − 1.
         value: i64,
     },
-    /// Sets a real variable: of macro B, or of the Huaxing lathes.
+    /// Sets a real variable, of macro B or of the Huaxing lathes.
     SetMacroVariable {
-        /// Variable number: #1–#33 of the present run, #100–#231, #500–#999; or #1–#99.
+        /// Number of the variable. Macro B: #1–#33 of the present run, #100–#231, #500–#999;
+        /// Huaxing: #1–#99.
         number: u16,
-        /// Value; `None`: null.
+        /// New value; `None`: null.
         value: Option<f64>,
     },
     /// Sets a point of the pitch error table.
     SetPitch {
-        /// The axis whose table is changed.
+        /// The axis whose pitch error table is changed.
         axis: Axis,
-        /// Point, 0–255.
+        /// Number of the point in the table, 0–255.
         point: u8,
-        /// Correction, −255 to 255, in 0.001 mm.
+        /// New correction, −255 to 255, in 0.001 mm.
         value: i16,
     },
-    /// Sets a tool offset from its page.
+    /// Sets a tool offset, as the offset page does.
     SetOffset {
         /// Offset number, 000–032.
         number: u8,
         /// The value and how it is entered.
         entry: OffsetEntry,
     },
-    /// Sets a whole parameter; a status parameter as a byte.
+    /// Sets a whole parameter; a status parameter as the value of its byte.
     SetParameter {
         /// Parameter number.
         number: u16,
-        /// New value.
+        /// New value of the parameter; a status parameter as a byte.
         value: i32,
     },
     /// Sets one bit of a status parameter.
     SetParameterBit {
         /// Parameter number.
         number: u16,
-        /// Bit number, 0–7.
+        /// Number of the bit, 0–7.
         bit: u8,
-        /// New state.
+        /// New state of the bit.
         on: bool,
     },
-    /// Sets a row of the setting page.
+    /// Sets a row of the setting page to on or off.
     SetSetting(SettingRow, bool),
-    /// Switches 参数开关, which permits changes of parameters.
+    /// Switches 参数开关, which permits changes of parameters while on.
     SetParameterSwitch(bool),
-    /// Switches 程序开关, which permits changes of programs.
+    /// Switches 程序开关, which permits changes of programs while on.
     SetProgramSwitch(bool),
-    /// 取消 and 复位 together: clears alarm 100, the switch stays on.
+    /// Clears alarm 100 and leaves 参数开关 on (取消 and 复位 together).
     CancelSwitchAlarm,
-    /// Reads an electronic disk into the memory.
+    /// Replaces parameters, offsets and pitch errors by those of an electronic disk.
     LoadDisk(ElectronicDisk),
-    /// Saves parameters and offsets on an electronic disk.
+    /// Saves parameters, offsets and pitch errors on an electronic disk.
     SaveDisk(ElectronicDisk),
     /// Enters a password: its level becomes the operation level.
     EnterPassword(String),
-    /// Replaces a password.
+    /// Replaces the password `old` by `new`.
     ChangePassword {
         /// The present password.
         old: String,
         /// The password that replaces it.
         new: String,
     },
-    /// Lowers the operation level to 5.
+    /// Lowers the operation level to 5, which permits least.
     LowerLevel,
-    /// Toggles a soft switch of the machine panel page.
+    /// Toggles a soft switch, as its key on the page 机床面板 does.
     ToggleSoftSwitch(SoftSwitch),
-    /// DGN.075: sets the tool that is in position.
+    /// Sets the number of the tool that is in position (DGN.075).
     SetTool(u8),
-    /// Sets a preset of the PLC: a D byte, or the preset of a timer or counter.
+    /// Sets a preset of the PLC: a D byte, or the preset (DT, DC) of a timer or counter.
     SetPreset(ByteAddress, i32),
     /// Drops the handwheel motion that the axis has not followed yet.
     DropWheel,
     /// Reports whether the OUTPUT key is down.
     SetOutputKey(bool),
-    /// Sets a switch of the page 机床面板; the request reaches the ladder as F75.
+    /// Sets a soft switch of the page 机床面板 on or off; the ladder reads it in F75.
     SetSoftSwitch(SoftSwitch, bool),
-    /// Forces a bit of PLC memory to a value; `None` releases it.
+    /// Forces a bit of the PLC memory to a value; `None` releases the bit.
     ForceBit(BitAddress, Option<bool>),
-    /// Halts the ladder, or lets it run again.
+    /// Halts the ladder (true), or lets it run again.
     HaltLadder(bool),
-    /// Steps the halted ladder.
+    /// Executes one step of the halted ladder.
     StepLadder(LadderStep),
     /// Loads a ladder for the next power-on, as a download does.
     LoadLadder(Arc<Ladder>),
 }
 
-/// An entry of the offset page.
+/// A value for a tool offset, and how the offset is calculated from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OffsetEntry {
-    /// X or Z with a value in the unit of the display: stored, or taken as measured
-    /// coordinate (012.5 DOFSI).
+    /// X or Z with a value in the unit of the display: stored as offset, or used as
+    /// measured coordinate (012.5 DOFSI).
     Length(Axis, f64),
-    /// X or Z in mm: stored, regardless of 012.5 DOFSI.
+    /// X or Z in mm: stored as offset, regardless of 012.5 DOFSI.
     Stored(Axis, f64),
-    /// U or W with a value: added to the offset.
+    /// U or W with a value in the unit of the display: added to the offset.
     Change(Axis, f64),
-    /// U or W alone: takes the relative coordinate.
+    /// U or W without a value: the offset becomes the relative coordinate.
     RelativeCoordinate(Axis),
     /// R: nose radius in the unit of the display.
     NoseRadius(f64),
-    /// Nose radius in mm.
+    /// R: nose radius in mm.
     StoredRadius(f64),
-    /// T: number of the imaginary tool nose position.
+    /// T: number of the imaginary tool nose position, 0–9.
     NoseNumber(u8),
 }
 
@@ -280,7 +284,7 @@ impl Cnc {
         Ok(())
     }
 
-    /// The write permissions at this moment.
+    /// The permissions to change data at this moment.
     pub fn rights(&self) -> Rights<'_> {
         Rights {
             parameters: &self.memory.parameters,
@@ -297,7 +301,7 @@ impl Cnc {
         }
     }
 
-    /// Presses or releases a key of the machine panel: its contact in X20–X26.
+    /// Presses or releases a key of the machine panel; `contact` is its contact in X20–X26.
     pub fn set_panel_key(&mut self, contact: BitAddress, down: bool) {
         let byte = usize::from(contact.byte);
         if contact.area != Area::X || byte >= X_BYTES {
@@ -312,8 +316,8 @@ impl Cnc {
     }
 }
 
-/// Whether a program operation may proceed. A level that is too low raises an alarm; other
-/// refusals are silent.
+/// Whether a program operation may proceed; false for a silent refusal. A level that is
+/// too low returns its alarm as error.
 fn check_allowed(rights: Result<(), WriteRefusal>) -> Result<bool, Alarm> {
     match rights {
         Ok(()) => Ok(true),

@@ -6,7 +6,8 @@ use crate::machine::MachineInputs;
 use crate::memory::SwitchedOff;
 use crate::operation::RunState;
 
-/// Minimum duration of RST, so that a whole cycle of level 2 sees it.
+/// Minimum duration of the reset signal RST, ms, so that a whole cycle of level 2 sees
+/// it.
 const LEVEL_2_CYCLE_MS: u32 = 32;
 
 impl Cnc {
@@ -15,7 +16,7 @@ impl Cnc {
         self.reset_left_ms > 0
     }
 
-    /// AL: an alarm or a PLC message is in force.
+    /// AL: whether an alarm or a PLC message is in force.
     pub(crate) fn is_alarm_active(&self) -> bool {
         !self.alarms.is_empty() || self.plc.message
     }
@@ -33,7 +34,8 @@ impl Cnc {
         }
     }
 
-    /// Ends the run: the axes decelerate, and commands that were read are not executed.
+    /// Ends the run in this state: the axes decelerate, and commands that were read are not
+    /// executed.
     pub(crate) fn stop_run(&mut self, state: RunState) {
         self.abandon_current();
         self.abandon_returns();
@@ -47,7 +49,8 @@ impl Cnc {
         self.run.automatic.state = state;
     }
 
-    /// Handles the RESET key, an external reset, or the start of an emergency stop.
+    /// Resets the control: for the RESET key, an external reset, or the start of an
+    /// emergency stop.
     pub(crate) fn reset(&mut self) {
         self.stop_run(RunState::Reset);
         self.run.handshake.reset();
@@ -73,7 +76,8 @@ impl Cnc {
         }
     }
 
-    /// Checks the causes of reset and the emergency stop; once per tick.
+    /// Checks the causes of a reset and the emergency stop, once per tick.
+    /// `contacts_closed`: the emergency-stop loop is closed.
     pub(crate) fn check_reset(&mut self, contacts_closed: bool, inputs: &MachineInputs) {
         let emergency = !contacts_closed || self.plc.signals.emergency_stop;
         if emergency {
@@ -106,7 +110,7 @@ impl Cnc {
         }
     }
 
-    /// 准备未绪: emergency stop, or a drive that is not ready.
+    /// 准备未绪: whether the emergency stop or an alarm of a drive is in force.
     pub(crate) fn is_not_ready(&self) -> bool {
         self.alarms
             .list()

@@ -10,10 +10,11 @@ use super::Cnc;
 use super::parts::PlcPort;
 use crate::operation::{SoftSwitch, SoftSwitchChange};
 
-/// Time for which a switch first has the other state: more than a cycle of level 2.
+/// Time for which a switch first has the opposite state, ms: longer than a cycle of
+/// level 2.
 const PREPARE_MS: u32 = 64;
 
-/// The F bit that reports the state of a switch's function.
+/// Address of the F bit that reports whether the function of a switch is in force.
 const fn state_bit(switch: SoftSwitch) -> BitAddress {
     let (byte, bit) = match switch {
         SoftSwitch::MachineLock => (4, 1),
@@ -82,12 +83,12 @@ impl PlcPort {
 }
 
 impl Cnc {
-    /// Whether a switch of the soft machine panel is on.
+    /// Whether a switch of the soft machine panel is on (its bit of F75).
     pub const fn is_soft_switch_on(&self, switch: SoftSwitch) -> bool {
         self.plc.is_soft_switch_on(switch)
     }
 
-    /// Whether the function of a soft switch is in force.
+    /// Whether the function of a soft switch is in force, as the ladder has decided.
     pub fn is_soft_switch_active(&self, switch: SoftSwitch) -> bool {
         self.plc.is_soft_switch_active(switch)
     }

@@ -8,7 +8,7 @@ use crate::machine::MachineInputs;
 use crate::spindle::SpindleInputs;
 use crate::units::Point;
 
-/// Y0.7, SPZD: spindle brake.
+/// Output Y0.7, SPZD: spindle brake.
 const BRAKE_OUTPUT: BitAddress = BitAddress::new(Area::Y, 0, 7);
 
 impl Cnc {
@@ -42,13 +42,13 @@ impl Cnc {
             && self.memory.parameters.has_analog_spindle()
     }
 
-    /// SPZD: whether the ladder brakes the spindle.
+    /// SPZD: whether the ladder's spindle brake is on.
     pub(crate) fn is_brake_on(&self) -> bool {
         self.plc.engine.memory().bit(BRAKE_OUTPUT)
     }
 
-    /// The X for the surface speed, machine coordinate: the programmed X; in a rapid the X
-    /// of its end point (manual I-2.6.2).
+    /// X that determines the surface speed, machine coordinate in mm: the programmed X, in
+    /// a rapid the X of its end point (manual I-2.6.2).
     fn surface_x(&mut self) -> f64 {
         let position = self.position();
         let Some(current) = &self.run.automatic.current else {

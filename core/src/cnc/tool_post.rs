@@ -4,7 +4,8 @@ use super::Cnc;
 use crate::operation::Strobe;
 
 impl Cnc {
-    /// Updates the T display when the tool post was turned manually.
+    /// Updates the T display when the tool in position has changed from `before` without a
+    /// T function.
     pub(super) fn follow_tool(&mut self, before: u8) {
         let current = self.plc.signals.current_tool;
         if current != before
@@ -19,7 +20,8 @@ impl Cnc {
         }
     }
 
-    /// Stores the tool in position in 075; numbers beyond its range are not stored.
+    /// Stores the number of the tool in position in 075; numbers beyond its range are not
+    /// stored.
     pub(crate) fn remember_tool(&mut self, tool: u8) {
         self.memory.parameters.remember_tool(tool);
     }

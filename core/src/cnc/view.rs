@@ -21,7 +21,7 @@ use crate::spindle::SpindleControl;
 use crate::units::{Axis, PerAxis, Point, Pulses, TICK_S};
 use gsk_link::SpindleDirection;
 
-/// Lag of a pulse board after the control.
+/// Lag of a pulse board after the control, at the end of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BoardLag {
     /// Ticks of motion that the board may not have executed yet.
@@ -34,11 +34,11 @@ pub struct BoardLag {
 /// The block in execution, or the block at which the next cycle start begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProgramCursor {
-    /// The program that contains the block; `None` with an empty memory.
+    /// The program that contains the block; `None` if the memory is empty.
     pub program: Option<ProgramId>,
-    /// Line, from 1.
+    /// Line of the block, from 1.
     pub line: u32,
-    /// The last sequence number before or in the block.
+    /// The last sequence number (N) before or in the block; `None` without one.
     pub sequence: Option<u32>,
 }
 
@@ -58,7 +58,7 @@ impl Cnc {
         self.spindle.control.volts()
     }
 
-    /// State of automatic operation.
+    /// State of the program run.
     pub const fn run_state(&self) -> RunState {
         self.run.automatic.state
     }
@@ -68,7 +68,7 @@ impl Cnc {
         self.slide_position()
     }
 
-    /// Pulses commanded since power-on.
+    /// Pulses commanded since power-on, for each axis.
     pub fn pulses(&self) -> PerAxis<Pulses> {
         self.drives.axis_chain.pulses()
     }
@@ -83,8 +83,8 @@ impl Cnc {
         self.relative_base() - self.coordinates.relative_zero
     }
 
-    /// The base of the relative coordinates: absolute coordinates, with the tool offset
-    /// unless 004.1 PROD = 1.
+    /// Coordinates from which the relative coordinates are counted, mm: the absolute ones,
+    /// with the tool offset unless 004.1 PROD = 1.
     pub(crate) fn relative_base(&self) -> Point {
         let absolute = self.position_absolute();
         if self.memory.parameters.is_relative_programmed() {
@@ -104,7 +104,7 @@ impl Cnc {
         self.coordinates.frame
     }
 
-    /// Whether an axis moves.
+    /// Whether any axis has speed, in programmed or manual motion.
     pub fn is_moving(&self) -> bool {
         self.drives.interpolator.is_moving() || self.is_waiting_for_motor()
     }
@@ -129,27 +129,27 @@ impl Cnc {
         self.drives.interpolator.is_in_thread()
     }
 
-    /// The F word in force, in the unit of G98 or G99.
+    /// The F word in force: a feed per minute with G98, per revolution with G99.
     pub const fn feed_commanded(&self) -> f64 {
         self.run.modal.feed
     }
 
-    /// The thread lead in force, mm; 0 = none yet.
+    /// The thread lead in force, mm; 0 until a thread is programmed.
     pub const fn thread_lead(&self) -> f64 {
         self.run.interpreter.thread_lead()
     }
 
-    /// Speed along the path, mm/min.
+    /// Speed of the axes along the path, mm/min.
     pub fn feed_actual(&self) -> f64 {
         self.drives.interpolator.velocity().length() * 60.0
     }
 
-    /// Jog rate of the override step, mm/min.
+    /// Jog rate of the present override step, mm/min.
     pub fn jog_rate(&self) -> f64 {
         jog_rate(self.plc.signals.jog_code)
     }
 
-    /// Feed override, 0–150 %.
+    /// Feed override that the ladder commands, 0–150 %.
     pub const fn feed_override(&self) -> u8 {
         self.plc.signals.feed_override
     }
@@ -159,13 +159,13 @@ impl Cnc {
         self.plc.signals.rapid_override
     }
 
-    /// Spindle override, 50–120 %.
+    /// Spindle override in force, 50–120 %.
     pub const fn spindle_override(&self) -> u8 {
         self.plc.signals.spindle_override
     }
 
-    /// Spindle speed on the S display (manual III-2.1.1), r/min: the measured one, also at
-    /// standstill; `None` without an encoder.
+    /// Spindle speed for the S display (manual III-2.1.1), r/min: the measured speed, also
+    /// at standstill. `None` without an encoder.
     pub fn spindle_measured(&self) -> Option<f64> {
         let has_encoder = self.spindle.control.has_encoder();
         has_encoder.then(|| self.spindle.control.actual_rpm())
@@ -205,12 +205,12 @@ impl Cnc {
         &self.run.modal
     }
 
-    /// Part counter and cutting time.
+    /// Part counter, cutting time and the other counters.
     pub const fn counters(&self) -> Counters {
         self.memory.counters
     }
 
-    /// Parameters as stored; some values act only after the next power-on.
+    /// Stored parameter values; some of them act only after the next power-on.
     pub const fn parameters(&self) -> &ControlParameters {
         &self.memory.parameters
     }
@@ -220,7 +220,7 @@ impl Cnc {
         &self.memory.model
     }
 
-    /// Pitch error table of both axes.
+    /// Pitch error tables of both axes.
     pub const fn pitch(&self) -> &PitchTable {
         &self.memory.pitch
     }
@@ -233,24 +233,25 @@ impl Cnc {
         }
     }
 
-    /// Tool offsets by number.
+    /// Tool offsets of all numbers.
     pub const fn offsets(&self) -> &Offsets {
         &self.memory.offsets
     }
 
-    /// Macro variables, common and real ones.
+    /// Macro variables: the common ones and the real ones.
     pub const fn variables(&self) -> &Variables {
         &self.memory.variables
     }
 
-    /// Remaining time of a dwell, s, on a model whose overall page shows it (NC-B08).
+    /// Remaining time of a dwell, s; `None` without a dwell, and on models whose overall
+    /// page does not show it (all but the NC-B08).
     pub fn displayed_dwell_s(&self) -> Option<f64> {
         let is_displayed = self.memory.model.record().g_code(4) == Some(GCode::DwellSecondsFirst);
         let left = f64::from(self.run.automatic.dwell_left_ms) * TICK_S;
         (is_displayed && self.run.automatic.is_dwelling()).then_some(left)
     }
 
-    /// Numbers of the variables that the page lists.
+    /// Numbers of the variables that the variable page lists.
     pub fn variable_numbers(&self) -> Vec<u16> {
         if self.memory.model.record().own_variables {
             Variables::numbers_of_huaxing().collect()
@@ -261,13 +262,13 @@ impl Cnc {
         }
     }
 
-    /// Whether the variables of the page are reals: those of macro B and of the Huaxing
+    /// Whether the variable page lists real numbers: with macro B and on the Huaxing
     /// lathes.
     pub fn are_variables_real(&self) -> bool {
         self.memory.settings.macro_b || self.memory.model.record().own_variables
     }
 
-    /// Value of a real variable; `None`: null.
+    /// Value of a real variable, by number; `None`: null.
     pub fn real_variable(&self, number: u16) -> Option<f64> {
         let variables = &self.memory.variables;
         if self.memory.model.record().own_variables {
@@ -284,7 +285,7 @@ impl Cnc {
         self.memory.settings.inch
     }
 
-    /// The rows of the setting page.
+    /// States of the rows of the setting page.
     pub const fn settings(&self) -> ControlSettings {
         self.memory.settings
     }
@@ -309,7 +310,7 @@ impl Cnc {
         self.switches.programs
     }
 
-    /// KEY1, G46.3: the ladder forbids changes of programs, offsets and parameters.
+    /// KEY1, G46.3: whether the ladder forbids changes of programs, offsets and parameters.
     pub const fn is_memory_protected(&self) -> bool {
         self.plc.signals.memory_protect
     }
@@ -324,7 +325,7 @@ impl Cnc {
         &self.run.mdi
     }
 
-    /// Position of the run in its program.
+    /// The block in execution, or the block at which the next cycle start begins.
     pub fn cursor(&self) -> ProgramCursor {
         let running = self.run.automatic.state != RunState::Reset;
         let suspended = self.run.automatic.suspended_source();
@@ -354,13 +355,14 @@ impl Cnc {
         self.alarms.list()
     }
 
-    /// Messages of the machine's ladder that are in force: number and text.
+    /// Messages of the machine's ladder that are in force, each with number and text.
     pub fn plc_messages(&self) -> impl Iterator<Item = (u16, &str)> {
         self.plc.engine.active_messages()
     }
 
-    /// The first message of the ladder in force, at the block it holds. Cycle start has no
-    /// effect until its cause is gone and RESET has cleared it.
+    /// The first message of the ladder in force, as an alarm with the block that it
+    /// interrupts; `None` without one. Cycle start has no effect until its cause is gone
+    /// and RESET has cleared it.
     pub fn active_message(&self) -> Option<Alarm> {
         if !self.plc.message {
             return None;
@@ -375,7 +377,7 @@ impl Cnc {
         })
     }
 
-    /// Whether the status line shows 准备未绪.
+    /// Whether the status line shows 准备未绪 (not ready).
     pub fn is_shown_not_ready(&self) -> bool {
         self.is_not_ready() || self.is_position_unknown()
     }
@@ -386,7 +388,7 @@ impl Cnc {
         self.drives.board.is_some_and(|board| !board.position_known)
     }
 
-    /// Whether a pulse board makes the motion: the slides of the simulated lathe are then
+    /// Whether a pulse board makes the motion. The slides of the simulated lathe are then
     /// not the real ones.
     pub const fn has_board(&self) -> bool {
         self.drives.board.is_some()
@@ -402,6 +404,7 @@ impl Cnc {
     }
 
     /// Speed of the spindle whose index the board measures, r/min; negative in reverse.
+    /// `None` without such a spindle.
     pub fn board_spindle_rpm(&self) -> Option<f64> {
         Some(self.drives.board?.spindle?.rpm)
     }
@@ -411,15 +414,15 @@ impl Cnc {
         self.is_alarm_active()
     }
 
-    /// Whether the status line shows 暂停: feed hold, *SP open, or a stop of single block
-    /// between two moves of one block.
+    /// Whether the status line shows 暂停 (hold): in feed hold, with *SP open, or after a
+    /// stop of single block between two moves of one block.
     pub fn is_in_feed_hold(&self) -> bool {
         self.run.automatic.state == RunState::Hold
             || self.run.automatic.is_stopped_within_block()
             || self.plc.signals.feed_hold
     }
 
-    /// Axes whose reference point is established.
+    /// Whether the reference point of each axis is established.
     pub const fn referenced_axes(&self) -> PerAxis<bool> {
         self.coordinates.referenced
     }
@@ -429,7 +432,7 @@ impl Cnc {
         &self.plc.engine
     }
 
-    /// Events of the last tick.
+    /// Events of the last tick, in order.
     pub fn events(&self) -> &[Event] {
         &self.events
     }
@@ -448,7 +451,7 @@ impl Cnc {
         )
     }
 
-    /// Ticks since power-on.
+    /// Ticks of 1 ms since power-on.
     pub const fn ticks(&self) -> u64 {
         self.ticks
     }

@@ -13,7 +13,7 @@ pub struct ModalState {
     pub feed_per_revolution: bool,
     /// Group 04: G40, G41 or G42, by number.
     pub nose_compensation: u8,
-    /// Inch input (G20) or metric (G21).
+    /// Whether the input is in inches (G20), not metric (G21).
     pub inch: bool,
     /// F word in force, in the unit of its group-03 code; 0 = none yet.
     pub feed: f64,
@@ -23,7 +23,7 @@ pub struct ModalState {
     pub tool: u8,
     /// Offset number in force, 0 = none.
     pub offset: u8,
-    /// The last M code that a block output; `None` if there is none.
+    /// The last M code that a block output; `None` before the first one.
     pub m: Option<u8>,
 }
 

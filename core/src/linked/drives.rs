@@ -7,7 +7,7 @@ use crate::board::board_rates;
 use crate::memory::ControlParameters;
 use crate::units::{Axis, PerAxis};
 
-/// Pulse weights and rates for opening a board, from 015–018, 022–025 and 027.
+/// Pulse weights and rates of both axes for the board, from 015–018, 022–025 and 027.
 pub fn drives_from_parameters(parameters: &ControlParameters) -> Drives {
     let axis_settings = |axis| {
         (

@@ -74,7 +74,7 @@ impl LinkedControl {
         }
     }
 
-    /// The switches of an axis that are wired to the board.
+    /// Which switches of an axis are wired to the board, and their data for a return.
     fn zero_wiring(&self, axis: Axis) -> ZeroWiring {
         let (wires, at) = match axis {
             Axis::X => (&self.config.x, self.config.x.home_at / 2.0),
@@ -94,7 +94,7 @@ impl LinkedControl {
         }
     }
 
-    /// Arms the board for the switches that the control's returns wait for.
+    /// Arms the board to stop at the switches that the control's returns wait for.
     fn arm_switches(&mut self) {
         for axis in [Axis::X, Axis::Z] {
             let wanted = *self.control.orders.returns.awaited.get(axis);
@@ -113,7 +113,7 @@ impl LinkedControl {
         }
     }
 
-    /// Abandons a return whose switch did not come within the travel of the slide.
+    /// Abandons a return that has travelled the whole slide without reaching its switch.
     fn check_search_length(&mut self, axis: Axis, awaited: AwaitedInput) {
         let (scale, name) = match axis {
             Axis::X => (2.0, 'x'),
@@ -138,7 +138,7 @@ impl LinkedControl {
         self.report(BoardReport::PositionlessFault(alarm));
     }
 
-    /// Passes keys, outputs and ends of programs to the link.
+    /// Passes RESET, emergency stop, outputs and the ends of programs to the link.
     pub(super) fn apply_orders(&mut self) {
         let dropped = self.has_dropped_outputs();
         let orders = self.control.orders;
@@ -204,7 +204,7 @@ impl LinkedControl {
             .collect()
     }
 
-    /// Handles one event of the link.
+    /// Handles one event of the link to the board.
     pub(super) fn handle_event(&mut self, event: LinkEvent) {
         match event {
             LinkEvent::State(state) => self.enter_state(state),
@@ -315,7 +315,8 @@ impl LinkedControl {
         });
     }
 
-    /// Issues the operator's requests that the board can execute now.
+    /// Passes requests of the control (homing, position, release) to the link, if the board
+    /// can execute them now.
     pub(super) fn issue_requests(&mut self) {
         if !self.reports.are_delivered() {
             // The control's orders follow after its next tick.

@@ -4,24 +4,26 @@ use crate::command::ProgramId;
 use crate::units::{PerAxis, Pulses};
 use gsk_link::SettingDifference;
 
-/// An entry of the link's log.
+/// An entry for the log of the link.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LinkNote {
     /// The board's count was compared with the commanded count.
     CountChecked {
-        /// The program that has just ended, if its end caused the comparison.
+        /// The program that has just ended, if its end caused the comparison; otherwise
+        /// `None`.
         program: Option<ProgramId>,
-        /// Pulses that the control commanded.
+        /// Commanded pulse count of each axis.
         commanded: PerAxis<Pulses>,
-        /// Count of the board in the control's pulses; `None` if it reported none.
+        /// The board's count in the control's pulses; `None` if it reported no count.
         counted: Option<PerAxis<Pulses>>,
-        /// Whether both counts agree.
+        /// Whether the commanded and the board's count agree.
         agrees: bool,
     },
-    /// The data dictionary of a board, for [`LinkedControl::add_dictionaries`](super::LinkedControl::add_dictionaries) at the
+    /// The data dictionary of a board. Pass it to
+    /// [`LinkedControl::add_dictionaries`](super::LinkedControl::add_dictionaries) at the
     /// next opening.
     DictionaryReceived {
-        /// Processor and firmware version.
+        /// Name of the dictionary: processor and firmware version.
         name: String,
         /// Compressed dictionary as the board sent it.
         compressed: Vec<u8>,
@@ -30,7 +32,7 @@ pub enum LinkNote {
     SettingDiffers(SettingDifference),
 }
 
-/// Log entries, and state for entries to come.
+/// Log entries, and data for the next entries.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LinkLog {
     /// Set while a requested comparison of the counts is under way.

@@ -3,11 +3,11 @@
 use crate::units::{PerAxis, Pulses};
 use gsk_link::RunTime;
 
-/// Motion of the control that was passed to the board.
+/// The motion that was last passed to the board.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CommandedMotion {
     pub(super) pulses: PerAxis<Pulses>,
-    /// End of the last tick that made a pulse.
+    /// Kernel time at the end of the last tick that made a pulse.
     pub(super) last_motion_end: RunTime,
     /// Whether the last tick made a pulse.
     pub(super) moved: bool,
@@ -26,7 +26,7 @@ impl CommandedMotion {
         }
     }
 
-    /// Sets the count without a motion to it.
+    /// Sets the pulse count without a motion to it.
     pub(super) const fn set_count(&mut self, pulses: PerAxis<Pulses>) {
         self.pulses = pulses;
         self.moved = false;

@@ -12,24 +12,26 @@ use gsk_messages::{Message, say};
 const MAX_CATCH_UP_TICKS: u64 = 40;
 /// Gaps between two polls of the port up to this are normal.
 const NORMAL_POLL_GAP: Duration = Duration::from_millis(30);
-/// Motion that the board may have made since its last report: it is queried every 20 ms.
+/// Duration of the motion that the board may have made since its last report; the link
+/// queries it every 20 ms.
 const REPORT_AGE: Duration = Duration::from_millis(25);
-/// A program that was halted for this long, in a dwell or a wait, does not continue on its
-/// own.
+/// After an absence of the host of this duration, a program in a dwell or a wait is
+/// stopped.
 const SLEEP_THRESHOLD: Duration = Duration::from_secs(1);
-/// The board may execute motion this much later than the host's clock says.
+/// Time by which the board may execute motion later than the host's clock predicts.
 const BLOCKED_MARGIN: Duration = Duration::from_millis(100);
 const TICK: Duration = Duration::from_millis(1);
 
-/// Host time that the kernel has not used.
+/// Host time that the kernel has not used for ticks yet.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TickPace {
     unused: Duration,
-    /// Since when moving slides have had no free lookahead, and how long that may last.
+    /// Host time since which moving slides have had no free lookahead, and the permitted
+    /// duration; `None` while there is some.
     blocked_since: Option<(HostTime, Duration)>,
 }
 
-/// Host time and kernel time.
+/// Host time and kernel time of a link.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LinkClock {
     pub(super) now: HostTime,
@@ -47,7 +49,7 @@ impl LinkClock {
         }
     }
 
-    /// Advances the host time and returns the difference.
+    /// Advances the host time to `now` and returns the time since the last call.
     pub(super) fn advance(&mut self, now: HostTime) -> Duration {
         let gap = now.saturating_sub(self.now);
         self.now = self.now.max(now);
@@ -56,12 +58,12 @@ impl LinkClock {
     }
 }
 
-/// What a tick shows about the power of the control.
+/// What a tick shows about the power supply of the control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PowerChange {
     /// The control has ticked.
     Tick,
-    /// The power has just gone off or come back: the pulse count starts again.
+    /// The power has just been lost or has come back: the pulse count starts at zero.
     Lost,
     /// The power is still off.
     None,
@@ -81,7 +83,7 @@ impl PowerWatch {
         Self { ticks, on: true }
     }
 
-    /// Compares the control's tick count after a tick with the last one.
+    /// Compares the control's tick count after a tick with the previous one.
     pub(super) const fn tick(&mut self, ticks: u64) -> PowerChange {
         let before = core::mem::replace(&mut self.ticks, ticks);
         let was_on = self.on;
@@ -113,7 +115,7 @@ impl TickPace {
 }
 
 impl LinkedControl {
-    /// Whether the kernel may make a tick now. While slides move the board sets the time,
+    /// Whether the kernel may make a tick now. While slides move the board sets the pace,
     /// otherwise the host's clock does.
     pub fn can_tick(&mut self) -> bool {
         if self.thread.pass.is_some() || !self.reports.are_delivered() {
@@ -155,9 +157,9 @@ impl LinkedControl {
         false
     }
 
-    /// Handles an absence of the host, measured by its own clock or by the wall clock.
-    /// Motion that the board has run out of does not continue, and after a sleep no program
-    /// does.
+    /// Handles a time in which this program did not run (`gap`), measured by the host's
+    /// clock or the wall clock. Motion that the board has run out of does not continue, and
+    /// after a sleep no program does.
     pub fn handle_host_gap(&mut self, gap: Duration) {
         // A board of timed steps detects the absence on its own.
         if self.config.protocol != Protocol::Line || self.thread.pass.is_some() {
@@ -175,8 +177,8 @@ impl LinkedControl {
         }
     }
 
-    /// Ends the run: the motion in the board is executed, no more follows, and the counts
-    /// are compared.
+    /// Stops the run because of `why`: the board executes the motion that it holds, no more
+    /// follows, and the counts are compared.
     fn stop_late_run(&mut self, why: Message) {
         self.report(BoardReport::RunStopped);
         self.reports.late_motion = Some((why, self.clock.now));

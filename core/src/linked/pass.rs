@@ -7,15 +7,15 @@ use crate::board::BoardReport;
 use crate::units::{PerAxis, Pulses};
 use gsk_link::{HostTime, PassError, ThreadPass};
 
-/// State of a thread that the board cuts.
+/// State of the threads that the board cuts.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct BoardThread {
-    /// The pass under way.
+    /// The thread pass that the board is cutting; `None` without one.
     pub(super) pass: Option<ThreadPass>,
     waiting: Option<PassDelay>,
 }
 
-/// Why a pass waits, and since when.
+/// Why the board does not accept a pass yet, and since when.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct PassDelay {
     reason: PassError,
@@ -23,7 +23,8 @@ struct PassDelay {
 }
 
 impl LinkedControl {
-    /// Passes a waiting pass to the board as soon as the board accepts it.
+    /// Passes a requested thread pass to the board as soon as the board accepts it; raises
+    /// an alarm after the time budget.
     pub(super) fn offer_pass(&mut self) {
         let requested = self.control.orders.pass;
         let offered = requested.filter(|_| self.thread.pass.is_none());
@@ -57,12 +58,13 @@ impl LinkedControl {
         }
     }
 
-    /// Fraction of the pass that the board has made by its last count.
+    /// Fraction of the pass that the board had made at its last report, 0–1; `None` without
+    /// a pass.
     pub(super) fn pass_fraction(&self) -> Option<f64> {
         Some(fraction_at(&self.thread.pass?, self.link.counted()?))
     }
 
-    /// Ends the pass: the board's count has confirmed its end.
+    /// Ends the pass after the board's count has confirmed its end.
     pub(super) fn end_pass(&mut self) {
         let Some(pass) = self.thread.pass.take() else {
             return;

@@ -6,7 +6,7 @@ use crate::board::{BoardReport, Standstill};
 use crate::units::{PerAxis, Pulses};
 use gsk_link::{HostTime, LinkState, RunTime};
 
-/// The moment of motion that a picture shows.
+/// The moment of the motion at which a picture of the machine was taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MotionStamp {
     at: RunTime,
@@ -16,7 +16,7 @@ pub struct MotionStamp {
 }
 
 impl LinkedControl {
-    /// The moment of motion that a picture taken now shows.
+    /// Returns the moment of the motion for a picture that is taken now.
     pub const fn stamp(&self) -> MotionStamp {
         MotionStamp {
             at: self.motion.last_motion_end,
@@ -24,18 +24,19 @@ impl LinkedControl {
         }
     }
 
-    /// Whether the board has executed all motion up to a moment: its pictures may be shown.
+    /// Whether the board has executed all motion up to `stamp`: the pictures of that moment
+    /// may be shown.
     pub fn has_executed(&self, stamp: MotionStamp) -> bool {
         !self.has_pending_motion() || self.link.executed() >= stamp.at
     }
 
-    /// Whether the board may never execute the motion up to a moment: its pictures must be
-    /// dropped.
+    /// Whether the board may never execute the motion up to `stamp`: the pictures of that
+    /// moment must be dropped.
     pub const fn is_discarded(&self, stamp: MotionStamp) -> bool {
         stamp.resync_count != self.motion.resync_count
     }
 
-    /// Ticks of the kernel whose motion may not have been executed yet.
+    /// Number of kernel ticks whose motion may not have been executed yet.
     pub(super) fn ticks_ahead(&self) -> u64 {
         // After a fault this is unknown until the board has reported its position.
         if self.link.takes_motion() && !self.has_pending_motion() {
@@ -45,7 +46,7 @@ impl LinkedControl {
         ahead.as_micros().div_ceil(1000) as u64
     }
 
-    /// Takes the count of the stopped slides as the control's position.
+    /// Makes the pulse count of the stopped slides the control's position.
     pub(super) fn adopt_stop(&mut self, pulses: PerAxis<Pulses>) {
         self.report(BoardReport::StoppedAt(pulses));
         self.motion.set_count(pulses);
@@ -56,8 +57,8 @@ impl LinkedControl {
         self.has_pending_motion() || !self.stopping.is_none() || self.thread.pass.is_some()
     }
 
-    /// After a fault or a loss the control takes the board's last count: the pages show
-    /// what was executed, not what was commanded.
+    /// Makes the board's last count the control's position after a fault or a loss: the
+    /// pages show what was executed, not what was commanded.
     pub(super) fn adopt_count(&mut self) {
         if self.link.takes_motion() || self.is_under_way() {
             return;
@@ -71,8 +72,8 @@ impl LinkedControl {
         }
     }
 
-    /// Reports to the control that the slides stand still, and what the board knows of
-    /// their position.
+    /// Reports to the control whether the slides stand still, and what the board knows
+    /// about their position.
     pub(super) fn report_standstill(&mut self) {
         let is_standstill = !(self.is_under_way() || self.link.is_stopping());
         self.reports.standstill = is_standstill.then(|| Standstill {
@@ -81,8 +82,8 @@ impl LinkedControl {
         });
     }
 
-    /// Raises the alarm for late motion once the board has answered. A lost board has its
-    /// own alarm.
+    /// Raises the alarm for late motion after the board has answered. No alarm for a lost
+    /// board, which has its own.
     pub(super) fn report_late(&mut self) {
         let lost = matches!(self.link.state(), LinkState::Lost | LinkState::Fault);
         let answered = |late: HostTime| self.link.has_answered_since(late);

@@ -6,24 +6,25 @@ use crate::board::{BoardReport, Standstill};
 use gsk_link::HostTime;
 use gsk_messages::Message;
 
-/// Reports that wait for the next tick.
+/// Board reports that wait for the control's next tick.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PendingReports {
     waiting: Vec<BoardReport>,
-    /// Set when the slides stand still and the board has reported their position.
+    /// Set when the slides stand still: what the board knows about their position.
     pub(super) standstill: Option<Standstill>,
-    /// Why and when motion came too late. The alarm waits until the board has answered.
+    /// Why and at which host time motion came too late. The alarm waits until the board has
+    /// answered.
     pub(super) late_motion: Option<(Message, HostTime)>,
 }
 
 impl PendingReports {
-    /// Whether the control has received all reports: only then are its orders based on
-    /// them.
+    /// Whether the control has received all reports. Only then do its orders take them into
+    /// account.
     pub(super) const fn are_delivered(&self) -> bool {
         self.waiting.is_empty()
     }
 
-    /// Takes the reports and the standstill for a tick.
+    /// Removes and returns the reports and the standstill for a tick.
     pub(super) fn take_for_tick(&mut self) -> (Vec<BoardReport>, Option<Standstill>) {
         (core::mem::take(&mut self.waiting), self.standstill.take())
     }
@@ -35,7 +36,8 @@ impl LinkedControl {
         self.reports.waiting.push(report);
     }
 
-    /// Queues an alarm; its detail later names the position of the slides.
+    /// Queues an alarm for the control's next tick. The control later adds the position of
+    /// the slides to its detail.
     pub(super) fn raise(&mut self, alarm: Alarm) {
         let in_pass = self.thread.pass.take().is_some();
         self.report(BoardReport::Alarm { alarm, in_pass });

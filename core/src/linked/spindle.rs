@@ -11,7 +11,8 @@ const MAX_CORRECTION_MM: f64 = 0.0002;
 /// The spindle as the control last received it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MeasuredSpindle {
-    /// Direction of the last switching, 1 or -1, and the angle of the last index, turns.
+    /// Direction of the last commanded rotation, 1 or -1, and spindle angle at the last
+    /// index, turns.
     direction: f64,
     index_turns: f64,
     pub(super) view: Option<SpindleView>,
@@ -28,7 +29,8 @@ impl Default for MeasuredSpindle {
 }
 
 impl LinkedControl {
-    /// The spindle in the control's next tick; `None`: the simulated one applies.
+    /// Reads the measured spindle for the control's next tick; `None`: the simulated
+    /// spindle applies. `wanted` is the commanded direction.
     pub(super) fn read_spindle(&mut self, wanted: SpindleDirection) -> Option<BoardSpindle> {
         let direction = match wanted {
             SpindleDirection::Forward => 1.0,

@@ -1,13 +1,13 @@
 //! The kind of stop under way at the board.
 
-/// What the link waits for until the board reports the position at which it stopped.
+/// The stop under way, until the board reports the position at which it stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum StopInProgress {
     /// No stop is under way.
     None,
     /// The control stops the board and continues from the position where it stops.
     Flushing,
-    /// The board stops the axes on its own.
+    /// The board stops the axes without an order of the control.
     ByBoard,
     /// The board stops the axes at a switch that the control waits for.
     AtSwitch,
@@ -19,22 +19,22 @@ impl StopInProgress {
         self == Self::None
     }
 
-    /// Notes that the control stops the board.
+    /// Records that the control stops the board, unless another stop is under way.
     pub(super) const fn flush(&mut self) {
         if matches!(self, Self::None) {
             *self = Self::Flushing;
         }
     }
 
-    /// Ends the wait for a stop by the control. A stop that the board began stays.
+    /// Ends a stop by the control; a stop that the board began is kept.
     pub(super) const fn end_flush(&mut self) {
         if matches!(self, Self::Flushing) {
             *self = Self::None;
         }
     }
 
-    /// Notes that the board stops the axes on its own; `reached`: at a switch that the
-    /// control waits for. Returns whether that switch is the only reason.
+    /// Records that the board stops the axes without an order; `reached`: at a switch that
+    /// the control waits for. Returns whether that switch is the only reason.
     pub(super) fn halt(&mut self, reached: bool) -> bool {
         let at_switch = reached && self.is_none();
         *self = if at_switch {
@@ -45,7 +45,7 @@ impl StopInProgress {
         at_switch
     }
 
-    /// Ends the stop and returns its kind: the board has stopped.
+    /// Returns the kind of stop and ends it; call it when the board has stopped.
     pub(super) const fn take(&mut self) -> Self {
         core::mem::replace(self, Self::None)
     }

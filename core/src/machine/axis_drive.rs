@@ -13,28 +13,29 @@ use crate::axis::{is_motor_reversed, pulse_weight};
 use crate::memory::ControlParameters;
 use crate::units::{Axis, Pulses, TICK_S, round_to_i64};
 
-/// Fraction of a motor revolution in which the zero signal is on: one in this number.
+/// The zero signal is on during this fraction of a motor revolution: 1 /
+/// `INDEX_DIVISOR`.
 const INDEX_DIVISOR: i64 = 50;
 
-/// The position loop of a drive.
+/// The position loop of a servo drive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Servo {
-    /// Lag of the motor at a steady speed, s.
+    /// Following error at a steady speed, as the time by which the motor lags, s.
     lag_s: f64,
-    /// Fraction of a deviation that remains after a tick.
+    /// Fraction of a deviation from the steady following error that remains after a tick.
     tick_decay: f64,
-    /// Following error that trips the drive, pulses.
+    /// Following error above which the drive switches off, pulses.
     #[serde(rename = "largest")]
     max_error_pulses: f64,
 }
 
-/// A range of motor positions, `from` to before `end`, within which the one-turn signal
-/// does not change.
+/// A range of motor positions in pulses, from `from` up to but not including `end`, in
+/// which the one-turn signal does not change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct IndexRange {
     from: i64,
     end: i64,
-    /// Level of the signal in the range.
+    /// Level of the one-turn signal in the range.
     on: bool,
 }
 
@@ -44,7 +45,7 @@ impl IndexRange {
     }
 }
 
-/// A simulated slide with its drive.
+/// A simulated slide with its drive and screw.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct AxisDrive {
     /// Slide travel of one pulse, mm; negative with a reversed motor.
@@ -55,41 +56,41 @@ pub(super) struct AxisDrive {
     /// Following error: distance from the motor to the command, pulses.
     #[serde(rename = "behind")]
     following_error_pulses: f64,
-    /// Physical position of the slide, pulses. It is between the motor's position and that
-    /// plus the play of the screw.
+    /// Physical position of the slide, pulses; from the motor's position up to that plus
+    /// the play of the screw.
     slide: i64,
     #[serde(rename = "play")]
     play_pulses: i64,
-    /// Command count at the last tick.
+    /// Command count at the last tick, drive pulses.
     #[serde(rename = "last")]
     last_command: i64,
     servo: Option<Servo>,
-    /// Set when the following error became too large, or a stepper met the end of its
+    /// Set when the following error is too large, or when a stepper meets the end of its
     /// slide. The drive is then off.
     tripped: bool,
-    /// Whether the slide is jammed (fault).
+    /// Whether the slide is jammed by a fault.
     pub blocked: bool,
     /// Pulses per motor revolution.
     #[serde(rename = "turn")]
     pulses_per_turn: i64,
     limits: Option<(i64, i64)>,
-    /// Mechanical ends of the slide, pulses.
+    /// Mechanical ends of the slide, negative and positive, pulses.
     ends: (i64, i64),
     /// Whether a real slide follows the pulses. Its ends are unknown.
     #[serde(default)]
     pub real: bool,
     dog: Option<(i64, i64)>,
-    /// Positions of motor and slide before the last tick.
+    /// Positions of motor and slide at the start of the last tick, pulses.
     #[serde(rename = "before")]
     previous: (i64, i64),
     /// Whether the drive has a one-turn signal.
     has_index: bool,
-    /// The range around the motor's position, kept because the motor stays in it for many
-    /// ticks.
+    /// The range of the one-turn signal that contains the motor's position, kept because
+    /// the motor stays in it for many ticks.
     #[serde(default)]
     index_stretch: IndexRange,
-    /// Errors of the screw, mm (X in radius): distance of the slide beyond the position of
-    /// the pulses. Switches and ends are compared with the pulses.
+    /// Errors of the screw by position, mm (X in radius): distance of the slide beyond the
+    /// position that the pulses give. Limit switches and ends are compared with the pulses.
     #[serde(default)]
     screw: Vec<ScrewError>,
 }
@@ -152,7 +153,7 @@ impl AxisDrive {
         }
     }
 
-    /// Distance of the slide beyond the position of the pulses, mm.
+    /// Distance of the slide beyond the screw position `position`, mm.
     fn screw_error(&self, position: f64) -> f64 {
         if self.real {
             return 0.0;
@@ -171,12 +172,12 @@ impl AxisDrive {
         }
     }
 
-    /// Converts drive pulses to pulses towards positive coordinates.
+    /// Converts drive pulses to pulses that count towards positive coordinates.
     const fn towards_plus(&self, pulses: i64) -> i64 {
         if self.pulse_mm < 0.0 { -pulses } else { pulses }
     }
 
-    /// Position of the motor, pulses.
+    /// Position of the motor, pulses from the reference point towards plus.
     fn motor_position(&self) -> i64 {
         if self.following_error_pulses == 0.0 {
             return self.commanded;
@@ -216,8 +217,7 @@ impl AxisDrive {
         }
     }
 
-    /// Updates the following error of a servo whose command moved by `way` pulses in the
-    /// tick.
+    /// Updates the following error of a servo whose command moved by `pulses` in the tick.
     fn update_following_error(&mut self, servo: &Servo, pulses: i64) {
         let settled = pulses as f64 / TICK_S * servo.lag_s;
         self.following_error_pulses = if self.blocked {
@@ -257,13 +257,13 @@ impl AxisDrive {
         limited
     }
 
-    /// Takes a count for the present position, without motion.
+    /// Assigns a command count to the present position, without motion.
     pub fn set_count(&mut self, command: Pulses) {
         self.last_command = command.0;
         self.previous = (self.motor_position(), self.slide);
     }
 
-    /// Moves the slide to another position, mm from the reference point (X in radius).
+    /// Places the slide at another position, mm from the reference point (X in radius).
     pub fn set_position(&mut self, position: f64) {
         // The screw position for it, by iteration: the screw errors change slowly.
         let mut screw_position = position;
@@ -282,18 +282,18 @@ impl AxisDrive {
         screw_position + self.screw_error(screw_position)
     }
 
-    /// Following error: distance from the motor to the command, mm (X in radius).
+    /// Following error: distance from the motor to its command, mm (X in radius).
     pub fn following_error(&self) -> f64 {
         self.following_error_pulses * self.pulse_mm.abs()
     }
 
-    /// Whether the drive has switched off because of a following error or an end of the
+    /// Whether the drive has switched off, because of its following error or an end of the
     /// slide.
     pub const fn is_tripped(&self) -> bool {
         self.tripped
     }
 
-    /// The limit switch that the slide presses; `None` if none.
+    /// The limit switch that the slide presses; `None` if no limit switch is pressed.
     pub fn pressed_limit(&self) -> Option<TrippedLimit> {
         let (minus, plus) = self.limits?;
         if self.slide < minus {
@@ -302,19 +302,20 @@ impl AxisDrive {
         (self.slide > plus).then_some(TrippedLimit::Plus)
     }
 
-    /// Whether the deceleration switch is pressed.
+    /// Whether the slide presses the deceleration switch.
     pub(crate) fn is_on_dog(&self) -> bool {
         self.dog
             .is_some_and(|(from, to)| (from..=to).contains(&self.slide))
     }
 
-    /// Pulses per revolution in which the one-turn signal is on; they begin at zero.
+    /// Length of the range in each motor revolution in which the one-turn signal is on,
+    /// pulses. The range begins at zero.
     const fn index_width(&self) -> i64 {
         (self.pulses_per_turn + INDEX_DIVISOR - 1) / INDEX_DIVISOR
     }
 
-    /// State of the one-turn signal, whose rising edge is at zero in the positive
-    /// direction, and the command count at its change in the last tick.
+    /// State of the one-turn signal, and the command count at its change in the last tick
+    /// (`None` without a change). Its rising edge in the positive direction is at zero.
     #[inline]
     pub fn index_signal(&self) -> (bool, Option<Pulses>) {
         if !self.has_index {
@@ -329,7 +330,7 @@ impl AxisDrive {
         (self.index_range_around(to).on, change)
     }
 
-    /// The range between two changes of the one-turn signal around a position.
+    /// The range between two changes of the one-turn signal that contains a motor position.
     #[cold]
     const fn index_range_around(&self, position: i64) -> IndexRange {
         let (on_turn, width) = (
@@ -349,7 +350,8 @@ impl AxisDrive {
         }
     }
 
-    /// The command count at the first change of the one-turn signal on a travel.
+    /// The command count at the first change of the one-turn signal on the motor's travel,
+    /// given as start and end; `None` without a change.
     #[cold]
     fn index_change(&self, travel: (i64, i64)) -> Option<Pulses> {
         let starts = [0, self.index_width()];
@@ -360,7 +362,8 @@ impl AxisDrive {
         })
     }
 
-    /// The command count at which the deceleration switch changed in the last tick.
+    /// The command count at which the deceleration switch changed in the last tick; `None`
+    /// without a change.
     pub(crate) fn dog_latch(&self) -> Option<Pulses> {
         let (from, to) = self.dog?;
         let travel = (self.previous.1, self.slide);
@@ -373,8 +376,9 @@ impl AxisDrive {
     }
 
     /// The command count at the first change of a signal in the last tick, on the travel of
-    /// motor or slide. `boundary_at_or_before(place)` is the last boundary at or before a position; a
-    /// boundary is the first position of its range.
+    /// motor or slide; `None` without a change. `boundary_at_or_before(position)` is the
+    /// last boundary at or before a position; a boundary is the first position of its
+    /// range.
     fn first_change(
         &self,
         (from, to): (i64, i64),

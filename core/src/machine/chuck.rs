@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A cylinder with two end positions. Without an output it keeps its position.
+/// A simulated cylinder with two end positions. Without an output it keeps its
+/// position.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Cylinder {
     /// Position, ms of travel: 0 = second end, `travel` = first end.
@@ -13,7 +14,7 @@ pub(super) struct Cylinder {
 }
 
 impl Cylinder {
-    /// Starts at the second end.
+    /// Creates a cylinder at its second end; `travel_ms` is the time from end to end.
     pub fn new(travel_ms: u32) -> Self {
         Self {
             position_ms: 0,
@@ -21,7 +22,7 @@ impl Cylinder {
         }
     }
 
-    /// Advances by one tick (1 ms).
+    /// Advances by one tick (1 ms) with the outputs towards the first and the second end.
     pub fn tick(&mut self, to_first: bool, to_second: bool) {
         if to_first && !to_second {
             self.position_ms = (self.position_ms + 1).min(self.travel_ms);
@@ -41,7 +42,7 @@ impl Cylinder {
     }
 }
 
-/// The gearbox: a gear is in position some time after its output switches on.
+/// The simulated gearbox: a gear is in position some time after its output switches on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Gearbox {
     gear: u8,
@@ -50,7 +51,7 @@ pub(super) struct Gearbox {
 }
 
 impl Gearbox {
-    /// Starts in gear 1, in position.
+    /// Creates a gearbox in gear 1, in position; `travel_ms` is the time of a gear change.
     pub fn new(travel_ms: u32) -> Self {
         Self {
             gear: 1,
@@ -59,7 +60,7 @@ impl Gearbox {
         }
     }
 
-    /// Advances by one tick (1 ms); `output` is the gear whose output is on.
+    /// Advances by one tick (1 ms); `output` is the gear whose output is on, from 1.
     pub fn tick(&mut self, output: Option<u8>) {
         match output {
             Some(gear) if gear != self.gear => {
@@ -70,7 +71,7 @@ impl Gearbox {
         }
     }
 
-    /// The gear that is engaged or being engaged.
+    /// The gear that is engaged or being engaged, from 1.
     pub const fn gear(&self) -> u8 {
         self.gear
     }

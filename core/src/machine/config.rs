@@ -9,7 +9,7 @@ use gsk_link::LinkConfig;
 const OVERRUN_MM: f64 = 10.0;
 /// The longest travel that a program can command, mm (alarm 043).
 const STROKE_MM: f64 = 9999.999;
-/// Limit switches of the training lathe.
+/// Limit switches of the training lathe's cross slide, mm (diameter).
 const X_LIMITS: LimitSwitches = LimitSwitches {
     minus: -310.0,
     plus: 10.0,
@@ -32,16 +32,16 @@ pub struct LatheConfig {
     /// picture (manual I-3.1.1 to I-3.1.3). The lathe as delivered has a front tool post: the
     /// keys of parameter 175.0 = 0 agree with its picture.
     pub rear_tool_post: bool,
-    /// Cross slide; lengths in diameter, mm.
+    /// The cross slide; its lengths are diameters, mm.
     #[serde(with = "CrossSlide")]
     pub x: AxisConfig,
-    /// Carriage; lengths in mm.
+    /// The carriage; its lengths are in mm.
     pub z: AxisConfig,
-    /// Tool post.
+    /// The tool post with its stations.
     pub turret: TurretConfig,
-    /// Main spindle.
+    /// The main spindle with inverter, gears and encoder.
     pub spindle: SpindleConfig,
-    /// Chuck and tailstock.
+    /// Travel time of chuck, tailstock and gears.
     pub chuck: ChuckConfig,
     /// The pulse board of a real lathe; `None`: the lathe is simulated only.
     pub link: Option<LinkConfig>,
@@ -86,7 +86,7 @@ impl LatheConfig {
         }
     }
 
-    /// Positions of the slides at the start, machine coordinates.
+    /// Positions of the slides at the start, machine coordinates in mm, X as a radius.
     pub const fn start(&self) -> Point {
         Point::from_diameter(Diameter(self.x.start), self.z.start)
     }
@@ -117,14 +117,15 @@ impl LatheConfig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct AxisConfig {
-    /// Position of the slide at the start, mm.
+    /// Position of the slide at the start, machine coordinate in mm.
     pub start: f64,
-    /// Limit switches; they open the emergency-stop loop.
+    /// Positions of the limit switches, which open the emergency-stop loop; `None`: no
+    /// limit switches.
     pub limits: Option<LimitSwitches>,
     /// Mechanical ends of the slide. `None`: 10 mm of slide travel beyond the limit
     /// switches; without switches, the ends of the training lathe.
     pub ends: Option<SlideEnds>,
-    /// Deceleration dog of the reference point.
+    /// Range of the deceleration dog for the reference return; `None`: no dog.
     pub dog: Option<Dog>,
     /// Travel per motor revolution, mm. The zero signal comes once per revolution, at zero.
     pub motor_turn: f64,
@@ -173,7 +174,7 @@ struct CrossSlide {
 }
 
 impl AxisConfig {
-    /// The mechanical ends of the slide: those of the machine file, or their defaults.
+    /// The mechanical ends of the slide: from the machine file, or else their defaults.
     pub fn slide_ends(&self, axis: Axis) -> SlideEnds {
         self.ends.unwrap_or_else(|| {
             let (default_limits, overrun) = match axis {
@@ -188,7 +189,7 @@ impl AxisConfig {
         })
     }
 
-    /// The cross slide of the training lathe.
+    /// Values of the training lathe's cross slide.
     fn cross_slide() -> Self {
         Self {
             start: -100.0,
@@ -204,7 +205,7 @@ impl AxisConfig {
 }
 
 impl Default for AxisConfig {
-    /// The carriage of the training lathe.
+    /// Values of the training lathe's carriage.
     fn default() -> Self {
         Self {
             start: -150.0,
@@ -230,9 +231,9 @@ impl Default for AxisConfig {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ServoConfig {
-    /// Speed for a following error, (mm/s)/mm; 1 to 1000.
+    /// Speed of the motor per following error, (mm/s)/mm; 1 to 1000.
     pub gain: f64,
-    /// Following error that trips the drive, mm.
+    /// Following error above which the drive switches off, mm.
     pub largest_error: f64,
 }
 
@@ -249,39 +250,39 @@ impl Default for ServoConfig {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScrewError {
-    /// Position of the slide according to the turns of the screw.
+    /// Position of the slide according to the turns of the screw, mm.
     pub at: f64,
-    /// Distance of the slide beyond that position, towards plus.
+    /// Distance of the slide beyond that position, towards plus, mm.
     pub error: f64,
 }
 
-/// Positions at which the limit switches trip, mm.
+/// Machine coordinates at which the limit switches trip, mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LimitSwitches {
-    /// Negative end.
+    /// Coordinate of the switch at the negative end.
     pub minus: f64,
-    /// Positive end.
+    /// Coordinate of the switch at the positive end.
     pub plus: f64,
 }
 
-/// Mechanical ends of a slide, mm.
+/// Machine coordinates of the mechanical ends of a slide, mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SlideEnds {
-    /// Negative end.
+    /// Coordinate of the negative end.
     pub minus: f64,
-    /// Positive end.
+    /// Coordinate of the positive end.
     pub plus: f64,
 }
 
-/// Range in which the deceleration switch is pressed, mm.
+/// Range of machine coordinates in which the deceleration switch is pressed, mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Dog {
-    /// Negative end of the range.
+    /// Coordinate of the negative end of the range.
     pub from: f64,
-    /// Positive end of the range.
+    /// Coordinate of the positive end of the range.
     pub to: f64,
 }
 
@@ -291,17 +292,17 @@ pub struct Dog {
 pub struct TurretConfig {
     /// Number of stations; `None`: the value of 084 at the time of wiring.
     pub stations: Option<u8>,
-    /// Whether the post reports its station as a binary number on T01, T02, T03 …, and
-    /// nothing between stations. Otherwise each station has its contact.
+    /// Whether the post reports its station as a binary number on T01, T02, T03 …, with all
+    /// of them inactive between stations. Otherwise each station has its own contact.
     pub coded: bool,
     /// Station in position at the start, from 1.
     pub first: u8,
-    /// Time from station to station, ms.
+    /// Time in which the post turns from station to station, ms.
     pub station_ms: u32,
-    /// Time for clamping by TL-, ms.
+    /// Time for which TL- must press before the post is clamped, ms.
     pub clamp_ms: u32,
     /// Range to either side of a station in which its switch is active, as a fraction of
-    /// the pitch.
+    /// the distance between stations.
     pub window: f64,
 }
 
@@ -329,7 +330,7 @@ pub struct SpindleConfig {
     pub steps: [f64; 4],
     /// Time until the speed is within 1 % of a new command, ms.
     pub settle_ms: u32,
-    /// Encoder lines; `None`: the value of 070.
+    /// Lines of the encoder per revolution; `None`: the value of 070 at the time of wiring.
     pub encoder_lines: Option<u32>,
 }
 
@@ -344,11 +345,11 @@ impl Default for SpindleConfig {
     }
 }
 
-/// Travel times of chuck, tailstock and gears.
+/// Travel time of chuck, tailstock and gears.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ChuckConfig {
-    /// Time from the output to «in position», ms.
+    /// Time from the output to the in-position signal, ms.
     pub travel_ms: u32,
 }
 

@@ -10,14 +10,14 @@ use gsk_messages::{Message, say};
 /// A field of the machine file with an invalid value, and the rule it breaks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConfigError {
-    /// Path of the field, such as `x.limits.minus`.
+    /// Path of the field in the machine file, such as `x.limits.minus`.
     pub field: String,
-    /// What is wrong and which values are valid.
+    /// Message that says what is wrong and which values are valid.
     pub rule: Message,
 }
 
 impl ConfigError {
-    /// Field and rule as one message.
+    /// Joins the field and its rule to one message.
     pub fn message(&self) -> Message {
         say::machine_field(&self.field, self.rule.clone())
     }
@@ -142,7 +142,8 @@ impl ConfigCheck {
 }
 
 impl ConfigCheck {
-    /// Checks the screw errors: in order, and none large enough to reverse a motion.
+    /// Checks that the screw errors are in order, and none is large enough to reverse a
+    /// motion.
     fn check_screw(&mut self, axis: &AxisConfig, field: &impl Fn(&str) -> String) {
         for point in &axis.pitch_errors {
             self.check_length(point.at, field("pitch_errors.at"));

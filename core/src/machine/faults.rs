@@ -56,7 +56,7 @@ pub enum LatheFault {
     EmergencyStop,
 }
 
-/// A fault with its names and its effect.
+/// A fault with its script name, its name for the operator, and its effect.
 #[derive(Clone, Copy, Debug)]
 pub struct FaultRow {
     /// The fault that the row describes.
@@ -82,18 +82,18 @@ const fn fault_row(
 }
 
 impl FaultRow {
-    /// The name of the fault for the operator.
+    /// Message that names the fault for the operator.
     pub fn label(&self) -> Message {
         (self.label)()
     }
 
-    /// What the operator sees at the control.
+    /// Message that describes what the operator sees at the control.
     pub fn effect(&self) -> Message {
         (self.effect)()
     }
 }
 
-/// All faults, in the order of the enumeration.
+/// The table of faults, in the order of [`LatheFault`].
 pub static FAULTS: [FaultRow; 24] = [
     fault_row(
         LatheFault::TurretBlocked,
@@ -241,7 +241,7 @@ pub static FAULTS: [FaultRow; 24] = [
     ),
 ];
 
-/// Names and faults, for scripts.
+/// Collects the script names with their faults at compile time.
 const fn fault_names() -> [(&'static str, LatheFault); FAULTS.len()] {
     let mut names = [("", LatheFault::EmergencyStop); FAULTS.len()];
     let mut index = 0;
@@ -262,7 +262,7 @@ impl LatheFault {
         &FAULTS[self as usize]
     }
 
-    /// The fault with a given script name; `None` if there is none.
+    /// The fault with a given script name; `None` if no fault has this name.
     pub fn from_name(name: &str) -> Option<Self> {
         FAULTS
             .iter()
@@ -271,12 +271,12 @@ impl LatheFault {
     }
 }
 
-/// The active faults, as bits.
+/// The active faults, as a bit mask: bit n is the n-th fault of [`LatheFault`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct ActiveFaults(u32);
 
 impl ActiveFaults {
-    /// Whether a fault is active.
+    /// Whether this fault is active.
     pub const fn has(self, fault: LatheFault) -> bool {
         self.0 >> (fault as u32) & 1 == 1
     }
@@ -286,32 +286,33 @@ impl ActiveFaults {
         self.0.count_ones() as usize
     }
 
-    /// Sets or clears a fault.
+    /// Sets (`on`) or clears a fault.
     pub const fn set(&mut self, fault: LatheFault, on: bool) {
         let mask = 1 << (fault as u32);
         self.0 = if on { self.0 | mask } else { self.0 & !mask };
     }
 }
 
-/// Chattering contacts and jittering counts. They are deterministic, so that a run can be
-/// repeated.
+/// Source of chattering contacts and jittering encoder counts. The disturbances are
+/// deterministic, so that a run can be repeated.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Disturbance {
-    /// Level of X0 and X1 before the last change of each contact, as bits.
+    /// Levels of X0 (low byte) and X1 (high byte) at the last tick.
     last: u16,
-    /// Remaining chatter time of each contact, ms.
+    /// Remaining chatter time of each contact of X0 and X1, ms.
     chatter: [u8; 16],
     seed: u32,
 }
 
-/// How long a contact chatters, and how long each of its levels lasts, ms.
+/// Duration for which a contact chatters, and duration of each of its levels, ms.
 const CHATTER_MS: u8 = 30;
 const CHATTER_LEVEL_MS: u8 = 5;
-/// Greatest error of the encoder, counts.
+/// Greatest error of the encoder in either direction, counts.
 const NOISE_COUNTS: i64 = 40;
 
 impl Disturbance {
-    /// Makes a changed contact read wrong half of the time for a while.
+    /// Lets contacts of X0 and X1 chatter after each change if `on`: for 30 ms they read
+    /// wrong half of the time.
     pub(crate) fn bounce(&mut self, contacts: &mut [u8], on: bool) {
         let [low, high, ..] = contacts else { return };
         let now = u16::from_le_bytes([*low, *high]);
@@ -334,7 +335,7 @@ impl Disturbance {
         [*low, *high] = disturbed.to_le_bytes();
     }
 
-    /// Error of the encoder in this tick, counts.
+    /// Error of the encoder in this tick, counts; 0 unless `on`.
     pub const fn noise(&mut self, on: bool) -> i64 {
         if !on {
             return 0;

@@ -5,12 +5,12 @@ use serde::{Deserialize, Serialize};
 use crate::board::{BoardInputs, BoardOrders};
 use crate::units::{PerAxis, Pulses};
 
-/// The limit switch of an axis that is tripped.
+/// Which limit switch of an axis is tripped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TrippedLimit {
-    /// The switch at the negative end.
+    /// The switch at the negative end of the slide.
     Minus,
-    /// The switch at the positive end.
+    /// The switch at the positive end of the slide.
     Plus,
     /// A switch that is stuck without being pressed.
     Stuck,
@@ -22,11 +22,11 @@ pub struct MachineInputs {
     /// Contacts X0–X3 of the machine (1 = closed to +24 V). The control adds the panel keys
     /// X20–X26.
     pub x: [u8; 30],
-    /// Zero signal nPC of each axis: the one-turn pulse of its motor, or the proximity
-    /// switch. Both edges count.
+    /// Level of the zero signal nPC of each axis: the one-turn signal of its motor, or the
+    /// proximity switch. The control uses both edges.
     pub index_pulse: PerAxis<bool>,
-    /// Command count at the change of the zero signal during this tick, which the zero
-    /// input latches.
+    /// Command count at which the zero signal changed in this tick, latched by the zero
+    /// input; `None` without a change.
     pub index_latch: PerAxis<Option<Pulses>>,
     /// Level of each drive's alarm line (009 selects the level that means alarm).
     pub drive_alarm: PerAxis<bool>,
@@ -40,8 +40,9 @@ pub struct MachineInputs {
     pub spindle_index: bool,
     /// Detents of the handwheel since the start, clockwise positive.
     pub handwheel: i32,
-    /// Limit switches that are tripped. No wire reports them separately, because all are in
-    /// the loop of *ESP; the alarm of the control names them for the operator.
+    /// The tripped limit switch of each axis; `None` if none is tripped. No wire reports
+    /// the switches separately, because all are in the loop of *ESP; the alarm of the
+    /// control names them for the operator.
     #[serde(default)]
     pub over_limit: PerAxis<Option<TrippedLimit>>,
     /// Reports of the pulse board that makes the motion; `None`: the drives of the lathe
@@ -51,24 +52,25 @@ pub struct MachineInputs {
 }
 
 impl MachineInputs {
-    /// State of one contact by byte and bit of X; false outside the area.
+    /// Whether a contact, given by byte and bit of X, is closed; false outside the area.
     pub const fn is_closed(&self, byte: usize, bit: u8) -> bool {
         byte < self.x.len() && self.x[byte] >> (bit & 7) & 1 == 1
     }
 }
 
-/// Inputs that are wired to a pulse board.
+/// Inputs that are wired to a pulse board, with their state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct BoardContacts {
     /// Whether the emergency-stop chain is open.
     pub emergency_stop_open: bool,
-    /// Whether the door is open.
+    /// Whether the guard door is open.
     pub door_open: bool,
-    /// Whether the deceleration switch is pressed; `None`: not wired.
+    /// Whether the deceleration switch of each axis is pressed; `None`: not wired.
     pub deceleration_switch: PerAxis<Option<bool>>,
-    /// Whether the zero signal is on; `None`: not wired.
+    /// Whether the zero signal of each axis is on; `None`: not wired.
     pub zero_signal: PerAxis<Option<bool>>,
-    /// Contacts X0 to X3: which are wired to the board, and which of them are closed.
+    /// Masks of the contacts X0 to X3 that are wired to the board (bytes of `wired`) and of
+    /// those that are closed.
     pub wired: [u8; 4],
     pub closed: [u8; 4],
 }
@@ -76,22 +78,24 @@ pub(crate) struct BoardContacts {
 /// Signals of the control to the machine in one tick.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MachineOutputs {
-    /// Outputs Y0–Y3 to the machine (1 = sink closed), lamps above.
+    /// Outputs of the ladder: Y0–Y3 to the machine (1 = sink closed), then the lamps of the
+    /// panel.
     pub y: [u8; 20],
-    /// Command pulses of each axis, absolute count.
+    /// Command pulses of each axis, counted from power-on.
     pub pulses: PerAxis<Pulses>,
     /// Analog spindle output SVC, 0–10 V.
     pub spindle_volts: f64,
-    /// Drive enable nEN.
+    /// Whether each drive is enabled (nEN).
     pub enable: PerAxis<bool>,
-    /// Orders for the pulse board. Boxed, because few machines have one and outputs are
-    /// passed on every tick.
+    /// Orders for the pulse board; `None` without a board. Boxed, because few machines have
+    /// a board and outputs are passed on every tick.
     #[serde(skip)]
     pub(crate) board: Option<Box<BoardOrders>>,
 }
 
 impl MachineOutputs {
-    /// Outputs of a control without power: everything is off, the pulse count stays.
+    /// Outputs of a control without power: everything is off, and the pulse count stays at
+    /// `pulses`.
     pub fn without_power(pulses: PerAxis<Pulses>) -> Self {
         Self {
             pulses,
@@ -99,7 +103,7 @@ impl MachineOutputs {
         }
     }
 
-    /// State of one output by byte and bit of Y; false outside the area.
+    /// Whether an output, given by byte and bit of Y, is on; false outside the area.
     pub const fn is_on(&self, byte: usize, bit: u8) -> bool {
         byte < self.y.len() && self.y[byte] >> (bit & 7) & 1 == 1
     }

@@ -15,10 +15,10 @@ use super::wiring::{MachineWiring, SharedPin};
 use crate::memory::ControlParameters;
 use crate::units::{Axis, PerAxis, Point, Pulses};
 
-/// Bytes of X that come from the machine and can be forced.
+/// Number of X bytes that come from the machine and can be forced.
 const X_BYTES: usize = 30;
 
-/// The simulated lathe; plain data, which can be saved.
+/// The simulated lathe; its whole state can be saved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SimulatedLathe {
     config: LatheConfig,
@@ -36,15 +36,16 @@ pub struct SimulatedLathe {
     overtravel_release: bool,
     faults: ActiveFaults,
     disturbance: Disturbance,
-    /// The station whose switch is stuck, if any.
+    /// Number of the station whose switch is stuck, from 1; `None` without this fault.
     stuck_station: Option<u8>,
-    /// Count at the last one-turn signal before the signal was lost.
+    /// Encoder count at the last one-turn signal before the signal was lost.
     lost_index: i64,
     handwheel: i32,
     forced: [u8; X_BYTES],
     #[serde(rename = "forced_to")]
     forced_levels: [u8; X_BYTES],
-    /// Whether the slides belong to a real lathe. Their switches are then not simulated.
+    /// Whether a pulse board moves the slides of a real lathe. The switches of the
+    /// simulated slides then have no effect.
     #[serde(default)]
     real_slides: bool,
 }
@@ -96,7 +97,7 @@ impl SimulatedLathe {
         self.axes.z.real = real;
     }
 
-    /// Replaces the contacts that are wired to a pulse board.
+    /// Replaces the contacts in `inputs` that are wired to a pulse board by the board's.
     pub(crate) fn add_board_contacts(&self, inputs: &mut MachineInputs, board: &BoardContacts) {
         for (byte, (wired, closed)) in board.wired.iter().zip(board.closed).enumerate() {
             inputs.x[byte] = inputs.x[byte] & !wired | wired & closed;
@@ -130,8 +131,8 @@ impl SimulatedLathe {
         }
     }
 
-    /// Advances by one tick (1 ms) and writes the sensors into `inputs` in place, which
-    /// avoids a copy. The contacts are read separately ([`Self::read_contacts`]).
+    /// Advances by one tick (1 ms) and writes the sensors into `inputs`, in place to avoid
+    /// a copy. [`Self::read_contacts`] reads the contacts separately.
     pub fn tick(&mut self, outputs: &MachineOutputs, inputs: &mut MachineInputs) {
         let is_on = |pin: ContactPin| outputs.is_on(usize::from(pin.0), pin.1);
         self.axes.x.follow(outputs.pulses.x, outputs.enable.x);
@@ -176,7 +177,7 @@ impl SimulatedLathe {
         self.disturbance.bounce(&mut inputs.x, bouncing);
     }
 
-    /// Whether contacts bounce (fault).
+    /// Whether contacts bounce, because of the fault [`LatheFault::InputBounce`].
     pub(crate) fn has_bouncing_contacts(&self) -> bool {
         self.faults.has(LatheFault::InputBounce)
     }
@@ -217,7 +218,8 @@ impl SimulatedLathe {
         *inputs.over_limit.get_mut(axis) = self.tripped_limit(axis);
     }
 
-    /// The zero signal of an axis, and the count at its change in the last tick.
+    /// Level of the zero signal of an axis, and the command count at its change in the last
+    /// tick; `None` without a change.
     #[inline(always)]
     fn zero_signal(&self, axis: Axis) -> (bool, Option<Pulses>) {
         let lost_signal = match axis {
@@ -233,7 +235,7 @@ impl SimulatedLathe {
         }
     }
 
-    /// Whether the deceleration switch of a slide is pressed, or stuck.
+    /// Whether the deceleration switch of a slide is pressed, or stuck by a fault.
     fn is_on_dog(&self, axis: Axis) -> bool {
         let stuck = match axis {
             Axis::X => LatheFault::DogX,
@@ -242,7 +244,7 @@ impl SimulatedLathe {
         (!self.real_slides && self.axes.get(axis).is_on_dog()) || self.faults.has(stuck)
     }
 
-    /// The limit switch of a slide that is pressed, or stuck.
+    /// The limit switch of a slide that is pressed, or stuck by a fault; `None` if neither.
     fn tripped_limit(&self, axis: Axis) -> Option<TrippedLimit> {
         if self.real_slides {
             return None;
@@ -255,7 +257,7 @@ impl SimulatedLathe {
         self.axes.get(axis).pressed_limit().or_else(stuck)
     }
 
-    /// Whether a drive has switched off.
+    /// Whether a drive reports an alarm or has switched off.
     fn has_drive_failed(&self, axis: Axis) -> bool {
         let fault = match axis {
             Axis::X => LatheFault::DriveX,
@@ -273,13 +275,13 @@ impl SimulatedLathe {
         (wired && failed) == *self.wiring.drive_alarm_level.get(axis)
     }
 
-    /// Level of a drive's ready line: ready when enabled and not switched off.
+    /// Level of a drive's ready line; the drive is ready when enabled and not failed.
     fn ready_signal(&self, axis: Axis, failed: bool) -> bool {
         let ready = *self.enable.get(axis) && !failed;
         ready == self.wiring.drive_ready_level
     }
 
-    /// Active station switches, T01 in bit 0, up to T08.
+    /// Mask of the active station switches: T01 in bit 0, up to T08 in bit 7.
     fn station_switches(&self) -> u8 {
         if self.faults.has(LatheFault::TurretContactsOpen) {
             return 0;
@@ -375,7 +377,7 @@ impl SimulatedLathe {
             && (self.overtravel_release || !self.is_over_limit())
     }
 
-    /// Whether any limit switch is tripped.
+    /// Whether a limit switch of any axis is tripped.
     pub fn is_over_limit(&self) -> bool {
         let tripped = self.axes.x.pressed_limit().or(self.axes.z.pressed_limit());
         (tripped.is_some() && !self.real_slides)
@@ -399,7 +401,7 @@ impl SimulatedLathe {
         }
     }
 
-    /// Sets or clears a fault.
+    /// Sets (`on`) or clears a fault of the lathe.
     pub fn set_fault(&mut self, fault: LatheFault, on: bool) {
         if self.faults.has(fault) == on {
             return;
@@ -419,7 +421,7 @@ impl SimulatedLathe {
         }
     }
 
-    /// Whether a fault is active.
+    /// Whether this fault of the lathe is active.
     pub const fn has_fault(&self, fault: LatheFault) -> bool {
         self.faults.has(fault)
     }
@@ -456,12 +458,12 @@ impl SimulatedLathe {
         self.forced_levels = [0; X_BYTES];
     }
 
-    /// Sets the emergency button; a pressed button stays in (the panel latches it).
+    /// Presses or releases the emergency button; the panel keeps a pressed button in.
     pub const fn set_emergency_button(&mut self, pressed: bool) {
         self.emergency_button = pressed;
     }
 
-    /// Sets the overtravel release button, true while it is held.
+    /// Presses (true) or releases the overtravel release button.
     pub const fn set_overtravel_release(&mut self, held: bool) {
         self.overtravel_release = held;
     }
@@ -479,13 +481,13 @@ impl SimulatedLathe {
         self.spindle.set_wiring(&self.wiring);
     }
 
-    /// Takes the control's pulse count for the present position of the slides.
+    /// Assigns the control's pulse count to the present position of the slides.
     pub fn set_count(&mut self, pulses: PerAxis<Pulses>) {
         self.axes.x.set_count(pulses.x);
         self.axes.z.set_count(pulses.z);
     }
 
-    /// Moves the slides to another position, mm from the reference point (X in radius).
+    /// Places the slides at another position, mm from the reference point (X in radius).
     pub fn move_slides(&mut self, position: Point) {
         self.axes.x.set_position(position.x);
         self.axes.z.set_position(position.z);
@@ -506,7 +508,7 @@ impl SimulatedLathe {
         Point::new(self.axes.x.position(), self.axes.z.position())
     }
 
-    /// Following error of the motors, mm (X in radius).
+    /// Following error of both motors, mm (X in radius).
     pub fn following_error(&self) -> Point {
         Point::new(self.axes.x.following_error(), self.axes.z.following_error())
     }
@@ -551,7 +553,7 @@ impl SimulatedLathe {
         self.tailstock.is_at_first_end()
     }
 
-    /// The engaged gear, 1–4.
+    /// The gear that is engaged or being engaged, 1–4.
     pub const fn gear(&self) -> u8 {
         self.gears.gear()
     }

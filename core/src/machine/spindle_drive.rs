@@ -17,39 +17,43 @@ pub(super) struct SpindleDrive {
     analog: bool,
     top: [f64; 4],
     steps: [f64; 4],
-    /// Fraction of the speed difference made up in a tick, running and braking.
+    /// Fraction of the speed difference that disappears in a tick, when running and when
+    /// braking.
     lag: f64,
     braking_lag: f64,
-    /// Counts per encoder revolution, and encoder revolutions per spindle revolution.
+    /// Encoder counts per revolution of the encoder, and encoder revolutions per spindle
+    /// revolution.
     #[serde(rename = "counts")]
     counts_per_turn: i64,
     encoder_ratio: f64,
     rpm: f64,
     /// Spindle revolutions since the start.
     turns: f64,
-    /// Speed of a spindle that turns without M03 or M04, r/min.
+    /// Speed of a spindle that turns without M03 or M04, r/min; negative in reverse.
+    /// `None`: it stands still without them.
     coasting: Option<f64>,
-    /// Whether the spindle is jammed (fault).
+    /// Whether the spindle is jammed by a fault.
     pub blocked: bool,
     /// Whether the encoder sends no counts (fault).
     pub encoder_lost: bool,
     encoder: i64,
-    /// Whole encoder revolutions, and count at the last index pulse.
+    /// Whole encoder revolutions since the start, and encoder count at the last index
+    /// pulse.
     #[serde(rename = "whole")]
     whole_turns: i64,
     index: i64,
     index_now: bool,
 }
 
-/// Outputs that drive the spindle in a tick.
+/// Outputs of the control and the ladder that drive the spindle in a tick.
 pub(super) struct SpindleOutputs {
     pub forward: bool,
     pub reverse: bool,
     pub brake: bool,
     pub volts: f64,
-    /// Step or gear output that is on, from 1.
+    /// Speed step or gear whose output is on, from 1; `None` if none is on.
     pub step: Option<u8>,
-    /// Gear engaged, 1–4.
+    /// Gear that is engaged or being engaged, 1–4.
     pub gear: u8,
 }
 
@@ -87,12 +91,13 @@ impl SpindleDrive {
         }
     }
 
-    /// Selects inverter or switched speeds.
+    /// Selects the analog inverter or switched speeds, as wired.
     pub const fn set_wiring(&mut self, wiring: &MachineWiring) {
         self.analog = wiring.analog;
     }
 
-    /// Lets the spindle turn until M03 or M04 takes over.
+    /// Lets the spindle turn at a speed (r/min, negative in reverse) until M03 or M04 takes
+    /// over.
     pub const fn start_coasting(&mut self, rpm: f64) {
         self.coasting = Some(rpm);
         self.rpm = rpm;
@@ -103,12 +108,13 @@ impl SpindleDrive {
         self.rpm
     }
 
-    /// Spindle revolutions since the start.
+    /// Spindle revolutions since the start; in reverse they decrease.
     pub const fn turns(&self) -> f64 {
         self.turns
     }
 
-    /// Encoder count, count at the last index pulse, and whether it came in this tick.
+    /// Encoder count, encoder count at the last index pulse, and whether the pulse came in
+    /// this tick.
     pub const fn encoder(&self) -> (i64, i64, bool) {
         (self.encoder, self.index, self.index_now)
     }
@@ -129,7 +135,7 @@ impl SpindleDrive {
         }
     }
 
-    /// Advances by one tick (1 ms).
+    /// Advances by one tick (1 ms) with the outputs that drive the spindle.
     pub fn tick(&mut self, demand: &SpindleOutputs) {
         if demand.forward || demand.reverse {
             self.coasting = None;

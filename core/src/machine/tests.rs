@@ -26,7 +26,7 @@ fn outputs(on: &[(usize, u8)]) -> MachineOutputs {
     outputs
 }
 
-/// Returns the number of ticks until the condition is met.
+/// Runs the lathe until `is_done`. Returns the number of ticks.
 fn ticks_until(
     lathe: &mut SimulatedLathe,
     outputs: &MachineOutputs,

@@ -11,21 +11,21 @@ use serde::{Deserialize, Serialize};
 
 use super::config::TurretConfig;
 
-/// A tool post that turns in one direction.
+/// A simulated tool post that turns in one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct TurretDrive {
     stations: u8,
-    /// Position, ms of turning; station n is at (n - 1) · `pitch`.
+    /// Position, ms of turning; station n (from 1) is at (n - 1) · `pitch`.
     #[serde(rename = "place")]
     position_ms: u32,
     pitch: u32,
     /// Half the width in which a station switch is active, ms of turning.
     window: u32,
     clamp_ms: u32,
-    /// How long TL- has pressed against the seat, ms.
+    /// Time for which TL- has been on, ms; at most the clamping time.
     pressed: u32,
     clamped: bool,
-    /// Whether the post is jammed (fault).
+    /// Whether the post is jammed by a fault.
     pub blocked: bool,
 }
 
@@ -68,7 +68,7 @@ impl TurretDrive {
         self.clamped
     }
 
-    /// Advances by one tick (1 ms).
+    /// Advances by one tick (1 ms) with the outputs TL+ and TL-.
     pub fn tick(&mut self, forward: bool, reverse: bool) {
         if self.stations == 0 || forward == reverse {
             return;

@@ -6,24 +6,24 @@ use serde::{Deserialize, Serialize};
 use crate::memory::ControlParameters;
 use crate::units::{Axis, PerAxis};
 
-/// The signal on a pin that chuck, gears, stations and enable switches share.
+/// The signal on a pin that several switches can use: chuck, gears, stations, enables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum SharedPin {
-    /// A station switch of the tool post.
+    /// The switch of a station of the tool post.
     Station,
-    /// The gear's in-position switch.
+    /// The in-position switch of a gear.
     Gear,
-    /// The chuck's in-position switch.
+    /// The in-position switch of the chuck.
     Chuck,
     /// An enable contact, which is always active.
     Enable,
     /// A feed override switch that is closed (the nibble of 100 %).
     Closed,
-    /// No signal.
+    /// No signal: the contact is open.
     Open,
 }
 
-/// The first signal that claims a pin.
+/// The signal of the first true claim to a pin; `Open` if none is true.
 fn first_claim<const N: usize>(claims: [(bool, SharedPin); N]) -> SharedPin {
     claims
         .into_iter()
@@ -31,13 +31,13 @@ fn first_claim<const N: usize>(claims: [(bool, SharedPin); N]) -> SharedPin {
         .map_or(SharedPin::Open, |(_, pin)| pin)
 }
 
-/// Polarities of the contacts and signals of the shared pins.
+/// Contact levels (true = closed) and shared pins, as the machine is wired.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct MachineWiring {
-    /// Contact level of a pressed deceleration switch (004.5 DECI).
+    /// Level of the contact of a pressed deceleration switch (004.5 DECI).
     #[serde(rename = "on_dog")]
     pub deceleration_level: bool,
-    /// One switch for deceleration and zero (007.0, 007.1 ZC).
+    /// Whether each axis has one switch for deceleration and zero (007.0, 007.1 ZC).
     pub one_switch: PerAxis<bool>,
     /// Contact level of a station in place (011.1 TSGN = 0: closed).
     #[serde(rename = "in_station")]
@@ -53,7 +53,8 @@ pub(super) struct MachineWiring {
     /// PB4).
     #[serde(rename = "door")]
     pub door_level: Option<bool>,
-    /// Contact level of a gear in position; an active enable has the other one (164.5 AGIM).
+    /// Contact level of a gear in position, opposite to that of an active enable (164.5
+    /// AGIM).
     #[serde(rename = "gear_in")]
     pub gear_level: bool,
     /// Signals on X0.4, X1.0, X1.1 and X1.2.
@@ -61,14 +62,16 @@ pub(super) struct MachineWiring {
     pub x1_0: SharedPin,
     pub x1_1: SharedPin,
     pub x1_2: SharedPin,
-    /// Signal level of a ready drive (005.2 DRDY) and of a drive with an alarm (009 ALM).
+    /// Level of the ready line of a ready drive (005.2 DRDY), and of the alarm line of a
+    /// drive with an alarm (009 ALM).
     #[serde(rename = "drive_ready")]
     pub drive_ready_level: bool,
     #[serde(rename = "drive_alarm")]
     pub drive_alarm_level: PerAxis<bool>,
     /// Number of station contacts of the tool post.
     contacts: u32,
-    /// Whether the spindle is analog (001.4), and has gears M41–M44 (164.7 AGER).
+    /// Whether the spindle is analog (001.4), and whether it has gears M41–M44 (164.7
+    /// AGER).
     pub analog: bool,
     pub gears: bool,
     /// Whether DOQPS clamps the chuck instead of DOQPJ (168.0 PB1).
@@ -76,7 +79,8 @@ pub(super) struct MachineWiring {
 }
 
 impl MachineWiring {
-    /// Wires a machine by the parameters; `contacts` is the number of station switches.
+    /// Wires a machine to match the parameters; `contacts` is the number of station
+    /// switches.
     pub fn new(parameters: &ControlParameters, contacts: u32) -> Self {
         // Feed override switches (172.0 SOVI), station switches T05–T08, chuck
         // (168.2 PB2), gears (164.7 AGER, 164.6 AGIN), enables (SPEN, STEN).
@@ -130,7 +134,8 @@ impl MachineWiring {
         }
     }
 
-    /// Rewires the drive of the spindle, and with it the switches of the gears.
+    /// Rewires the drive of the spindle to match the parameters, and with it the switches
+    /// of the gears.
     pub fn rewire_spindle(&mut self, parameters: &ControlParameters) {
         let new = Self::new(parameters, self.contacts);
         self.analog = new.analog;

@@ -9,7 +9,7 @@ use super::straight_rapid;
 use crate::command::MoveKind;
 use crate::units::{Axis, Point, TICK_S};
 
-/// Length of a move's path, mm (X in radius); a rapid counts as its chord.
+/// Length of the path of a move, mm (X in radius). A rapid counts as a straight line.
 pub(crate) fn path_length(kind: MoveKind, from: Point, to: Point, center: Option<Point>) -> f64 {
     match (kind, center) {
         (MoveKind::Clockwise | MoveKind::CounterClockwise, Some(_)) => {
@@ -27,20 +27,21 @@ fn to_path(kind: MoveKind, from: Point, to: Point, center: Option<Point>) -> Cut
     }
 }
 
-/// The lag forgets earlier cuts after this many time constants: a ten-thousandth of the lag
-/// of a fast cut is left, which is negligible even beside a slow cut.
+/// Number of time constants after which earlier cuts no longer affect the lag: a
+/// ten-thousandth of the lag of a fast cut is left, which is negligible even beside a
+/// slow cut.
 const MEMORY_TIME_CONSTANTS: f64 = 8.0;
 
-/// Consecutive cuts without exact corners (007.3 = 0), as far back as they affect the lag
-/// of the tool.
+/// Consecutive cuts that continue into each other (007.3 = 0), as far back as they
+/// affect the lag of the tool.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CutChain {
     cuts: VecDeque<TimedCut>,
-    /// Total time of the cuts, s.
+    /// Total duration of the cuts in the chain, s.
     total_s: f64,
 }
 
-/// A cut with its speed, mm/s, and its duration, s.
+/// A cut with its path, its speed in mm/s and its duration in s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct TimedCut {
     path: CutPath,
@@ -49,7 +50,8 @@ struct TimedCut {
 }
 
 impl CutChain {
-    /// Adds a cut and returns the duration of its command, s; `feed` in mm/min.
+    /// Adds a cut at `feed` mm/min. Returns the time in which the command reaches its end,
+    /// s.
     pub fn add_cut(
         &mut self,
         kind: MoveKind,
@@ -84,8 +86,8 @@ impl CutChain {
         time
     }
 
-    /// Duration in which the tool reaches the end of the last cut, s. The next cut begins
-    /// at rest.
+    /// Ends the chain and returns the time from the end of the last command until the tool
+    /// has arrived there, s. The next cut begins at rest.
     pub fn finish(&mut self, limits: &MotionLimits) -> f64 {
         let law = limits.cutting_law();
         let constant = law.time_constant();
@@ -114,9 +116,9 @@ impl CutChain {
     }
 }
 
-/// Duration of a move from rest to rest at overrides of 100 %, s. `feed` in mm/min applies
-/// to cuts; a dwell takes no time here, and a cut without feed never ends. `displacement` is the
-/// vector from start to end, `length` the length of the path, mm.
+/// Duration of a move from rest to rest at overrides of 100 %, s. `displacement` is the
+/// vector from start to end and `length` the length of the path, mm. `feed` in mm/min
+/// applies to cuts. A dwell counts as 0 s, and a cut without feed as infinite.
 pub fn move_duration(
     kind: MoveKind,
     displacement: Point,

@@ -6,19 +6,19 @@ use serde::{Deserialize, Serialize};
 use super::path::CutPath;
 use crate::units::Point;
 
-/// A cut whose progress the control only follows.
+/// A cut that a board makes and whose progress the control only follows.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct ExternalCut {
     path: CutPath,
-    /// Whether the board has taken the cut. The control can then no longer stop it.
+    /// Whether the board has started the cut. The control can then no longer stop it.
     #[serde(rename = "begun")]
     is_begun: bool,
-    /// Distance to go as shown, and as last reported, mm.
+    /// Distance to go of the shown position, and as last reported by the board, mm.
     #[serde(rename = "rest")]
     remaining: f64,
     #[serde(rename = "told")]
     reported_remaining: f64,
-    /// Distance that the shown position makes per tick, mm, and ticks since the last
+    /// Distance that the shown position travels per tick, mm, and ticks since the last
     /// report.
     #[serde(rename = "pace")]
     step_mm: f64,
@@ -50,8 +50,8 @@ impl ExternalCut {
         self.is_begun = true;
     }
 
-    /// Takes the fraction of the cut that is made. The shown position moves evenly until
-    /// the next report, and never beyond the reported one.
+    /// Sets the fraction of the cut that the board has made, 0–1. The shown position moves
+    /// evenly until the next report, and never beyond the reported position.
     pub(super) fn report_progress(&mut self, fraction: f64) {
         let reported = self.path.length() * (1.0 - fraction.clamp(0.0, 1.0));
         self.reported_remaining = self.reported_remaining.min(reported);

@@ -16,16 +16,16 @@ use serde::{Deserialize, Serialize};
 
 use crate::memory::ControlParameters;
 
-/// Turns below this count as zero.
+/// Number of thread turns below which a distance counts as zero.
 const MIN_TURNS: f64 = 1e-12;
 
-/// How the gear increases and decreases its rate.
+/// How the electronic gear increases and decreases its rate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct GearLaw {
     /// Time constant T (029), s.
     #[serde(rename = "time")]
     pub time_constant_s: f64,
-    /// Exponential instead of linear (175.4).
+    /// Whether the rate changes exponentially instead of linearly (175.4).
     pub exponential: bool,
     /// Speed at which threads start and end (028), mm/s.
     #[serde(rename = "lowest")]
@@ -33,7 +33,8 @@ pub(crate) struct GearLaw {
 }
 
 impl GearLaw {
-    /// The rate at which the speed is `lowest`, for a lead and a spindle speed (turns/s).
+    /// The rate of the gear at which the tool has the speed of 028, for a lead (mm per
+    /// turn) and a spindle speed (turns/s); at most 1.
     pub(crate) fn lowest_rate(&self, lead: f64, spin: f64) -> f64 {
         let speed = lead * spin;
         if self.time_constant_s <= 0.0 || speed <= self.lowest_mm_per_s {
@@ -43,7 +44,8 @@ impl GearLaw {
         }
     }
 
-    /// Turns made while the rate decreases to `last`; `unit` is the turns in T.
+    /// Thread turns made while the rate decreases to `last`; `unit` is the number of
+    /// spindle turns in the time constant T.
     fn braking_turns(&self, rate: f64, last: f64, unit: f64) -> f64 {
         if rate <= last {
             0.0
@@ -54,8 +56,9 @@ impl GearLaw {
         }
     }
 
-    /// Duration of `total` turns at `spin` turns/s, s: from the rate `first` (1: already in
-    /// phase) to `last` (1: continuing).
+    /// Duration of `total` thread turns at `spin` spindle turns/s, s. The rate is `first`
+    /// at the start (1: already in phase) and `last` at the end (1: another thread
+    /// continues).
     pub fn duration(&self, total: f64, spin: f64, first: f64, last: f64) -> f64 {
         if total <= MIN_TURNS {
             return 0.0;
@@ -109,7 +112,8 @@ impl GearLaw {
         braking_at + time * libm::log(peak / last)
     }
 
-    /// Time in which the exponential law reaches a rate, s; infinite for the rate 1.
+    /// Time in which the exponential law raises the rate from `from` to `to`, s; infinite
+    /// if `to` is 1.
     fn rise_time(&self, from: f64, to: f64) -> f64 {
         if from >= to {
             0.0
@@ -121,7 +125,7 @@ impl GearLaw {
     }
 }
 
-/// The law of lead-in and lead-out, from the parameters.
+/// Reads the law of lead-in and lead-out from the parameters (028, 029, 175.4).
 pub(super) fn gear_law(parameters: &ControlParameters) -> GearLaw {
     GearLaw {
         time_constant_s: parameters.feed_time() / 1000.0,
@@ -130,28 +134,28 @@ pub(super) fn gear_law(parameters: &ControlParameters) -> GearLaw {
     }
 }
 
-/// End of a motion through the gear.
+/// Where a motion through the gear ends, and at which rate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GearEnd {
-    /// Total thread turns.
+    /// Thread turns of the whole motion.
     pub total: f64,
-    /// Rate at the end; `None`: the next thread continues.
+    /// Rate of the gear at the end; `None`: the next thread continues without slowing down.
     pub last: Option<f64>,
 }
 
-/// State of the electronic gear.
+/// State of the electronic gear between spindle and tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Gear {
-    /// Thread turns per spindle turn, 0–1.
+    /// Rate of the gear: thread turns per spindle turn, 0–1.
     pub rate: f64,
-    /// Thread turns made.
+    /// Thread turns made since the start.
     #[serde(rename = "done")]
     pub done_turns: f64,
 }
 
 impl Gear {
-    /// Advances by `turns` of the spindle in `time` seconds. Returns the time used, which
-    /// is less than `time` only at the end.
+    /// Advances by `turns` of the spindle in `time` seconds. Returns the time used, s; it
+    /// is less than `time` only if the end is reached.
     pub fn advance(&mut self, law: &GearLaw, end: GearEnd, turns: f64, time: f64) -> f64 {
         if turns <= 0.0 || time <= 0.0 {
             // The spindle stands still or turns back: the tool follows, but never past the
@@ -204,7 +208,8 @@ impl Gear {
         until
     }
 
-    /// Increases the rate towards 1, or to the point where it must decrease.
+    /// Increases the rate towards 1, up to the point where it must decrease. Returns the
+    /// time used, s. `rest` is in turns to go, `left` in s.
     fn increase_rate(&mut self, law: &GearLaw, last: f64, spin: f64, rest: f64, left: f64) -> f64 {
         let (rate, time) = (self.rate, law.time_constant_s);
         let unit = spin * time;
@@ -257,7 +262,7 @@ impl Gear {
         span
     }
 
-    /// Keeps the present rate to the end.
+    /// Moves on at the present rate, at most to the end. Returns the time used, s.
     fn coast(&mut self, spin: f64, rest: f64, left: f64) -> f64 {
         let until = rest / (spin * self.rate.max(1e-6));
         if until > left {
@@ -268,7 +273,8 @@ impl Gear {
         until
     }
 
-    /// Decreases the rate to `last` exactly at the end, at any change of the spindle speed.
+    /// Decreases the rate so that it is `last` exactly at the end, even if the spindle
+    /// speed changes. Returns the time used, s.
     fn decrease_rate(&mut self, law: &GearLaw, last: f64, spin: f64, rest: f64, left: f64) -> f64 {
         let rate = self.rate;
         if law.exponential {

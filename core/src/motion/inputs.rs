@@ -6,17 +6,17 @@ use super::limits::MotionLimits;
 use crate::spindle::SpindleTurn;
 use crate::units::{Axis, Feed, PerAxis, min_not_nan};
 
-/// Rapid override.
+/// Override of rapids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RapidOverride {
     /// F0: the lowest rapid rate (032).
     F0,
-    /// Percentage of the rapid rates.
+    /// Percentage of the rapid rates, 1–100.
     Percent(u8),
 }
 
 impl RapidOverride {
-    /// From a percentage, where 0 means F0.
+    /// Converts a percentage, where 0 means F0.
     pub(crate) const fn from_percent(percent: u8) -> Self {
         if percent == 0 {
             Self::F0
@@ -29,7 +29,7 @@ impl RapidOverride {
 /// The rates of dry run (manual III-5.3.2).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DryRun {
-    /// Rate of cuts, mm/min.
+    /// Rate of cuts in dry run, mm/min.
     #[serde(rename = "cutting")]
     pub cutting_mm_per_min: f64,
     /// Rate of rapids, mm/min; `None`: the rapid rates.
@@ -37,29 +37,29 @@ pub struct DryRun {
     pub rapid_mm_per_min: Option<f64>,
 }
 
-/// Inputs of the motion beside its command.
+/// Inputs of the interpolator in a tick, besides the motion itself.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MotionInputs {
-    /// Feed override, 0.0–1.5.
+    /// Feed override as a factor, 0.0–1.5.
     pub feed_override: f64,
-    /// Rapid override of G00 and manual rapid.
+    /// Override of G00 and manual rapid.
     pub rapid_override: RapidOverride,
-    /// Measured spindle speed, r/min, either sign.
+    /// Measured spindle speed, r/min; negative in reverse.
     pub spindle_rpm: f64,
-    /// Measured spindle angle around the tick.
+    /// Measured spindle angle before and after the tick.
     pub spindle: SpindleTurn,
-    /// Whether a thread continues in phase after the one under way.
+    /// Whether another thread continues in phase from the thread under way.
     pub thread_continues: bool,
-    /// Whether a cut follows the one under way without a stop in between (007.3 = 0).
+    /// Whether another cut continues from the cut under way without a stop (007.3 = 0).
     pub cut_continues: bool,
     /// Whether feed hold or an interlock stops programmed motion.
     pub hold: bool,
-    /// Dry run rates; `None`: off. Switching it passes through a standstill.
+    /// Dry run rates; `None` if dry run is off. The axes stop when it is switched.
     pub dry_run: Option<DryRun>,
 }
 
 impl Default for MotionInputs {
-    /// Overrides at 100 %, spindle at standstill.
+    /// Overrides of 100 %, no hold, spindle at standstill.
     fn default() -> Self {
         Self {
             feed_override: 1.0,
@@ -74,7 +74,7 @@ impl Default for MotionInputs {
     }
 }
 
-/// Rapid rate of an axis with its override, mm/s.
+/// Rapid rate of an axis after its override, mm/s.
 pub(super) fn rapid_rate(limits: &MotionLimits, rapid_override: RapidOverride, axis: Axis) -> f64 {
     let rate = limits.rapid(axis);
     match rapid_override {
@@ -83,7 +83,7 @@ pub(super) fn rapid_rate(limits: &MotionLimits, rapid_override: RapidOverride, a
     }
 }
 
-/// Target speeds of a rapid, mm/s; 0 while it must stop.
+/// Target speed of each axis in a rapid, mm/s; 0 while the rapid must stop.
 pub(super) fn rapid_targets(
     limits: &MotionLimits,
     inputs: &MotionInputs,
@@ -108,7 +108,7 @@ fn rapid_target(limits: &MotionLimits, inputs: &MotionInputs, axis: Axis) -> f64
     }
 }
 
-/// Speed of a cut after override and clamp, mm/s.
+/// Target speed of a cut after override, dry run and limits, mm/s.
 pub(super) fn cutting_target(limits: &MotionLimits, inputs: &MotionInputs, feed: Feed) -> f64 {
     let per_minute = match (inputs.dry_run, feed) {
         (Some(dry_run), _) => dry_run.cutting_mm_per_min,

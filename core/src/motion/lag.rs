@@ -21,7 +21,7 @@ use crate::units::Point;
 /// A lag below this counts as zero, mm.
 const MIN_LAG_MM: f64 = 1e-9;
 
-/// Lag of the tool after the command.
+/// Lag of the tool after the commanded position.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Lag {
     /// Vector from the tool to the command, mm.
@@ -30,12 +30,13 @@ pub(crate) struct Lag {
 }
 
 impl Lag {
-    /// Whether the tool is at the command.
+    /// Whether the tool is at the commanded position.
     pub fn is_zero(&self) -> bool {
         self.vector == Point::default()
     }
 
-    /// Advances the command evenly by `displacement` in `time` seconds.
+    /// Moves the command evenly by `displacement` (mm) in `time` seconds; the tool follows
+    /// it.
     pub fn follow(&mut self, law: &SpeedLaw, displacement: Point, time: f64) {
         let SpeedLaw::Exponential {
             time: constant,
@@ -63,8 +64,8 @@ impl Lag {
         }
     }
 
-    /// Advances until the lag in its direction is zero, at most for `left` seconds. Returns
-    /// the time used.
+    /// Advances until the lag in its present direction is zero, at most for `left` seconds.
+    /// Returns the time used, s.
     fn advance_phase(
         &mut self,
         law: &SpeedLaw,
@@ -113,8 +114,8 @@ impl Lag {
         span
     }
 
-    /// Advances by `time` seconds with the command at rest. Returns the time used, which is
-    /// less than `time` only when the tool has arrived.
+    /// Lets the tool approach a command at rest for `time` seconds. Returns the time used,
+    /// s; it is less than `time` only if the tool has arrived.
     pub(crate) fn close_lag(&mut self, law: &SpeedLaw, time: f64) -> f64 {
         let until = self.time_to_close(law);
         if until <= time {

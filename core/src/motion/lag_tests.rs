@@ -7,7 +7,7 @@ use crate::command::MoveKind;
 use crate::memory::ControlParameters;
 use crate::units::{Axis, Feed, Point, TICK_S};
 
-/// Mean speed of the last tick along the path, mm/min.
+/// Mean speed along the path in the last tick, mm/min.
 fn speed(interpolator: &Interpolator) -> f64 {
     interpolator.velocity().length() * 60.0
 }
@@ -21,7 +21,7 @@ fn limits(exact: bool, time: i32, lowest: i32) -> MotionLimits {
 }
 
 const FEED: f64 = 3000.0;
-/// [`FEED`] in mm/s.
+/// The feed [`FEED`] in mm/s.
 const RATE: f64 = 50.0;
 
 fn continuing_inputs() -> MotionInputs {

@@ -13,7 +13,8 @@ use crate::units::{Axis, PerAxis, Point};
 /// exponential tail would never end.
 const MIN_LOWEST_MM_PER_MIN: f64 = 1.0;
 
-/// Rates and accelerations from the parameters, computed again when one changes.
+/// Rates and accelerations from the parameters; computed again when a parameter
+/// changes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MotionLimits {
     rapid: PerAxis<f64>,
@@ -68,7 +69,7 @@ impl From<&ControlParameters> for MotionLimits {
 }
 
 impl MotionLimits {
-    /// The limits of a control model.
+    /// The limits of a control model: straight rapids on models that have them.
     pub fn from_model(parameters: &ControlParameters, model: &ControlModel) -> Self {
         let limits = Self::from(parameters);
         if !model.record().are_rapids_straight() {
@@ -81,12 +82,12 @@ impl MotionLimits {
         }
     }
 
-    /// Whether both axes of a rapid arrive together.
+    /// Whether a rapid moves in a straight line, so that both axes arrive together.
     pub(super) const fn rapids_are_straight(&self) -> bool {
         self.straight_rapid.is_some()
     }
 
-    /// Highest speed along a straight rapid, mm/s.
+    /// Highest speed along a straight rapid, mm/s; infinite if the model sets no limit.
     pub(super) fn straight_rapid(&self) -> f64 {
         self.straight_rapid.unwrap_or(f64::INFINITY)
     }
@@ -101,13 +102,13 @@ impl MotionLimits {
         self.cutting * 60.0
     }
 
-    /// Whether an electronic gear multiplies and therefore limits the speed.
+    /// Whether the gear ratio of an axis limits its speed (CMR > CMD).
     pub(crate) const fn gear_limits_speed(&self) -> bool {
         self.pulse_limit.x.is_some() || self.pulse_limit.z.is_some()
     }
 
-    /// The axis that exceeds the speed of its electronic gear (alarm 097), with its limit
-    /// in mm/min; `speed` in mm/min.
+    /// The axis that exceeds the speed limit of its electronic gear (alarm 097), with that
+    /// limit in mm/min; `None` without one. `speed` is in mm/min.
     pub(crate) fn exceeded_gear_limit(&self, speed: Point) -> Option<(Axis, f64)> {
         [Axis::X, Axis::Z].into_iter().find_map(|axis| {
             let limit = (*self.pulse_limit.get(axis))?;
@@ -115,8 +116,8 @@ impl MotionLimits {
         })
     }
 
-    /// Highest speed of an axis in a thread, mm/min, and the parameter that limits it: its
-    /// rapid rate (022, 023) or the cutting feed limit (027).
+    /// Highest speed of an axis in a thread, mm/min, and the number of the parameter that
+    /// limits it: rapid rate (022, 023) or cutting feed limit (027).
     pub(crate) fn thread_limit(&self, axis: Axis) -> (f64, u16) {
         let (rapid, cutting) = (self.rapid_rate(axis), self.cutting_rate());
         match axis {
@@ -134,7 +135,7 @@ impl MotionLimits {
         self.rapid_law.get(axis)
     }
 
-    /// F0 (032), mm/s.
+    /// Lowest rapid rate F0 (032), mm/s.
     pub(super) const fn lowest_rapid(&self) -> f64 {
         self.lowest_rapid
     }
@@ -147,7 +148,7 @@ impl MotionLimits {
         &self.cutting_law
     }
 
-    /// Sets whether a macro B program lets cuts continue into each other (#3004).
+    /// Sets whether a macro B program has switched exact corners off (#3004).
     pub(crate) const fn set_exact_corners_off(&mut self, off: bool) {
         self.exact_corners_off = off;
     }
@@ -162,7 +163,8 @@ impl MotionLimits {
         &self.gear_law
     }
 
-    /// Speed of X in the run-out of a thread (107), mm/s; 0: the speed of the thread.
+    /// Speed of X in the run-out of a thread (107), mm/s; 0: the run-out has the speed of
+    /// the thread.
     pub(super) const fn run_out_rate(&self) -> f64 {
         self.run_out_rate
     }

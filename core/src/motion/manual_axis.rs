@@ -7,15 +7,15 @@ use super::limits::MotionLimits;
 use super::ramp::{Ramp, SpeedLaw};
 use crate::units::Axis;
 
-/// Rate of manual motion.
+/// Rate of manual motion, with the law of its acceleration.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum JogRate {
-    /// Jog feed, mm/min (X in radius): exponential law, 029 and 041.
+    /// Jog feed, mm/min (X in radius), with the exponential law of 029 and 041.
     Feed(f64),
-    /// Manual rapid: rapid rate and law of the axis, with the rapid override.
+    /// Manual rapid: rapid rate and law of the axis, after the rapid override.
     Rapid,
-    /// Given rate, mm/min, with the linear law of rapids (reference return 113, 033). No
-    /// override applies.
+    /// A given rate, mm/min, with the linear law of rapids (reference return 113, 033).
+    /// Overrides do not apply.
     Approach(f64),
 }
 
@@ -25,26 +25,27 @@ impl JogRate {
     }
 }
 
-/// One axis in manual motion.
+/// Manual motion of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ManualAxis {
-    /// Requested jog: direction (true = positive) and rate.
+    /// Requested jog: direction (true = positive) and rate; `None`: no jog.
     command: Option<(bool, JogRate)>,
-    /// Target of a step or of the handwheel, mm, and its rate.
+    /// Target coordinate of a step or of the handwheel, mm, and rate; `None`: no step.
     goal: Option<(f64, JogRate)>,
-    /// Speed, mm/s, with its direction and law.
+    /// Speed, mm/s, never negative; whether it is positive in direction, and linear in law.
     speed: f64,
     positive: bool,
     linear: bool,
 }
 
 impl ManualAxis {
-    /// Requests a jog, or a standstill.
+    /// Requests a jog (true = positive) at a rate, or a standstill with `None`.
     pub const fn request_jog(&mut self, command: Option<(bool, JogRate)>) {
         self.command = command;
     }
 
-    /// Moves the target of a step or of the handwheel by `distance` mm.
+    /// Moves the target of a step or of the handwheel by `distance` mm; from `position` if
+    /// no step is under way.
     pub fn step(&mut self, position: f64, distance: f64, rate: JogRate) {
         let base = self.goal.map_or(position, |(goal, _)| goal);
         self.goal = Some((base + distance, rate));
@@ -62,22 +63,22 @@ impl ManualAxis {
         }
     }
 
-    /// Target of a step, mm; `None` if no step is under way.
+    /// Target coordinate of the step under way, mm; `None` without one.
     pub(crate) fn goal(&self) -> Option<f64> {
         self.goal.map(|(goal, _)| goal)
     }
 
-    /// Speed, mm/s.
+    /// Speed, mm/s, in either direction.
     pub const fn speed(&self) -> f64 {
         self.speed
     }
 
-    /// Whether a step is under way.
+    /// Whether a step or handwheel motion is under way.
     pub const fn is_stepping(&self) -> bool {
         self.goal.is_some()
     }
 
-    /// Whether the axis stands still without a request.
+    /// Whether the axis stands still and no motion is requested.
     pub fn is_idle(&self) -> bool {
         self.speed <= 0.0 && self.command.is_none() && self.goal.is_none()
     }
@@ -87,7 +88,7 @@ impl ManualAxis {
         self.speed > 0.0
     }
 
-    /// Drops the request; the axis decelerates.
+    /// Drops jog and step; the axis decelerates.
     pub const fn release(&mut self) {
         self.command = None;
         self.goal = None;
@@ -101,13 +102,13 @@ impl ManualAxis {
         }
     }
 
-    /// Signed braking distance, mm.
+    /// Distance in which the axis stops if it brakes now, mm; negative towards minus.
     pub(crate) fn braking_distance(&self, axis: Axis, limits: &MotionLimits) -> f64 {
         let distance = self.law(axis, limits).braking_distance(self.speed);
         if self.positive { distance } else { -distance }
     }
 
-    /// Shifts the target with the coordinates.
+    /// Shifts the target by `by` mm, together with the coordinates.
     pub(crate) fn translate(&mut self, by: f64) {
         if let Some((goal, _)) = &mut self.goal {
             *goal += by;

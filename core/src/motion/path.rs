@@ -6,10 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::Point;
 
-/// Points nearer than this coincide, mm; an arc between them is a full circle.
+/// Distance below which two points coincide, mm; an arc between such points is a full
+/// circle.
 const COINCIDENT_MM: f64 = 1e-7;
 
-/// A line or an arc with its length.
+/// A straight or circular path with its length.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct CutPath {
     from: Point,
@@ -23,17 +24,17 @@ pub(crate) struct CutPath {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct ArcGeometry {
     center: Point,
-    /// Angle of the start, from +Z towards +X, rad.
+    /// Direction from the centre to the start, rad, counted from +Z towards +X.
     start: f64,
-    /// Angle swept, positive counter-clockwise, rad.
+    /// Angle of the arc, rad; positive counter-clockwise.
     sweep: f64,
-    /// Radius at the start, and its increase to the end (rounding only).
+    /// Radius at the start, mm, and its increase to the end (rounding only).
     radius: f64,
     growth: f64,
 }
 
 impl CutPath {
-    /// A straight line.
+    /// Creates a straight path.
     pub fn line(from: Point, to: Point) -> Self {
         Self {
             from,
@@ -43,8 +44,8 @@ impl CutPath {
         }
     }
 
-    /// An arc, clockwise as seen with +Z to the right and +X up. It is a full circle if
-    /// start and end coincide.
+    /// Creates a circular path, clockwise as seen with +Z to the right and +X up. The path
+    /// is a full circle if start and end coincide.
     pub fn arc(from: Point, to: Point, center: Point, clockwise: bool) -> Self {
         let start_arm = from - center;
         let end_arm = to - center;
@@ -82,17 +83,17 @@ impl CutPath {
         self.length
     }
 
-    /// Whether the path is a line.
+    /// Whether the path is a straight line.
     pub(crate) const fn is_straight(&self) -> bool {
         self.arc_geometry.is_none()
     }
 
-    /// End point.
+    /// End point of the path.
     pub const fn to(&self) -> Point {
         self.to
     }
 
-    /// The point `remaining` mm before the end; exactly the end point at zero.
+    /// The point `remaining` mm before the end; exactly the end point if that is zero.
     pub fn point_at(&self, remaining: f64) -> Point {
         if remaining <= 0.0 {
             return self.to;
@@ -106,7 +107,7 @@ impl CutPath {
         arc_geometry.center + Point::new(sine * radius, cosine * radius)
     }
 
-    /// The path shifted by a vector.
+    /// The path shifted by a vector, mm.
     pub fn shifted(self, by: Point) -> Self {
         let bend = self.arc_geometry.map(|bend| ArcGeometry {
             center: bend.center + by,

@@ -12,21 +12,21 @@ const MIN_DISTANCE_MM: f64 = 1e-12;
 /// Law by which a speed changes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum SpeedLaw {
-    /// Constant acceleration, mm/s².
+    /// The speed changes with this constant acceleration, mm/s².
     Linear { acceleration: f64 },
-    /// Exponential approach to the target speed.
+    /// The speed approaches its target exponentially.
     Exponential {
-        /// Time constant, s.
+        /// Time constant of the approach, s.
         time: f64,
         /// Speed at which motion starts and ends, mm/s.
         lowest: f64,
-        /// e^(-tick / time), computed once.
+        /// Fraction of a speed difference that remains after a tick: e^(-tick / time).
         tick_decay: f64,
     },
 }
 
 impl SpeedLaw {
-    /// Constant acceleration that reaches `rate` (mm/s) in `time` seconds.
+    /// Creates a law of constant acceleration that reaches `rate` (mm/s) in `time` seconds.
     pub fn linear(rate: f64, time: f64) -> Self {
         Self::Linear {
             acceleration: (rate / time.max(TICK_S)).max(1e-3),
@@ -41,7 +41,8 @@ impl SpeedLaw {
         }
     }
 
-    /// Exponential law; with a time constant of zero the speed changes in steps.
+    /// Creates an exponential law with a time constant (s) and a lowest speed (mm/s). With
+    /// a time constant of zero the speed changes in steps.
     pub(crate) fn exponential(time: f64, lowest: f64) -> Self {
         let tick_decay = if time > 0.0 {
             libm::exp(-TICK_S / time)
@@ -63,8 +64,8 @@ impl SpeedLaw {
         }
     }
 
-    /// Fraction of a difference that remains after `span` seconds: e^(-span / time
-    /// constant).
+    /// Fraction of a speed difference that remains after `span` seconds: e^(-span / time
+    /// constant); 0 for the linear law.
     pub(crate) fn decay(&self, span: f64) -> f64 {
         match *self {
             Self::Exponential {
@@ -74,7 +75,8 @@ impl SpeedLaw {
         }
     }
 
-    /// Highest speed on a distance `length` from rest to rest, mm/s.
+    /// Highest speed on a distance of `length` mm from rest to rest, mm/s; infinite for the
+    /// exponential law.
     pub fn peak_speed(&self, length: f64) -> f64 {
         match *self {
             Self::Linear { acceleration } => (acceleration * length).sqrt(),
@@ -82,7 +84,7 @@ impl SpeedLaw {
         }
     }
 
-    /// Distance from `speed` to a standstill, mm.
+    /// Distance in which a motion at `speed` (mm/s) comes to a standstill, mm.
     pub(crate) fn braking_distance(&self, speed: f64) -> f64 {
         match *self {
             Self::Linear { acceleration } => speed * speed / (2.0 * acceleration),
@@ -90,7 +92,8 @@ impl SpeedLaw {
         }
     }
 
-    /// Duration of a whole move of `length` mm at the target speed `rate`, s.
+    /// Duration of a move of `length` mm from rest to rest at the target speed `rate`
+    /// (mm/s), s.
     pub fn duration(&self, length: f64, rate: f64) -> f64 {
         if length <= MIN_DISTANCE_MM {
             return 0.0;
@@ -121,12 +124,12 @@ impl SpeedLaw {
     }
 }
 
-/// Result of one step.
+/// Result of advancing a ramp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RampStep {
-    /// Distance travelled, mm.
+    /// Distance travelled by the step, mm.
     pub distance: f64,
-    /// Time used, s: less than available only when the end was reached.
+    /// Time used, s; less than the given time only if the end was reached.
     pub used_s: f64,
 }
 
@@ -137,7 +140,7 @@ impl RampStep {
     };
 }
 
-/// Speed and distance to go; the distance is infinite for a jog.
+/// Speed and distance to go along one line; the distance is infinite for a jog.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Ramp {
     /// Speed, mm/s, never negative.
@@ -147,7 +150,7 @@ pub(crate) struct Ramp {
 }
 
 impl Ramp {
-    /// At rest, with a distance of `length` mm to go.
+    /// Creates a ramp at rest, with a distance of `length` mm to go.
     pub const fn new(length: f64) -> Self {
         Self {
             speed: 0.0,
@@ -155,12 +158,13 @@ impl Ramp {
         }
     }
 
-    /// Whether the end is reached.
+    /// Whether no distance is left to go.
     pub fn is_finished(&self) -> bool {
         self.remaining <= 0.0
     }
 
-    /// Advances by `dt` seconds towards the speed `target`, braking in time for the end.
+    /// Advances by `dt` seconds towards the speed `target` (mm/s), braking in time for the
+    /// end.
     pub fn advance(&mut self, law: &SpeedLaw, target: f64, dt: f64) -> RampStep {
         let target = if target > 0.0 { target } else { 0.0 };
         let mut step = RampStep::NONE;
@@ -179,12 +183,13 @@ impl Ramp {
         step
     }
 
-    /// Whether distance and time are left.
+    /// Whether distance to go and `time` (s) are left.
     fn is_running(&self, time: f64) -> bool {
         !self.is_finished() && time > 1e-15
     }
 
-    /// A tick seldom has more than one phase.
+    /// Advances the rest of a tick after its first phase. A tick seldom has more than one
+    /// phase.
     #[cold]
     fn advance_further_phases(
         &mut self,
@@ -206,7 +211,7 @@ impl Ramp {
         step
     }
 
-    /// One phase: changes the speed, keeps it or brakes.
+    /// Advances one phase, in which the speed rises, falls or stays constant.
     fn advance_phase(&mut self, law: &SpeedLaw, target: f64, time: f64) -> RampStep {
         match *law {
             SpeedLaw::Linear { acceleration } => self.linear_phase(acceleration, target, time),
@@ -218,7 +223,7 @@ impl Ramp {
         }
     }
 
-    /// Moves by `moved` in `used` seconds, with `speed` at the end.
+    /// Moves by `moved` mm in `used` seconds, with the speed `speed` (mm/s) at the end.
     fn move_by(&mut self, moved: f64, used: f64, speed: f64) -> RampStep {
         let moved = min_not_nan(moved, self.remaining);
         self.remaining -= moved;
@@ -229,12 +234,13 @@ impl Ramp {
         }
     }
 
-    /// Moves to the end in `used` seconds.
+    /// Moves to the end, with a use of `used` seconds.
     fn move_to_end(&mut self, used: f64) -> RampStep {
         self.move_by(self.remaining, used, 0.0)
     }
 
-    /// Moves at constant speed until the end, a distance of `room`, or the end of the time.
+    /// Moves at constant speed for `distance` mm, at most to the end and for `time`
+    /// seconds.
     fn cruise(&mut self, distance: f64, time: f64) -> RampStep {
         let until = distance / self.speed;
         if until > time {
@@ -337,8 +343,9 @@ impl Ramp {
         self.move_by(moved, span, final_speed.unwrap_or(end_speed))
     }
 
-    /// Brakes down to the lowest speed at the end point. The time constant follows from the
-    /// distance to go, so that the end is met even if the parameter changes meanwhile.
+    /// Brakes so that the lowest speed is reached at the end point. The time constant
+    /// follows from the distance to go, so that the end is met even if the parameter
+    /// changes.
     fn brake_exponentially(
         &mut self,
         constant: f64,
@@ -362,7 +369,7 @@ impl Ramp {
     }
 }
 
-/// e^(-span / constant); the value for a whole tick is known.
+/// e^(-span / constant), where `tick_decay` is the known value for a span of one tick.
 fn decay(span: f64, constant: f64, tick_decay: f64) -> f64 {
     if span == TICK_S {
         tick_decay

@@ -6,7 +6,7 @@ use super::limits::MotionLimits;
 use super::ramp::Ramp;
 use crate::units::{Axis, PerAxis, Point};
 
-/// A rapid under way.
+/// A rapid under way, in which each axis moves at its own rate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Rapid {
     to: Point,
@@ -15,7 +15,7 @@ pub(crate) struct Rapid {
 }
 
 impl Rapid {
-    /// A rapid at rest at `from`.
+    /// Creates a rapid that is at rest at `from`.
     pub fn new(from: Point, to: Point) -> Self {
         let displacement = to - from;
         Self {
@@ -28,7 +28,7 @@ impl Rapid {
         }
     }
 
-    /// End point.
+    /// End point of the rapid.
     pub const fn to(&self) -> Point {
         self.to
     }
@@ -43,7 +43,8 @@ impl Rapid {
         self.ramps.x.speed > 0.0 || self.ramps.z.speed > 0.0
     }
 
-    /// Advances by `dt` seconds towards the target speeds. Returns the time used.
+    /// Advances by `dt` seconds towards the target speed of each axis, mm/s. Returns the
+    /// time used, s.
     pub fn advance(&mut self, limits: &MotionLimits, target: PerAxis<f64>, dt: f64) -> f64 {
         let x = self
             .ramps
@@ -60,7 +61,7 @@ impl Rapid {
         }
     }
 
-    /// Position of the axes after a further `ahead` mm of each.
+    /// Position of the axes after each has moved a further distance `ahead`, mm.
     fn position_after(&self, ahead: PerAxis<f64>) -> Point {
         let coordinate = |axis| {
             let rest = (self.ramps.get(axis).remaining - ahead.get(axis)).max(0.0);
@@ -92,7 +93,7 @@ impl Rapid {
         ))
     }
 
-    /// The rapid shifted by a vector.
+    /// The rapid shifted by a vector, mm.
     pub fn shifted(self, by: Point) -> Self {
         Self {
             to: self.to + by,

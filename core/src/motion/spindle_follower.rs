@@ -14,37 +14,39 @@ use super::limits::MotionLimits;
 use crate::spindle::SpindleTurn;
 use crate::units::TICK_S;
 
-/// A start angle that passed this long before the tick was missed, turns: the next one
-/// counts.
+/// Number of turns after which a start angle counts as missed, if it passed before the
+/// tick; the thread then starts at the next one.
 const MISSED_TURNS: f64 = 0.01;
 
-/// State that a thread passes to the thread that continues it.
+/// State that a finished thread passes to the thread that continues it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Handover {
-    /// Angle at which the next thread begins, turns.
+    /// Spindle angle at which the next thread begins, turns.
     begin: f64,
     direction: f64,
-    /// Spindle turns beyond that angle, and rate of the gear.
+    /// Spindle turns beyond that angle, and rate of the electronic gear.
     #[serde(rename = "turned")]
     turns_beyond: f64,
     rate: f64,
 }
 
 impl Handover {
-    /// Notes that the axes have stopped in between: only the angle still counts.
+    /// Records that the axes have stopped between the threads: only the angle is still
+    /// valid.
     pub(crate) const fn stop(&mut self) {
         self.rate = 0.0;
     }
 }
 
-/// What a thread or a tap waits for before it begins.
+/// What a thread or a tap waits for before it begins to follow the spindle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum FollowerWait {
-    /// The one-turn signal after the one at `seen`, and then `phase` turns more.
+    /// A one-turn signal after the one at the angle `seen`, and then `phase` turns more.
     Index { seen: Option<f64>, phase: f64 },
-    /// The next time that this angle passes, turns.
+    /// The next time that the spindle passes this angle, turns (or a whole number of turns
+    /// more).
     Angle(f64),
-    /// This angle, turns, in this direction.
+    /// This angle, turns, with the spindle in this direction (1 or -1).
     Begin { angle: f64, direction: f64 },
 }
 
@@ -57,8 +59,9 @@ impl FollowerWait {
         }
     }
 
-    /// Advances the wait by one tick. When the start comes: its angle, the direction, and
-    /// the fraction of the tick since then.
+    /// Advances the wait by one tick. Returns the start if it comes within the tick: its
+    /// angle, the direction, and the fraction of the tick since then. `hold` prevents a
+    /// start.
     fn tick(&mut self, spindle: &SpindleTurn, rpm: f64, hold: bool) -> Option<FollowerStart> {
         let direction = if rpm < 0.0 { -1.0 } else { 1.0 };
         if hold {
@@ -112,19 +115,20 @@ impl FollowerWait {
     }
 }
 
-/// The first angle at or after `from` that equals `angle` plus whole turns.
+/// The first angle at or after `from`, in the given direction, that equals `angle` plus
+/// whole turns.
 fn next_angle(angle: f64, from: f64, direction: f64) -> f64 {
     let turns = direction * (from - angle);
     // The signal itself is the start, regardless of rounding.
     angle + direction * (turns - 1e-6).ceil()
 }
 
-/// The start of a thread within a tick.
+/// The start of a thread or tap within a tick.
 #[derive(Clone, Copy, Debug)]
 struct FollowerStart {
     pub angle: f64,
     pub direction: f64,
-    /// Fraction of the tick since the start.
+    /// Fraction of the tick that is left after the start.
     pub fraction: f64,
 }
 
@@ -135,49 +139,51 @@ pub(crate) struct SpindleTick<'a> {
     pub spindle: &'a SpindleTurn,
     /// Measured spindle speed, r/min.
     pub rpm: f64,
-    /// Whether no thread may begin.
+    /// Whether no thread may begin to follow the spindle.
     pub is_held: bool,
-    /// Whether a thread continues in phase after this one.
+    /// Whether another thread continues in phase after this motion.
     pub continues: bool,
 }
 
-/// Turns and leads of a motion that follows the spindle.
+/// Turns and leads of a thread or tap.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FollowerTravel {
-    /// Total turns.
+    /// Total turns of the thread.
     pub turns: f64,
     /// Lead at the start, mm per turn.
     pub first_lead: f64,
-    /// Lead at the end if the gear slows down for it; `None`: the motion continues.
+    /// Lead at the end, mm per turn, if the gear slows down there; `None`: another thread
+    /// continues.
     pub last_lead: Option<f64>,
 }
 
-/// Use of the time of a step, s.
+/// How the time of an advance was used.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepTime {
-    /// Time before the start.
+    /// Time before the start angle, s.
     pub waiting_s: f64,
-    /// Time since the start: available, and used. `used_s` is less only at the end.
+    /// Time after the start angle, s: available and used. `used_s` is less only if the end
+    /// was reached.
     pub available_s: f64,
     pub used_s: f64,
 }
 
-/// Follows the spindle through the electronic gear.
+/// Follows the spindle angle through the electronic gear.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SpindleFollower {
     wait: Option<FollowerWait>,
     begin: f64,
     direction: f64,
-    /// Spindle turns since the start.
+    /// Spindle turns since the start angle.
     turned: f64,
     gear: Gear,
-    /// Whether the spindle turns, at any speed.
+    /// Whether the spindle turned in the last tick, at any speed.
     #[serde(rename = "turns")]
     spindle_turns: bool,
 }
 
 impl SpindleFollower {
-    /// Begins when the wait has ended.
+    /// Creates a follower that begins when the wait has ended.
     pub const fn waiting(wait: FollowerWait) -> Self {
         Self {
             wait: Some(wait),
@@ -192,8 +198,8 @@ impl SpindleFollower {
         }
     }
 
-    /// Continues another motion from its end. If that motion stopped, it waits for the next
-    /// time that its end angle passes.
+    /// Creates a follower that continues another motion from its end. If that motion
+    /// stopped, the follower waits until the spindle passes the end angle again.
     pub(crate) const fn continuing(before: &Handover) -> Self {
         if before.rate <= 0.0 {
             return Self::waiting(FollowerWait::Angle(before.begin));
@@ -211,23 +217,24 @@ impl SpindleFollower {
         }
     }
 
-    /// Whether it has begun and the spindle turns. A slow spindle has ticks without a
-    /// count.
+    /// Whether the follower has begun and the spindle turns. True also in ticks of a slow
+    /// spindle without an encoder count.
     pub const fn is_moving(&self) -> bool {
         self.is_running() && self.spindle_turns
     }
 
-    /// Whether it has begun.
+    /// Whether the follower has begun.
     pub const fn is_running(&self) -> bool {
         self.wait.is_none()
     }
 
-    /// Turns made by the tool. Negative when the spindle has turned back before the start.
+    /// Thread turns made by the tool; negative when the spindle has turned back past the
+    /// start.
     pub const fn turns_done(&self) -> f64 {
         self.gear.done_turns
     }
 
-    /// Reverses: the other direction of the spindle leads out over the same turns.
+    /// Reverses: the other direction of the spindle moves the tool out over the same turns.
     pub(crate) fn reverse(&mut self) {
         self.begin += self.direction * self.turned;
         self.direction = -self.direction;
@@ -238,7 +245,8 @@ impl SpindleFollower {
         };
     }
 
-    /// State for a motion that continues this one after `turns`.
+    /// State for a motion that continues this one after `turns`; `continues`: without a
+    /// stop.
     pub(crate) fn handover(&self, turns: f64, continues: bool) -> Handover {
         Handover {
             begin: self.begin + self.direction * turns,
@@ -248,7 +256,7 @@ impl SpindleFollower {
         }
     }
 
-    /// Advances by `time` seconds, the last of the tick.
+    /// Advances by `time` seconds, the last part of the tick.
     pub fn advance(
         &mut self,
         tick: &SpindleTick<'_>,

@@ -23,29 +23,29 @@ const STEEPEST_RATIO: f64 = 1.5;
 /// A distance to go below this counts as zero, mm.
 const MIN_DISTANCE_MM: f64 = 1e-9;
 
-/// A change of speed under way.
+/// A planned change of speed along an S-curve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct SpeedChange {
     from: f64,
     to: f64,
-    /// Target speed when the change was planned, mm/s.
+    /// Target speed for which the change was planned, mm/s.
     #[serde(rename = "wanted")]
     target: f64,
-    /// Its total and its elapsed time, s.
+    /// Total and elapsed time of the change, s.
     span: f64,
     elapsed: f64,
-    /// Whether it ends at the end point: nothing interrupts it.
+    /// Whether the change ends at the end point: it is then never replanned.
     #[serde(rename = "last")]
     is_last: bool,
 }
 
 impl SpeedChange {
-    /// Speed at a fraction of its time, mm/s.
+    /// Speed after a fraction (0–1) of the change's time, mm/s.
     fn speed_at(&self, fraction: f64) -> f64 {
         self.from + (self.to - self.from) * fraction * fraction * (3.0 - 2.0 * fraction)
     }
 
-    /// Distance at a fraction of its time, mm.
+    /// Distance after a fraction (0–1) of the change's time, mm.
     fn distance_at(&self, fraction: f64) -> f64 {
         let s = fraction * fraction * fraction * (1.0 - fraction / 2.0);
         self.span * (self.from * fraction + (self.to - self.from) * s)
@@ -60,11 +60,11 @@ impl SpeedChange {
     }
 }
 
-/// A straight rapid under way.
+/// A straight rapid under way, with an S-shaped speed profile.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct StraightRapid {
     to: Point,
-    /// Direction, a unit vector.
+    /// Direction of the line, a unit vector.
     direction: Point,
     /// Distance to the end, mm; exactly zero at the end.
     remaining: f64,
@@ -74,7 +74,7 @@ pub(crate) struct StraightRapid {
 }
 
 impl StraightRapid {
-    /// A rapid at rest at `from`.
+    /// Creates a straight rapid that is at rest at `from`.
     pub fn new(from: Point, to: Point) -> Self {
         let displacement = to - from;
         let length = displacement.length();
@@ -87,12 +87,12 @@ impl StraightRapid {
         }
     }
 
-    /// End point.
+    /// End point of the rapid.
     pub const fn to(&self) -> Point {
         self.to
     }
 
-    /// Whether the end is reached.
+    /// Whether the end point is reached.
     pub fn is_finished(&self) -> bool {
         self.remaining <= 0.0
     }
@@ -118,7 +118,7 @@ impl StraightRapid {
         self.to - self.direction * (self.remaining - distance).max(0.0)
     }
 
-    /// The rapid shifted by a vector.
+    /// The rapid shifted by a vector, mm.
     pub fn shifted(self, by: Point) -> Self {
         Self {
             to: self.to + by,
@@ -126,8 +126,8 @@ impl StraightRapid {
         }
     }
 
-    /// Advances by `dt` seconds towards the target speeds of the axes. Returns the time
-    /// used.
+    /// Advances by `dt` seconds towards the target speed of each axis, mm/s. Returns the
+    /// time used, s.
     pub fn advance(&mut self, limits: &MotionLimits, target: PerAxis<f64>, dt: f64) -> f64 {
         let target = speed_along(self.direction, target).min(limits.straight_rapid());
         let acceleration = mean_acceleration(limits, self.direction);
@@ -144,7 +144,7 @@ impl StraightRapid {
         if self.is_finished() { dt - left } else { dt }
     }
 
-    /// Plans how the speed changes from here on.
+    /// Plans the next change of speed, unless the planned one is still valid.
     fn plan(&mut self, target: f64, acceleration: f64) {
         let braking = self.speed * self.speed / (2.0 * acceleration);
         // The planned change continues unless the target speed has changed.
@@ -178,13 +178,13 @@ impl StraightRapid {
         }
     }
 
-    /// The highest speed from which the rest of the distance is enough to brake.
+    /// The highest speed from which the rest of the distance is enough to brake, mm/s.
     fn peak_speed(&self, acceleration: f64) -> f64 {
         (acceleration * self.remaining + self.speed * self.speed / 2.0).sqrt()
     }
 
-    /// Advances the planned change, at most by `dt` and up to the next point to plan.
-    /// Returns the time used.
+    /// Advances the planned change by at most `dt` seconds, up to the next point to plan.
+    /// Returns the time used, s.
     fn follow_change(&mut self, dt: f64, acceleration: f64) -> f64 {
         let Some(mut change) = self.change else {
             return self.cruise(dt, acceleration);
@@ -207,7 +207,8 @@ impl StraightRapid {
         used
     }
 
-    /// Moves at constant speed up to the point where braking begins.
+    /// Moves at constant speed for at most `dt` seconds, up to the point where braking
+    /// begins. Returns the time used, s.
     fn cruise(&mut self, dt: f64, acceleration: f64) -> f64 {
         if self.speed <= 0.0 {
             return dt;
@@ -226,7 +227,8 @@ impl StraightRapid {
     }
 }
 
-/// Speed along a direction at which no axis exceeds its limit.
+/// Highest speed along a direction at which no axis exceeds its own speed; also for
+/// accelerations.
 fn speed_along(direction: Point, axis_speeds: PerAxis<f64>) -> f64 {
     [Axis::X, Axis::Z]
         .map(|axis| axis_speeds.get(axis) / direction.get(axis).abs().max(1e-12))
@@ -234,7 +236,7 @@ fn speed_along(direction: Point, axis_speeds: PerAxis<f64>) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Mean acceleration along a direction, mm/s².
+/// Highest mean acceleration of an S-curve along a direction, mm/s².
 fn mean_acceleration(limits: &MotionLimits, direction: Point) -> f64 {
     let axis_acceleration = |axis| limits.rapid_law(axis).acceleration();
     speed_along(
@@ -243,7 +245,7 @@ fn mean_acceleration(limits: &MotionLimits, direction: Point) -> f64 {
     ) / STEEPEST_RATIO
 }
 
-/// Duration of a whole straight rapid at 100 %, s.
+/// Duration of a straight rapid from rest to rest at an override of 100 %, s.
 pub(super) fn duration(limits: &MotionLimits, displacement: Point) -> f64 {
     let length = displacement.length();
     if length <= MIN_DISTANCE_MM {
@@ -296,7 +298,8 @@ mod tests {
         PerAxis::new(limits.rapid(Axis::X), limits.rapid(Axis::Z))
     }
 
-    /// Positions tick by tick; `share` is the fraction of the rapid rate in each tick.
+    /// Runs a rapid to its end; `share` is the fraction of the rapid rate in each tick.
+    /// Returns the positions tick by tick and the duration, s.
     fn run(from: Point, to: Point, share: impl Fn(u32) -> f64) -> (Vec<Point>, f64) {
         let limits = limits();
         let rates = full_rates(&limits);

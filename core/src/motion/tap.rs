@@ -15,21 +15,21 @@ use serde::{Deserialize, Serialize};
 use super::spindle_follower::{FollowerTravel, FollowerWait, SpindleFollower, SpindleTick};
 use crate::units::Point;
 
-/// A tap under way.
+/// A tap under way: Z follows the spindle in, and out after the reversal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct TapMotion {
     from: Point,
     to: Point,
     lead: f64,
     follower: SpindleFollower,
-    /// Turns of the way out, once it has begun.
+    /// Number of turns of the way out; `None` before the reversal.
     #[serde(rename = "out")]
     out_turns: Option<f64>,
 }
 
 impl TapMotion {
-    /// A tap from `from` to the bottom `to`; `lead` in mm per turn, `degrees` after the
-    /// index.
+    /// Creates a tap from `from` to the bottom `to`; `lead` in mm per turn, `degrees` of
+    /// spindle angle after the index.
     pub fn new(from: Point, to: Point, lead: f64, degrees: f64) -> Self {
         Self {
             from,
@@ -40,17 +40,17 @@ impl TapMotion {
         }
     }
 
-    /// Whether the tool follows the spindle.
+    /// Whether the tap has begun to follow the spindle.
     pub const fn is_running(&self) -> bool {
         self.follower.is_running()
     }
 
-    /// Whether the tool follows a spindle that turns.
+    /// Whether the tap follows the spindle and the spindle turns.
     pub const fn is_moving(&self) -> bool {
         self.follower.is_moving()
     }
 
-    /// End point of the present direction.
+    /// End point of the present direction: the bottom, or the start after the reversal.
     pub const fn to(&self) -> Point {
         if self.out_turns.is_some() {
             self.from
@@ -59,7 +59,7 @@ impl TapMotion {
         }
     }
 
-    /// Whether the programmed depth is reached.
+    /// Whether the programmed depth is reached on the way in.
     pub(crate) fn is_at_bottom(&self) -> bool {
         let depth = (self.to.z - self.from.z).abs();
         self.out_turns.is_none()
@@ -67,7 +67,7 @@ impl TapMotion {
             && self.follower.turns_done() * self.lead >= depth
     }
 
-    /// Reverses: the other direction of the spindle leads out.
+    /// Reverses the tap: the other direction of the spindle moves the tool out.
     pub(crate) fn reverse(&mut self) {
         if self.out_turns.is_none() {
             self.out_turns = Some(self.follower.turns_done().max(0.0));
@@ -75,13 +75,13 @@ impl TapMotion {
         }
     }
 
-    /// Whether the tool is back at the start.
+    /// Whether the tool is back at the start of the tap.
     pub fn is_finished(&self) -> bool {
         self.out_turns
             .is_some_and(|total| self.follower.turns_done() >= total)
     }
 
-    /// Advances by `time` seconds, the last of the tick. Returns the time used.
+    /// Advances by `time` seconds, the last part of the tick. Returns the time used, s.
     pub fn advance(&mut self, tick: &SpindleTick<'_>, time: f64) -> f64 {
         let travel = FollowerTravel {
             turns: self.out_turns.unwrap_or(f64::INFINITY),
@@ -105,7 +105,7 @@ impl TapMotion {
         Point::new(self.from.x, self.from.z + inwards * depth_turns * self.lead)
     }
 
-    /// The tap shifted by a vector.
+    /// The tap shifted by a vector, mm.
     pub fn shifted(self, by: Point) -> Self {
         Self {
             from: self.from + by,

@@ -8,7 +8,7 @@ use crate::command::MoveKind;
 use crate::memory::ControlParameters;
 use crate::units::{Axis, Feed, Point, TICK_S};
 
-/// Mean speed of the last tick along the path, mm/min.
+/// Mean speed along the path in the last tick, mm/min.
 fn speed(interpolator: &Interpolator) -> f64 {
     interpolator.velocity().length() * 60.0
 }
@@ -47,7 +47,7 @@ fn any_limits() -> impl Strategy<Value = MotionLimits> {
         )
 }
 
-/// One random block.
+/// One random block of the tests.
 #[derive(Clone, Copy, Debug)]
 enum RandomBlock {
     Rapid(Point),
@@ -297,7 +297,8 @@ proptest! {
     }
 }
 
-/// Ticks until nothing moves; returns the distance and the ticks.
+/// Runs ticks until nothing moves. Returns the distance of the axes and the number of
+/// ticks.
 fn run_to_standstill(interpolator: &mut Interpolator, inputs: &MotionInputs) -> (Point, u32) {
     let from = interpolator.position();
     let mut ticks = 0;

@@ -21,15 +21,15 @@ use super::spindle_follower::{
 use crate::command::{Action, ThreadStart};
 use crate::units::{Axis, Point};
 
-/// A thread to cut.
+/// A thread to cut, machine coordinates in mm, X as a radius.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ThreadMove {
-    /// End point, machine coordinates.
+    /// End point of the thread.
     pub to: Point,
     /// Axis that the lead is measured along.
     #[serde(rename = "long")]
     pub lead_axis: Axis,
-    /// Lead at the start, mm per turn.
+    /// Lead at the start, mm per turn; X as a radius.
     pub lead: f64,
     /// Change of the lead, mm per turn and turn.
     pub increase: f64,
@@ -63,8 +63,8 @@ impl ThreadMove {
         })
     }
 
-    /// The length along which the lead is measured, mm: that of the path if the lead axis
-    /// does not move.
+    /// The distance along which the lead is measured, mm: that of the lead axis, or of the
+    /// path if the lead axis does not move.
     fn lead_distance(&self, from: Point) -> f64 {
         let displacement = self.to - from;
         let distance = displacement.get(self.lead_axis).abs();
@@ -75,7 +75,7 @@ impl ThreadMove {
         }
     }
 
-    /// Turns of the whole thread, from `way = F n + R n² / 2`.
+    /// Number of turns `n` of the whole thread, from `distance = F n + R n² / 2`.
     pub(crate) fn turns(&self, from: Point) -> f64 {
         let (distance, lead) = (self.lead_distance(from), self.lead.abs().max(1e-6));
         if self.increase == 0.0 {
@@ -85,18 +85,18 @@ impl ThreadMove {
         2.0 * distance / (lead + last.max(0.0).sqrt())
     }
 
-    /// Distance along the path at the start, mm per turn.
+    /// Lead at the start, measured along the path instead of the lead axis, mm per turn.
     pub(crate) fn lead_along_path(&self, from: Point) -> f64 {
         let distance = self.lead_distance(from).max(1e-9);
         self.lead.abs() * (self.to - from).length() / distance
     }
 
-    /// Lead at the end, mm per turn.
+    /// Lead at the end of the thread, mm per turn.
     pub(crate) fn last_lead(&self, from: Point) -> f64 {
         (self.lead + self.increase * self.turns(from)).max(1e-6)
     }
 
-    /// Highest speed of each axis at a spindle speed, mm/min.
+    /// Highest speed of each axis at a spindle speed (r/min), mm/min.
     pub fn top_speed(&self, from: Point, rpm: f64, limits: &MotionLimits) -> Point {
         let distance = self.lead_distance(from);
         if distance <= 0.0 {
@@ -111,8 +111,8 @@ impl ThreadMove {
         top
     }
 
-    /// Duration from standstill (or in phase from the thread before) to the end, and the
-    /// further time of slowing down when no thread follows, s.
+    /// Duration of the thread, s: from standstill (or in phase from the thread before) to
+    /// the end if a thread continues, and the additional time of slowing down if none does.
     pub fn duration(&self, from: Point, rpm: f64, limits: &MotionLimits) -> (f64, f64) {
         let (total, spin) = (self.turns(from), rpm.abs() / 60.0);
         let law = limits.gear_law();
@@ -131,8 +131,8 @@ impl ThreadMove {
         (continuing, (stopping - continuing).max(0.0))
     }
 
-    /// The short axis of a run-out: at its own speed (107), or at the cutting feed with the
-    /// time constant of 026. Without either it stays on the straight line (`None`).
+    /// The short axis of a run-out, which moves at its own speed (107), or at the cutting
+    /// feed with the time constant of 026. `None`: that axis stays on the straight line.
     fn short_axis_run_out(&self, from: Point, limits: &MotionLimits) -> Option<ShortAxisRunOut> {
         let (axis, factor) = match self.lead_axis {
             Axis::X => (Axis::Z, 2.0),
@@ -170,14 +170,14 @@ enum RunOutRate {
     /// The speed of the straight line to the end at the spindle speed with which the
     /// run-out begins (107 = 0).
     CuttingFeed {
-        /// Distance per turn, mm.
+        /// Travel of the short axis per spindle turn, mm.
         #[serde(rename = "way_per_turn")]
         distance_per_turn: f64,
     },
 }
 
-/// The short axis of a run-out: `x = v (t - T (1 - e^(-t/T)))`, v of 107 or the
-/// cutting feed, T of 026 (manual I-3.2.4.4, III-12.5).
+/// The short axis of a run-out. Its travel is `x = v (t - T (1 - e^(-t/T)))`, with v of
+/// 107 or the cutting feed and T of 026 (manual I-3.2.4.4, III-12.5).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct ShortAxisRunOut {
     axis: Axis,
@@ -191,7 +191,7 @@ struct ShortAxisRunOut {
 }
 
 impl ShortAxisRunOut {
-    /// Final speed at `spin` turns/s of the spindle, mm/s.
+    /// Final speed of the axis at `spin` spindle turns/s, mm/s.
     const fn rate(&self, spin: f64) -> f64 {
         match self.rate {
             RunOutRate::Fixed(rate) => rate,
@@ -201,7 +201,8 @@ impl ShortAxisRunOut {
         }
     }
 
-    /// Advances by `time` seconds at `spin` turns/s; begins with a spindle that turns.
+    /// Advances by `time` seconds at `spin` spindle turns/s. The run-out begins once the
+    /// spindle turns.
     fn advance(&mut self, spin: f64, time: f64) {
         if spin > 0.0 && time > 0.0 {
             self.rate = RunOutRate::Fixed(self.rate(spin));
@@ -234,7 +235,8 @@ impl ShortAxisRunOut {
         self.from + self.distance_at(self.elapsed_s) * self.distance.signum()
     }
 
-    /// Duration of the run-out, s; Newton's steps approach it from above.
+    /// Duration of the run-out at `spin` spindle turns/s, s. Newton's steps approach it
+    /// from above.
     fn duration(&self, spin: f64) -> f64 {
         let straight_s = self.distance.abs() / self.rate(spin);
         if self.time <= 0.0 || !straight_s.is_finite() {
@@ -249,7 +251,7 @@ impl ShortAxisRunOut {
     }
 }
 
-/// A thread under way.
+/// A thread under way, which follows the spindle angle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ThreadMotion {
     path: CutPath,
@@ -266,7 +268,8 @@ pub(crate) struct ThreadMotion {
 }
 
 impl ThreadMotion {
-    /// A thread from `from`; `before` is the state that the thread before passed on.
+    /// Creates a thread from `from`; `before` is the state that the thread before passed
+    /// on, if any.
     pub fn new(
         from: Point,
         thread: &ThreadMove,
@@ -294,22 +297,22 @@ impl ThreadMotion {
         }
     }
 
-    /// Whether the tool follows the spindle.
+    /// Whether the thread has begun to follow the spindle.
     pub const fn is_running(&self) -> bool {
         self.follower.is_running()
     }
 
-    /// Whether the tool follows a spindle that turns.
+    /// Whether the thread follows the spindle and the spindle turns.
     pub const fn is_moving(&self) -> bool {
         self.follower.is_moving()
     }
 
-    /// End point.
+    /// End point of the thread.
     pub const fn to(&self) -> Point {
         self.path.to()
     }
 
-    /// Whether the end is reached.
+    /// Whether the end of the thread and of its run-out is reached.
     pub fn is_finished(&self) -> bool {
         self.has_arrived() && self.run_out.is_none_or(|tail| tail.is_finished())
     }
@@ -319,12 +322,12 @@ impl ThreadMotion {
     }
 
     /// Whether the thread passes its speed on to a thread that follows. A run-out whose
-    /// short axis has its own law stops.
+    /// short axis has its own law does not, but stops.
     const fn passes_speed_on(&self, continues: bool) -> bool {
         continues && self.run_out.is_none()
     }
 
-    /// Advances by `time` seconds, the last of the tick. Returns the time used.
+    /// Advances by `time` seconds, the last part of the tick. Returns the time used, s.
     pub fn advance(&mut self, tick: &SpindleTick<'_>, time: f64) -> f64 {
         if self.total_turns <= 0.0 {
             return 0.0;
@@ -361,13 +364,14 @@ impl ThreadMotion {
         at
     }
 
-    /// State for a thread that continues this finished one.
+    /// State for a thread that continues this finished one; `continues`: whether there is
+    /// one.
     pub(crate) fn handover(&self, continues: bool) -> Handover {
         self.follower
             .handover(self.total_turns, self.passes_speed_on(continues))
     }
 
-    /// The thread shifted by a vector.
+    /// The thread shifted by a vector, mm.
     pub fn shifted(self, by: Point) -> Self {
         Self {
             path: self.path.shifted(by),

@@ -9,7 +9,7 @@ use crate::spindle::{SpindleAngle, SpindleControl, SpindleInputs};
 use crate::units::{Axis, Point, TICK_S};
 
 const COUNTS: f64 = 4096.0;
-/// One pulse of Z, mm.
+/// Travel of one pulse of Z, mm.
 const PULSE: f64 = 0.001;
 
 struct Rig {
@@ -23,7 +23,8 @@ struct Rig {
 }
 
 impl Rig {
-    /// A spindle that has been turning for a while; plus parameters.
+    /// Creates a rig with a spindle that has been turning for a while; `changes` are
+    /// parameters.
     fn new(rpm: f64, changes: &[(u16, i32)]) -> Self {
         let mut parameters = ControlParameters::default();
         for (number, value) in changes {
@@ -42,7 +43,7 @@ impl Rig {
         rig
     }
 
-    /// Advances by one tick and returns the distance travelled in it.
+    /// Advances by one tick and returns the distance travelled in it, mm.
     fn tick(&mut self) -> f64 {
         self.turns += self.rpm / 60.0 * TICK_S;
         let encoder = (self.turns * COUNTS).floor() as i64;
@@ -418,8 +419,8 @@ proptest! {
     }
 }
 
-/// Cuts a thread and compares its duration with the predicted one: `way` in mm, lead and
-/// its change, r/min, parameters 028, 029 and 175.4.
+/// Cuts a thread and compares its duration with the predicted one. `distance` in mm,
+/// lead and its change, r/min, parameters 028, 029 and 175.4.
 fn check_predicted_duration(
     distance: f64,
     (lead, increase): (f64, f64),

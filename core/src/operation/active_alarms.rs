@@ -22,7 +22,8 @@ impl ActiveAlarms {
         self.list.is_empty()
     }
 
-    /// Adds an alarm, unless one with its number is in force. Returns whether it was added.
+    /// Adds an alarm, unless an alarm of its number is in force. Returns whether the alarm
+    /// was added.
     pub fn raise(&mut self, alarm: Alarm) -> bool {
         if self.contains(alarm.number) {
             return false;
@@ -31,7 +32,7 @@ impl ActiveAlarms {
         true
     }
 
-    /// Replaces the detail of an alarm in force.
+    /// Replaces the detail of the alarm with this number, if that alarm is in force.
     pub(crate) fn set_detail(&mut self, number: u16, detail: Message) {
         if let Some(alarm) = self.list.iter_mut().find(|alarm| alarm.number == number) {
             alarm.detail = Some(detail);
@@ -43,14 +44,14 @@ impl ActiveAlarms {
         self.list.iter().any(|alarm| alarm.number == number)
     }
 
-    /// Removes an alarm whose cause is gone.
+    /// Removes the alarm with this number; call it when its cause is gone.
     pub fn remove(&mut self, number: u16) {
         self.list.retain(|alarm| alarm.number != number);
     }
 
-    /// Removes the alarms that RESET can clear, except those for which `is_in_force` returns
-    /// true. The emergency stop ends with its contact only, 100 with the parameter switch,
-    /// 000 with the power.
+    /// Removes the alarms that RESET can clear, except those for whose number `is_in_force`
+    /// returns true. RESET never clears 207 (emergency stop), 100 (parameter switch) and
+    /// 000 (power).
     pub fn reset(&mut self, is_in_force: impl Fn(u16) -> bool) {
         self.list
             .retain(|alarm| groups::survives_reset(alarm.number) || is_in_force(alarm.number));

@@ -23,66 +23,71 @@ use serde::{Deserialize, Serialize};
 /// What the command under way still waits for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum CommandStage {
-    /// Motion or dwell is under way.
+    /// Motion, dwell or a wait is under way.
     Acting,
-    /// Only the M/S/T handshake is open (DEN is 1 if nothing else runs).
+    /// Only the M/S/T handshake is not complete (DEN is 1 if nothing else runs).
     Handshake,
 }
 
-/// The command under way.
+/// The command under way, with its stage and its start.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct CurrentCommand {
     pub(crate) command: ControlCommand,
     pub(crate) stage: CommandStage,
-    /// Position at its start, machine coordinates.
+    /// Commanded position at the start of the command, machine coordinates.
     pub(crate) from: Point,
-    /// Machine time at its start, s.
+    /// Machine time at the start of the command, s.
     #[serde(rename = "started")]
     pub(crate) start_s: f64,
 }
 
-/// Automatic operation.
+/// The state of automatic operation: the run, the commands read and the block in
+/// execution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AutomaticRun {
-    /// Current state of the run.
+    /// State of the run: reset, run, hold or stop.
     pub state: RunState,
     pub(crate) current: Option<CurrentCommand>,
     #[serde(rename = "ahead")]
     pub(crate) next_command: Option<ControlCommand>,
-    /// An alarm found while reading ahead. It is raised when its block begins.
+    /// An alarm found while reading ahead; it is raised when its block begins. `None`
+    /// without one.
     pub(crate) fault_ahead: Option<Alarm>,
-    /// Whether the interpreter waits for a standstill. It is not called before.
+    /// Whether the interpreter waits for a standstill. It is not called before the
+    /// standstill.
     #[serde(rename = "waiting")]
     pub(crate) waits_for_standstill: bool,
     /// Whether a program has been started and can be resumed.
     #[serde(rename = "started")]
     pub(crate) is_started: bool,
-    /// Whether the interpreter has no more commands.
+    /// Whether the interpreter has reported the end of the program.
     #[serde(rename = "ended")]
     pub(crate) has_ended: bool,
     /// Whether the run stops at the end of the block, regardless of single block.
     pub(crate) stop_requested: bool,
     #[serde(rename = "dwell_left")]
     pub(crate) dwell_left_ms: u32,
-    /// M00, M01, M02 or M30 whose decode signal is 1.
+    /// M00, M01, M02 or M30 whose decode signal (DM) is on; `None`: all decode signals are
+    /// off.
     #[serde(rename = "decoded")]
     pub(crate) decoded_m: Option<u8>,
-    /// Whether the MDI block runs, not the program of AUTO.
+    /// Whether the run executes the MDI block, not the program of AUTO.
     #[serde(rename = "mdi")]
     pub(crate) is_mdi: bool,
-    /// Source of the last executed command.
+    /// Source of the last command that was started; `None` before the first one.
     #[serde(rename = "last")]
     pub(crate) last_source: Option<SourcePosition>,
-    /// Whether more commands of the running block follow.
+    /// Whether the running block has more commands.
     pub(crate) within_block: bool,
     pub(crate) protection: HoldProtection,
-    /// Stage of the tap under way.
+    /// Stage of the tap under way; `None` without a tap.
     pub(crate) tap: Option<TapStage>,
-    /// M code that reverses the spindle for the way out of the tap.
+    /// M code that reverses the spindle on the way out of the tap: 3 or 4; 0 = not set yet.
     pub(crate) tap_reverse: u8,
     pub(crate) watch: SpindleWatch,
     pub(crate) arrival: SpeedArrival,
-    /// The stopped AUTO run that is suspended while MDI blocks are executed.
+    /// The stopped AUTO run that is suspended while MDI blocks are executed; `None` without
+    /// one.
     #[serde(rename = "aside")]
     pub(crate) suspended: Option<Box<SuspendedRun>>,
     pub(crate) cycle_shift: CycleShift,
@@ -97,11 +102,12 @@ pub struct AutomaticRun {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SuspendedRun {
     pub automatic: AutomaticRun,
-    /// The rest of its block, if it was held within one.
+    /// The rest of the motion of a block that was held; `None` if the run stopped between
+    /// blocks.
     pub held: Option<Interpolator>,
-    /// How far its program was read, if that differs from the position of the tool.
+    /// How far the program was read, if that differs from the position of the tool.
     pub read_to: Option<ReadState>,
-    /// The coordinate frame in force when it was read.
+    /// The coordinate frame in force when the run was suspended.
     pub frame: Frame,
 }
 
@@ -134,12 +140,12 @@ impl Default for AutomaticRun {
 }
 
 impl AutomaticRun {
-    /// STL or SPL: a block is under way or held.
+    /// STL or SPL: whether a block is under way or held.
     pub const fn is_operating(&self) -> bool {
         matches!(self.state, RunState::Run | RunState::Hold)
     }
 
-    /// DEN: only FIN is missing for the end of the block.
+    /// DEN: whether only FIN is missing for the end of the block.
     pub(crate) fn is_distribution_end(&self) -> bool {
         self.current.as_ref().is_some_and(|current| {
             let is_last = matches!(current.command.action, Action::Tool { is_last: true, .. });
@@ -147,8 +153,8 @@ impl AutomaticRun {
         })
     }
 
-    /// CUT: a cutting feed is under way, or an interlock or an override of 0 % keeps it
-    /// waiting.
+    /// CUT: whether a cutting feed is under way, also while an interlock or an override of
+    /// 0 % delays it.
     pub(crate) fn is_cutting(&self) -> bool {
         self.state == RunState::Run
             && self.current.as_ref().is_some_and(|current| {
@@ -189,13 +195,13 @@ impl AutomaticRun {
         self.dwell_left_ms > 0 && matches!(self.current_action(), Some(Action::Dwell { .. }))
     }
 
-    /// The action under way.
+    /// The action of the command under way; `None` between commands.
     pub(crate) fn current_action(&self) -> Option<&Action> {
         self.current.as_ref().map(|current| &current.command.action)
     }
 
-    /// Whether the cut under way continues into the command read ahead: that is a cut too,
-    /// and nothing stops the run in between.
+    /// Whether the cut under way continues into the command that was read ahead: that
+    /// command is a cut too, and nothing stops the run in between.
     pub(crate) fn continues_cut(&self) -> bool {
         self.state == RunState::Run
             && !self.stop_requested
@@ -205,7 +211,8 @@ impl AutomaticRun {
                 .is_some_and(|next| is_cut(&next.action))
     }
 
-    /// Drops everything that was read, except the source of the last command.
+    /// Resets the run and drops all commands read; only the source of the last command is
+    /// kept.
     pub(crate) fn clear(&mut self) {
         *self = Self {
             last_source: self.last_source,
@@ -224,15 +231,16 @@ impl AutomaticRun {
         self.state = RunState::Run;
     }
 
-    /// Source of the suspended AUTO run, if MDI blocks are executed in between.
+    /// Source of the last command of the suspended AUTO run; `None` without a suspended
+    /// run.
     pub(crate) fn suspended_source(&self) -> Option<SourcePosition> {
         self.suspended
             .as_ref()
             .and_then(|aside| aside.automatic.last_source)
     }
 
-    /// Source of the block in a stored program that a stop interrupts; `None` for MDI and
-    /// DNC.
+    /// Source of the block in a stored program that a stop would interrupt; `None` for MDI
+    /// and DNC, and if no block is under way or held.
     pub(crate) fn interrupted_source(&self) -> Option<SourcePosition> {
         let run = match &self.suspended {
             Some(aside) => &aside.automatic,
@@ -244,7 +252,7 @@ impl AutomaticRun {
             .filter(stored)
     }
 
-    /// Stops at the end of a block.
+    /// Stops the run at the end of a block and drops requests for stop and hold.
     pub(crate) const fn stop_at_block_end(&mut self) {
         self.state = RunState::Stop;
         self.stop_requested = false;
@@ -258,7 +266,7 @@ impl AutomaticRun {
     }
 }
 
-/// Whether the action is a cut at its own feed, not a thread.
+/// Whether the action is a straight or circular cut, not a thread.
 pub(crate) const fn is_cut(action: &Action) -> bool {
     matches!(action, Action::Line { .. } | Action::Arc { .. })
 }

@@ -3,13 +3,13 @@
 use crate::units::PerAxis;
 use serde::{Deserialize, Serialize};
 
-/// What the control has observed of the drives.
+/// State of the drives as the control has observed it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct DriveWatch {
-    /// Whether all drives have answered their enable without an alarm.
+    /// Whether all drives have followed their enable without an alarm.
     #[serde(default)]
     pub ready: bool,
-    /// Duration of the disagreement between ready signal and enable, ms.
+    /// Duration for which the ready signal of each drive has differed from its enable, ms.
     #[serde(rename = "disagree")]
     pub disagree_ms: PerAxis<u16>,
 }

@@ -6,7 +6,8 @@ use crate::motion::MotionLimits;
 use crate::units::Point;
 use gsk_messages::say;
 
-/// Raises alarm 097 if an axis is faster than its gear allows; speeds in mm/min.
+/// Returns alarm 097 as error if an axis is faster than its gear allows; speeds in
+/// mm/min.
 pub(crate) fn check_gear_speed(limits: &MotionLimits, speed: Point) -> Result<(), Alarm> {
     let Some((axis, limit)) = limits.exceeded_gear_limit(speed) else {
         return Ok(());

@@ -11,17 +11,17 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Delay from code to strobe, and time that FIN must last, ms.
+/// Delay from code to strobe, and time for which FIN must be on, ms.
 const STROBE_MS: u32 = 16;
 
-/// The function that a strobe belongs to.
+/// The function that a strobe signal belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Strobe {
-    /// MF, F7.0.
+    /// M function: MF, F7.0.
     M,
-    /// SF, F7.2.
+    /// S function: SF, F7.2.
     S,
-    /// TF, F7.3.
+    /// T function: TF, F7.3.
     T,
 }
 
@@ -30,21 +30,21 @@ pub enum Strobe {
 pub enum HandshakePhase {
     /// No handshake is under way.
     Idle,
-    /// The code is output; the strobe follows after this many ms.
+    /// The code is output; the strobe is switched on after this many ms.
     Code(u32),
-    /// The strobe is up; FIN has lasted for this many ms.
+    /// The strobe is on; FIN has been on for this many ms.
     Strobe(u32),
-    /// The strobe is down; FIN must fall.
+    /// The strobe is off; the handshake ends when FIN goes off.
     Release,
 }
 
-/// The handshakes of M, S and T functions.
+/// The handshakes of M, S and T functions with the ladder.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Handshake {
     phases: [HandshakePhase; 3],
-    /// M code output on F10, 0 when none.
+    /// M code output on F10; 0 = none.
     pub m: u8,
-    /// S code output on F22–F25.
+    /// S code output on F22–F25; it stays until the next one.
     pub s: u32,
     /// T code (tool number) output on F26.
     pub t: u8,
@@ -62,7 +62,7 @@ impl Default for Handshake {
 }
 
 impl Handshake {
-    /// Outputs the code and starts the handshake.
+    /// Outputs the code of a function and starts its handshake.
     pub fn start(&mut self, strobe: Strobe, code: u8) {
         match strobe {
             Strobe::M => self.m = code,
@@ -72,12 +72,12 @@ impl Handshake {
         self.phases[strobe as usize] = HandshakePhase::Code(STROBE_MS);
     }
 
-    /// Whether a strobe signal is up.
+    /// Whether the strobe signal of a function is on.
     pub fn is_strobe_up(&self, strobe: Strobe) -> bool {
         matches!(self.phases[strobe as usize], HandshakePhase::Strobe(_))
     }
 
-    /// The M code that waits for FIN; `None` if there is none.
+    /// The M code that the ladder has not answered with FIN; `None` without one.
     pub(crate) const fn waiting_m(&self) -> Option<u8> {
         match self.phases[Strobe::M as usize] {
             HandshakePhase::Code(_) | HandshakePhase::Strobe(_) => Some(self.m),
@@ -85,14 +85,14 @@ impl Handshake {
         }
     }
 
-    /// Whether any handshake is under way.
+    /// Whether a handshake of any function is under way.
     pub fn is_busy(&self) -> bool {
         self.phases
             .iter()
             .any(|phase| *phase != HandshakePhase::Idle)
     }
 
-    /// The first function whose strobe is up without FIN, with its code.
+    /// The first function whose strobe is on, with its code; `None` if all strobes are off.
     pub(crate) fn unanswered_strobe(&self) -> Option<(Strobe, u32)> {
         let codes = [
             (Strobe::M, u32::from(self.m)),
@@ -104,7 +104,7 @@ impl Handshake {
             .find(|(strobe, _)| self.is_strobe_up(*strobe))
     }
 
-    /// Advances by one tick (1 ms) with the FIN signal of the PLC.
+    /// Advances by one tick (1 ms) with the FIN signal of the ladder.
     pub fn tick(&mut self, fin: bool) {
         if !self.is_busy() {
             return;
@@ -129,7 +129,7 @@ impl Handshake {
         }
     }
 
-    /// Reset: all strobes fall at once, and FIN is no longer awaited.
+    /// Switches all strobes off and ends the handshakes (RESET); FIN is no longer awaited.
     pub fn reset(&mut self) {
         self.phases = [HandshakePhase::Idle; 3];
         self.m = 0;
@@ -140,7 +140,8 @@ impl Handshake {
 mod tests {
     use super::*;
 
-    /// Ticks until the strobe changes, with FIN as given.
+    /// Runs ticks with `fin` until the M strobe is on or off as `up` demands. Returns their
+    /// number.
     fn ticks_until(handshake: &mut Handshake, up: bool, fin: bool) -> u32 {
         let mut count = 0;
         while handshake.is_strobe_up(Strobe::M) != up {

@@ -2,19 +2,19 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Half graduations that the counter accepts per tick: 500 graduations a second, five turns
-/// of a wheel with 100 graduations. Faster pulses are lost.
+/// Half graduations that the counter accepts per tick: 500 graduations a second, or
+/// five turns of a wheel with 100 graduations. Faster pulses are lost.
 const HALVES_PER_TICK: i32 = 1;
 
-/// Half graduations that the counter accepts at once: those of a tenth of a second.
+/// Half graduations that the counter can accept in one tick after a pause.
 const HALVES_AT_ONCE: i32 = 100;
 
-/// Pulse counter of the handwheel.
+/// Counts the pulses of the handwheel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct WheelCounter {
-    /// Graduation at the last tick; `None` before the first.
+    /// Graduation count at the last tick; `None` before the first tick.
     last: Option<i32>,
-    /// Half graduations that the counter still accepts.
+    /// Half graduations that the counter can accept in the next tick.
     #[serde(rename = "room")]
     allowance: i32,
 }
@@ -29,7 +29,8 @@ impl Default for WheelCounter {
 }
 
 impl WheelCounter {
-    /// Number of graduations that count in this tick; negative anticlockwise.
+    /// Counts one tick in which the wheel is at the graduation count `wheel`. Returns the
+    /// accepted graduations; negative anticlockwise.
     pub(crate) const fn count_tick(&mut self, wheel: i32) -> i32 {
         let turned = match self.last {
             Some(last) if last == wheel && self.allowance == HALVES_AT_ONCE => return 0,

@@ -24,7 +24,7 @@ impl Default for InputFilter {
 }
 
 impl InputFilter {
-    /// Creates a filter that has already accepted these contacts.
+    /// Creates a filter whose accepted contacts are these.
     pub fn from_contacts(contacts: &[u8; X_BYTES]) -> Self {
         Self {
             accepted: *contacts,
@@ -32,7 +32,7 @@ impl InputFilter {
         }
     }
 
-    /// The accepted contacts.
+    /// The accepted state of all contacts.
     pub const fn accepted(&self) -> &[u8; X_BYTES] {
         &self.accepted
     }

@@ -9,19 +9,19 @@ use serde::{Deserialize, Serialize};
 pub(crate) struct CycleShift {
     #[serde(rename = "by")]
     pub shift: Point,
-    /// End of the cycle's last move, until the next one begins.
+    /// End point of the cycle's last move; `None` when the next move has begun.
     pub ended_at: Option<Point>,
 }
 
 impl CycleShift {
-    /// Notes the end of a command.
+    /// Records the end point of a finished command, if the command is a move of a cycle.
     pub(crate) const fn note_end(&mut self, command: &ControlCommand, at: Point) {
         if command.defers_feed_hold {
             self.ended_at = Some(at);
         }
     }
 
-    /// Returns the command that begins, shifted by the present shift.
+    /// Returns the command that begins, with its move shifted if it belongs to the cycle.
     pub(crate) fn shift_command(&mut self, command: ControlCommand) -> ControlCommand {
         self.ended_at = None;
         if !command.defers_feed_hold {

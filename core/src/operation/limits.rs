@@ -4,7 +4,7 @@ use super::manual::AxisDirection;
 use crate::alarm::number;
 use crate::units::Axis;
 
-/// The overtravel alarm for an axis and a direction.
+/// Number of the overtravel alarm for an axis and a direction.
 pub(crate) const fn travel_alarm(axis: Axis, direction: AxisDirection) -> u16 {
     match (axis, direction) {
         (Axis::X, AxisDirection::Plus) => number::X_PLUS_LIMIT,

@@ -4,16 +4,17 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::TICK_MS;
 
-/// Number of the outputs.
+/// Number of outputs with a timer, Y0 to Y23.
 const OUTPUTS: usize = 24;
 
-/// Remaining time of each output, ms; 0: the output keeps its state.
+/// Time after which each output switches off, ms; 0: the output keeps its state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct OutputTimers([u32; OUTPUTS]);
 
 impl OutputTimers {
     /// Switches outputs and sets their timers; a later command replaces a running timer.
-    /// `outputs` and the result contain all outputs, Y0 in bit 0.
+    /// `outputs`, `on`, `off` and the result are masks with Y0 in bit 0; the result is the
+    /// new state of all outputs.
     pub(crate) fn switch(&mut self, outputs: u32, on: u32, off: u32, ms: u32) -> u32 {
         for (output, left_ms) in self.0.iter_mut().enumerate() {
             if (on | off) >> output & 1 == 1 {
@@ -23,7 +24,7 @@ impl OutputTimers {
         (outputs | on) & !off
     }
 
-    /// Advances by one tick. Returns the outputs whose time has elapsed.
+    /// Advances by one tick (1 ms). Returns the mask of the outputs whose time has elapsed.
     pub(crate) fn tick(&mut self) -> u32 {
         if self.is_idle() {
             return 0;

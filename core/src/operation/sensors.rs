@@ -11,21 +11,21 @@ use crate::units::{Axis, PerAxis};
 /// turn, too short for a picture.
 const INDEX_DISPLAY_MS: u8 = 60;
 
-/// Current signals of drives and encoder.
+/// Signals of drives and encoder in the last tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sensors {
     /// PC: whether the zero signal of each axis is on.
     pub zero_signal: PerAxis<bool>,
-    /// Whether the drive reports no alarm.
+    /// Whether the drive of each axis reports no alarm.
     #[serde(rename = "drive_well")]
     pub drive_ok: PerAxis<bool>,
-    /// Count of the spindle encoder.
+    /// Count of the spindle encoder since the start, four per line.
     pub encoder: i64,
     mark_left: u8,
 }
 
 impl Sensors {
-    /// Updates the signals; called once per tick.
+    /// Reads the signals of a tick.
     pub fn update(&mut self, inputs: &MachineInputs, parameters: &ControlParameters) {
         self.zero_signal = inputs.index_pulse;
         let well = |axis| *inputs.drive_alarm.get(axis) != parameters.drive_alarm_level(axis);

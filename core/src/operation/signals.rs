@@ -9,82 +9,84 @@ use crate::memory::ControlParameters;
 use crate::mode::OperatingMode;
 use crate::units::{Axis, PerAxis};
 
-/// The G signals, decoded once after every PLC slot.
+/// The G signals of the ladder, decoded once after every PLC slot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FromPlc {
-    /// FIN, G4.3.
+    /// FIN, G4.3: the M, S or T function is finished.
     pub fin: bool,
-    /// AFL, G5.6: M, S, T are not output.
+    /// AFL, G5.6: auxiliary lock, M, S and T are not output.
     pub auxiliary_lock: bool,
-    /// OVC, G6.4: feed override fixed at 100 %.
+    /// OVC, G6.4: the feed override is fixed at 100 %.
     pub override_cancel: bool,
-    /// STLK, G7.1: the axes stop, the cycle stays started.
+    /// STLK, G7.1: start lock; the axes stop and the cycle stays started.
     pub start_lock: bool,
     /// ST, G7.2: cycle start on its falling edge.
     pub start: bool,
-    /// *IT, G8.0, as «all axes locked».
+    /// *IT, G8.0: true if the signal is 0 and all axes are locked.
     pub interlock: bool,
-    /// *ESP, G8.4, as «emergency stop».
+    /// *ESP, G8.4: true if the signal is 0 and the emergency stop is in force.
     pub emergency_stop: bool,
-    /// *SP, G8.5, as «feed hold».
+    /// *SP, G8.5: true if the signal is 0 and feed hold is requested.
     pub feed_hold: bool,
-    /// ERS, G8.7: external reset.
+    /// ERS, G8.7: external reset is requested.
     pub external_reset: bool,
     /// Jog rate code, G10 and G11 (0 = 150 % … 15 = 0 %).
     pub jog_code: u8,
-    /// Feed override, %, from G12.
+    /// Feed override, 0–150 %, from G12.
     pub feed_override: u8,
-    /// Rapid override, % (0 = F0), from G14 or G96.
+    /// Rapid override, % (0 = F0), from G14, or from G96 in steps of 1 %.
     pub rapid_override: u8,
-    /// RT, G19.7: manual rapid.
+    /// RT, G19.7: manual rapid is on.
     pub rapid: bool,
     /// SAR, G29.4: the spindle has reached its speed.
     pub speed_arrival: bool,
-    /// Spindle override, %, from G30.
+    /// Spindle override, 50–120 %, from G30.
     pub spindle_override: u8,
-    /// Mode code, G43.
+    /// Code of the operating mode, G43.
     pub mode_code: u8,
-    /// HS1A, HS1B, G18: the axis that the handwheel moves.
+    /// HS1A, HS1B, G18: the axis that the handwheel moves; `None`: no axis.
     pub wheel_axis: Option<Axis>,
-    /// MP1, MP2, G19.4 and G19.5: least increments of one graduation or step.
+    /// MP1, MP2, G19.4 and G19.5: least increments per step or graduation: 1, 10, 100 or
+    /// 1000.
     pub step_increments: u16,
     /// BDT, G44.0: blocks with `/` are skipped.
     pub block_skip: bool,
-    /// MLK, G44.1 alone, which MMLK repeats.
+    /// MLK, G44.1: machine lock of all axes, without the locks of single axes (G108). MMLK
+    /// repeats it.
     #[serde(default)]
     #[serde(rename = "all_locked")]
     pub all_axes_locked: bool,
-    /// MLK, G44.1 and G108: machine lock of each axis.
+    /// MLK, G44.1 or G108: machine lock of each axis.
     pub machine_lock: PerAxis<bool>,
     /// HDT, G44.7: index the tool post by one station.
     pub next_tool: bool,
-    /// SBK, G46.1: single block.
+    /// SBK, G46.1: single block is on.
     pub single_block: bool,
     /// KEY1, G46.3: programs, offsets and parameters are protected.
     pub memory_protect: bool,
-    /// DRN, G46.7: dry run.
+    /// DRN, G46.7: dry run is on.
     pub dry_run: bool,
-    /// SRVB, G74.4: spindle turns forward.
+    /// SRVB, G74.4: the spindle turns forward.
     pub spindle_forward: bool,
-    /// SFRB, G74.5: spindle turns in reverse.
+    /// SFRB, G74.5: the spindle turns in reverse.
     pub spindle_reverse: bool,
     /// +J, G100: jog in the positive direction.
     pub jog_plus: PerAxis<bool>,
     /// -J, G102: jog in the negative direction.
     pub jog_minus: PerAxis<bool>,
-    /// *+L, G114, as «limit reached».
+    /// *+L, G114: true if the signal is 0 and the axis is at its positive limit.
     pub limit_plus: PerAxis<bool>,
-    /// *-L, G116, as «limit reached».
+    /// *-L, G116: true if the signal is 0 and the axis is at its negative limit.
     pub limit_minus: PerAxis<bool>,
-    /// IT1, IT2, G130: axis locked.
+    /// IT1, IT2, G130: the axis is locked.
     pub axis_interlock: PerAxis<bool>,
-    /// +MIT1, +MIT2, G132: axis locked in its positive direction.
+    /// +MIT1, +MIT2, G132: the axis is locked in its positive direction.
     pub plus_interlock: PerAxis<bool>,
-    /// -MIT1, -MIT2, G134: axis locked in its negative direction.
+    /// -MIT1, -MIT2, G134: the axis is locked in its negative direction.
     pub minus_interlock: PerAxis<bool>,
-    /// SPHD, G200.0: spindle jog.
+    /// SPHD, G200.0: spindle jog is requested.
     pub spindle_jog: bool,
-    /// NOWT, G201–G204: tool in position; a number beyond 255 counts as 255.
+    /// NOWT, G201–G204: number of the tool in position; above 255 it counts as 255.
     pub current_tool: u8,
 }
 
@@ -100,7 +102,8 @@ const fn inverted_axis_bits(byte: u8) -> PerAxis<bool> {
     axis_bits(!byte)
 }
 
-/// Rapid override from ROV1 and ROV2, or from the 1 % code when HROV selects it.
+/// Rapid override, % (0 = F0), from ROV1 and ROV2, or from the 1 % code if HROV selects
+/// it.
 fn rapid_override(g14: u8, g96: u8) -> u8 {
     if is_set(g96, 7) {
         return (!g96 & 0x7f).min(100);
@@ -126,7 +129,7 @@ const fn spindle_override(g30: u8) -> u8 {
     }
 }
 
-/// The tool in position is a binary number of 32 bits; above 255 it counts as 255.
+/// Number of the tool in position, from 32 bits of NOWT; above 255 it counts as 255.
 fn current_tool(nowt: [u8; 4]) -> u8 {
     u8::try_from(u32::from_le_bytes(nowt)).unwrap_or(u8::MAX)
 }
@@ -187,37 +190,37 @@ impl FromPlc {
     }
 }
 
-/// Signals of the control for the PLC.
+/// Signals of the control for the ladder.
 pub struct ToPlc<'a> {
-    /// Operating mode.
+    /// Operating mode, reported in F3 and F4.
     pub mode: OperatingMode,
-    /// STL: cycle started.
+    /// STL: a block is in execution.
     pub started: bool,
-    /// SPL: feed hold.
+    /// SPL: the run is in feed hold.
     pub holding: bool,
-    /// OP: automatic operation in progress.
+    /// OP: automatic operation is in progress.
     pub operating: bool,
     /// AL: an alarm is in force.
     pub alarm: bool,
-    /// RST: reset.
+    /// RST: the reset signal is on.
     pub reset: bool,
     /// DEN: everything in the block except FIN is done.
     pub distribution_end: bool,
-    /// Servo ready.
+    /// SA: the drives are ready.
     pub servo_ready: bool,
     /// RPDO: the last motion that began was a rapid.
     pub rapid: bool,
-    /// CUT: automatic cutting feed.
+    /// CUT: a cutting feed of automatic operation is under way.
     pub cutting: bool,
     /// Whether the dwell of a G04 is running.
     pub dwelling: bool,
-    /// RTAP: tapping.
+    /// RTAP: a tap is under way.
     pub tapping: bool,
-    /// The M code whose decode signal DM00, DM01, DM02 or DM30 is 1.
+    /// The M code whose decode signal DM00, DM01, DM02 or DM30 is 1; `None`: all are 0.
     pub decoded: Option<u8>,
-    /// M, S, T codes and strobes.
+    /// Codes and strobes of the M, S and T functions.
     pub handshake: &'a Handshake,
-    /// Gear M41–M44 in force, 1..=4.
+    /// Gear M41–M44 in force, 1–4.
     pub gear: u8,
     /// ZP: the axis is at the reference point.
     pub at_reference: PerAxis<bool>,
@@ -227,13 +230,13 @@ pub struct ToPlc<'a> {
     pub at_program_zero: PerAxis<bool>,
     /// MV: the axis is moving.
     pub moving: PerAxis<bool>,
-    /// MVD: the last direction was negative.
+    /// MVD: the last motion of the axis was in the negative direction.
     pub negative: PerAxis<bool>,
     /// OUTO: the OUTPUT key is down in MDI mode.
     pub output_key: bool,
-    /// Whether data is sent through the serial port.
+    /// F213.0: data is being sent through the serial port.
     pub sending: bool,
-    /// Whether data is received through the serial port.
+    /// F213.1: data is being received through the serial port.
     pub receiving: bool,
     /// BGEACT: a program is being received while another one runs.
     pub receiving_in_background: bool,
@@ -243,11 +246,11 @@ pub struct ToPlc<'a> {
     pub board_lags: bool,
     /// Switches of the soft machine panel, as the bits of F75.
     pub soft_switches: u8,
-    /// MA: the control is ready; not with a system alarm.
+    /// MA: the control is ready; false with a system alarm.
     pub ready: bool,
     /// MSPHD: the spindle is jogged.
     pub spindle_jog: bool,
-    /// Parameters, mirrored in F200–F214.
+    /// Parameters, some of which F200–F214 repeat for the ladder.
     pub parameters: &'a ControlParameters,
 }
 
@@ -267,7 +270,7 @@ const fn pack_axes(axes: PerAxis<bool>) -> u8 {
     pack(&[(0, axes.x), (1, axes.z)])
 }
 
-/// State parameters whose bytes the PLC sees: (F byte, parameter number).
+/// State parameters whose bytes the ladder can read: (F byte, parameter number).
 const MIRRORED: [(u16, u16); 9] = [
     (200, 1),
     (201, 4),
@@ -281,7 +284,7 @@ const MIRRORED: [(u16, u16); 9] = [
 ];
 
 impl ToPlc<'_> {
-    /// Writes the F area; `g` holds the states that the check signals repeat.
+    /// Writes the F area. `g` are the G signals whose states some F signals repeat.
     pub fn write(&self, memory: &mut PlcMemory, g: &FromPlc) {
         let mut set = |number: u16, byte: u8| memory.set_f(number, byte);
         set(

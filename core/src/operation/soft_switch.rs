@@ -6,15 +6,15 @@ use serde::{Deserialize, Serialize};
 /// A switch of the soft machine panel, in the order of the page's keys 1 to 5.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SoftSwitch {
-    /// 机床锁住, MLKO F75.4.
+    /// 机床锁住: machine lock, MLKO F75.4.
     MachineLock,
-    /// 辅助锁住, AFLO F75.1.
+    /// 辅助锁住: auxiliary lock, AFLO F75.1.
     AuxiliaryLock,
-    /// 单程序段, SBKO F75.3.
+    /// 单程序段: single block, SBKO F75.3.
     SingleBlock,
-    /// 空运行, DRNO F75.5.
+    /// 空运行: dry run, DRNO F75.5.
     DryRun,
-    /// 程序选跳, BDTO F75.2.
+    /// 程序选跳: block skip, BDTO F75.2.
     BlockSkip,
 }
 
@@ -40,7 +40,7 @@ impl SoftSwitch {
     }
 }
 
-/// A switch that is changing to a new state.
+/// A switch of the soft machine panel that is changing to a new state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct SoftSwitchChange {
     pub switch: SoftSwitch,

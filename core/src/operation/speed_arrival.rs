@@ -2,20 +2,20 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Stage of the check.
+/// Stage of the check of the spindle speed (SAR) before a cut.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum SpeedArrival {
-    /// The next cut must check SAR.
+    /// The next cut must wait for SAR.
     #[default]
     Due,
     /// A cut has been read; SAR is checked after this many ms.
     Awaited(u32),
-    /// SAR has come. Cuts at the same speed follow without a check.
+    /// SAR has come. Further cuts begin without a check until the next rapid or S function.
     Seen,
 }
 
 impl SpeedArrival {
-    /// Whether the cut still waits.
+    /// Whether the cut still waits for the speed; `has_arrived` is the signal SAR.
     pub(crate) const fn is_waiting(self, has_arrived: bool) -> bool {
         match self {
             Self::Awaited(0) => !has_arrived,
@@ -24,7 +24,7 @@ impl SpeedArrival {
         }
     }
 
-    /// Advances by one tick (1 ms).
+    /// Advances by one tick (1 ms) with the signal SAR.
     pub(crate) const fn tick(&mut self, arrived: bool) {
         *self = match *self {
             Self::Awaited(0) if arrived => Self::Seen,

@@ -14,14 +14,14 @@ use gsk_messages::say;
 /// Below this speed the spindle counts as stopped, r/min.
 pub(crate) const STANDSTILL_RPM: f64 = 1.0;
 
-/// What follows a finished command of a thread.
+/// What the run does after a finished command of a thread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum AfterThread {
     /// The next command begins.
     Continue,
     /// The run holds, because feed hold was requested in the thread.
     Hold,
-    /// The run stops for single block.
+    /// The run stops because of single block.
     Stop,
 }
 
@@ -40,7 +40,7 @@ impl super::automatic::AutomaticRun {
         )
     }
 
-    /// Whether the command read ahead continues the thread in phase.
+    /// Whether the command that was read ahead is a thread that continues in phase.
     pub(crate) fn continues_thread(&self) -> bool {
         matches!(
             self.next_command.as_ref().map(|command| &command.action),
@@ -64,7 +64,7 @@ impl super::automatic::AutomaticRun {
         }
     }
 
-    /// Updates the protection when a command begins.
+    /// Updates the protection against feed hold when a command begins.
     pub(crate) fn update_protection(&mut self, action: &Action) {
         if !self.within_block {
             self.tap_reverse = 0;
@@ -93,8 +93,9 @@ impl super::automatic::AutomaticRun {
         };
     }
 
-    /// What follows a finished command, where threads decide it; `single_block`: single
-    /// block would stop the run here. `None`: the ordinary rules apply.
+    /// Decides what the run does after a finished command of a thread; `single_block`:
+    /// whether single block would stop the run here. `None`: the rules of other commands
+    /// apply.
     pub(crate) fn after_thread(
         &self,
         command: &ControlCommand,
@@ -125,7 +126,8 @@ impl super::automatic::AutomaticRun {
     }
 }
 
-/// Alarm 092: an encoder with less than 100 or more than 5000 lines (070).
+/// Returns alarm 092 as error if the encoder has less than 100 or more than 5000 lines
+/// (070).
 pub(crate) fn check_encoder(parameters: &crate::memory::ControlParameters) -> Result<(), Alarm> {
     if Encoder::counts_per_turn(parameters).is_some() {
         return Ok(());
@@ -134,7 +136,7 @@ pub(crate) fn check_encoder(parameters: &crate::memory::ControlParameters) -> Re
     Err(Alarm::new(number::ENCODER_LINES).with_detail(say::encoder_lines_out_of_range(lines)))
 }
 
-/// Alarm 094: the spindle stands still at a thread.
+/// Returns alarm 094 as error if the spindle stands still at a thread.
 pub(crate) fn check_spindle_turns(rpm: f64) -> Result<(), Alarm> {
     if rpm.abs() < STANDSTILL_RPM {
         return Err(Alarm::new(number::THREAD_SPEED).with_detail(say::thread_spindle_stands()));
@@ -142,8 +144,8 @@ pub(crate) fn check_spindle_turns(rpm: f64) -> Result<(), Alarm> {
     Ok(())
 }
 
-/// Alarm 094: an axis cannot follow the spindle (022, 023, 027). `top` is the highest speed
-/// of each axis, mm/min.
+/// Returns alarm 094 as error if an axis cannot follow the spindle (022, 023, 027).
+/// `top` is the highest speed of each axis, mm/min.
 pub(crate) fn check_thread_speed(top: Point, rpm: f64, limits: &MotionLimits) -> Result<(), Alarm> {
     for axis in [Axis::X, Axis::Z] {
         let (limit, parameter) = limits.thread_limit(axis);

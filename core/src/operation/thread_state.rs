@@ -13,19 +13,18 @@ pub(crate) enum HoldProtection {
     /// Feed hold stops the motion.
     #[default]
     None,
-    /// A thread or tap is under way, or its end until the next command begins: feed hold
-    /// waits.
+    /// A thread or tap is under way, or has ended and the next command has not begun: feed
+    /// hold waits.
     Thread,
     /// Feed hold was requested in a thread. The first command after the thread runs to its
     /// end.
     After {
-        /// Whether a second feed hold stops that command. Not so for the retract of a
-        /// cycle.
+        /// Whether a second feed hold stops that command; false for the retract of a cycle.
         again: bool,
     },
 }
 
-/// Stage of a tap.
+/// Stage of the tap under way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum TapStage {
     /// The spindle starts again for a further start of the thread.
@@ -33,13 +32,13 @@ pub(crate) enum TapStage {
     /// The tap waits for other functions of the block and for a restarted spindle to reach
     /// its speed.
     Ready,
-    /// Feeding in, in phase with the spindle.
+    /// The tool feeds in, in phase with the spindle.
     In,
-    /// M05: the tool follows the spindle to its standstill.
+    /// M05 was output: the tool follows the spindle to its standstill.
     Stopping,
-    /// Feeding out, in phase with the reversed spindle.
+    /// The tool feeds out, in phase with the reversed spindle.
     Out,
-    /// M05 at the end: the spindle stops.
+    /// M05 was output at the end of the tap: the spindle stops.
     Ending,
     /// The tap is finished.
     Done,
@@ -48,22 +47,25 @@ pub(crate) enum TapStage {
 /// Supervision of the spindle during a thread.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SpindleWatch {
-    /// Speed at the last comparison, r/min, and ticks since then.
+    /// Speed at the last comparison, r/min (`None` before the first one), and ticks since
+    /// then.
     pub rpm: Option<f64>,
     pub ticks: u32,
     /// Whether the spindle has turned during a cut of this run.
     #[serde(rename = "turned")]
     pub has_turned: bool,
-    /// Ticks that the command under way has waited for the spindle.
+    /// Ticks for which the command under way has waited for the spindle.
     #[serde(rename = "waited")]
     pub waited_ticks: u32,
-    /// Fault of the spindle during the thread under way: the run ends after the thread.
+    /// Fault of the spindle during the thread under way, after which the run ends; `None`
+    /// without one.
     #[serde(rename = "spoilt")]
     pub fault: Option<SpindleFault>,
 }
 
 impl SpindleWatch {
-    /// Whether the speed has stayed within 0.5 % for [`FLUCTUATION_TICKS`].
+    /// Compares the speed at intervals of [`FLUCTUATION_TICKS`]. Returns true at the end of
+    /// an interval in which it changed by at most 0.5 %.
     pub fn check_steady(&mut self, rpm: f64) -> bool {
         let before = *self.rpm.get_or_insert(rpm);
         self.ticks += 1;
@@ -75,7 +77,8 @@ impl SpindleWatch {
         (rpm - before).abs() * 200.0 <= rpm + before
     }
 
-    /// Whether `|n - n0| · 200 / (n + n0)` exceeds the limit, %.
+    /// Compares the speed at the same intervals. Returns whether its change, `|n - n0| ·
+    /// 200 / (n + n0)`, exceeds `limit` %.
     pub(crate) fn check_fluctuation(&mut self, rpm: f64, limit: f64) -> bool {
         let before = *self.rpm.get_or_insert(rpm);
         self.ticks += 1;

@@ -5,33 +5,33 @@ use serde::{Deserialize, Serialize};
 /// Stage of the reference return of one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum ZeroReturnStage {
-    /// At rapid to a known position: method A, program zero.
+    /// The axis moves at rapid to a known position (method A, program zero).
     Straight,
-    /// Towards the reference, until the deceleration switch.
+    /// The axis moves towards the reference, until the deceleration switch is pressed.
     Approach,
-    /// On the switch at the low rate, until it is released.
+    /// The axis moves at the low rate until the pressed switch is released.
     OnSwitch,
-    /// Method B: at the low rate until the zero signal.
+    /// Method B: the axis moves at the low rate until the zero signal comes.
     Search,
-    /// Method C: past the switch, stopping.
+    /// Method C: the axis is past the switch and stops.
     #[serde(rename = "Turning")]
     Stopping,
-    /// Method C: back at the low rate until the switch is met again.
+    /// Method C: the axis moves back at the low rate until the switch is pressed again.
     Back,
-    /// With a pulse board whose limit switch is the reference: backing off the switch.
+    /// Limit switch of a pulse board as the reference: the axis moves off the switch.
     #[serde(rename = "Leave")]
     LeaveLimit,
-    /// With a pulse board: at the low rate past the switch edge to this machine coordinate,
-    /// µm.
+    /// With a pulse board: the axis moves at the low rate past the edge of its switch to
+    /// this machine coordinate, µm (X as a radius).
     #[serde(rename = "Past")]
     PastEdge(i64),
-    /// A pulse board homes the axis on its own.
+    /// A pulse board homes the axis, without motion commands of the control.
     #[serde(rename = "Board")]
     BoardHoming,
     /// The zero signal has come; the axis waits until its motor has stopped.
     #[serde(rename = "Rest")]
     MotorWait {
-        /// Ticks left to wait.
+        /// Remaining ticks of the wait.
         ticks: u16,
         /// Whether the machine coordinates have been set.
         shifted: bool,

@@ -10,25 +10,25 @@ use serde::{Deserialize, Serialize};
 use super::encoder::Encoder;
 use crate::memory::ControlParameters;
 
-/// Fractions of the observed error that correct angle and rate in a tick.
+/// Fractions of the observed error by which angle and rate are corrected in a tick.
 const ANGLE_GAIN: f64 = 0.4;
 const RATE_GAIN: f64 = 0.05;
 
 /// The spindle angle around one tick, in turns since power-on; negative in reverse.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SpindleTurn {
-    /// At the beginning of the tick.
+    /// Angle at the beginning of the tick, turns.
     pub before: f64,
-    /// At the end of the tick.
+    /// Angle at the end of the tick, turns.
     pub now: f64,
-    /// At the last one-turn signal.
+    /// Angle at the last one-turn signal, turns.
     pub index: f64,
-    /// An angle at which a revolution of the spindle begins; all others differ by whole
-    /// turns.
+    /// An angle at which a revolution of the spindle begins; the other such angles differ
+    /// from it by whole turns.
     pub zero: f64,
 }
 
-/// Observer of the spindle angle.
+/// Estimates the spindle angle from encoder counts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SpindleAngle {
     /// Turns per count; 0 without a usable encoder (070).
@@ -48,7 +48,7 @@ pub struct SpindleAngle {
 }
 
 impl SpindleAngle {
-    /// Starts without a measurement.
+    /// Creates an estimate that has not received a count yet.
     pub fn new(parameters: &ControlParameters) -> Self {
         Self {
             turns_per_count: Encoder::counts_per_spindle_turn(parameters)
@@ -63,12 +63,12 @@ impl SpindleAngle {
         }
     }
 
-    /// The angle around the last tick.
+    /// The spindle angle before and after the last tick.
     pub const fn turn(&self) -> SpindleTurn {
         self.turn
     }
 
-    /// Takes the angle that a pulse board measures.
+    /// Sets the angle to the value that a pulse board measures, which replaces the encoder.
     pub const fn set_measured_turn(&mut self, turn: SpindleTurn) {
         self.turn = turn;
         self.count = None;
@@ -78,8 +78,8 @@ impl SpindleAngle {
         self.rate = 0.0;
     }
 
-    /// Advances one tick with the absolute count and the count at the encoder's last
-    /// one-turn signal.
+    /// Advances by one tick: `count` is the absolute encoder count, `index` the count at
+    /// the encoder's last one-turn signal.
     pub fn tick(&mut self, count: i64, index: i64) {
         let step = count - self.count.unwrap_or(count);
         self.count = Some(count);
@@ -110,7 +110,8 @@ impl SpindleAngle {
 mod tests {
     use super::*;
 
-    /// Ticks with a steady speed; the angle's greatest error after it has settled.
+    /// Runs ticks at a steady speed. Returns the greatest error of the angle after it has
+    /// settled, turns.
     fn error_at(rpm: f64) -> f64 {
         let mut angle = SpindleAngle::new(&ControlParameters::default());
         let mut worst = 0.0f64;

@@ -9,28 +9,28 @@ use crate::command::SpindleCommand;
 use crate::memory::ControlParameters;
 use crate::units::percent_to_factor;
 
-/// What the S word means at present.
+/// The S word in force, with its meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum SpeedMode {
-    /// r/min (G97).
+    /// Constant rotational speed, r/min (G97).
     Speed(f64),
-    /// m/min (G96).
+    /// Constant surface speed, m/min (G96).
     Surface(f64),
 }
 
 /// A speed that temporarily replaces the commanded one.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum SubstituteSpeed {
-    /// Gear change under way (067).
+    /// The speed of 067, during a gear change.
     GearChange,
-    /// Spindle jog (109).
+    /// The speed of 109, during spindle jog.
     Jog,
 }
 
 /// Inputs of the spindle control in a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SpindleInputs {
-    /// Absolute encoder count (four per line).
+    /// Encoder count since the start, four per line.
     pub encoder: i64,
     /// Speed measured by a pulse board, r/min, which replaces the encoder; `None`: the
     /// encoder applies.
@@ -40,11 +40,11 @@ pub struct SpindleInputs {
     /// is the radius of the end point.
     #[serde(rename = "radius")]
     pub radius_mm: f64,
-    /// Spindle override, %.
+    /// Spindle override, %; 100 = the programmed speed.
     pub override_percent: u8,
 }
 
-/// Parameters of the spindle, decoded once.
+/// Parameters of the spindle, converted once for all ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct SpindleSettings {
     analog: bool,
@@ -83,11 +83,11 @@ impl SpindleSettings {
 pub struct SpindleControl {
     settings: SpindleSettings,
     mode: SpeedMode,
-    /// Highest speed under G96 (G50 S), r/min.
+    /// Highest speed under G96 (G50 S), r/min; `None` until a G50 S is executed.
     limit: Option<f64>,
-    /// Gear whose top speed determines the voltage.
+    /// Gear 1–4 whose top speed determines the voltage.
     gear: u8,
-    /// Gear of the last M41–M44; it comes into force when its change is done.
+    /// Gear 1–4 of the last M41–M44; it comes into force at the end of the gear change.
     selected: u8,
     /// Whether the gear outputs match `selected`. False at power-on, when no output is on,
     /// and after an abandoned change.
@@ -99,7 +99,7 @@ pub struct SpindleControl {
     rpm_commanded: f64,
     volts: f64,
     radius: f64,
-    /// Override, as a factor.
+    /// Spindle override as a factor; 1 = 100 %.
     factor: f64,
 }
 
@@ -124,7 +124,7 @@ impl SpindleControl {
         new
     }
 
-    /// Takes over changed parameters.
+    /// Applies changed spindle parameters.
     pub(crate) fn reconfigure(&mut self, parameters: &ControlParameters) {
         self.settings = SpindleSettings::new(parameters);
         self.volts = self.voltage();
@@ -141,12 +141,12 @@ impl SpindleControl {
         self.update_command();
     }
 
-    /// Highest speed under G96 (G50 S), r/min, if one was set.
+    /// Highest speed under G96 (G50 S), r/min; `None` until a G50 S is executed.
     pub const fn limit(&self) -> Option<f64> {
         self.limit
     }
 
-    /// Whether G96 is in force.
+    /// Whether constant surface speed (G96) is in force.
     pub const fn is_surface_mode(&self) -> bool {
         matches!(self.mode, SpeedMode::Surface(_))
     }
@@ -172,7 +172,7 @@ impl SpindleControl {
         self.selected
     }
 
-    /// M41–M44: selects a gear, 1–4. Returns whether a gear change is needed; the spindle
+    /// Selects a gear, 1–4 (M41–M44). Returns whether a gear change begins; the spindle
     /// then turns at the speed of 067 until [`Self::end_gear_change`].
     pub(crate) fn begin_gear_change(&mut self, gear: u8) -> bool {
         if !(1..=4).contains(&gear) || (self.engaged && self.selected == gear) {
@@ -208,7 +208,7 @@ impl SpindleControl {
         self.substitute == Some(SubstituteSpeed::GearChange)
     }
 
-    /// Switches spindle jog: the speed of 109 replaces S.
+    /// Switches spindle jog on or off; on, the speed of 109 replaces the S word.
     pub(crate) fn set_jog(&mut self, active: bool) {
         if active && !self.is_changing_gear() {
             self.substitute = Some(SubstituteSpeed::Jog);
@@ -222,7 +222,8 @@ impl SpindleControl {
         self.settings.top_rpm[(self.gear() - 1) as usize]
     }
 
-    /// n = 1000 v / (π d), at most the top speed of the gear.
+    /// Spindle speed for a surface speed in m/min: n = 1000 v / (π d), at most the top
+    /// speed of the gear, r/min.
     fn surface_rpm(&self, surface: f64) -> f64 {
         let circumference = 2.0 * PI * self.radius.abs();
         let top = self.top_speed();
@@ -235,7 +236,8 @@ impl SpindleControl {
         }
     }
 
-    /// Applies the limits of G96: at least 043, at most G50 S, which takes precedence.
+    /// Limits a speed under G96, r/min: at least 043, at most G50 S, which takes
+    /// precedence.
     fn limit_surface_rpm(&self, speed: f64) -> f64 {
         let raised = if speed > 0.0 {
             speed.max(self.settings.min_surface_rpm)
@@ -245,7 +247,7 @@ impl SpindleControl {
         raised.min(self.limit.unwrap_or(f64::INFINITY))
     }
 
-    /// Advances by one tick (1 ms).
+    /// Advances by one tick (1 ms): measures the speed and updates the commanded one.
     pub fn tick(&mut self, inputs: &SpindleInputs) {
         match inputs.measured_rpm {
             Some(rpm) => self.encoder.set_measured_rpm(rpm),
@@ -273,8 +275,8 @@ impl SpindleControl {
         }
     }
 
-    /// SVC for the commanded speed, 0–10 V; 0 with switched speeds (001.4 = 0). Valid until
-    /// the speed, the gear or a parameter changes.
+    /// Voltage SVC for the commanded speed, 0–10 V; 0 with switched speeds (001.4 = 0). It
+    /// stays valid until the speed, the gear or a parameter changes.
     fn voltage(&self) -> f64 {
         let top = self.top_speed();
         if !self.settings.analog || top <= 0.0 {
@@ -289,7 +291,7 @@ impl SpindleControl {
         self.rpm_commanded
     }
 
-    /// Analog output SVC, V.
+    /// Analog output SVC in force, 0–10 V.
     pub const fn volts(&self) -> f64 {
         self.volts
     }

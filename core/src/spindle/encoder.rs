@@ -11,7 +11,7 @@ const FILTER_TICKS: f64 = 32.0;
 /// Ticks without a count after which the speed is zero.
 const STANDSTILL_TICKS: u16 = 200;
 
-/// Converts encoder counts to r/min.
+/// Measures the spindle speed from encoder counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Encoder {
     #[serde(rename = "last")]
@@ -23,20 +23,21 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// Counts of one encoder revolution: four per line (070). `None` outside 100–5000
-    /// lines, where the encoder cannot be used (alarm 092).
+    /// Encoder counts in one revolution of the encoder: four per line (070). `None` outside
+    /// 100–5000 lines, where the encoder cannot be used (alarm 092).
     pub(crate) fn counts_per_turn(parameters: &ControlParameters) -> Option<i64> {
         let lines = i64::from(parameters.encoder_lines());
         (100..=5000).contains(&lines).then_some(4 * lines)
     }
 
-    /// Counts of one *spindle* revolution, through the gear ratio 110 : 111.
+    /// Encoder counts in one revolution of the *spindle*, through the gear ratio 110 : 111;
+    /// `None` as for [`counts_per_turn`](Self::counts_per_turn).
     pub(crate) fn counts_per_spindle_turn(parameters: &ControlParameters) -> Option<f64> {
         let counts = Self::counts_per_turn(parameters)? as f64;
         Some(counts / parameters.encoder_ratio())
     }
 
-    /// Spindle speed, r/min, signed.
+    /// Measured spindle speed, r/min; negative in reverse.
     pub const fn rpm(&self) -> f64 {
         self.rpm
     }
@@ -62,14 +63,14 @@ impl Encoder {
         self.rpm += (step as f64 * rpm_per_count - self.rpm) / FILTER_TICKS;
     }
 
-    /// Takes the speed that a pulse board measures.
+    /// Sets the speed (r/min) that a pulse board measures, which replaces the counts.
     pub(super) const fn set_measured_rpm(&mut self, rpm: f64) {
         self.last_count = None;
         self.counted |= rpm != 0.0;
         self.rpm = rpm;
     }
 
-    /// Scale in r/min per count and tick.
+    /// Scale of the counts: r/min for one count per tick; 0 if the encoder cannot be used.
     pub(super) fn rpm_per_count(parameters: &ControlParameters) -> f64 {
         Self::counts_per_spindle_turn(parameters).map_or(0.0, |counts| 60.0 / (counts * TICK_S))
     }

@@ -4,7 +4,8 @@ use super::*;
 use crate::command::SpindleCommand;
 use crate::memory::ControlParameters;
 
-/// Analog spindle, gear 1 with 2000 r/min at 10 V; plus changes.
+/// A control with an analog spindle, 2000 r/min at 10 V in gear 1, and these parameter
+/// changes.
 fn control(changes: &[(u16, i32)]) -> SpindleControl {
     let mut parameters = ControlParameters::default();
     for (number, value) in [(1, 0b0001_0000), (37, 2000)].iter().chain(changes) {

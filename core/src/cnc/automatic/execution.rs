@@ -27,7 +27,8 @@ const fn is_decoded(code: u8) -> bool {
 }
 
 impl Cnc {
-    /// Starts a command.
+    /// Starts a command: reports it, begins its motion or function, and makes it the
+    /// command under way.
     pub(crate) fn start_command(&mut self, command: ControlCommand) {
         let command = self.run.automatic.cycle_shift.shift_command(command);
         self.run.modal = command.modal;
@@ -114,7 +115,7 @@ impl Cnc {
         Ok(CommandStage::Acting)
     }
 
-    /// Starts a rapid, a line or an arc.
+    /// Starts a rapid, a straight or a circular cut.
     #[inline]
     fn start_path_move(&mut self, action: &Action) -> Result<(), Alarm> {
         match action {
@@ -146,8 +147,8 @@ impl Cnc {
         Ok(())
     }
 
-    /// Records that axes are at their reference point. Under machine lock the slides are not
-    /// there (manual I-3.2.7).
+    /// Records that axes are at their reference point. Under machine lock the slides are
+    /// not at it (manual I-3.2.7).
     fn record_reference(&mut self, axes: PerAxis<bool>) {
         let locked = self.plc.signals.machine_lock;
         for axis in [Axis::X, Axis::Z] {
@@ -159,8 +160,9 @@ impl Cnc {
         }
     }
 
-    /// Changes the coordinate frame. The relative display follows an offset by PROD, a G50
-    /// (`is_relative_cleared`) by PPD.
+    /// Puts a new coordinate frame into force. When the work zero moves, the relative
+    /// coordinates become the absolute ones if `is_relative_cleared` (PPD); otherwise they
+    /// keep their values.
     fn change_frame(
         &mut self,
         frame: Frame,
@@ -184,14 +186,16 @@ impl Cnc {
         }
     }
 
-    /// Outputs the decode signal and the strobe of M00 or M30.
+    /// Outputs the decode signal and the strobe of M00 or M30. Returns the stage of its
+    /// command.
     fn start_decoded_m(&mut self, code: u8) -> CommandStage {
         self.run.automatic.decoded_m = Some(code);
         self.run.handshake.start(Strobe::M, code);
         CommandStage::Handshake
     }
 
-    /// A cut per revolution needs a turning spindle (alarm 011).
+    /// Returns an alarm as error if a cut with feed per revolution cannot begin: 092 for
+    /// the encoder, 011 for a spindle at standstill.
     fn check_feed(&self, feed: Feed) -> Result<(), Alarm> {
         if matches!(feed, Feed::PerRevolution(_)) && !self.plc.signals.dry_run {
             self.check_encoder()?;
@@ -236,8 +240,8 @@ impl Cnc {
         }
     }
 
-    /// Outputs T for a tool that is not in position, if there is a turret. Returns whether
-    /// it did.
+    /// Outputs T if there is a turret and the tool is not in position. Returns whether T
+    /// was output.
     fn output_t(&mut self, tool: u8) -> bool {
         let needs_change = tool != 0
             && tool != self.plc.signals.current_tool
@@ -249,7 +253,8 @@ impl Cnc {
         needs_change
     }
 
-    /// Ends the command under way if it is finished. Returns whether it ended.
+    /// Ends the command under way if its motion and function are finished. Returns whether
+    /// the command has ended.
     pub(crate) fn finish_current(&mut self) -> bool {
         let board_lags = self.is_board_lagging();
         let Some(current) = &mut self.run.automatic.current else {
@@ -307,7 +312,8 @@ impl Cnc {
         true
     }
 
-    /// Decides what follows a finished command: stop, end, part count.
+    /// Decides what follows a finished command: the next command, a stop, or the end of the
+    /// program.
     fn decide_next(&mut self, command: &ControlCommand) {
         match command.action {
             Action::ProgramStop => return self.run.automatic.state = RunState::Stop,
@@ -339,7 +345,7 @@ impl Cnc {
     }
 
     /// Handles a feed hold that #3004 has deferred. At the end of a block the run stops as
-    /// in single block while the button is held. Once #3004 permits it, the hold begins.
+    /// in single block while the button is held. When #3004 permits the hold, it begins.
     /// Returns whether the run stops.
     fn apply_deferred_hold(&mut self) -> bool {
         if !self.run.automatic.hold_deferred {
@@ -356,8 +362,8 @@ impl Cnc {
         stops_here
     }
 
-    /// Whether a hold ends with its block: a block of M, S and T alone becomes a stop
-    /// (manual PLC-II 6.1), and after the MDI block there is nothing to hold.
+    /// Whether a hold becomes a stop at the end of this command: if the block consists of
+    /// M, S and T alone (manual PLC-II 6.1), and at the end of the MDI block.
     fn is_hold_ended_by(&self, command: &ControlCommand) -> bool {
         let functions = matches!(
             command.action,
@@ -373,8 +379,8 @@ impl Cnc {
         functions || self.run.automatic.is_mdi
     }
 
-    /// Stops the run: an MDI block ends with its last command, a program stays at its next
-    /// block.
+    /// Stops the run after a command. An MDI block ends with its last command; a program
+    /// can be resumed at its next block.
     fn stop_after_command(&mut self, command: &ControlCommand) {
         if self.run.automatic.is_mdi && command.block_end {
             self.run.interpreter.leave_mdi();
@@ -409,7 +415,7 @@ impl Cnc {
         }
     }
 
-    /// Reports an executed or interrupted move.
+    /// Reports an executed or interrupted move as an event.
     fn report_move(&mut self, current: &CurrentCommand) {
         let (kind, center, feed) = match current.command.action {
             Action::Rapid { .. } | Action::ZeroReturn { .. } => (MoveKind::Rapid, None, None),
@@ -459,7 +465,8 @@ impl Cnc {
         }));
     }
 
-    /// Reports the way in of a tap. Returns its start point; the next report begins here.
+    /// Reports the way in of a tap as a move. Returns the start point of that move; the
+    /// next report begins at the present position.
     pub(crate) fn report_tap_half(&mut self) -> Point {
         let position = self.drives.interpolator.position();
         let Some(mut current) = self.run.automatic.current.take() else {
@@ -472,7 +479,7 @@ impl Cnc {
         from
     }
 
-    /// Reports the executed part of an interrupted motion.
+    /// Drops the command under way, and reports the executed part of its move.
     pub(crate) fn abandon_current(&mut self) {
         if let Some(current) = self.run.automatic.current.take() {
             self.report_move(&current);

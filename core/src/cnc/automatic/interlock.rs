@@ -55,7 +55,8 @@ impl Cnc {
             || self.has_brake_interlock()
     }
 
-    /// Whether a direction is locked by a limit, by its alarm or by ±MIT.
+    /// Whether a direction of an axis is locked by a limit signal, by an overtravel alarm
+    /// or by ±MIT.
     pub(crate) fn is_direction_locked(&self, axis: Axis, direction: AxisDirection) -> bool {
         let interlocks = match direction {
             AxisDirection::Plus => &self.plc.signals.plus_interlock,
@@ -66,7 +67,8 @@ impl Cnc {
             || self.alarms.contains(travel_alarm(axis, direction))
     }
 
-    /// Whether the limit signal *+L or *-L of the ladder is active for a direction.
+    /// Whether the limit signal *+L or *-L of the ladder is active for a direction of an
+    /// axis.
     pub(crate) const fn is_limit_reached(&self, axis: Axis, direction: AxisDirection) -> bool {
         match direction {
             AxisDirection::Plus => *self.plc.signals.limit_plus.get(axis),
@@ -74,8 +76,9 @@ impl Cnc {
         }
     }
 
-    /// Checks the limit signals *+L and *-L of the ladder: an axis that moves into one
-    /// stops with the alarm of its side; in automatic operation all axes stop.
+    /// Checks the limit signals *+L and *-L of the ladder, once per tick. An axis that
+    /// moves towards an active limit stops with the alarm of its side; in automatic
+    /// operation all axes stop.
     pub(crate) fn check_limit_signals(&mut self) {
         let (plus, minus) = (self.plc.signals.limit_plus, self.plc.signals.limit_minus);
         if !(plus.x | plus.z | minus.x | minus.z) {

@@ -15,7 +15,7 @@ use crate::command::Action;
 use crate::operation::RunState;
 
 impl Cnc {
-    /// Suspends the rest of a held motion once the axes stand still, so that they can be
+    /// Suspends the rest of a held motion when the axes stand still, so that they can be
     /// moved manually.
     pub(crate) fn suspend_held_motion(&mut self) {
         let seeks_reference = matches!(
@@ -41,8 +41,9 @@ impl Cnc {
         self.drives.interpolator.cancel();
     }
 
-    /// Resumes an interrupted block after manual motion: it moves its remaining distance
-    /// from the present position. The next block moves to its programmed coordinates.
+    /// Resumes an interrupted block after manual motion. The block moves its remaining
+    /// distance from the present position; the next block moves to its programmed
+    /// coordinates.
     pub(crate) fn resume_held_motion(&mut self) {
         let Some(mut held) = self.run.held_motion.take() else {
             return;
@@ -51,8 +52,8 @@ impl Cnc {
         self.drives.interpolator = held;
     }
 
-    /// Shifts the rest of a cycle to the present position, when cycle start follows the end
-    /// of a move.
+    /// Shifts the rest of a cycle by the distance that the axes were moved manually since
+    /// the end of its last move.
     pub(crate) fn shift_cycle(&mut self) {
         let now = self.position();
         let shift = &mut self.run.automatic.cycle_shift;

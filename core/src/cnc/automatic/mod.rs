@@ -18,7 +18,7 @@ use crate::operation::{CommandStage, CurrentCommand, HoldProtection, RunState, S
 use crate::units::TICK_S;
 use gsk_messages::say;
 
-/// X1.2, *STEN: byte and mask.
+/// Contact of *STEN (start enable), X1.2, as byte and mask.
 const START_ENABLE: (usize, u8) = (1, 1 << 2);
 
 /// Time for which an input must keep its level before the program continues, ms.
@@ -29,8 +29,8 @@ const INPUT_LEVEL_MS: u32 = 30;
 const COMMANDS_PER_TICK: usize = 16;
 
 impl Cnc {
-    /// Whether the next cut follows the one under way without a stop (007.3 = 0): neither
-    /// single block nor an M, S or T function ends the block first.
+    /// Whether another cut continues from the cut under way without a stop (007.3 = 0):
+    /// neither single block nor an M, S or T function ends the block first.
     pub(crate) fn continues_cut(&self) -> bool {
         let is_stop =
             |current: &CurrentCommand| current.command.stop_point && self.is_single_block();
@@ -87,9 +87,9 @@ impl Cnc {
         }
     }
 
-    /// Whether cycle start is enabled by *STEN on the pin of T08. 164.4 STEN requires the
-    /// signal and 164.6 AGIN leaves it the pin; 164.5 AGIM selects its level (manual PLC-II
-    /// 13.10).
+    /// Whether cycle start is enabled, by *STEN on the pin of T08. 164.4 STEN makes the
+    /// signal necessary, 164.6 AGIN leaves the pin to it, and 164.5 AGIM selects its level
+    /// (manual PLC-II 13.10).
     fn is_start_enabled(&self) -> bool {
         let is_required = self.memory.parameters.has_start_enable_input();
         let high = self.plc.filter.accepted()[START_ENABLE.0] & START_ENABLE.1 != 0;
@@ -101,7 +101,7 @@ impl Cnc {
         self.run.automatic.can_resume() && self.belongs_to_mode(self.run.mode)
     }
 
-    /// Whether the present or stopped run belongs to this mode.
+    /// Whether the present or stopped run belongs to `mode`: MDI, DNC or AUTO.
     pub(crate) fn belongs_to_mode(&self, mode: OperatingMode) -> bool {
         let run_mode = match (self.run.automatic.is_mdi, self.memory.programs.dnc_buffer()) {
             (true, _) => OperatingMode::Mdi,
@@ -126,7 +126,7 @@ impl Cnc {
         self.run.automatic.begin_run(false);
     }
 
-    /// Starts the program that the partner at the line is sending.
+    /// Starts the program that the device at the serial line sends (DNC).
     fn start_dnc(&mut self) {
         if let Err(alarm) = self.request_dnc_program() {
             return self.raise(alarm);
@@ -164,7 +164,8 @@ impl Cnc {
     }
 
     /// Sets the nose radius of the offset in force if the MDI block contains R alone
-    /// (manual II-1.3), unless R is the taper of G90, G92 or G94. Returns whether it did.
+    /// (manual II-1.3), unless R is the taper of G90, G92 or G94. Returns whether the block
+    /// was handled in this way.
     fn store_lone_nose_radius(&mut self) -> bool {
         let Some(radius) = self.run.mdi.lone_r(&self.memory.parameters) else {
             return false;
@@ -196,7 +197,8 @@ impl Cnc {
         true
     }
 
-    /// Suspends the stopped AUTO run, with the commands that were read but not executed.
+    /// Suspends the stopped AUTO run, with the commands that were read but not executed; a
+    /// run that is already suspended is returned unchanged. `None` without either.
     fn suspend_run(&mut self) -> Option<Box<SuspendedRun>> {
         if self.run.automatic.is_mdi || !self.run.automatic.can_resume() {
             return self.run.automatic.suspended.take();
@@ -213,7 +215,7 @@ impl Cnc {
         }))
     }
 
-    /// Restores the AUTO run as it was before the MDI blocks.
+    /// Restores the AUTO run that was suspended before the MDI blocks.
     fn resume_suspended_run(&mut self) {
         let Some(suspended) = self.run.automatic.suspended.take() else {
             return;
@@ -250,8 +252,8 @@ impl Cnc {
         }
     }
 
-    /// Starts feed hold: the axes decelerate. A block without motion finishes, and so does
-    /// a thread with the first command after it.
+    /// Starts feed hold: the axes decelerate. A block without motion continues to its end,
+    /// and so does a thread with the first command after it.
     pub(crate) fn start_feed_hold(&mut self) {
         if self.run.automatic.state == RunState::Run {
             self.run.automatic.state = RunState::Hold;
@@ -260,7 +262,8 @@ impl Cnc {
         }
     }
 
-    /// Advances automatic operation by one tick.
+    /// Advances automatic operation by one tick: handshakes, dwell, checks, and the next
+    /// commands.
     pub(crate) fn advance_automatic(&mut self) {
         let fin = self.plc.signals.fin;
         self.run.handshake.tick(fin);
@@ -303,8 +306,8 @@ impl Cnc {
         self.read_ahead();
     }
 
-    /// Advances the dwell. The wait for an input starts again while the input has the other
-    /// level.
+    /// Advances the dwell by one tick. The wait for an input starts again while the input
+    /// has the other level.
     fn advance_dwell(&mut self) {
         let left = self.run.automatic.dwell_left_ms.saturating_sub(1);
         self.run.automatic.dwell_left_ms = match self.run.automatic.current_action() {
@@ -315,7 +318,7 @@ impl Cnc {
         };
     }
 
-    /// Ends finished commands and starts the next ones, until one takes time.
+    /// Ends finished commands and starts the next ones, up to a command that takes time.
     fn execute_commands(&mut self) {
         for _ in 0..COMMANDS_PER_TICK {
             if self.run.automatic.current.is_none() && !self.start_next() {
@@ -337,8 +340,8 @@ impl Cnc {
             && self.run.automatic.current.as_ref().is_some_and(moves)
     }
 
-    /// Starts the next motion in the rest of the tick, when a motion ended within it.
-    /// Returns whether it did.
+    /// Starts the next motion in the rest of the tick, if a motion ended within the tick.
+    /// Returns whether a motion was started.
     pub(crate) fn start_within_tick(&mut self) -> bool {
         let ended = self.run.automatic.is_operating()
             && self.drives.interpolator.is_finished()
@@ -349,12 +352,12 @@ impl Cnc {
         ended && !self.drives.interpolator.is_finished()
     }
 
-    /// Machine time now, s: within the tick if a block ended in it.
+    /// Machine time since power-on, s; within the tick if a block ended in it.
     pub(crate) fn machine_time_s(&self) -> f64 {
         self.ticks as f64 * TICK_S - self.drives.interpolator.leftover_time()
     }
 
-    /// Takes the next command and starts it. Returns whether one is under way.
+    /// Starts the next command. Returns whether a command is then under way.
     fn start_next(&mut self) -> bool {
         if !self.run.automatic.can_begin_command() {
             return false;
@@ -396,14 +399,14 @@ impl Cnc {
         }
     }
 
-    /// Whether a program runs or can be resumed; MDI blocks do not count.
+    /// Whether a program runs or can be resumed. MDI blocks are not programs.
     pub(crate) fn has_resumable_run(&self) -> bool {
         let is_suspended = self.run.automatic.suspended.is_some();
         is_suspended || (self.run.automatic.is_started && !self.run.automatic.is_mdi)
     }
 
-    /// Reads one command from the interpreter; `settled`: all previous commands are
-    /// finished.
+    /// Reads one command from the interpreter; `None` if it has none now. `settled`: all
+    /// previous commands are finished.
     fn read_command(&mut self, settled: bool) -> Option<ControlCommand> {
         self.read_received_blocks();
         if self.run.automatic.has_ended {
@@ -444,7 +447,7 @@ impl Cnc {
         }
     }
 
-    /// Ends an MDI block, or a program that ended without M30.
+    /// Ends an MDI block, or a program without M30 at its end.
     pub(crate) fn end_program(&mut self) {
         let mdi = self.run.automatic.is_mdi;
         let suspended = self.run.automatic.suspended.take();
@@ -458,7 +461,8 @@ impl Cnc {
         }
     }
 
-    /// The interpreter, and the view of the control that it reads.
+    /// Returns the interpreter, and the view of the control that the interpreter reads.
+    /// `settled`: all previous commands are finished.
     pub(crate) fn interpreter_and_world(
         &mut self,
         settled: bool,

@@ -11,8 +11,8 @@ use crate::command::Action;
 use crate::operation::SpeedArrival;
 
 impl Cnc {
-    /// Updates the check when a command begins: rapids and S functions request it, cuts
-    /// wait.
+    /// Updates the check of the spindle speed when a command begins: after a rapid or an S
+    /// function the next cut must wait for SAR.
     pub(crate) fn update_speed_arrival(&mut self, action: &Action) {
         let arrival = &mut self.run.automatic.arrival;
         match action {

@@ -19,7 +19,8 @@ use crate::operation::{
 use crate::units::{Feed, Point};
 use gsk_messages::say;
 
-/// Tolerance of the measured speed: at the limit it is measured a little above it.
+/// Factor on the measured speed before it is compared with a limit: at the limit it is
+/// measured a little too high.
 const WITHIN_MEASUREMENT: f64 = 0.99;
 
 const SPINDLE_FORWARD: u8 = 3;
@@ -29,7 +30,7 @@ const SPINDLE_REVERSE: u8 = 4;
 const SPINDLE_STOP: u8 = 5;
 
 impl Cnc {
-    /// Starts a thread: synchronised with the spindle, or in dry run as a cut.
+    /// Starts a thread: synchronised with the spindle, or as a cut in dry run.
     pub(crate) fn start_thread(&mut self, thread: &ThreadMove) -> Result<(), Alarm> {
         if self.dry_run().is_some() {
             let feed = Feed::PerRevolution(thread.lead);
@@ -55,8 +56,8 @@ impl Cnc {
         Ok(())
     }
 
-    /// Checks the spindle at the start of a thread cycle (092, 094), so that nothing is fed
-    /// in toward a cut that the spindle does not permit.
+    /// Checks the spindle at the start of a thread cycle (alarms 092, 094), so that the
+    /// tool does not feed in for a cut that is not possible.
     pub(crate) fn check_thread_cycle(&self, per_revolution: Point) -> Result<(), Alarm> {
         if self.dry_run().is_some() {
             return Ok(());
@@ -83,7 +84,7 @@ impl Cnc {
         }
     }
 
-    /// Checks the run-out or thread that continues the thread about to begin, before
+    /// Checks the run-out or thread that continues from the thread about to begin, before
     /// anything is cut.
     pub(crate) fn check_thread_ahead(&mut self) {
         let (Some(current), Some(ahead)) = (
@@ -113,7 +114,8 @@ impl Cnc {
         }
     }
 
-    /// Starts tapping. Without control of the spindle (dry run, M locked) it is two cuts.
+    /// Starts tapping. Without control of the spindle (dry run, M locked) the tap is two
+    /// cuts.
     pub(crate) fn start_tap(&mut self, to: Point, lead: f64) -> Result<(), Alarm> {
         if self.is_dry_tap() {
             self.run.automatic.tap = Some(TapStage::In);
@@ -138,12 +140,12 @@ impl Cnc {
         self.dry_run().is_some() || self.plc.signals.auxiliary_lock
     }
 
-    /// Checks that the encoder can be used (alarm 092).
+    /// Returns alarm 092 as error if the encoder cannot be used.
     pub(crate) fn check_encoder(&self) -> Result<(), Alarm> {
         check_encoder(&self.memory.parameters)
     }
 
-    /// Advances a tap by one tick: starts the M functions that stop and reverse the
+    /// Advances a tap by one tick: outputs the M functions that stop and reverse the
     /// spindle.
     pub(crate) fn advance_tap(&mut self) {
         let Some(stage) = self.run.automatic.tap else {
@@ -211,16 +213,16 @@ impl Cnc {
         self.run.automatic.tap = Some(next);
     }
 
-    /// Whether a spindle that was started for this tap has reached its speed. A spindle
-    /// that turned before is accepted at its speed.
+    /// Whether the spindle has a steady speed after its start for this tap. A spindle that
+    /// turned before the tap is always accepted.
     fn is_spindle_steady(&mut self) -> bool {
         let rpm = self.spindle.control.actual_rpm().abs();
         self.run.automatic.tap_reverse == 0
             || (rpm >= STANDSTILL_RPM && self.run.automatic.watch.check_steady(rpm))
     }
 
-    /// Whether the spindle turns in reverse: as the ladder reports (SRVB, SFRB), or else as
-    /// measured.
+    /// Whether the spindle turns in reverse, as the ladder reports (SRVB, SFRB); without a
+    /// report, as measured.
     fn is_turning_in_reverse(&self) -> bool {
         match (
             self.plc.signals.spindle_forward,
@@ -272,7 +274,8 @@ impl Cnc {
         self.raise_at_last_block(alarm);
     }
 
-    /// Checks whether the spindle has become too fast since the start of the thread.
+    /// Raises alarm 094 if the spindle has become too fast for an axis since the start of
+    /// the thread; `rpm` is the measured speed.
     fn recheck_thread_speed(&mut self, rpm: f64) {
         let current = self.run.automatic.current.as_ref();
         let thread = current.and_then(|current| {

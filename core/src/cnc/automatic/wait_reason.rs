@@ -7,7 +7,8 @@ use crate::units::{Axis, Feed};
 use gsk_messages::{Message, say};
 
 impl Cnc {
-    /// What the running program waits for; `None`: it does not wait, or no program runs.
+    /// Message that names what the running program waits for; `None` if it does not wait,
+    /// or no program runs.
     pub fn wait_reason(&self) -> Option<Message> {
         match self.run.automatic.state {
             RunState::Reset | RunState::Stop => None,
@@ -28,7 +29,8 @@ impl Cnc {
         }
     }
 
-    /// Signals that lock the motion of a program.
+    /// Message that names the signal that locks the motion of the program; `None` without a
+    /// lock.
     fn interlock_wait(&self) -> Option<Message> {
         let g = &self.plc.signals;
         if !self.is_run_interlocked() {
@@ -57,7 +59,8 @@ impl Cnc {
             .find(|axis| self.is_commanded_and_locked(*axis, commanded))
     }
 
-    /// The M, S or T function that waits for FIN, and why the ladder withholds it.
+    /// Message that names the M, S or T function that waits for FIN, and why the ladder
+    /// withholds FIN; `None` without one.
     fn fin_wait(&self) -> Option<Message> {
         let (strobe, code) = self.run.handshake.unanswered_strobe()?;
         if self.is_moving() || self.run.automatic.is_dwelling() {
@@ -88,7 +91,8 @@ impl Cnc {
         }
     }
 
-    /// What a motion without progress waits for.
+    /// Message that names what a motion without progress waits for; `None` without such a
+    /// wait.
     fn motion_wait(&self) -> Option<Message> {
         for axis in [Axis::X, Axis::Z] {
             match self.coordinates.returns.get(axis) {

@@ -23,7 +23,8 @@ use gsk_link::ThreadCapability;
 use gsk_messages::{Message, say};
 use gsk_plc::address::BitAddress;
 
-/// Why constant surface speed is refused; `timed`: the board has timed outputs.
+/// Message why the board cannot do constant surface speed (G96); `timed`: its outputs
+/// can switch during motion.
 fn surface_speed_refusal(timed: bool) -> Message {
     if timed {
         say::cannot_surface_unwired()
@@ -32,8 +33,8 @@ fn surface_speed_refusal(timed: bool) -> Message {
     }
 }
 
-/// Whether an action needs the slides at a standstill on a board whose spindle and coolant
-/// switch with the motion.
+/// Whether an action must wait for a standstill of the slides, on a board whose spindle
+/// and coolant switch during motion.
 const fn needs_standstill(action: &Action) -> bool {
     match action {
         // M03, M04, M05, M08, M09.
@@ -50,7 +51,7 @@ const fn needs_standstill(action: &Action) -> bool {
 }
 
 impl Cnc {
-    /// Whether the board has not yet executed all commanded motion.
+    /// Whether the board holds commanded motion that it has not executed yet.
     pub(crate) fn is_board_lagging(&self) -> bool {
         self.drives
             .board
@@ -58,17 +59,18 @@ impl Cnc {
     }
 
     /// Whether blocks that act on the machine are read only at a standstill of the slides.
-    /// With a board whose outputs switch with the motion, each command decides it
-    /// separately.
+    /// With a board whose outputs switch during motion,
+    /// [`board_delays_command`](Self::board_delays_command) decides for each command.
     pub(crate) fn board_delays_reading(&self) -> bool {
         self.drives
             .board
             .is_some_and(|board| board.has_pending_motion && !board.has_timed_outputs)
     }
 
-    /// Whether a command must not begin yet. If the board switches only at a standstill, M
-    /// and S that start with a motion finish before it. If it switches with the motion,
-    /// spindle and coolant do not wait, and all else waits for the slides.
+    /// Whether a command must not begin yet. If the board switches outputs only at a
+    /// standstill, a motion waits for the M and S of its block. If the board switches them
+    /// during motion, spindle and coolant do not wait, and other functions wait for the
+    /// slides.
     pub(crate) fn board_delays_command(&mut self, action: &Action) -> bool {
         let delays = self.drives.board.is_some_and(|board| {
             if action.is_motion() {
@@ -80,21 +82,23 @@ impl Cnc {
         delays || self.board_spindle_delays(action)
     }
 
-    /// Whether an axis can be moved manually.
+    /// Whether the board accepts manual motion now; true without a board.
     pub(crate) fn can_board_move(&self) -> bool {
         self.drives.board.is_none_or(|board| {
             board.takes_motion && (board.is_prepared || self.drives.interpolator.is_moving())
         })
     }
 
-    /// Whether the slides are being stopped: their final position is not known yet.
+    /// Whether the board is stopping the slides, whose final position is then not known
+    /// yet.
     pub(crate) fn is_board_stopping(&self) -> bool {
         self.drives
             .board
             .is_some_and(|board| board.position_known && !board.takes_motion)
     }
 
-    /// The alarm that forbids the start of a program; `None`: it may start.
+    /// The alarm that prevents the start of a program on the board; `None` if it may start.
+    /// With `mdi` (MDI or DNC) the program text is not checked.
     pub(crate) fn board_start_alarm(&mut self, mdi: bool) -> Option<Alarm> {
         let board = self.drives.board?;
         let changed_parameter = board
@@ -118,8 +122,8 @@ impl Cnc {
         })
     }
 
-    /// Checks what the board cannot do when the action is due: this catches macros and
-    /// texts that the scan before the start does not understand.
+    /// Checks, when an action begins, whether the board can do it. This check also covers
+    /// macros and texts that the scan before the start does not understand.
     pub(crate) fn check_for_board(&self, action: &Action) -> Result<(), Alarm> {
         let Some(board) = self.drives.board else {
             return Ok(());
@@ -170,21 +174,22 @@ impl Cnc {
         Err(Alarm::new(number::BOARD_CANNOT).with_detail(spindle_required_message(&board, tapping)))
     }
 
-    /// Lets the board home this axis.
+    /// Orders the board to home this axis.
     pub(crate) const fn start_board_homing(&mut self, axis: Axis) {
         *self.coordinates.referenced.get_mut(axis) = false;
         *self.coordinates.at_reference.get_mut(axis) = None;
         *self.coordinates.returns.get_mut(axis) = Some(ZeroReturnStage::BoardHoming);
     }
 
-    /// Axes whose homing the board makes or is to make.
+    /// Axes that the board homes or is to home.
     pub(crate) fn board_homing_axes(&self) -> PerAxis<bool> {
         let is_homing =
             |axis| *self.coordinates.returns.get(axis) == Some(ZeroReturnStage::BoardHoming);
         PerAxis::new(is_homing(Axis::X), is_homing(Axis::Z))
     }
 
-    /// Takes the coordinates `at` of the axes that the board has homed.
+    /// Ends the homing of the axes by the board: their machine coordinates are now those in
+    /// `at`, mm.
     pub(crate) fn finish_board_homing(&mut self, axes: PerAxis<bool>, at: Point) {
         self.settle_coordinates();
         for axis in [Axis::X, Axis::Z] {
@@ -199,15 +204,15 @@ impl Cnc {
         }
     }
 
-    /// Marks the position of the slides as unknown.
+    /// Marks the position of the slides as unknown: no axis has a reference.
     pub(crate) fn drop_reference(&mut self) {
         self.coordinates.referenced = PerAxis::default();
         self.coordinates.at_reference = PerAxis::default();
     }
 
-    /// Clears outputs of the ladder that the board has switched off on its own, as a reset
-    /// output module would. The ladder continues from that state, and the M code shown
-    /// becomes the matching one.
+    /// Clears outputs of the ladder that the board has switched off without an order, as a
+    /// reset output module would. The ladder continues from that state, and the M code
+    /// shown becomes the matching one.
     pub(crate) fn clear_dropped_outputs(&mut self, outputs: &[BitAddress]) {
         let memory = self.plc.engine.memory_mut();
         let mut any_cleared = false;
@@ -221,7 +226,7 @@ impl Cnc {
         }
     }
 
-    /// Ends all motion at the present position, returns included.
+    /// Ends all motion at the present position, reference returns included.
     pub(crate) fn end_motion_for_board(&mut self) {
         self.abandon_returns();
         self.drives.interpolator.stop_now();
@@ -229,7 +234,8 @@ impl Cnc {
         self.hand.jog_blocked = PerAxis::new(true, true);
     }
 
-    /// Ends all motion and the program run. The alarm that names the reason follows.
+    /// Ends all motion and the program run. Another report raises the alarm that names the
+    /// reason.
     pub(crate) fn stop_run_for_board(&mut self) {
         if self.run.automatic.is_operating() {
             self.stop_run(RunState::Stop);
@@ -237,8 +243,8 @@ impl Cnc {
         self.end_motion_for_board();
     }
 
-    /// Takes the count at which the slides stopped, which differs from the control's. An
-    /// axis that stood still keeps its coordinate exactly.
+    /// Makes the pulse count at which the slides stopped the position of the control. An
+    /// axis whose count is unchanged keeps its coordinate exactly.
     pub(crate) fn set_count(&mut self, pulses: PerAxis<Pulses>) {
         let mut shift = Point::default();
         for axis in [Axis::X, Axis::Z] {
@@ -254,7 +260,7 @@ impl Cnc {
         interpreter.set_frame(frame, &world);
     }
 
-    /// Whether an alarm of the board waits for RESET.
+    /// Whether an alarm of the board or of its link is in force.
     pub(crate) fn has_board_alarm(&self) -> bool {
         let mut active = self.alarms.list().iter();
         active.any(|alarm| alarm.class() == AlarmClass::Link)

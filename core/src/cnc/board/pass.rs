@@ -8,13 +8,14 @@ use crate::units::{PerAxis, Point, Pulses};
 use gsk_link::{ThreadCapability, ThreadPass};
 use gsk_messages::say;
 
-/// Alarm for a thread that the board cannot cut as a pass.
+/// Alarm that the board cannot cut a thread as a single pass, because of this feature.
 fn pass_alarm(feature: ThreadPassFeature) -> Alarm {
     Alarm::new(number::BOARD_CANNOT).with_detail(say::pass_one_at_a_time(feature.to_message()))
 }
 
 impl Cnc {
-    /// Whether threads are passes of the board. Under machine lock no pass is sent.
+    /// Whether the board itself cuts the passes of a thread; false while machine lock is on
+    /// for both axes.
     pub(crate) fn is_cutting_by_board(&self) -> bool {
         let locked = self.plc.signals.machine_lock;
         let cuts_passes =
@@ -23,7 +24,8 @@ impl Cnc {
     }
 
     /// Checks, before a thread cycle feeds in, that its cuts are single passes and not
-    /// faster than the motors can start.
+    /// faster than the motors can start. `per_revolution` is the travel of each axis per
+    /// revolution, mm.
     pub(crate) fn check_passes(
         &self,
         per_revolution: Point,
@@ -35,7 +37,7 @@ impl Cnc {
         self.check_pass_speed(per_revolution.length())
     }
 
-    /// Checks that a thread is a single pass.
+    /// Checks that the board can cut a thread as a single pass.
     pub(crate) fn check_pass(&self, thread: &ThreadMove) -> Result<(), Alarm> {
         let feature = match thread.start {
             _ if thread.run_out => Some(ThreadPassFeature::RunOut),
@@ -69,7 +71,8 @@ impl Cnc {
         Ok(())
     }
 
-    /// The alarm for a thread that continues a pass of the board.
+    /// The alarm for a thread that continues from a pass of the board; `None` if the board
+    /// does not cut passes.
     pub(crate) fn continuation_alarm(&self, next: &ThreadMove) -> Option<Alarm> {
         let feature = if next.run_out {
             ThreadPassFeature::RunOut
@@ -79,14 +82,15 @@ impl Cnc {
         self.is_cutting_by_board().then(|| pass_alarm(feature))
     }
 
-    /// Starts a thread that the board cuts. The backlash of the screws is taken up first.
+    /// Starts a thread that the board cuts, and first takes up the backlash of the screws.
     pub(crate) fn request_pass(&mut self, thread: &ThreadMove) {
         let displacement = thread.to - self.drives.interpolator.position();
         self.drives.interpolator.start_external_cut(thread.to);
         self.drives.axis_chain.take_up_backlash(displacement);
     }
 
-    /// The pass that waits for the board; `None` while backlash is being taken up.
+    /// The pass that waits for the board; `None` without one, and while backlash is being
+    /// taken up.
     pub(crate) fn pending_pass(&self) -> Option<ThreadPass> {
         let to = self.drives.interpolator.pending_external_cut()?;
         let current = self.run.automatic.current.as_ref()?;
@@ -103,17 +107,17 @@ impl Cnc {
         })
     }
 
-    /// Notes that the board has taken the pass.
+    /// Records that the board has started the pass.
     pub(crate) const fn start_pass(&mut self) {
         self.drives.interpolator.begin_external_cut();
     }
 
-    /// Takes the fraction of the pass that the board has made.
+    /// Sets the fraction of the pass that the board has made, 0–1.
     pub(crate) fn report_pass_progress(&mut self, fraction: f64) {
         self.drives.interpolator.report_external_progress(fraction);
     }
 
-    /// Takes the end of the pass that the board reports.
+    /// Ends the pass at the pulse count `end` that the board reports.
     pub(crate) fn finish_pass(&mut self, end: PerAxis<Pulses>) {
         if self.drives.interpolator.end_external_cut() {
             let locked = self.plc.signals.machine_lock;

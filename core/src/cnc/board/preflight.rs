@@ -12,14 +12,14 @@ use gsk_link::{MissingForThreads, ThreadCapability};
 use gsk_messages::{Message, say};
 use passes::ThreadScan;
 
-/// Requirements of one block.
+/// What one block requires from the board.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct BlockNeeds {
-    /// Function that the board cannot execute, if any.
+    /// Function that the board cannot execute; `None` without one.
     refused_function: Option<RefusedFunction>,
-    /// Whether the spindle speed follows X (G96).
+    /// Whether the block programs constant surface speed (G96).
     surface_speed: bool,
-    /// O number of the program that the block calls.
+    /// O number of the program that the block calls (M98); `None` without a call.
     called_program: Option<u16>,
 }
 
@@ -36,7 +36,8 @@ enum RefusedFunction {
 
 impl Cnc {
     /// Scans a program and the programs it calls. Returns the alarm for the first block
-    /// that the board cannot execute. In dry run a thread is only feed.
+    /// that the board cannot execute; `None` without one. In dry run a thread is an
+    /// ordinary cut.
     pub(crate) fn scan_program_for_board(&self, main: ProgramId) -> Option<Alarm> {
         let thread_capability = self
             .drives
@@ -98,7 +99,7 @@ fn refusal_alarm(id: ProgramId, program: &Program, index: u32, refused: RefusedF
         })
 }
 
-/// Reads the words of a block that matter to a board.
+/// Finds out what a block requires from the board.
 fn block_needs(block: &str, threads: ThreadCapability, dry_run: bool) -> BlockNeeds {
     let mut needs = BlockNeeds::default();
     let (mut call, mut called) = (false, None);
@@ -133,7 +134,8 @@ fn block_needs(block: &str, threads: ThreadCapability, dry_run: bool) -> BlockNe
     needs
 }
 
-/// The refusal of a G code; `None`: the board can execute it.
+/// The function of a G code that the board cannot execute; `None` if the board can
+/// execute the code.
 fn g_code_refusal(code: u32, threads: ThreadCapability) -> Option<RefusedFunction> {
     let reason = match (code, threads) {
         (32 | 34 | 76 | 92, ThreadCapability::None(lacks)) => {
@@ -151,7 +153,7 @@ fn g_code_refusal(code: u32, threads: ThreadCapability) -> Option<RefusedFunctio
     Some(RefusedFunction::Unsupported(reason))
 }
 
-/// The integer at the start of a text, after blanks.
+/// The integer at the start of a text, after blanks; `None` without one.
 fn parse_number(text: &str) -> Option<u32> {
     let text = text.trim_start_matches([' ', '\t']);
     let end = text

@@ -10,14 +10,14 @@ use crate::interpreter::AdvanceResult;
 use crate::interpreter::Host;
 use crate::interpreter::ImmediateHost;
 
-/// Most commands that are checked: the check must not delay a board that waits for its
-/// heartbeat. Later commands are checked block by block.
+/// Number of commands after which the check ends: it must not delay a board that waits
+/// for its heartbeat. Later commands are checked when they begin.
 const MAX_COMMANDS: u32 = 100_000;
 
 impl Cnc {
-    /// The alarm for the first cut that the board could not follow, with the present
-    /// offsets, overrides and inputs. Other errors of the program are reported at their
-    /// execution.
+    /// Interprets a program and returns the alarm for the first cut whose pulse rate
+    /// exceeds that of the board, with the present offsets, overrides and inputs. `None`
+    /// without one; other errors of the program are reported at their execution.
     pub(crate) fn check_rates_for_board(
         &mut self,
         board: &BoardDrives,

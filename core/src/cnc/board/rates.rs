@@ -10,7 +10,8 @@ use crate::units::{Axis, Feed, Point};
 use gsk_messages::say;
 
 impl Cnc {
-    /// The alarm for rapids that exceed the pulse rate of the board.
+    /// The alarm for rapid rates (022, 023) that exceed the pulse rate of the board; `None`
+    /// if they are possible.
     pub(crate) fn rapid_rate_alarm(&self, board: &BoardDrives) -> Option<Alarm> {
         let [x, z] = [Axis::X, Axis::Z].map(|axis| self.memory.parameters.rapid_rate(axis));
         let (axes, needed, made) = board.exceeded_rate(Point::new(x, z), false)?;
@@ -25,7 +26,7 @@ impl Cnc {
         }))
     }
 
-    /// Limits manual motion to the speed of the board, and to No.033 while the position of
+    /// Limits a manual rate to the speed of the board, and to No.033 while the position of
     /// the slides is unknown.
     pub(crate) fn limit_manual_rate(&self, axis: Axis, rate: JogRate) -> JogRate {
         let Some(board) = self.drives.board else {
@@ -43,8 +44,8 @@ impl Cnc {
         }
     }
 
-    /// The alarm for a motion from `from` that exceeds the pulse rate of the board; `rpm`
-    /// is the spindle speed, if known.
+    /// The alarm for a motion from `from` (mm) that exceeds the pulse rate of the board;
+    /// `None` if it is possible. `rpm` is the spindle speed, `None` if unknown.
     pub(crate) fn pulse_rate_alarm(
         &self,
         board: &BoardDrives,

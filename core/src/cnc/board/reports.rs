@@ -14,8 +14,8 @@ use gsk_messages::say;
 const MM_PER_INCH: f64 = 25.4;
 
 impl Cnc {
-    /// Handles the board's reports since the last tick. Returns the axis counts after them,
-    /// if there is a board.
+    /// Handles the board's reports since the last tick. Returns the pulse counts of the
+    /// axes after them; `None` without a board.
     pub(crate) fn handle_board_reports(
         &mut self,
         board: Option<&BoardInputs>,
@@ -45,7 +45,8 @@ impl Cnc {
         Some(self.pulses())
     }
 
-    /// Connects a board: the slides are real from now on, and their position is unknown.
+    /// Prepares the control for a board, which moves real slides: their position is unknown
+    /// from now on.
     pub(crate) fn attach_board(&mut self) {
         self.drop_reference();
     }
@@ -95,7 +96,8 @@ impl Cnc {
         }
     }
 
-    /// Raises an alarm whose detail will name the position of the slides.
+    /// Raises an alarm of the board, to whose detail the position of the slides is added
+    /// later. `in_pass`: the alarm names the block that began last.
     fn raise_board_alarm(&mut self, alarm: Alarm, in_pass: bool) {
         if !self.alarms.contains(alarm.number) {
             self.drives.board_alarms.incomplete.push(alarm.clone());
@@ -107,7 +109,8 @@ impl Cnc {
         }
     }
 
-    /// Adds the position of the slides to the alarms raised since the last standstill.
+    /// Adds the position of the slides to the details of the alarms raised since the last
+    /// standstill.
     fn add_position_to_alarms(&mut self, standstill: Standstill) {
         let board_alarms = &mut self.drives.board_alarms;
         if board_alarms.reference_dropped && !self.emergency_stop && self.reset_left_ms == 0 {
@@ -163,7 +166,7 @@ impl Cnc {
         }
     }
 
-    /// Machine coordinates as the pages show them.
+    /// Machine coordinates of X and Z as texts, in the unit of the pages.
     fn machine_coordinate_texts(&self) -> [String; 2] {
         let (at, parameters) = (self.position_machine(), &self.memory.parameters);
         let x = if parameters.is_radius_programming() {
@@ -185,8 +188,8 @@ impl Cnc {
         })
     }
 
-    /// Prevents motion from starting with parameters that differ from those of the
-    /// connection; `pulses_before` is the count before the tick.
+    /// Raises an alarm and takes back motion of the tick if parameters differ from those of
+    /// the connection. `pulses_before` is the pulse count before the tick.
     pub(crate) fn check_changed_parameters(&mut self, pulses_before: PerAxis<Pulses>) {
         let Some(board) = self.drives.board else {
             return;
@@ -204,7 +207,7 @@ impl Cnc {
         }
     }
 
-    /// The orders for the board after a tick.
+    /// The orders for the board after this tick.
     pub(crate) fn board_orders(&self) -> BoardOrders {
         let parameters = &self.memory.parameters;
         let awaited_and_backlash =
@@ -239,7 +242,7 @@ impl Cnc {
         }
     }
 
-    /// Outputs that the ladder and the spindle control command.
+    /// Outputs of the board as the ladder and the spindle control command them.
     fn commanded_outputs(&self) -> BoardOutputs {
         let memory = self.plc.engine.memory();
         let (coolant, bit) = pins::COOLANT;

@@ -17,7 +17,7 @@ use gsk_messages::say;
 /// Greatest variation of the spindle speed in a thread, %.
 const MAX_VARIATION_PERCENT: f64 = 0.2;
 
-/// Time budget of a spindle to become steady: in ms, plus a number of turns.
+/// Time budget of a spindle to become steady: a duration in ms, plus a number of turns.
 const STEADY_BUDGET_MS: f64 = 10_000.0;
 
 const STEADY_BUDGET_TURNS: f64 = 40.0;
@@ -26,7 +26,7 @@ const STEADY_BUDGET_TURNS: f64 = 40.0;
 const STANDSTILL_RPM: f64 = 1.0;
 
 impl Cnc {
-    /// Replaces the encoder inputs by those of the spindle that the board measures.
+    /// Replaces the encoder inputs by counts from the spindle that the board measures.
     pub(crate) fn with_board_spindle(
         &self,
         inputs: &MachineInputs,
@@ -47,7 +47,7 @@ impl Cnc {
         self.drives.interpolator.is_waiting_for_spindle()
     }
 
-    /// Lead of the thread under way, mm; `None` outside threads.
+    /// Lead of the thread under way, mm per revolution; `None` outside threads.
     pub(crate) fn followed_lead(&self) -> Option<f64> {
         if !self.drives.interpolator.is_in_thread() {
             return None;
@@ -58,8 +58,9 @@ impl Cnc {
         }
     }
 
-    /// Whether a command still waits for its spindle: known, and for a thread steady. If
-    /// the time budget ends first, the command raises an alarm when it begins.
+    /// Whether a command must still wait for the spindle: for its rotation, or before a
+    /// thread for a steady speed. If the time budget ends first, the command raises an
+    /// alarm when it begins.
     pub(crate) fn board_spindle_delays(&mut self, action: &Action) -> bool {
         let Some(spindle) = self.drives.board.and_then(|board| board.spindle) else {
             return false;
@@ -96,7 +97,8 @@ impl Cnc {
         variation <= self.max_variation_percent() && spindle.turn.now != spindle.turn.before
     }
 
-    /// Permitted variation, %: the smaller of No.106 and the board's limit.
+    /// Permitted variation of the spindle speed, %: the smaller of No.106 and the board's
+    /// limit.
     fn max_variation_percent(&self) -> f64 {
         let limit = self.memory.parameters.speed_fluctuation_limit();
         if limit > 0.0 {
@@ -106,8 +108,8 @@ impl Cnc {
         }
     }
 
-    /// Checks that the spindle is steady for a thread (alarm 091). A spindle at standstill
-    /// has its own alarm.
+    /// Returns alarm 091 as error if the spindle is not steady enough for a thread. A
+    /// spindle at standstill has another alarm.
     pub(crate) fn check_board_spindle(&self, action: &Action) -> Result<(), Alarm> {
         let Some(spindle) = self.drives.board.and_then(|board| board.spindle) else {
             return Ok(());
@@ -131,8 +133,8 @@ impl Cnc {
         )
     }
 
-    /// Handles a spindle fault that the board reports during a thread. A spoilt thread
-    /// continues to its end with its run-out; without an index it ends at once.
+    /// Handles a spindle fault that the board reports during a thread. The thread continues
+    /// to its end with its run-out; without index signal it ends at once.
     pub(crate) fn check_board_spindle_fault(&mut self) {
         let spindle = self.drives.board.and_then(|board| board.spindle);
         let Some(fault) = spindle.and_then(|spindle| spindle.fault) else {
@@ -146,7 +148,8 @@ impl Cnc {
         }
     }
 
-    /// Raises the alarm of a spoilt thread before the next command. Returns whether it did.
+    /// Raises the alarm of a spoilt thread before the next command, unless that command
+    /// continues the thread. Returns whether an alarm was raised.
     pub(crate) fn end_spoilt_thread(&mut self, next: &Action) -> bool {
         let continues = matches!(
             next,

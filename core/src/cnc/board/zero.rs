@@ -28,7 +28,8 @@ use gsk_link::{AwaitedInput, Input, InputCondition};
 use gsk_messages::say;
 
 impl Cnc {
-    /// Starts the return of an axis whose switch is wired to the board.
+    /// Starts the reference return of an axis whose switches a board reads; a board with
+    /// its own homing homes the axis.
     pub(crate) fn start_return_with_board(
         &mut self,
         axis: Axis,
@@ -93,8 +94,8 @@ impl Cnc {
         Ok(())
     }
 
-    /// Checks the switch of the other axis: a board that homes both axes together would
-    /// seek a missing switch to the end of the axis.
+    /// Checks that the other axis has a zero switch if the board homes both axes together.
+    /// The board would seek a missing switch to the end of the axis.
     fn check_other_switch(&self, axis: Axis, board: &BoardDrives) -> Result<(), Alarm> {
         let (other, bit) = match axis {
             Axis::X => (Axis::Z, 1),
@@ -107,8 +108,8 @@ impl Cnc {
             .with_detail(say::zero_switch_of_other_axis(bit, format!("{other:?}"))))
     }
 
-    /// Whether returns to a switch are under way. The board must not stop other motion for
-    /// them.
+    /// Whether a return that the control drives is seeking a switch at the board. The board
+    /// must then not stop other motion.
     pub(crate) fn is_board_seeking(&self) -> bool {
         let is_seeking = |stage: Option<ZeroReturnStage>| {
             stage.is_some_and(|stage| stage != ZeroReturnStage::Straight)
@@ -119,14 +120,14 @@ impl Cnc {
             && (is_seeking(self.coordinates.returns.x) || is_seeking(self.coordinates.returns.z))
     }
 
-    /// Whether the board homes on its own.
+    /// Whether the board does its own homing.
     pub(crate) fn can_board_home(&self) -> bool {
         self.drives
             .board
             .is_some_and(|board| board.zero_wiring.is_none())
     }
 
-    /// The input that the return of an axis waits for at the board; `None`: none.
+    /// The input at the board that the return of an axis waits for now; `None` without one.
     pub(crate) fn awaited_input(&self, axis: Axis) -> Option<AwaitedInput> {
         let board = self.drives.board?;
         let wiring = *board.zero_wiring?.get(axis);
@@ -169,7 +170,8 @@ impl Cnc {
         })
     }
 
-    /// Whether the board is armed for the switch that the return of an axis waits for.
+    /// Whether the board is armed for the switch that the return of an axis waits for; true
+    /// if no board needs to be armed.
     pub(crate) fn is_board_armed(&self, axis: Axis) -> bool {
         self.drives.board.is_none_or(|board| {
             board.zero_wiring.is_none()
@@ -180,7 +182,8 @@ impl Cnc {
         })
     }
 
-    /// Stops the motion because the board stopped at a switch. The position follows.
+    /// Stops the motion because the board stopped at a switch. The report of the position
+    /// follows.
     pub(crate) fn stop_for_switch(&mut self) {
         self.drives.interpolator.stop_now();
         self.hand.jog = PerAxis::default();
@@ -222,7 +225,8 @@ impl Cnc {
         *self.coordinates.returns.get_mut(axis) = Some(next);
     }
 
-    /// Advances a return at the board. Returns whether the board handles it.
+    /// Advances the return of an axis with switches at the board. Returns false if the
+    /// ordinary return applies.
     pub(crate) fn advance_board_return(&mut self, axis: Axis, stage: ZeroReturnStage) -> bool {
         let Some(board) = self.drives.board else {
             return false;

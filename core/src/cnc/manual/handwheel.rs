@@ -6,11 +6,12 @@ use crate::motion::JogRate;
 use crate::operation::AxisDirection;
 use crate::units::Axis;
 
-/// Greatest lag of the axis after the wheel, s of motion at rapid.
+/// Greatest lag of the axis after the wheel, as the duration of that motion at rapid,
+/// s.
 const LAG_S: f64 = 0.5;
 
 impl Cnc {
-    /// Stops the axis as soon as possible and drops the rest of the handwheel's motion.
+    /// Drops the handwheel's motion that the axes have not made yet; they decelerate.
     pub(crate) fn drop_wheel(&mut self) {
         if self.run.mode.motion_mode() != OperatingMode::Handwheel {
             return;
@@ -22,7 +23,8 @@ impl Cnc {
         }
     }
 
-    /// Lets the selected axis follow the wheel, at most at its rapid rate.
+    /// Moves the selected axis by `counts` graduations of the wheel, at most at its rapid
+    /// rate.
     pub(crate) fn follow_wheel(&mut self, axis: Axis, counts: i32) {
         let rate = JogRate::Feed(self.drives.limits.rapid_rate(axis));
         let rate = self.limit_manual_rate(axis, rate);

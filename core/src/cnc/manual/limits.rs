@@ -18,8 +18,8 @@ const SIDES: [(Axis, AxisDirection); 4] = [
 
 impl Cnc {
     /// Whether an axis may be moved manually in this direction. Beyond a limit only the
-    /// opposite direction is permitted, until the axis is inside again and the alarm is
-    /// cleared.
+    /// opposite direction is permitted, until the axis is within the limits and the alarm
+    /// is cleared.
     pub(crate) fn can_move(&mut self, axis: Axis, direction: AxisDirection) -> bool {
         if self.is_direction_locked(axis, direction) {
             return false;
@@ -33,7 +33,8 @@ impl Cnc {
         !is_beyond
     }
 
-    /// Whether the slide is beyond a software limit that is checked.
+    /// Whether the slide is beyond the software limit in this direction, if that limit is
+    /// checked.
     fn is_outside(&self, axis: Axis, direction: AxisDirection) -> bool {
         let position = self.slide_position().get(axis);
         *self.checked_axes().get(axis)
@@ -43,8 +44,9 @@ impl Cnc {
                 .is_beyond(axis, direction == AxisDirection::Plus, position)
     }
 
-    /// The overtravel alarms that RESET cannot clear yet: the axis must first be moved back
-    /// manually (manual III-3.5.3), or off the limit of the ladder.
+    /// Numbers of the overtravel alarms (X+, X-, Z+, Z-) that RESET cannot clear yet;
+    /// `None` for the others. The axis must first be moved back manually (manual
+    /// III-3.5.3), or off the limit of the ladder.
     pub(crate) fn overtravel_alarms(&self) -> [Option<u16>; 4] {
         SIDES.map(|(axis, direction)| {
             let outside =
@@ -53,8 +55,8 @@ impl Cnc {
         })
     }
 
-    /// Axes whose software limits are checked: with 172.4 MOT = 0, those whose machine
-    /// coordinates are valid.
+    /// Axes whose software limits are checked: none with 172.4 MOT = 1, otherwise those
+    /// with valid machine coordinates.
     fn checked_axes(&self) -> PerAxis<bool> {
         if self.memory.parameters.are_soft_limits_masked() {
             return PerAxis::default();
@@ -65,7 +67,7 @@ impl Cnc {
         PerAxis::new(has_coordinates(Axis::X), has_coordinates(Axis::Z))
     }
 
-    /// Checks the software travel limits; once per tick.
+    /// Checks the software travel limits once per tick, and raises the alarms.
     pub(crate) fn check_travel(&mut self) {
         let drives = &self.drives;
         // The most frequent case, and cheap to check.
@@ -93,7 +95,8 @@ impl Cnc {
         }
     }
 
-    /// The limits that the axes overrun, or would overrun if they braked one tick later.
+    /// Whether the axes overrun their limits X+, X-, Z+ and Z-, or would if they braked one
+    /// tick later.
     fn overrun_next_tick(&self, checked: PerAxis<bool>) -> [bool; 4] {
         let drives = &self.drives;
         let (slide, stop) = (self.slide_position(), self.stopping_point());
@@ -109,7 +112,7 @@ impl Cnc {
         overrun(later.stopping_point(&drives.limits))
     }
 
-    /// Checks that a cut which the control cannot stop ends within the limits.
+    /// Checks that a cut which the control cannot stop ends (at `to`) within the limits.
     pub(crate) fn check_pass_end(&self, to: Point) -> Result<(), Alarm> {
         let overrun =
             self.drives
@@ -122,8 +125,8 @@ impl Cnc {
         }
     }
 
-    /// Names the limit switches that opened the emergency-stop loop: axis, side, and the
-    /// direction off the switch.
+    /// Message that names the limit switches that opened the emergency-stop loop: axis,
+    /// side, and the direction off the switch. `None` if no limit switch is tripped.
     pub(crate) fn tripped_limit_detail(&self, inputs: &MachineInputs) -> Option<Message> {
         let mut messages = Vec::new();
         for axis in [Axis::X, Axis::Z] {
@@ -149,7 +152,7 @@ impl Cnc {
         (!messages.is_empty()).then(|| say::several(messages))
     }
 
-    /// Raises the alarm of a limit, with the block that caused it.
+    /// Raises the overtravel alarm of a direction, with the block that caused it.
     pub(crate) fn raise_overtravel(&mut self, axis: Axis, direction: AxisDirection) {
         let alarm = Alarm::new(travel_alarm(axis, direction));
         let source = self

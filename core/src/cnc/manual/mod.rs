@@ -14,7 +14,7 @@ use crate::operation::{AxisDirection, RunState, jog_rate};
 use crate::units::{Axis, PerAxis, Point};
 
 impl Cnc {
-    /// Advances manual motion by one tick.
+    /// Advances manual motion by one tick, from the axis keys and the handwheel.
     pub(crate) fn advance_manual_motion(&mut self, inputs: &MachineInputs) {
         let counts = self.hand.wheel.count_tick(inputs.handwheel);
         // A key held since before a mode change must be released first.
@@ -68,14 +68,14 @@ impl Cnc {
         }
     }
 
-    /// Jog: moves the axis while its key is held.
+    /// Jogs an axis while its key is held; `None` stops it.
     fn jog_axis(&mut self, axis: Axis, key: Option<AxisDirection>) {
         let direction = key.filter(|way| !self.is_interlocked(axis) && self.can_move(axis, *way));
         let command = direction.map(|way| (way == AxisDirection::Plus, self.manual_rate(axis)));
         self.command_axis(axis, command);
     }
 
-    /// Commands a jog of an axis, or a standstill.
+    /// Commands a jog of an axis (true = positive) at a rate, or a standstill with `None`.
     pub(crate) fn command_axis(&mut self, axis: Axis, command: Option<(bool, JogRate)>) {
         if *self.hand.jog.get(axis) != command {
             *self.hand.jog.get_mut(axis) = command;
@@ -83,8 +83,8 @@ impl Cnc {
         }
     }
 
-    /// Step: each press moves the axis by one increment, to its end even when the key is
-    /// released (manual III-6.1).
+    /// Moves an axis by one step when its key is pressed. The axis completes the step even
+    /// if the key is released (manual III-6.1).
     fn step_axis(&mut self, axis: Axis, pressed: Option<AxisDirection>) {
         if let Some(direction) = pressed
             && !self.drives.interpolator.is_stepping(axis)
@@ -120,8 +120,9 @@ impl Cnc {
         }
     }
 
-    /// One step, or one graduation of the handwheel, mm of the slide: X counts on the
-    /// diameter. 173.1 SINC = 1 permits only the small ones.
+    /// Length of one step or one graduation of the handwheel, mm of slide travel; for X the
+    /// increments are of the diameter. 173.1 SINC = 1 permits only the small steps; others
+    /// have length 0.
     pub(crate) fn step_distance(&self, axis: Axis) -> f64 {
         let increments = self.plc.signals.step_increments;
         if increments >= 100 && self.memory.parameters.has_small_steps_only() {
@@ -140,7 +141,8 @@ impl Cnc {
         }
     }
 
-    /// Jog rate, or rapid with 快速 on; without a reference the rapid needs 012.0 ISOT.
+    /// Rate of manual motion: the jog rate, or rapid with 快速 on. Without a reference, rapid
+    /// also needs 012.0 ISOT.
     pub(crate) fn manual_rate(&self, axis: Axis) -> JogRate {
         let referenced = *self.coordinates.referenced.get(axis);
         let rapid = self.plc.signals.rapid
@@ -164,7 +166,7 @@ impl Cnc {
         self.hand.jog_blocked = PerAxis::new(true, true);
     }
 
-    /// The commanded position of the slides, machine coordinates.
+    /// The commanded position of the slides, machine coordinates in mm.
     pub(crate) fn position(&self) -> Point {
         self.drives.interpolator.position()
     }

@@ -32,11 +32,11 @@ use crate::operation::{RunState, ZeroReturnStage};
 use crate::units::{Axis, PerAxis, Point, Pulses};
 use gsk_messages::{Message, say};
 
-/// Wait for a motor, ms. Of the following error of a servo with a gain of 20/s or more,
-/// less than 0.1 % is left.
+/// Time to wait until a motor has stopped, ticks of 1 ms. Less than 0.1 % of the
+/// following error is left for a servo with a gain of 20/s or more.
 const MOTOR_WAIT_TICKS: u16 = 400;
 
-/// Deceleration switches, X0.3 and X1.3.
+/// Bit of the deceleration switches X0.3 and X1.3.
 const SWITCH_MASK: u8 = 1 << 3;
 
 impl Cnc {
@@ -61,9 +61,10 @@ impl Cnc {
         }
     }
 
-    /// Advises the operator when a return ended because its key was released. With 011.2
-    /// ZNIK = 1 a key was pressed to stop it. Past the switch, a second try would find no
-    /// switch and run to the end of the travel.
+    /// Advises the operator when a return ended at `stage` because its key was released. No
+    /// advice with 011.2 ZNIK = 1, when a key was pressed to stop the return. Past the
+    /// switch, a second try would not find the switch and would run to the end of the
+    /// travel.
     fn advise_on_released_key(&mut self, axis: Axis, stage: Option<ZeroReturnStage>) {
         if *self.hand.axis_keys.get(axis) || self.memory.parameters.are_zero_keys_latched() {
             return;
@@ -91,7 +92,7 @@ impl Cnc {
         self.start_reference_return(axis)
     }
 
-    /// Starts the return of an axis to its machine zero.
+    /// Starts the return of an axis to its machine zero, with or without a board.
     fn start_reference_return(&mut self, axis: Axis) -> Result<(), Alarm> {
         if let Some(board) = self.drives.board
             && self.memory.parameters.has_zero_switch(axis)
@@ -121,7 +122,8 @@ impl Cnc {
         Ok(())
     }
 
-    /// The alarm for a return that begins on its switch; it names the direction off it.
+    /// The alarm for a return that would begin on its switch; its detail names the
+    /// direction off the switch.
     pub(crate) fn on_switch_alarm(&self, axis: Axis) -> Alarm {
         let direction = self.direction_off_switch(axis);
         Alarm::new(number::ZERO_RETURN).with_detail(say::return_on_switch(axis, direction))
@@ -133,14 +135,15 @@ impl Cnc {
         format!("{axis}{}", if negative { '+' } else { '-' })
     }
 
-    /// The reason of a stop during an approach: the switch was not reached.
+    /// Message that a return was stopped before it reached its switch; `None` if the axis
+    /// is not approaching its switch.
     pub(crate) fn missed_switch_message(&self, axis: Axis) -> Option<Message> {
         let is_approaching = *self.coordinates.returns.get(axis) == Some(ZeroReturnStage::Approach);
         is_approaching.then(|| say::return_before_switch(axis))
     }
 
-    /// G28: starts the search for the reference points of axes without one. Axes that have
-    /// one are already there.
+    /// Starts G28: axes without a reference point search for it; the other axes of the
+    /// block are already at theirs.
     pub(crate) fn start_zero_return(&mut self, x: bool, z: bool) -> Result<(), Alarm> {
         let mut axes = [(Axis::X, x), (Axis::Z, z)];
         // Axes without a switch first.
@@ -238,7 +241,8 @@ impl Cnc {
         }
     }
 
-    /// Sets speed and direction of a return, as far as the interlocks permit.
+    /// Commands speed and direction for a stage of a return, if no interlock or limit
+    /// prevents it.
     pub(crate) fn drive_return(&mut self, axis: Axis, stage: ZeroReturnStage) {
         let back = matches!(stage, ZeroReturnStage::Back | ZeroReturnStage::LeaveLimit);
         let negative = self.memory.parameters.is_zero_negative(axis) != back;
@@ -258,7 +262,7 @@ impl Cnc {
         self.command_axis(axis, command);
     }
 
-    /// Whether something prevents a return from continuing.
+    /// Whether a start lock, a hold or an interlock prevents a return from continuing.
     pub(crate) fn is_return_held(&self, axis: Axis) -> bool {
         let by_program = self.run.automatic.state == RunState::Run && self.plc.signals.start_lock;
         by_program || self.run.automatic.state == RunState::Hold || self.is_interlocked(axis)
@@ -272,7 +276,7 @@ impl Cnc {
         }
     }
 
-    /// Whether the deceleration switch is pressed (004.5 DECI).
+    /// Whether the deceleration switch of an axis is pressed (004.5 DECI).
     pub(crate) fn is_on_zero_switch(&self, axis: Axis) -> bool {
         let byte = match axis {
             Axis::X => 0,
@@ -282,7 +286,8 @@ impl Cnc {
         closed == self.memory.parameters.is_deceleration_closed()
     }
 
-    /// Makes the position of the zero signal's pulse the machine zero.
+    /// Makes the position at the zero signal the machine zero. `latch` is the pulse count
+    /// there; with `None` nothing happens.
     pub(crate) fn set_machine_zero_at(&mut self, axis: Axis, latch: Option<Pulses>) {
         let Some(count) = latch else { return };
         let here = self.drives.axis_chain.set_zero_at(axis, count);
@@ -304,7 +309,8 @@ impl Cnc {
         self.finish_return(axis, shifted);
     }
 
-    /// Waits until the motor has stopped, then moves back to the pulse of the zero signal.
+    /// Waits until the motor has stopped, then moves the axis back to the position of the
+    /// zero signal.
     fn wait_for_motor(&mut self, axis: Axis, ticks: u16, shifted: bool) {
         if let Some(left) = ticks.checked_sub(1) {
             let ticks = left;
@@ -316,7 +322,7 @@ impl Cnc {
         self.finish_return(axis, shifted);
     }
 
-    /// Whether an axis waits for its motor within a return.
+    /// Whether the return of any axis waits until its motor has stopped.
     pub(crate) const fn is_waiting_for_motor(&self) -> bool {
         matches!(
             self.coordinates.returns.x,
@@ -327,7 +333,7 @@ impl Cnc {
         )
     }
 
-    /// Ends a return; `shifted`: the machine coordinates have changed.
+    /// Ends the return of an axis; `shifted`: its machine coordinates have changed.
     pub(crate) fn finish_return(&mut self, axis: Axis, shifted: bool) {
         *self.coordinates.returns.get_mut(axis) = None;
         let before = self.coordinates.frame;
@@ -355,8 +361,8 @@ impl Cnc {
         }
     }
 
-    /// Sets the state of an axis at its reference point: lamp, coordinates of 049 and 050
-    /// (012.7 APRS), end of the tool offset.
+    /// Sets the state of an axis at its reference point: zero lamp on, coordinates of 049
+    /// and 050 (012.7 APRS), tool offset cancelled.
     fn set_at_reference(&mut self, axis: Axis) {
         let at = self.position().get(axis);
         *self.coordinates.referenced.get_mut(axis) = true;
@@ -377,7 +383,7 @@ impl Cnc {
         self.send_frame();
     }
 
-    /// Method A: makes the present position of an axis its machine zero (取消 and the letter
+    /// Makes the present position of an axis its machine zero (method A: 取消 and the letter
     /// of the axis on the page of all positions). Axes with a zero switch are not changed.
     pub(crate) fn set_machine_zero(&mut self, axis: Axis) {
         let at_rest = !self.is_moving() && !self.run.automatic.is_operating();
@@ -395,7 +401,8 @@ impl Cnc {
         self.send_frame();
     }
 
-    /// Axes that keep their reference when pulses were lost: those of method A.
+    /// Axes whose reference remains valid when pulses were lost: those without a zero
+    /// switch (method A).
     pub fn reference_without_switch(&self) -> PerAxis<bool> {
         let is_kept = |axis| {
             *self.coordinates.referenced.get(axis) && !self.memory.parameters.has_zero_switch(axis)
@@ -403,7 +410,8 @@ impl Cnc {
         PerAxis::new(is_kept(Axis::X), is_kept(Axis::Z))
     }
 
-    /// Shifts the machine coordinates; the program coordinates stay.
+    /// Adds `shift` (mm) to the machine coordinates of the work zero and the program zero,
+    /// after the machine coordinates were shifted. The program coordinates stay the same.
     pub(crate) fn shift_frame(&mut self, shift: Point) {
         self.coordinates.frame.zero = self.coordinates.frame.zero + shift;
         if let Some(zero) = &mut self.coordinates.program_zero {

@@ -6,26 +6,27 @@ use crate::command::Frame;
 use crate::operation::ZeroReturnStage;
 use crate::units::{PerAxis, Point};
 
-/// Frames and references.
+/// Coordinate frame, zero points and reference returns of the axes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Coordinates {
     /// Work zero and tool offset in force.
     pub frame: Frame,
     /// Absolute coordinate at which the relative display shows zero.
     pub relative_zero: Point,
-    /// Machine coordinate of the program zero point, once a G50 has run.
+    /// Machine coordinates of the program zero point; `None` until a G50 has run.
     pub program_zero: Option<Point>,
-    /// Programmed X minus X of the tip at the end of the last move, mm.
+    /// Programmed X minus X of the tool tip at the end of the last move, mm (radius).
     #[serde(rename = "programmed_ahead")]
     pub programmed_x_lead: f64,
-    /// Axes whose PRO an emergency stop or a drive alarm ended, and which have not left the
-    /// program zero since.
+    /// Axes whose PRO signal was ended by an emergency stop or a drive alarm, and which
+    /// have not left the program zero since then.
     #[serde(default)]
     pub program_zero_ended: PerAxis<bool>,
-    /// Axes whose reference point is established.
+    /// Axes whose reference point the control knows.
     pub referenced: PerAxis<bool>,
-    /// Machine coordinate of the reference point at which an axis is; `None`: elsewhere.
+    /// Machine coordinate of the reference point at which each axis is, mm; `None` if the
+    /// axis is elsewhere.
     pub at_reference: PerAxis<Option<f64>>,
-    /// Stage of the return under way of each axis.
+    /// Stage of the reference return of each axis; `None` without a return under way.
     pub returns: PerAxis<Option<ZeroReturnStage>>,
 }

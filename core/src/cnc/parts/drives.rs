@@ -10,7 +10,8 @@ use crate::motion::{Interpolator, MotionLimits};
 use crate::operation::{DriveWatch, Sensors};
 use crate::units::{Axis, Point};
 
-/// Interpolator, axes and drives.
+/// From the path to the pulses: interpolator, limits, axis chain, and the drives or the
+/// board.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct DriveUnit {
     /// Produces the path of the motion under way.
@@ -22,12 +23,12 @@ pub(crate) struct DriveUnit {
     pub axis_chain: AxisChain,
     /// Software travel limits.
     pub soft_limits: SoftLimits,
-    /// Signals of drives and encoder.
+    /// Signals of drives and encoder in the last tick.
     pub sensors: Sensors,
     /// Supervision of the drives' alarm and ready signals.
     pub watch: DriveWatch,
-    /// The pulse board with real drives, if one makes the motion. A saved state never
-    /// contains an open link.
+    /// The pulse board that makes the motion, with its drives; `None` without one. A saved
+    /// state never contains an open link.
     #[serde(skip)]
     pub board: Option<BoardDrives>,
     /// Alarms of the board, and what is still to be added to them.
@@ -35,10 +36,11 @@ pub(crate) struct DriveUnit {
     pub board_alarms: BoardAlarms,
 }
 
-/// Alarms of the board, and what is still to be added to them.
+/// Alarms of the board, and details that must still be added to them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct BoardAlarms {
-    /// An alarm that stays in force as long as its cause, regardless of RESET.
+    /// An alarm that stays in force as long as its cause, regardless of RESET; `None`
+    /// without one.
     pub persistent: Option<Alarm>,
     /// Alarms whose detail does not name the position of the slides yet.
     pub incomplete: Vec<Alarm>,

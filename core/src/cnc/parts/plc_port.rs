@@ -8,21 +8,21 @@ use serde::{Deserialize, Serialize};
 use crate::operation::{FromPlc, InputFilter, OutputTimers, SoftSwitchChange, X_BYTES};
 use crate::units::PerAxis;
 
-/// Number of output bytes.
+/// Number of output bytes in the Y area.
 const Y_BYTES: usize = 20;
 
 /// The PLC with its interface to the control.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PlcPort {
-    /// The ladder engine with its memory.
+    /// Executes the ladder and contains the PLC memory.
     pub engine: Plc,
-    /// G signals of the last slot.
+    /// G signals of the ladder after the last slot.
     pub signals: FromPlc,
-    /// Debounced contacts.
+    /// Filter that debounces the machine contacts.
     pub filter: InputFilter,
-    /// Contacts that the keys of the machine panel close.
+    /// Contacts X that the keys of the machine panel close, as bits.
     pub panel_keys: [u8; X_BYTES],
-    /// A soft switch that is changing to a new state.
+    /// A soft switch that is changing to a new state; `None` without one.
     #[serde(rename = "turning")]
     pub switch_change: Option<SoftSwitchChange>,
     /// Whether the OUTPUT key is down.
@@ -31,19 +31,21 @@ pub(crate) struct PlcPort {
     pub soft_switches: u8,
     /// Whether the ladder is halted for stepping.
     pub halted: bool,
-    /// The ladder that the next power-on loads; `None`: the present one.
+    /// The ladder that the next power-on loads; `None`: the present ladder stays.
     pub next_ladder: Option<Arc<Ladder>>,
     /// Whether a message of the ladder is in force.
     pub message: bool,
-    /// Outputs at their last refresh.
+    /// Output bytes Y at their last refresh.
     pub y: Vec<u8>,
     /// Timers of outputs that a program has switched.
     #[serde(default, skip_serializing_if = "OutputTimers::is_idle")]
     pub output_timers: OutputTimers,
-    /// Levels of the inputs with an own function at their last sample.
+    /// Levels of the model's inputs that have an own function, at their last sample, as
+    /// bits.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub input_levels: u32,
-    /// Levels of the ladder outputs that outputs of the model follow, at their last sample.
+    /// Levels of the ladder outputs that outputs of the model follow, at their last sample,
+    /// as bits.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[serde(rename = "followed")]
     pub followed_levels: u32,
@@ -62,7 +64,7 @@ const fn is_zero(levels: &u32) -> bool {
 }
 
 impl PlcPort {
-    /// State at power-on.
+    /// Creates the port at power-on.
     pub(crate) fn new(engine: Plc) -> Self {
         Self {
             signals: FromPlc::read(engine.memory()),

@@ -12,10 +12,10 @@ use crate::motion::Interpolator;
 use crate::operation::{AutomaticRun, Handshake, OperatingMode};
 use crate::program::MdiBlock;
 
-/// State of the program run.
+/// State of the program run, with mode, interpreter and MDI block.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct CncRun {
-    /// Operating mode.
+    /// Operating mode that the ladder has selected.
     pub mode: OperatingMode,
     /// State of automatic operation.
     pub automatic: AutomaticRun,
@@ -30,7 +30,7 @@ pub(crate) struct CncRun {
     pub mdi: MdiBlock,
     /// Modal state of the block in execution.
     pub modal: ModalState,
-    /// The rest of a held block while the axes are moved manually.
+    /// The rest of a held motion while the axes are moved manually; `None` otherwise.
     #[serde(rename = "held")]
     pub held_motion: Option<Interpolator>,
     /// Tool number and offset number on the T display.
@@ -40,15 +40,17 @@ pub(crate) struct CncRun {
     pub indexing_by_key: bool,
     /// Line at which the next cycle start begins, from 1.
     pub cursor_line: u32,
-    /// Whether the next cycle start begins at the head, because the program ended.
+    /// Whether the next cycle start begins at the head of the program, because the program
+    /// ended.
     pub rewind_at_start: bool,
-    /// Explanations of commands that were read but have not begun; `None`: switched off.
+    /// Explanations of the commands that were read but have not begun, one per command;
+    /// `None`: explanations are off.
     #[serde(skip)]
     pub explanations: Option<VecDeque<Option<Explanation>>>,
 }
 
 impl CncRun {
-    /// State at power-on: no program runs.
+    /// Creates the run at power-on: no program runs, and `tool` is in position.
     pub(crate) fn new(interpreter: Interpreter, tool: u8, registers: Registers) -> Self {
         Self {
             mode: OperatingMode::Mdi,

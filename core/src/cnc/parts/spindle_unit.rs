@@ -5,19 +5,19 @@ use serde::{Deserialize, Serialize};
 use crate::memory::ControlParameters;
 use crate::spindle::{SpindleAngle, SpindleControl};
 
-/// State and commands of the spindle.
+/// The spindle as the control drives and measures it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SpindleUnit {
-    /// Speed, gears, constant surface speed.
+    /// Commanded speed, gear and measured speed.
     pub control: SpindleControl,
-    /// Angle measured by the encoder.
+    /// Spindle angle, estimated from the encoder or measured by a board.
     pub angle: SpindleAngle,
     /// Spindle override in force, %; a change during a thread waits for its end.
     pub override_percent: u8,
 }
 
 impl SpindleUnit {
-    /// State at power-on: standstill.
+    /// Creates the state at power-on, with the spindle at standstill.
     pub(crate) fn new(parameters: &ControlParameters) -> Self {
         Self {
             control: SpindleControl::new(parameters),

@@ -2,11 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-/// 参数开关 and 程序开关: while one is on, its memory may be written.
+/// The switches 参数开关 (parameters) and 程序开关 (programs). Each permits changes of its data
+/// while on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct WriteSwitches {
-    /// 参数开关: parameters may be written.
+    /// Whether 参数开关 is on: parameters may be changed.
     pub parameters: bool,
-    /// 程序开关: programs may be written.
+    /// Whether 程序开关 is on: programs may be changed.
     pub programs: bool,
 }

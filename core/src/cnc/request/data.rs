@@ -22,13 +22,13 @@ use crate::units::Axis;
 
 /// The highest tool number that DGN.075 accepts.
 const LAST_TOOL: u8 = 32;
-/// Parameters that determine the spindle angle.
+/// Parameters that determine the scale of the spindle angle.
 const ENCODER: [u16; 3] = [
     parameter::ENCODER_LINES,
     parameter::SPINDLE_TEETH,
     parameter::ENCODER_TEETH,
 ];
-/// Millimetres per inch.
+/// Millimetres in one inch.
 const MM_PER_INCH: f64 = 25.4;
 
 impl Cnc {
@@ -58,7 +58,7 @@ impl Cnc {
         }
     }
 
-    /// Changes passwords or the operation level, if the operator may.
+    /// Changes passwords or the operation level, if the operator is permitted to.
     pub(super) fn change_authority<R>(&mut self, change: impl FnOnce(&mut Authority) -> R) {
         if self.rights().check_password().is_ok() {
             change(&mut self.memory.authority);
@@ -71,8 +71,8 @@ impl Cnc {
         }
     }
 
-    /// Sets a value of the offset page (manual III-7): stored, measured, added, or the
-    /// relative coordinate.
+    /// Sets a tool offset as the offset page does (manual III-7): the value is stored,
+    /// measured, added, or the relative coordinate.
     pub(super) fn set_offset(&mut self, number: u8, entry: OffsetEntry) -> Result<(), Alarm> {
         if self.rights().check_offsets().is_err() {
             return Ok(());
@@ -122,7 +122,8 @@ impl Cnc {
         self.store_offset(number, offset)
     }
 
-    /// Stores an offset. Row 000 exists only for the work shift (012.6 WSFT).
+    /// Stores an offset under a number. Number 000 exists only for the work shift (012.6
+    /// WSFT).
     fn store_offset(&mut self, number: u8, offset: ToolOffset) -> Result<(), Alarm> {
         if number == 0 && self.memory.parameters.has_work_shift() {
             self.memory.offsets.set_work_shift(offset)
@@ -131,8 +132,8 @@ impl Cnc {
         }
     }
 
-    /// The offset of a tool at a measured coordinate: the displayed coordinate, plus the
-    /// offset in force (005.1 PPD), minus the measured one.
+    /// Calculates an offset from a measured coordinate (mm): the displayed coordinate, plus
+    /// the offset in force (005.1 PPD), minus the measured coordinate.
     fn measured_offset(&self, axis: Axis, coordinate: f64) -> f64 {
         let radius = match axis {
             Axis::X if !self.memory.parameters.is_radius_programming() => coordinate / 2.0,
@@ -146,8 +147,8 @@ impl Cnc {
         self.to_offset(axis, self.position_absolute().get(axis) + in_force - radius)
     }
 
-    /// Converts a distance of the slide to the offset page: X as a diameter unless 004.4
-    /// ORC = 1.
+    /// Converts slide travel (mm) to the scale of the offset page: X as a diameter unless
+    /// 004.4 ORC = 1.
     fn to_offset(&self, axis: Axis, distance: f64) -> f64 {
         match axis {
             Axis::X if !self.memory.parameters.is_offset_radius() => distance * 2.0,
@@ -163,7 +164,7 @@ impl Cnc {
         }
     }
 
-    /// Writes parameters and applies them.
+    /// Changes parameters and applies them, if the operator is permitted to.
     pub(super) fn change_parameters(
         &mut self,
         change: impl FnOnce(&mut ControlParameters) -> Result<(), ParameterError>,
@@ -177,8 +178,8 @@ impl Cnc {
         Ok(())
     }
 
-    /// Applies new values of all parameters, except those that wait for the next power-on
-    /// (alarm 000).
+    /// Applies new values of all parameters. Some of them wait for the next power-on (alarm
+    /// 000).
     pub(super) fn apply_parameters(&mut self, changed: ControlParameters) {
         let needs_power_cycle = changed.needs_power_cycle(&self.memory.parameters);
         let encoder = ENCODER
@@ -204,8 +205,8 @@ impl Cnc {
         }
     }
 
-    /// Sets a variable of macro B (local ones while no program runs) or of the Huaxing
-    /// lathes.
+    /// Sets a variable of macro B (a local variable only while no program runs) or of the
+    /// Huaxing lathes; `None`: null.
     pub(super) fn set_macro_variable(
         &mut self,
         number: u16,
@@ -296,8 +297,8 @@ impl Cnc {
         }
     }
 
-    /// DGN.075: sets the tool in position after the tool post was turned manually with the
-    /// power off.
+    /// Sets the number of the tool in position (DGN.075), after the tool post was turned
+    /// manually with the power off.
     pub(super) fn set_tool_in_position(&mut self, tool: u8) -> Result<(), Alarm> {
         if self.rights().check_machine_data().is_err() || self.run.automatic.is_operating() {
             return Ok(());
@@ -313,7 +314,8 @@ impl Cnc {
         Ok(())
     }
 
-    /// Sets a preset of the PLC. Timers that a data parameter sets cannot be changed here.
+    /// Sets a preset of the PLC. Timers that a data parameter presets cannot be changed
+    /// here.
     pub(super) fn set_preset(&mut self, address: ByteAddress, value: i32) -> Result<(), Alarm> {
         let is_timer_parameter =
             |entry: u16| TIMER_PRESETS.iter().any(|(preset, _)| *preset == entry);

@@ -33,7 +33,8 @@ impl Cnc {
         })
     }
 
-    /// The alarm for a search on the program page that found nothing.
+    /// The alarm for a search on the program page that found nothing; `sequence`: a
+    /// sequence number was searched.
     pub(super) fn search_alarm(&self, sequence: bool) -> Alarm {
         Alarm::new(if sequence && self.run.mode == OperatingMode::Auto {
             number::SEQUENCE_MISSING
@@ -42,7 +43,7 @@ impl Cnc {
         })
     }
 
-    /// Moves the cursor to a line of the selected program, if no program runs.
+    /// Moves the cursor to a line (from 1) of the selected program, if no program runs.
     pub(super) fn move_cursor(&mut self, line: u32) {
         if !self.run.automatic.is_operating() {
             self.drop_stopped_run();
@@ -50,7 +51,7 @@ impl Cnc {
         }
     }
 
-    /// Stores a program and selects it.
+    /// Stores a program text in the program memory and selects the program.
     pub(super) fn store_program(&mut self, text: String) -> Result<(), Alarm> {
         if self.is_memory_protected() {
             return Ok(());
@@ -131,8 +132,8 @@ impl Cnc {
         Ok(())
     }
 
-    /// Stores a text that was typed while that was permitted; the mode may have changed
-    /// since.
+    /// Stores the edited text of a program, even if the mode has changed since the text was
+    /// typed.
     pub(super) fn store_edited(&mut self, number: u16, program: Program) -> Result<(), Alarm> {
         if self.run.automatic.state == RunState::Run
             || !check_allowed(self.rights().check_program_store(number))?
@@ -153,7 +154,7 @@ impl Cnc {
         self.invalidate_run();
     }
 
-    /// Ends a held run that cannot be resumed: the next start begins at the head.
+    /// Drops the run because its program has changed: the next start begins at the head.
     pub(super) fn invalidate_run(&mut self) {
         if self.run.automatic.is_operating() {
             self.stop_run(RunState::Reset);

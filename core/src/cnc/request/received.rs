@@ -7,7 +7,7 @@ use crate::command::ProgramId;
 use crate::memory::{Offsets, PitchTable};
 use crate::program::Program;
 
-/// State of the serial port: F213.
+/// State of the serial port, which the ladder reads in F213.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum SerialPort {
     /// No transfer is under way.
@@ -19,27 +19,27 @@ pub enum SerialPort {
     Receiving,
 }
 
-/// A complete transfer through the serial port.
+/// The content of a complete transfer through the serial port.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ReceivedData {
-    /// A program for the memory; its number must be free.
+    /// Text of a program for the memory; its O number must be free.
     Program(String),
-    /// A program that replaces the one with its number.
+    /// Text of a program that replaces the program with its O number.
     Replacement(String),
-    /// Deletes the program with this number.
+    /// Deletion of the program with this O number.
     Deletion(u16),
-    /// Renames a program.
+    /// Renaming of a program.
     Renaming {
-        /// Present number.
+        /// Present O number.
         from: u16,
-        /// New number.
+        /// New O number.
         to: u16,
     },
-    /// All tool offsets.
+    /// Values that replace all tool offsets.
     Offsets(Offsets),
-    /// The whole pitch error table.
+    /// Values that replace the whole pitch error table.
     Pitch(PitchTable),
-    /// Parameters as numbers and values.
+    /// Parameters as pairs of number and value.
     Parameters(Vec<(u16, i32)>),
 }
 
@@ -106,7 +106,8 @@ impl Cnc {
         self.memory.programs.selected() == Some(ProgramId::Stored(number))
     }
 
-    /// Makes the next start of the program begin at its head, if it is selected.
+    /// Makes the next start begin at the head, if the program with this O number is
+    /// selected.
     fn note_replaced_program(&mut self, number: u16) {
         if self.is_selected(number) {
             self.invalidate_run();

@@ -7,7 +7,7 @@ use crate::memory::WriteRefusal;
 use crate::operation::OperatingMode;
 use gsk_messages::{Message, say};
 
-/// The mode that a request needs.
+/// The operating mode that a request needs.
 const fn required_mode(request: &ControlRequest) -> OperatingMode {
     match request {
         ControlRequest::CreateProgram(_)
@@ -35,8 +35,8 @@ fn refusal_message(refusal: WriteRefusal, mode: OperatingMode) -> Message {
 }
 
 impl Cnc {
-    /// Why a request would be refused now without an alarm. `None`: it would be executed,
-    /// or an alarm names the reason.
+    /// Message why a request would be refused now without an alarm. `None` if it would be
+    /// executed, or if an alarm names the reason.
     pub fn request_refusal(&self, request: &ControlRequest) -> Option<Message> {
         let rights = self.rights();
         let check_running = |refused: bool| {

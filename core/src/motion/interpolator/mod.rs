@@ -28,7 +28,7 @@ enum ProgrammedMotion {
         ramp: Ramp,
         feed: Feed,
     },
-    /// A cut whose command runs ahead of the tool, with its distance to go.
+    /// A cut whose command runs ahead of the tool, with the command's distance to go in mm.
     #[serde(rename = "Led")]
     LaggedCut {
         path: CutPath,
@@ -38,13 +38,13 @@ enum ProgrammedMotion {
     },
     Thread(ThreadMotion),
     Tap(TapMotion),
-    /// A cut that the drives make on their own.
+    /// A cut that a board makes; the control only follows its progress.
     #[serde(rename = "Driven")]
     ExternalCut(ExternalCut),
 }
 
-/// The interpolator: produces a position per tick. Machine coordinates, X in radius; plain
-/// data.
+/// The interpolator: produces a position per tick. Machine coordinates in mm, X as a
+/// radius. Its whole state can be saved.
 ///
 /// A block that ends within a tick leaves the rest of that tick. Start the next block at
 /// once and call `continue_tick` to use the rest in the same tick. If the next block starts
@@ -70,7 +70,7 @@ pub struct Interpolator {
 }
 
 impl Interpolator {
-    /// An interpolator at rest.
+    /// Creates an interpolator at rest at a position.
     pub fn new(position: Point) -> Self {
         Self {
             position,
@@ -85,13 +85,13 @@ impl Interpolator {
         }
     }
 
-    /// Position after the last tick.
+    /// Position of the tool after the last tick, mm.
     pub const fn position(&self) -> Point {
         self.position
     }
 
-    /// Commanded position: ahead of [`position`](Self::position) while cuts continue into
-    /// each other.
+    /// Commanded position, mm. It is ahead of [`position`](Self::position) while cuts
+    /// continue into each other.
     pub fn commanded(&self) -> Point {
         self.position + self.lag.vector
     }
@@ -101,12 +101,12 @@ impl Interpolator {
         (self.position - self.tick_start) * (1.0 / TICK_S)
     }
 
-    /// Time that the last block left of the tick in which it ended, s.
+    /// Time that the last block left unused in the tick in which it ended, s.
     pub(crate) const fn leftover_time(&self) -> f64 {
         self.leftover_s
     }
 
-    /// Whether any axis has speed.
+    /// Whether any axis has speed, in programmed or manual motion.
     pub fn is_moving(&self) -> bool {
         let programmed = match &self.motion {
             ProgrammedMotion::None => !self.lag.is_zero(),
@@ -128,7 +128,7 @@ impl Interpolator {
         matches!(self.motion, ProgrammedMotion::None)
     }
 
-    /// Distance to go of the programmed motion, per axis.
+    /// Distance to go of the programmed motion, per axis, mm; negative towards minus.
     pub fn distance_to_go(&self) -> Point {
         match &self.motion {
             ProgrammedMotion::None => Point::default(),
@@ -143,8 +143,8 @@ impl Interpolator {
         }
     }
 
-    /// Upper bound of a cut's stopping distance from [`commanded`](Self::commanded), mm,
-    /// which is cheaper to compute than its stopping point. `None` for other motion.
+    /// Upper bound of a cut's stopping distance from [`commanded`](Self::commanded), mm. It
+    /// is cheaper to compute than the stopping point. `None` for other motion.
     pub(crate) fn max_stopping_distance(&self, limits: &MotionLimits) -> Option<f64> {
         // An arc with unequal radii is a little longer than its computed length.
         const UNEQUAL_ENDS: f64 = 0.1;
@@ -184,7 +184,7 @@ impl Interpolator {
         }
     }
 
-    /// Starts a rapid.
+    /// Starts a rapid to a point.
     pub(crate) fn start_rapid(&mut self, to: Point, limits: &MotionLimits) {
         self.begin_motion(match limits.rapids_are_straight() {
             true => ProgrammedMotion::StraightRapid(StraightRapid::new(self.position, to)),
@@ -192,25 +192,25 @@ impl Interpolator {
         });
     }
 
-    /// Starts a straight cut.
+    /// Starts a straight cut to a point.
     pub(crate) fn start_line(&mut self, to: Point, feed: Feed) {
         self.start_cut(CutPath::line(self.commanded(), to), feed);
     }
 
-    /// Starts a circular cut, clockwise as seen with +Z to the right and +X up. It is a
-    /// full circle when it ends at its start.
+    /// Starts a circular cut, clockwise as seen with +Z to the right and +X up. The cut is
+    /// a full circle if its end is its start.
     pub(crate) fn start_arc(&mut self, to: Point, center: Point, clockwise: bool, feed: Feed) {
         self.start_cut(CutPath::arc(self.commanded(), to, center, clockwise), feed);
     }
 
-    /// Starts a thread. It waits for its spindle angle, or continues the thread before.
+    /// Starts a thread, which waits for its spindle angle or continues the thread before.
     pub(crate) fn start_thread(&mut self, thread: &ThreadMove, limits: &MotionLimits) {
         let before = self.handover.take();
         let thread = ThreadMotion::new(self.position, thread, before, limits);
         self.begin_motion(ProgrammedMotion::Thread(thread));
     }
 
-    /// Whether a thread is under way that follows the spindle.
+    /// Whether a thread is under way and follows the spindle.
     pub(crate) const fn is_in_thread(&self) -> bool {
         matches!(&self.motion, ProgrammedMotion::Thread(thread) if thread.is_running())
     }
@@ -220,7 +220,7 @@ impl Interpolator {
         matches!(&self.motion, ProgrammedMotion::Thread(thread) if !thread.is_running())
     }
 
-    /// Starts a straight cut that the drives make on their own after
+    /// Starts a straight cut that the board makes. It waits for
     /// [`begin_external_cut`](Self::begin_external_cut).
     pub(crate) fn start_external_cut(&mut self, to: Point) {
         self.begin_motion(ProgrammedMotion::ExternalCut(ExternalCut::new(
@@ -229,7 +229,7 @@ impl Interpolator {
         )));
     }
 
-    /// End point of a cut that waits for the drives; `None` if none waits.
+    /// End point of the cut that the board has not started yet; `None` without such a cut.
     pub(crate) const fn pending_external_cut(&self) -> Option<Point> {
         match &self.motion {
             ProgrammedMotion::ExternalCut(cut) if !cut.is_begun() => Some(cut.to()),
@@ -237,21 +237,22 @@ impl Interpolator {
         }
     }
 
-    /// Notes that the drives make the cut: from now on only they end it.
+    /// Records that the board has started the cut: from now on only the board can end it.
     pub(crate) const fn begin_external_cut(&mut self) {
         if let ProgrammedMotion::ExternalCut(cut) = &mut self.motion {
             cut.begin();
         }
     }
 
-    /// Takes the fraction of the cut that the drives have made.
+    /// Sets the fraction of the cut that the board has made, 0–1.
     pub(crate) fn report_external_progress(&mut self, fraction: f64) {
         if let ProgrammedMotion::ExternalCut(cut) = &mut self.motion {
             cut.report_progress(fraction);
         }
     }
 
-    /// Ends the cut at its end point; false if there is none.
+    /// Ends the cut of the board at its end point. Returns false if no such cut is under
+    /// way.
     pub(crate) fn end_external_cut(&mut self) -> bool {
         let ProgrammedMotion::ExternalCut(cut) = &self.motion else {
             return false;
@@ -263,26 +264,29 @@ impl Interpolator {
         true
     }
 
-    /// Starts tapping: in phase inwards until [`Interpolator::turn_back`].
+    /// Starts tapping: the tool moves inwards in phase with the spindle until
+    /// [`reverse_tap`](Self::reverse_tap). `lead` in mm per turn, `degrees` after the
+    /// index.
     pub(crate) fn start_tap(&mut self, to: Point, lead: f64, degrees: f64) {
         let tap = TapMotion::new(self.position, to, lead, degrees);
         self.begin_motion(ProgrammedMotion::Tap(tap));
     }
 
-    /// Whether a tap has reached its depth. It continues to follow the spindle.
+    /// Whether a tap has reached its depth. Even then it follows the spindle.
     pub(crate) fn is_tap_at_bottom(&self) -> bool {
         matches!(&self.motion, ProgrammedMotion::Tap(tap) if tap.is_at_bottom())
     }
 
-    /// Reverses the tap: it follows the reversed spindle out to its start and ends there.
+    /// Reverses the tap: the tool follows the reversed spindle out to its start and stops
+    /// there.
     pub(crate) fn reverse_tap(&mut self) {
         if let ProgrammedMotion::Tap(tap) = &mut self.motion {
             tap.reverse();
         }
     }
 
-    /// Starts a cut from the command of the previous one. Its first tick decides which law
-    /// applies.
+    /// Starts a cut at the commanded end of the previous one. The first tick of the cut
+    /// decides which law applies.
     fn start_cut(&mut self, path: CutPath, feed: Feed) {
         let lag = self.lag;
         self.begin_motion(ProgrammedMotion::Cut {
@@ -301,25 +305,25 @@ impl Interpolator {
         self.handover = None;
     }
 
-    /// Sets the jog of an axis (true = positive), or stops it. It acts while no programmed
-    /// motion is under way. Call it on changes only.
+    /// Starts the jog of an axis (true = positive) at a rate, or stops it with `None`. The
+    /// jog acts while no programmed motion is under way. Call it on changes only.
     pub(crate) const fn set_jog(&mut self, axis: Axis, command: Option<(bool, JogRate)>) {
         self.manual.get_mut(axis).request_jog(command);
     }
 
-    /// Moves an axis by `distance` mm (a step, or one detent of the handwheel). Further
-    /// steps add to the distance to go.
+    /// Moves an axis by `distance` mm (one step, or the graduations of the handwheel).
+    /// Further steps add to the distance to go.
     pub(crate) fn start_step(&mut self, axis: Axis, distance: f64, rate: JogRate) {
         let position = self.position.get(axis);
         self.manual.get_mut(axis).step(position, distance, rate);
     }
 
-    /// Moves an axis to a coordinate at a given rate.
+    /// Moves an axis to a machine coordinate (mm) at a given rate.
     pub const fn go_to(&mut self, axis: Axis, coordinate: f64, rate: JogRate) {
         self.manual.get_mut(axis).go_to(coordinate, rate);
     }
 
-    /// Changes the rate of the step under way.
+    /// Changes the rate of the step under way; without a step it does nothing.
     pub(crate) const fn set_step_rate(&mut self, axis: Axis, rate: JogRate) {
         self.manual.get_mut(axis).set_rate(rate);
     }
@@ -340,7 +344,8 @@ impl Interpolator {
         self.manual.get_mut(axis).release();
     }
 
-    /// Stops an axis in manual motion at a coordinate that it has reached or just passed.
+    /// Stops an axis in manual motion at a machine coordinate (mm) that it has reached or
+    /// just passed.
     pub(crate) fn stop_at(&mut self, axis: Axis, coordinate: f64) {
         *self.manual.get_mut(axis) = ManualAxis::default();
         *self.position.get_mut(axis) = coordinate;
@@ -358,17 +363,17 @@ impl Interpolator {
         self.manual.z.release();
     }
 
-    /// Stops at once (emergency stop).
+    /// Stops all motion at once, without deceleration (emergency stop).
     pub(crate) fn stop_now(&mut self) {
         *self = Self::new(self.position);
     }
 
-    /// Drops a motion that stands still.
+    /// Drops a motion whose axes stand still.
     pub fn cancel(&mut self) {
         self.stop_now();
     }
 
-    /// Shifts the whole motion: position, end points and centre.
+    /// Shifts position, end points and centre of the motion by a vector, mm.
     pub(crate) fn translate(&mut self, by: Point) {
         self.position = self.position + by;
         self.tick_start = self.tick_start + by;

@@ -29,8 +29,8 @@ impl Interpolator {
         self.position
     }
 
-    /// Uses the rest of this tick, which the last block left, for the block started since.
-    /// Returns the new position.
+    /// Continues the tick with the block started since the last one ended, in the time that
+    /// the last block left. Returns the new position.
     pub(crate) fn continue_tick(&mut self, limits: &MotionLimits, inputs: &MotionInputs) -> Point {
         if !self.is_finished() && self.leftover_s > 0.0 {
             let time = core::mem::take(&mut self.leftover_s);
@@ -54,8 +54,8 @@ impl Interpolator {
         }
     }
 
-    /// Makes a thread or tap that must stop leave the spindle and come to rest on its line,
-    /// like a cut.
+    /// Turns a thread or tap that must stop into a cut that brakes along its line, without
+    /// the spindle.
     fn leave_spindle(&mut self, limits: &MotionLimits) {
         let (to, can_end) = match &self.motion {
             ProgrammedMotion::Thread(thread) => (thread.to(), true),
@@ -82,8 +82,8 @@ impl Interpolator {
         };
     }
 
-    /// Without exact corners (007.3 = 0) makes the command of a starting cut run ahead of
-    /// the tool.
+    /// Lets the command of a cut that begins run ahead of the tool, unless exact corners
+    /// are on (007.3).
     fn start_lagged_cut(&mut self, limits: &MotionLimits) {
         let ProgrammedMotion::Cut { path, ramp, feed } = self.motion else {
             return;

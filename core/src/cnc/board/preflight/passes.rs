@@ -3,22 +3,22 @@
 
 use crate::command::ThreadPassFeature;
 
-/// State that earlier blocks have left.
+/// State that the blocks read so far have left for the next thread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct ThreadScan {
-    /// Whether threads have a run-out by No.019, which G76 P sets.
+    /// Whether threads have a run-out by No.019, which G76 can change with P.
     has_run_out: bool,
-    /// The last motion code.
+    /// Number of the last G code of motion.
     motion: u32,
-    /// Whether J of G92 makes a run-out; `None`: J was not given.
+    /// Whether J of G92 makes a run-out; `None` if J has not been programmed.
     run_out_by_j: Option<bool>,
 }
 
-/// The number after a letter; `None` for a variable.
+/// The number of a word; `None` for a variable.
 type WordValue = Option<f64>;
 
 impl ThreadScan {
-    /// State at the start; `width` is No.019.
+    /// State before the first block; `width` is No.019.
     pub(super) const fn new(width: i32) -> Self {
         Self {
             has_run_out: width != 0,
@@ -27,7 +27,8 @@ impl ThreadScan {
         }
     }
 
-    /// Reads the next block. Returns the feature that a single pass cannot have.
+    /// Reads the next block. Returns its feature that a single pass cannot have; `None`
+    /// without one.
     pub(super) fn read_block(&mut self, block: &str) -> Option<ThreadPassFeature> {
         let words = words(block);
         let word = |wanted: char| {
@@ -78,7 +79,7 @@ impl ThreadScan {
     }
 }
 
-/// Letters and numbers of a block without comments.
+/// The words of a block as letters and numbers, without comments.
 fn words(block: &str) -> Vec<(char, WordValue)> {
     let mut words = Vec::new();
     let mut comment = false;
@@ -105,7 +106,7 @@ fn number(text: &str) -> WordValue {
 mod tests {
     use super::*;
 
-    /// The refusal of the last of these blocks.
+    /// Reads these blocks. Returns the feature found in the last one.
     fn read_blocks(width: i32, blocks: &[&str]) -> Option<ThreadPassFeature> {
         let mut threads = ThreadScan::new(width);
         blocks
