@@ -6,7 +6,7 @@ use crate::common::WindowBench;
 use crate::window::request_close;
 use egui::Modifiers;
 use egui::accesskit::Role;
-use egui_kittest::kittest::{By, Queryable};
+use egui_kittest::kittest::{By, NodeT, Queryable};
 use gsk_app::kernel::{Command, OpenedProgram, StorePolicy};
 use gsk_app::window::layout::{Layouts, WindowLayout};
 use gsk_core::operation::RunState;
