@@ -28,7 +28,7 @@ use crate::interpreter::threads::tapping::Tapping;
 use crate::interpreter::threads::thread_cycle::ThreadCycle;
 use crate::units::Point;
 
-/// The generator of a cycle's moves.
+/// The generator that makes the moves of a cycle, one on each request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum CycleGenerator {
     /// G33 with several starts; G84 and G85 of the Huaxing lathes.
@@ -67,14 +67,14 @@ impl CycleGenerator {
     }
 }
 
-/// A running cycle. It generates one move ahead and so knows which move is its last.
+/// A running cycle. The cycle generates one move ahead, to know which move is the last.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Cycle {
     #[serde(rename = "maker")]
     generator: CycleGenerator,
     #[serde(rename = "ahead")]
     move_ahead: Option<Move>,
-    /// Where the move ahead ends, machine coordinates.
+    /// End of the move ahead, machine coordinates in mm, X as a radius.
     #[serde(rename = "at")]
     ahead_end: Point,
     /// The note of the move taken last.
@@ -101,7 +101,8 @@ impl Cycle {
         Ok(cycle)
     }
 
-    /// Generates the next move, without those of zero length.
+    /// Generates the next move of the cycle and stores it as the move ahead. Skips moves of
+    /// zero length.
     fn generate_ahead(&mut self) {
         loop {
             self.move_ahead = self.generator.next_move();
@@ -140,8 +141,8 @@ impl Cycle {
     }
 
     /// Greatest travel of each axis per spindle revolution in the cuts of a thread cycle, mm;
-    /// `None` for other cycles. The run-out counts if it is tied to the spindle (`is_run_out_tied`, 107 =
-    /// 0).
+    /// `None` for other cycles. The run-out is included if the spindle drives it
+    /// (`is_run_out_tied`, 107 = 0).
     pub(crate) fn thread_travel_per_revolution(&self, is_run_out_tied: bool) -> Option<Point> {
         match &self.generator {
             CycleGenerator::Thread(cycle) => Some(cycle.travel_per_revolution(is_run_out_tied)),
@@ -156,8 +157,8 @@ impl Cycle {
         }
     }
 
-    /// Whether a cut of a thread cycle has a run-out or several starts; `None` for a single
-    /// straight pass.
+    /// What the cuts of a thread cycle have besides a straight pass: a run-out or several
+    /// starts. `None` if they have neither.
     pub(crate) fn beyond_pass(&self) -> Option<ThreadPassFeature> {
         match &self.generator {
             CycleGenerator::Thread(cycle) => cycle.beyond_pass(),
@@ -167,7 +168,7 @@ impl Cycle {
         }
     }
 
-    /// The explanation data of the move taken last.
+    /// The explanation data of the move taken last; `None` before the first move.
     pub(crate) const fn pass_note(&self) -> Option<PassNote> {
         self.taken_note
     }

@@ -24,15 +24,16 @@ pub struct ImmediateHost<'a> {
     pub settings: ControlSettings,
     /// Machine time since the start, s; the caller advances it.
     pub now_s: f64,
-    /// Signals from the ladder to macros, computed when a program reads one first.
+    /// Signals from the ladder to macros, G54 (low byte) and G55; computed when a program
+    /// first reads one.
     pub inputs: LazyCell<u16, Box<dyn FnOnce() -> u16 + 'a>>,
     /// Signals from macros to the ladder, F54 in the lowest byte.
     pub outputs: u64,
-    /// The stored programs and the external one.
+    /// The programs in the memory of the control and the external one.
     pub programs: &'a ProgramMemory,
     /// Machine position at the start of a run, mm, X as a radius.
     pub machine_position: Point,
-    /// Whether each axis has a reference.
+    /// For each axis, whether its reference point is known.
     pub referenced: PerAxis<bool>,
     /// Whether block skip is on.
     pub block_skip: bool,

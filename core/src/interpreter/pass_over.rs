@@ -3,15 +3,16 @@
 
 use crate::interpreter::reader::Interpreter;
 
-/// What a check has passed over.
+/// What a check of a program has ignored to continue after an alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PassedOver {
-    /// The refused block.
+    /// The block that raised the alarm.
     Block,
     /// The compensation of a contour whose blocks are correct individually: the position is
     /// the programmed one.
     Contour,
-    /// Nothing: the block is in the profile that a G70 runs through.
+    /// Nothing, so the check cannot continue: the block is in the profile that a G70 runs
+    /// through.
     Nothing,
 }
 

@@ -41,7 +41,7 @@ pub(crate) struct ArcTurn {
 }
 
 impl ArcTurn {
-    /// The direction and the meaning of R and I in programs of a model.
+    /// Combines the direction of an arc with the meaning of R and I on the model of `record`.
     pub(crate) fn from_record(record: &ModelRecord, clockwise: bool) -> Self {
         let code = record.g_code(2);
         let is_i_diameter = code == Some(GCode::DiameterArcClockwise);
@@ -53,8 +53,8 @@ impl ArcTurn {
     }
 }
 
-/// The centre of an arc, in programmed coordinates (mm, X as a radius); `None` if it has no
-/// length (R and equal end points).
+/// Finds the centre of an arc, in programmed coordinates (mm, X as a radius). Returns `None`
+/// if the arc has no length (R and equal end points).
 ///
 /// # Errors
 /// 013 without a centre or radius, or with a radius that is too small; 023 for a negative R
@@ -148,7 +148,7 @@ struct Chord {
     start_z: i128,
     dx: i128,
     dz: i128,
-    /// Square of its length.
+    /// Square of the chord's length, in squared half units.
     length_square: i128,
 }
 
@@ -167,8 +167,8 @@ impl Chord {
         }
     }
 
-    /// Distance of the centre from the chord as a multiple of its length; `None` if the chord
-    /// is longer than the diameter.
+    /// Distance of the centre from the chord as a multiple of the chord's length; `None` if
+    /// the chord is longer than the diameter or has no length.
     fn height_ratio(&self, diameter_square: i128) -> Option<f64> {
         let height_square = diameter_square - self.length_square;
         if height_square < 0 || self.length_square == 0 {
@@ -188,7 +188,8 @@ impl Chord {
     }
 }
 
-/// The nearest floating-point number. Most values fit into 64 bits, whose conversion is fast.
+/// Converts to the nearest floating-point number. Most values fit into 64 bits, whose
+/// conversion is fast.
 fn to_f64(value: i128) -> f64 {
     // A separate function, so that the compiler does not convert all values this way.
     #[cold]

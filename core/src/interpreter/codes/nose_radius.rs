@@ -15,7 +15,7 @@ use crate::units::Point;
 /// Checks that the control has the option of G41 and G42 (002.1).
 ///
 /// # Errors
-/// 010 without it.
+/// 010 for a G41 or G42 on a control without the option.
 pub(crate) fn check_option(
     words: &SortedWords,
     parameters: &ControlParameters,
@@ -28,8 +28,8 @@ pub(crate) fn check_option(
     }
 }
 
-/// Checks an arc under nose radius compensation: arcs cannot start or cancel it (034, 056),
-/// and their data must fit (048, 051, 052).
+/// Checks an arc under nose radius compensation: an arc cannot start or cancel the
+/// compensation (034, 056), and its data must fit (048, 051, 052).
 pub(crate) fn check_arc_block(
     state: &State,
     compensation: CompensationMode,
@@ -70,7 +70,7 @@ fn check_center(
 /// the block moves along a contour, where it could cancel the compensation.
 ///
 /// # Errors
-/// 036 in offset mode.
+/// 036 if the block is compensated (offset mode).
 pub(crate) fn check_call(
     state: &State,
     context: &BlockContext<'_>,

@@ -36,14 +36,14 @@ pub(crate) enum OffsetExecution {
 /// Tool and offset number of a T word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ToolWord {
-    /// `None` keeps the tool.
+    /// Tool number; `None` keeps the tool in use.
     pub(crate) tool: Option<u8>,
     pub(crate) offset: u8,
 }
 
 impl ToolWord {
-    /// Decodes the T word of a block by the model's rule. On the Huaxing lathes T has one
-    /// digit, the same number for tool and offset, or one digit for each.
+    /// Decodes the number `value` of a T word by the model's rule: four digits as in
+    /// [`Self::decode`], or on the Huaxing lathes two (tool, offset) or one for both.
     ///
     /// # Errors
     /// 032 or 029 for a wrong tool, 030 for a wrong offset.
@@ -59,8 +59,9 @@ impl ToolWord {
         }
     }
 
-    /// Decodes and checks a T word of four digits. `stations` is the number of stations of the
-    /// turret, 0 for a gang tool post.
+    /// Decodes and checks the number `value` of a T word: the last two digits are the offset,
+    /// those before the tool. `stations` is the number of turret stations, 0 for a gang tool
+    /// post.
     ///
     /// # Errors
     /// 032 or 029 for a wrong tool, 030 for a wrong offset.
@@ -100,8 +101,8 @@ impl ToolWord {
     }
 }
 
-/// Puts a T word into force: changes the state, and appends the tool change and a new frame to
-/// `actions`.
+/// Puts a T word into force: changes the state and appends the tool change to `actions`,
+/// followed by the new frame if the offset has changed.
 pub(crate) fn apply_tool_word(
     state: &mut State,
     context: &BlockContext<'_>,

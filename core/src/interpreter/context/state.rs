@@ -10,7 +10,8 @@ use crate::interpreter::context::exact::ExactPoint;
 use crate::interpreter::context::words::{AxisTarget, AxisWords};
 use crate::units::{Axis, PerAxis};
 
-/// Small and `Copy`, so that the reader can restore it when a block raises an alarm.
+/// The modal codes, position and offsets after the blocks read so far. Small and `Copy`, so
+/// that the reader can restore the state when a block raises an alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct State {
     pub(crate) modal: ModalState,
@@ -57,14 +58,14 @@ pub(crate) struct State {
 /// Position of the tool at cycle start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct RunStart {
-    /// Machine coordinates.
+    /// Position in machine coordinates.
     pub(crate) machine: ExactPoint,
-    /// Work coordinates. G92 redefines them.
+    /// Position in work coordinates. G92 redefines it.
     pub(crate) work: ExactPoint,
 }
 
 impl State {
-    /// The state at power-on.
+    /// The state at power-on: no offset, all coordinates 0, and the given modal codes.
     pub(crate) fn new(modal: ModalState) -> Self {
         Self {
             modal,
@@ -94,12 +95,12 @@ impl State {
         }
     }
 
-    /// Machine coordinates of a programmed point.
+    /// Converts a programmed point to machine coordinates.
     pub(crate) fn to_machine(&self, program: ExactPoint) -> ExactPoint {
         program + self.zero + self.offset
     }
 
-    /// Sets the programmed position to that of a machine position.
+    /// Sets the programmed position from a position in machine coordinates.
     pub(crate) fn set_machine_position(&mut self, machine: ExactPoint) {
         self.position = machine - self.zero - self.offset;
         self.increment_offset = ExactPoint::default();
@@ -124,7 +125,7 @@ impl State {
         self.increment_offset = ExactPoint::default();
     }
 
-    /// Sets the offset number to 00.
+    /// Sets the offset number to 00 and deletes the nose radius.
     pub(crate) fn cancel_offset_number(&mut self) {
         self.modal.offset = 0;
         self.nose = Nose::default();
@@ -135,7 +136,8 @@ impl State {
         self.modal.nose_compensation != 40 && self.modal.offset != 0
     }
 
-    /// Sets another offset without motion: the coordinates shift.
+    /// Puts another tool offset into force without motion: the programmed coordinates of the
+    /// current position change instead.
     pub(crate) fn shift_offset(&mut self, offset: ExactPoint) {
         self.position = self.position + self.offset - offset;
         self.offset = offset;
