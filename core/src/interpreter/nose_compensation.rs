@@ -68,8 +68,8 @@ impl Interpreter {
         }
     }
 
-    /// Tells the compensation the position of the tool before the block just read, if this
-    /// block may start the compensation.
+    /// Sets the start position of the compensation to the tool position before the block just
+    /// read, if this block may start the compensation.
     pub(super) fn set_compensation_start(&mut self, before: &State) {
         if self.state.modal.nose_compensation != 40 && !self.compensation.is_on() {
             let machine = before.to_machine(before.position).to_point();

@@ -102,8 +102,8 @@ impl PlannedMotion {
         )
     }
 
-    /// Whether the end point is known only when the motion is finished, as if an axis seeks
-    /// its reference point.
+    /// Whether the end point is known only when the motion is finished, as in a return that
+    /// seeks a reference point.
     pub(crate) const fn is_end_unknown(&self) -> bool {
         matches!(self, Self::Reference(reference) if reference.is_seeking())
     }

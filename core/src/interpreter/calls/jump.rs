@@ -15,7 +15,7 @@ use crate::program::Program;
 /// Number of jumps that are remembered, so that a loop searches its target once.
 const REMEMBERED_JUMPS: usize = 8;
 
-/// A remembered jump.
+/// A jump that was searched before: its start, its P and the index of its target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct KnownJump {
     from: ProgramPosition,
@@ -31,8 +31,8 @@ pub(crate) struct JumpTargets {
 }
 
 impl JumpTargets {
-    /// The index of the block that a jump with P `p` from `from` leads to. A negative `p`
-    /// searches backward first.
+    /// Finds the block that a jump from `from` to the sequence number `p` leads to; returns
+    /// its index, from 0. A negative `p` searches backward first.
     ///
     /// # Errors
     /// 128 if the number is out of range or missing in the program.
