@@ -141,7 +141,8 @@ pub(crate) enum PassNote {
         passes: i64,
         /// Coordinate of the start along `axis`.
         a: i64,
-        /// Signed distance of this pass from the start; `whole` is that of the last pass.
+        /// Signed distance of this pass from the start; `whole` is that of the last pass,
+        /// without sign.
         depth: i64,
         whole: i64,
         step: i64,
