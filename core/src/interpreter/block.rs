@@ -35,7 +35,7 @@ use crate::interpreter::threads::thread;
 use crate::interpreter::threads::thread_cycle;
 use crate::model::ModelRecord;
 
-/// The motion that a block commands.
+/// The kind of motion that a block commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum BlockMotion {
     Nothing,
@@ -239,9 +239,9 @@ fn apply_modal_codes(state: &mut State, words: &SortedWords) -> Result<(), Alarm
     Ok(())
 }
 
-/// The control holds one F register: mm/min in G98, 0.0001 mm/rev in G99. Without
-/// a new F the same number is read in the other unit: F1 of G99 becomes F10000
-/// (manual III-2.1.1).
+/// Stores G98 or G99 and converts the feed. The control has one F register: mm/min in G98,
+/// 0.0001 mm/rev in G99. Without a new F the same number counts in the other unit: F1 of G99
+/// becomes F10000 (manual III-2.1.1).
 fn reread_feed(modal: &mut ModalState, per_revolution: bool) {
     const UNITS_PER_MM: f64 = 10_000.0;
     match (modal.feed_per_revolution, per_revolution) {

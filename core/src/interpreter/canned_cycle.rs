@@ -31,23 +31,23 @@ use crate::units::Point;
 /// The generator that makes the moves of a cycle, one on each request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum CycleGenerator {
-    /// G33 with several starts; G84 and G85 of the Huaxing lathes.
+    /// Tapping by G33, or by G84 and G85 of the Huaxing lathes.
     Tapping(Tapping),
-    /// G92.
+    /// G92, the thread cycle.
     Thread(ThreadCycle),
-    /// G76.
+    /// G76, the compound thread cycle.
     CompoundThread(CompoundThread),
-    /// G71, G72.
+    /// G71 and G72, roughing along Z and along X.
     Roughing(RoughingCycle),
-    /// G73.
+    /// G73, which repeats a contour.
     Pattern(PatternCycle),
-    /// G74, G75, G83 of the Huaxing lathes.
+    /// Pecking by G74 and G75, or by G83 of the Huaxing lathes.
     Pecking(PeckingCycle),
-    /// G81, G82 of the Huaxing lathes.
+    /// G81 and G82 of the Huaxing lathes, turning and facing in steps.
     Stepped(SteppedCycle),
-    /// G33, G34 of the Huaxing lathes.
+    /// G33 and G34 of the Huaxing lathes, one pass of a thread.
     SinglePass(SinglePass),
-    /// G86, G87.
+    /// G86 and G87 of the Huaxing lathes, a thread in L passes.
     CountedThread(CountedThread),
 }
 
@@ -77,7 +77,7 @@ pub(crate) struct Cycle {
     /// End of the move ahead, machine coordinates in mm, X as a radius.
     #[serde(rename = "at")]
     ahead_end: Point,
-    /// The note of the move taken last.
+    /// The explanation data of the move taken last; `None` before the first move.
     #[serde(rename = "taken")]
     taken_note: Option<PassNote>,
 }

@@ -77,7 +77,7 @@ impl Interpreter {
         }
     }
 
-    /// The mode of the compensation before the next block.
+    /// The mode of the nose radius compensation before the next block.
     pub(super) fn compensation_mode(&self) -> CompensationMode {
         match (&self.mdi, self.compensation.is_on()) {
             (Some(_), _) => CompensationMode::Never,

@@ -13,10 +13,10 @@ use crate::interpreter::context::words::{ArcWords, AxisTarget, AxisWords};
 use crate::model::{GCode, ModelRecord};
 use crate::program::ProgramBlock;
 
-/// The words of a block that only moves.
+/// The words of a block that only moves along the contour (G00 to G03).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlainMove {
-    /// The code of group 01 in force, 0 to 3.
+    /// The code of group 01 in force for the move, 0 to 3.
     motion: u8,
     /// Whether the block contains the code of `motion`.
     has_code: bool,

@@ -21,7 +21,7 @@ use crate::interpreter::cycles::box_cycle::BoxCycle;
 /// The remaining motion of a block, by the way in which its moves are made.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) enum PlannedMotion {
-    /// No motion, or none left.
+    /// The block has no motion, or no move is left.
     #[default]
     None,
     /// A single move, dwell or change of coordinates.
@@ -31,7 +31,7 @@ pub(crate) enum PlannedMotion {
     Box(Box<BoxCycle>),
     /// A return to the reference point (G28 and similar codes).
     Reference(Box<ReferenceReturn>),
-    /// A cut and its chamfer, corner arc or run-out.
+    /// A cut and the chamfer, corner arc or run-out at its end.
     #[serde(rename = "Two")]
     Pair(Box<MovePair>),
     /// A cycle that generates its moves: tapping, threads, G71 to G76 and others.
@@ -128,18 +128,19 @@ pub(crate) struct Plan {
     /// Actions before the motion: those of S, M and T, and the wait for an input.
     pub(crate) before: VecDeque<Action>,
     pub(crate) motion: PlannedMotion,
-    /// Whether the motion runs without nose radius compensation in any case.
+    /// Whether the motion runs without nose radius compensation even if G41 or G42 is in
+    /// force.
     #[serde(rename = "apart")]
     pub(crate) is_uncompensated: bool,
     /// The action after the motion: M00, M30, M99 of the main program, an exact stop, or the
     /// action of an otherwise empty block.
     pub(crate) after: Option<Action>,
-    /// The flow of the run after the last action.
+    /// What the run does after the last action.
     pub(crate) flow: Flow,
     /// Whether single block stops at the end of the block.
     #[serde(rename = "stops")]
     pub(crate) is_stop: bool,
-    /// Whether feed hold waits for the end of each move.
+    /// Whether feed hold stops only at the end of a move, as in G70 to G75.
     #[serde(rename = "whole")]
     pub(crate) holds_at_move_end: bool,
     /// Parameters to write when the reader accepts the block.

@@ -82,7 +82,7 @@ impl Profile {
 /// Finds the blocks with the sequence numbers ns (P) and nf (Q).
 ///
 /// # Errors
-/// 016 in MDI; 061 without P or Q; 063 for a missing block; 067 for a wrong range.
+/// 067 in MDI; 061 without P or Q; 063 for a missing block; 016 for a wrong range.
 pub(crate) fn find_range(
     context: &BlockContext<'_>,
     words: &SortedWords,
@@ -127,7 +127,7 @@ pub(crate) fn find_range(
 /// Finds the blocks of a contour that follow the cycle; N is their number (Huaxing).
 ///
 /// # Errors
-/// 016 in MDI; 061 without a valid N; 063 for missing blocks; 067 for too many blocks.
+/// 067 in MDI; 061 without a valid N; 063 for missing blocks; 016 for too many blocks.
 pub(crate) fn find_following_range(
     context: &BlockContext<'_>,
     words: &SortedWords,
@@ -178,7 +178,8 @@ fn find_block(program: &Program, number: i64, range: core::ops::Range<u32>) -> O
     program.find_sequence_block(u32::try_from(number).ok()?, range)
 }
 
-/// Checks that the number of P or Q occurs once in the program (manual I-3.2.6.7).
+/// Checks that the sequence number of P or Q occurs once in the program; alarm 016 if not
+/// (manual I-3.2.6.7).
 fn check_unique(program: &Program, address: char, number: i64) -> Result<(), Alarm> {
     let end = program.block_count();
     let Some(first) = find_block(program, number, 0..end) else {
@@ -203,7 +204,8 @@ fn range_alarm(detail: Message) -> Alarm {
     Alarm::new(number::PROFILE_RANGE).with_detail(detail)
 }
 
-/// Calls `visit` with index, words and code of group 01 of each block of a range, in order.
+/// Calls `visit` with the index (from 0), the words and the code of group 01 of each block of
+/// a range that is not skipped, in order.
 ///
 /// # Errors
 /// 064 and 066 for codes that a profile cannot contain, and the alarms of the blocks.
@@ -249,7 +251,7 @@ fn check_codes(context: &BlockContext<'_>, words: &SortedWords, motion: u8) -> R
     Ok(())
 }
 
-/// Checks the blocks of a G70, which run as ordinary blocks afterwards.
+/// Checks the codes of the profile of a G70. The blocks run as ordinary blocks afterwards.
 ///
 /// # Errors
 /// The alarm of a block.

@@ -32,8 +32,8 @@ mod statements;
 /// any time.
 ///
 /// [`start`](Self::start) begins a *run*. Then each call of [`next`](Self::next) gives one
-/// command, until [`InterpreterStep::Ended`]. A block from the MDI page is a separate run (`start_mdi`),
-/// which leaves a stopped automatic run as it is.
+/// command, until [`InterpreterStep::Ended`]. A block from the MDI page is a separate run
+/// (`start_mdi`), which leaves a stopped automatic run unchanged.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interpreter {
     pub(super) state: State,
@@ -50,7 +50,7 @@ pub struct Interpreter {
     /// Whether the control has the option of macro B.
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     macro_b: bool,
-    /// The model that the programs are for.
+    /// The control model that the programs are for.
     #[serde(default, skip_serializing_if = "ControlModel::is_delivered_main")]
     model: ControlModel,
     /// Whether the model of the programs has the variables #1 to #99 of the Huaxing lathes.
@@ -156,7 +156,7 @@ impl Interpreter {
         audit.map_or_else(Vec::new, |audit| audit.take_remarks())
     }
 
-    /// The record of the model that the programs are for.
+    /// The data of the control model that the programs are for.
     pub(crate) fn record(&self) -> &'static ModelRecord {
         self.model.record()
     }
@@ -179,7 +179,7 @@ impl Interpreter {
         }
     }
 
-    /// The modal state after the block read last.
+    /// The modal codes, feed, spindle speed and tool after the block read last.
     pub const fn modal(&self) -> &ModalState {
         &self.state.modal
     }
@@ -215,8 +215,8 @@ impl Interpreter {
         self.current_run().source
     }
 
-    /// The explanation of the cycle move taken last: pass, level, depth and formula. `None`
-    /// outside cycles. Computed on each call.
+    /// Explains the cycle move taken last: pass, level, depth and formula. `None` outside
+    /// cycles. Each call computes the explanation again.
     pub fn explain(&self) -> Option<Explanation> {
         let run = self.current_run();
         if let (Some(finishing), Some(source)) = (&run.finishing, run.source) {
@@ -266,7 +266,7 @@ impl Interpreter {
         self.recent.work()
     }
 
-    /// Whether commands of the block read last remain.
+    /// Whether commands of the block read last are left to take.
     pub(crate) fn is_in_block(&self) -> bool {
         self.current_run().plan.is_some()
     }
@@ -291,8 +291,8 @@ impl Interpreter {
         }
     }
 
-    /// Starts a run over the block from the MDI page. After its end [`next`](Self::next)
-    /// continues the automatic run, if there is one.
+    /// Starts a run over the block `program` from the MDI page. After the end of this run
+    /// [`next`](Self::next) continues the automatic run, if there is one.
     pub(crate) fn start_mdi(&mut self, program: Program, host: &impl Host) {
         let run = InterpreterRun::starting_at(ProgramPosition {
             program: ProgramId::Mdi,
@@ -302,7 +302,7 @@ impl Interpreter {
         self.resync(host);
     }
 
-    /// Ends the run over the MDI block.
+    /// Ends the run over the MDI block; the automatic run becomes the current one again.
     pub(crate) fn leave_mdi(&mut self) {
         self.mdi = None;
     }

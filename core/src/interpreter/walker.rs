@@ -24,7 +24,8 @@ use crate::interpreter::macros::variable::ReadError;
 use crate::model::ControlModel;
 use crate::program::{BlockCache, CodeCall, Program, ProgramBlock, ProgramMemory, Syntax};
 
-/// The variables above #33 of a model. The walker keeps #0 to #33.
+/// The variables above #33, which the caller of the walker stores. The walker itself stores #0
+/// to #33.
 pub trait SystemVariables {
     /// Returns the value of the variable `number`; `None` is null.
     ///
@@ -46,7 +47,7 @@ pub trait SystemVariables {
     }
 }
 
-/// The result of reading a block.
+/// What [`Walker::next`] has read.
 #[derive(Clone, Debug, PartialEq)]
 pub enum WalkedBlock {
     /// The words of a block for the caller to carry out, with numbers in place of formulas.
@@ -54,7 +55,7 @@ pub enum WalkedBlock {
     /// The caller has nothing to do: the walker has carried out a statement of macro B or
     /// skipped the block.
     Nothing,
-    /// The text of a called program has ended: the run continues after the call.
+    /// The text of a called program has ended, with the effect of an M99.
     Returned,
     /// The run has ended.
     Ended,
@@ -89,7 +90,7 @@ pub struct Walker {
 }
 
 impl Walker {
-    /// A run that begins at the first block of a program.
+    /// A new run that begins at the first block of a program.
     pub fn new(program: ProgramId) -> Self {
         let next_position = ProgramPosition { program, block: 0 };
         Self {
@@ -508,12 +509,12 @@ impl Walker {
         Ok(ReturnEffect::Returned)
     }
 
-    /// Ends the run (M30).
+    /// Ends the run, as M30 does: [`Self::next`] then returns [`WalkedBlock::Ended`].
     pub fn end(&mut self) {
         self.has_ended = true;
     }
 
-    /// Number of running calls.
+    /// Number of running subprogram and macro calls.
     pub fn call_depth(&self) -> usize {
         self.calls.len()
     }

@@ -34,7 +34,7 @@ pub enum BlockRemark {
     AfterSemicolon,
 }
 
-/// A word that changes nothing.
+/// A word of a block that changes nothing, and advice about this word.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct IgnoredWord {
     /// The ignored word as written, without blanks.
@@ -72,7 +72,7 @@ pub enum WordAdvice {
     LaterCode(String),
 }
 
-/// A remark and its source position.
+/// A remark about a block and the source position of that block.
 pub type LocatedRemark = (BlockRemark, SourcePosition);
 
 /// Searches the blocks of a run for words that change nothing.
@@ -130,7 +130,7 @@ impl BlockShape {
 
 /// A block, and the state and plan that its evaluation gave.
 pub(crate) struct EvaluatedBlock<'a> {
-    /// The block as parsed.
+    /// The block as parsed, with its words in the order of the text.
     pub(crate) block: &'a ProgramBlock,
     /// The sorted words of the block.
     pub(crate) words: &'a SortedWords,
@@ -312,7 +312,7 @@ fn executing_code(block: &EvaluatedBlock<'_>) -> Option<String> {
     }
 }
 
-/// How the audit changes a word to see whether it is read.
+/// A change that the audit makes to a word, to find out whether a code reads the word.
 #[derive(Clone, Copy)]
 enum WordChange {
     Removed,
@@ -397,7 +397,8 @@ fn find_later_code(block: &EvaluatedBlock<'_>, at: usize) -> Option<i64> {
     (replacement.0 != number).then_some(replacement.0)
 }
 
-/// The field of [`SortedWords`] that a code sets, as a group number.
+/// The group of a G code. Codes of one group set the same field of [`SortedWords`]; 0 is that
+/// of one-shot codes.
 const fn code_group(code: GCode) -> u8 {
     match code {
         GCode::Rapid

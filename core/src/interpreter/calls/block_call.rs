@@ -20,7 +20,7 @@ use crate::interpreter::context::program_position::{CallKind, ProgramCall, Progr
 use crate::interpreter::context::words::SortedWords;
 use crate::program::{Program, Syntax, WordNumber};
 
-/// Greatest depth of nested calls.
+/// Greatest number of nested calls by G20, G25 and G26.
 const MAX_CALL_DEPTH: usize = 4;
 
 /// Plans a G20: calls the subprogram N; L or else P is the number of runs.

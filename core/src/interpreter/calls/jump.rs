@@ -12,7 +12,7 @@ use crate::alarm::{Alarm, number};
 use crate::interpreter::context::program_position::ProgramPosition;
 use crate::program::Program;
 
-/// Number of jumps that are remembered, so that a loop searches its target once.
+/// Number of jumps whose targets are stored, so that a loop searches its target once.
 const REMEMBERED_JUMPS: usize = 8;
 
 /// A jump that was searched before: its start, its P and the index of its target.
@@ -23,7 +23,8 @@ struct KnownJump {
     to: u32,
 }
 
-/// Finds targets of jumps and remembers the last ones.
+/// Finds the targets of jumps and stores the last ones, so that a loop searches its target
+/// once.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct JumpTargets {
     known: [Option<KnownJump>; REMEMBERED_JUMPS],

@@ -18,13 +18,14 @@ use crate::interpreter::context::words::{OneShot, SortedWords};
 /// S and T codes that may call a subprogram.
 const CALLING_CODES: core::ops::RangeInclusive<i64> = 10..=99;
 
-/// A subprogram call by an M, S or T word, with the word for messages.
+/// A subprogram call by an M, S or T word. `address` and `code` are the letter and the number
+/// of that word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SpecialCall {
     pub(crate) program: u16,
     pub(crate) address: char,
     pub(crate) code: i64,
-    /// Number of runs, at least 1.
+    /// Number of times that the subprogram runs, at least 1.
     pub(crate) runs: u16,
     /// Whether codes that call by parameters of macro B are ordinary codes in the subprogram,
     /// which call no program.

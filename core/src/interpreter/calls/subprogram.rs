@@ -16,7 +16,7 @@ use crate::interpreter::context::BlockContext;
 use crate::interpreter::context::flow::Flow;
 use crate::interpreter::context::program_position::{CallKind, ProgramCall, ProgramPosition};
 
-/// Greatest depth of nested calls.
+/// Greatest number of nested subprogram calls (M98).
 pub(crate) const MAX_CALL_DEPTH: usize = 4;
 
 /// Plans an M98: `p` is the number of runs (0 means one run) times 10000 plus the program

@@ -27,14 +27,15 @@ use crate::units::Point;
 /// programmed, in half units of [`ExactPoint`] (0.002 mm).
 const CENTER_TOLERANCE: f64 = 4000.0;
 
-/// Half units of [`ExactPoint`] in a millimetre. X radii are whole numbers of half units.
+/// Number of half units of [`ExactPoint`] in a millimetre. X radii are whole numbers of half
+/// units.
 const HALF_UNITS_PER_MM: f64 = 2_000_000.0;
 
 /// Direction of an arc, and what its R and I mean on a control model.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ArcTurn {
     clockwise: bool,
-    /// Whether a negative R commands an arc of 180° and more.
+    /// Whether a negative R commands an arc of 180° and more; if not, it raises alarm 023.
     allows_long_arc: bool,
     /// Whether I is a difference of diameters instead of a radius.
     is_i_diameter: bool,
@@ -142,7 +143,7 @@ fn find_center_by_vector(
     })
 }
 
-/// The straight connection of start and end, in half units of [`ExactPoint`].
+/// The straight line from the start to the end of an arc, in half units of [`ExactPoint`].
 struct Chord {
     start_x: i128,
     start_z: i128,
@@ -177,7 +178,8 @@ impl Chord {
         Some((to_f64(height_square) / to_f64(4 * self.length_square)).sqrt())
     }
 
-    /// The point at `ratio` chord lengths to the right of the chord's middle, mm.
+    /// The point at `ratio` chord lengths to the right of the chord's middle, mm, X as a
+    /// radius.
     fn point_beside(&self, ratio: f64) -> Point {
         let middle_x = to_f64(2 * self.start_x + self.dx) / 2.0;
         let middle_z = to_f64(2 * self.start_z + self.dz) / 2.0;

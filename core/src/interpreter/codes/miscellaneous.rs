@@ -14,13 +14,13 @@ use crate::model::{MCode, MFunction, ModelRecord, hx31, ncb08};
 /// What the control does for an M code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MCodeFunction {
-    /// M00: program stop.
+    /// M00: stops the run until the next cycle start.
     Stop,
-    /// M30: end of the program.
+    /// M30, or M02: ends the program.
     End,
-    /// M98: subprogram call.
+    /// M98: calls a subprogram.
     Call,
-    /// M99: return from a subprogram, or restart of the main program.
+    /// M99: returns from a subprogram, or restarts the main program.
     Return,
     /// The control sends this M code to the PLC.
     Output(u8),

@@ -66,8 +66,8 @@ fn check_center(
     check_arc(center.length(), (to_end - center).length())
 }
 
-/// Checks a call (M98) or a return (M99) under nose radius compensation. `is_contour` is whether
-/// the block moves along a contour, where it could cancel the compensation.
+/// Checks a call (M98) or a return (M99) under nose radius compensation. `is_contour` is
+/// whether the block moves along a contour, so that the block can cancel the compensation.
 ///
 /// # Errors
 /// 036 if the block is compensated (offset mode).
@@ -88,7 +88,7 @@ pub(crate) fn check_call(
     }
 }
 
-/// Alarm 036: a call under nose radius compensation.
+/// Alarm 036, for a call or return under nose radius compensation.
 pub(crate) fn call_alarm() -> Alarm {
     CompensationFault::Call.alarm()
 }

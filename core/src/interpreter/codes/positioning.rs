@@ -36,7 +36,7 @@ pub(crate) fn plan_line(state: &State, to: ExactPoint) -> Result<Action, Alarm> 
     })
 }
 
-/// The feed in force, mm/min or mm/rev.
+/// The feed in force: per minute (mm/min) or per revolution (mm/rev).
 ///
 /// # Errors
 /// 011 without a feed.

@@ -17,27 +17,29 @@ use crate::interpreter::context::exact::ExactPoint;
 use crate::interpreter::context::state::State;
 use crate::units::PerAxis;
 
-/// Greatest offset number.
+/// Greatest offset number in a T word.
 const MAX_OFFSET_NUMBER: u8 = 32;
 /// Greatest tool number of a gang tool post (084 = 0).
 const MAX_TOOL_NUMBER: u8 = 32;
 
-/// How the offset of a T word takes effect in its block.
+/// How the tool offset of a T word takes effect in its block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum OffsetExecution {
-    /// The coordinates shift, and programmed axes travel in the new coordinates.
+    /// The coordinates shift at once; only programmed axes move, to points in the new
+    /// coordinates.
     Shift,
-    /// The slide travels the change of the offset.
+    /// The slide travels the change of the offset with the motion of the block.
     Travel,
     /// The offset stays, only the tool changes (G04, G02, G03).
     ToolOnly,
 }
 
-/// Tool and offset number of a T word.
+/// The tool number and the offset number of a T word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ToolWord {
     /// Tool number; `None` keeps the tool in use.
     pub(crate) tool: Option<u8>,
+    /// Offset number; 0 cancels the offset.
     pub(crate) offset: u8,
 }
 

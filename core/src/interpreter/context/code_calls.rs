@@ -36,7 +36,7 @@ pub(crate) struct CodeCalls {
 /// A subprogram call by an M or T word, as M98 does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlainCall {
-    /// Program number.
+    /// Number of the called program.
     pub program: u16,
     /// The letter of the word that calls: M or T.
     pub address: char,
@@ -45,7 +45,8 @@ pub struct PlainCall {
 }
 
 impl CodeCalls {
-    /// Reads the codes from the parameters of a model; `None` if no code calls.
+    /// Reads the codes that call a program from the parameters of a model; `None` if no code
+    /// calls.
     pub(crate) fn from_model(model: &ControlModel) -> Option<Box<Self>> {
         let read_codes = |first: u16, to: &mut [u16]| {
             for (number, code) in (first..).zip(to) {

@@ -55,7 +55,7 @@ impl CycleWords {
         };
     }
 
-    /// Whether an end point is stored, so that a block can repeat the cycle.
+    /// Whether an end point is stored, so that a block without words can repeat the cycle.
     pub(crate) const fn is_set(&self) -> bool {
         self.x.is_some() || self.z.is_some()
     }

@@ -8,7 +8,8 @@ use crate::units::{Axis, Point};
 /// Number of units of [`ExactPoint`] in a millimetre.
 pub(crate) const UNITS_PER_MM: i64 = 1_000_000;
 
-/// The smallest stroke of all models, `9999.999` mm: that of the GSK980TD (manual I-2.2.3).
+/// The smallest `greatest_coordinate` of all models, 9999.999 mm, in units of [`ExactPoint`]:
+/// that of the GSK980TD (manual I-2.2.3).
 const MIN_STROKE: i64 = 9_999_999 * (UNITS_PER_MM / 1000);
 
 /// What decides the greatest coordinate that a program may command.
@@ -16,7 +17,7 @@ const MIN_STROKE: i64 = 9_999_999 * (UNITS_PER_MM / 1000);
 pub(crate) struct CoordinateRange<'a> {
     /// Factor from a programmed X to a diameter: 2 under radius programming (001.2), else 1.
     pub(crate) x_factor: i64,
-    /// The model that the program is for.
+    /// The data of the control model that the program is for.
     pub(crate) record: &'a ModelRecord,
 }
 

@@ -9,15 +9,15 @@ use crate::units::Axis;
 /// Explains to a learner why a pass of a cycle is at its depth or position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explanation {
-    /// G code of the cycle.
+    /// Number of the cycle's G code, 71 for G71.
     pub code: u8,
     /// Number of the pass, column or thread start, from 1.
     pub pass: u64,
     /// Number of passes; `None` if the cycle calculates one pass after another and does not
     /// know how many follow.
     pub passes: Option<u64>,
-    /// X (diameter) or Z of the level or column, programmed coordinates in mm; `None` for
-    /// passes that follow a contour.
+    /// Programmed X (diameter) or Z of the level or column, mm; `None` for passes that follow
+    /// a contour.
     pub level: Option<f64>,
     /// Depth that the pass reaches, mm; a radius in X.
     pub depth: f64,
@@ -42,8 +42,8 @@ pub(crate) enum DepthRule {
     Finish,
 }
 
-/// The numbers of an explanation, stored with each move. Lengths are in units of [`ExactPoint`],
-/// diameters in X if not stated otherwise.
+/// The numbers that [`Explanation`] is computed from, stored with each move of a cycle.
+/// Lengths are in units of [`ExactPoint`], diameters in X if not stated otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum PassNote {
     /// A move without an explanation.
@@ -114,12 +114,12 @@ pub(crate) enum PassNote {
         /// Δi and Δk, the shift of the first pass from the last; X as a diameter.
         relief: ExactPoint,
     },
-    /// A column of G74 (along Z) or G75 (along X).
+    /// A move in a column of G74 (pecks along Z) or G75 (pecks along X).
     Column {
         axis: Axis,
         number: i64,
         columns: i64,
-        /// Coordinate of the column on the other axis.
+        /// Coordinate of the column on the axis across the pecks.
         at: i64,
         from: i64,
         step: i64,
@@ -179,7 +179,7 @@ pub(crate) fn depth_mm(axis: Axis, units: i64) -> f64 {
     }
 }
 
-/// The letter of an axis in a formula.
+/// The letter of an axis, X or Z, for a formula.
 pub(crate) const fn axis_letter(axis: Axis) -> char {
     match axis {
         Axis::X => 'X',
@@ -187,7 +187,8 @@ pub(crate) const fn axis_letter(axis: Axis) -> char {
     }
 }
 
-/// The formula of B, the first corner of the cut: `X_B = X_C + 2R` or `Z_B = Z_C + R`.
+/// Formats the formula, with its numbers in mm, of B, the start of a tapered cut: `X_B = X_C +
+/// 2R` or `Z_B = Z_C + R`.
 pub(crate) fn format_corner_b(axis: Axis, c: ExactPoint, taper: i64) -> String {
     let (c, factor, taper_shift) = match axis {
         Axis::X => (c.x, "2·", 2 * taper),

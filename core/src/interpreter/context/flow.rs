@@ -11,7 +11,7 @@ use crate::interpreter::context::program_position::{ProgramCall, ProgramPosition
 /// What a run does after a block.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Flow {
-    /// Reads the next block.
+    /// Continues with the next block of the program.
     #[default]
     Next,
     /// Jumps to the block at this position; the running calls stay.
@@ -22,11 +22,11 @@ pub(crate) enum Flow {
     /// Repeats the innermost call, which has runs left.
     #[serde(rename = "Again")]
     RunAgain,
-    /// Calls a subprogram (M98).
+    /// Makes this call of a subprogram or of a range of blocks (M98, G20, G25).
     Call(ProgramCall),
-    /// Calls a macro: G65, or a move under G66.
+    /// Makes this call of a macro, by G65, by another code or by a move under G66.
     MacroCall(Box<MacroEntry>),
-    /// Ends the innermost call and continues at this block.
+    /// Ends the innermost call and continues at the block with this position.
     Return(ProgramPosition),
     /// Ends the run.
     End,
@@ -43,11 +43,11 @@ pub(crate) struct MacroEntry {
 /// A running G70: the profile that it runs and where it returns to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Finishing {
-    /// The first block of the profile.
+    /// Position of the first block of the profile.
     pub(crate) first: ProgramPosition,
     /// Index of the last block of the profile, from 0.
     pub(crate) last: u32,
-    /// The block after the G70.
+    /// Position of the block after the G70, where the run continues.
     #[serde(rename = "back")]
     pub(crate) return_position: ProgramPosition,
     /// Programmed position at the start of the G70.

@@ -37,9 +37,9 @@ pub trait Host {
     fn set_started_ms(&mut self, ms: u64) {
         self.counters_mut().started_ms = ms;
     }
-    /// The rows of the setting page.
+    /// The settings of the setting page, such as inch input, and the option of macro B.
     fn settings(&self) -> &ControlSettings;
-    /// The rows of the setting page, to write from macro B.
+    /// The settings of the setting page, to write from macro B (#3005).
     fn settings_mut(&mut self) -> &mut ControlSettings;
     /// Time since power-on, ms. Valid while [`Host::is_settled`] holds.
     fn now_ms(&self) -> u64;
@@ -71,7 +71,7 @@ pub trait Host {
 /// The answer of [`Interpreter::next`](crate::interpreter::Interpreter::next).
 #[derive(Clone, Debug, PartialEq)]
 pub enum InterpreterStep {
-    /// The next command.
+    /// The next command of the run.
     Command(Box<ControlCommand>),
     /// The reader needs a finished machine: query again when [`Host::is_settled`] holds.
     Wait,

@@ -29,7 +29,7 @@ use crate::units::PerAxis;
 /// The data that the evaluation of a block reads besides the words of the block and the state.
 pub(crate) struct BlockContext<'a> {
     pub(crate) parameters: &'a ControlParameters,
-    /// The model that the program is for.
+    /// The control model that the program is for.
     pub(crate) model: &'a ControlModel,
     pub(crate) offsets: &'a Offsets,
     pub(crate) programs: &'a ProgramMemory,

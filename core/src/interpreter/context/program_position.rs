@@ -27,18 +27,18 @@ impl ProgramPosition {
 /// A running call of a subprogram or macro, or of a range of blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct ProgramCall {
-    /// The called program.
+    /// The program whose blocks the call runs.
     pub(crate) program: ProgramId,
     /// Number of runs left, the current one included.
     #[serde(rename = "runs")]
     pub(crate) runs_left: u16,
-    /// The block after the call.
+    /// Position of the block after the call, where the caller continues.
     #[serde(rename = "back")]
     pub(crate) return_position: ProgramPosition,
     /// How the program was called, which decides its local variables.
     #[serde(default, skip_serializing_if = "CallKind::is_subprogram")]
     pub(crate) kind: CallKind,
-    /// Index of the first block of each run.
+    /// Index, from 0, of the block with which each run begins.
     #[serde(default)]
     #[serde(rename = "first")]
     pub(crate) first_block: u32,
@@ -79,7 +79,8 @@ pub(crate) enum CallKind {
     Subprogram,
     /// By G65: has separate variables, deleted at its end.
     Macro,
-    /// By a move under the G66 of this index: keeps its variables from call to call.
+    /// By a move under the modal call (G66) with this index, from 0: keeps its variables from
+    /// call to call.
     Modal(u8),
 }
 

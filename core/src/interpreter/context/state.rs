@@ -15,30 +15,31 @@ use crate::units::{Axis, PerAxis};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct State {
     pub(crate) modal: ModalState,
-    /// Programmed position at the end of the motion read so far.
+    /// Programmed position of the tool at the end of the motion read so far.
     pub(crate) position: ExactPoint,
     /// Machine coordinates of the program zero.
     pub(crate) zero: ExactPoint,
-    /// Tool offset in force.
+    /// Tool offset in force, from a programmed point to that of the slide.
     pub(crate) offset: ExactPoint,
     /// Axes whose offset shifts the coordinates and has not been travelled yet.
     pub(crate) untravelled: PerAxis<bool>,
     /// The tool nose of the last T, from the offset table.
     pub(crate) nose: Nose,
-    /// The stored words of G90, G92 and G94.
+    /// The stored words of G90, G92 and G94 that later blocks reuse.
     pub(crate) cycle: CycleWords,
     /// Programmed end point minus position: after a chamfer, a corner arc or a run-out,
     /// increments count from the programmed corner.
     #[serde(rename = "ahead")]
     pub(crate) increment_offset: ExactPoint,
-    /// Thread lead in force, mm; 0 if unset. F and I of threads set it.
+    /// Thread lead in force, mm per revolution; 0 if unset. F and I of thread blocks set the
+    /// lead.
     pub(crate) lead: f64,
-    /// Whether the previous block was a G32 or G34.
+    /// Whether the previous block cut a thread (G32 or G34), which the next one may continue.
     #[serde(rename = "threading")]
     pub(crate) is_threading: bool,
     /// Last surface speed of G96, m/min.
     pub(crate) surface: f64,
-    /// Greatest speed under G96 (G50 S), r/min; `None` for no limit.
+    /// Greatest spindle speed under G96 (G50 S), r/min; `None` for no limit.
     pub(crate) spindle_limit: Option<f64>,
     /// Whether G91 is in force: axis words are increments.
     #[serde(default)]
@@ -49,7 +50,8 @@ pub(crate) struct State {
     /// Scale factor of G31, in millionths; `None` while scaling is off.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) scale: Option<i64>,
-    /// Position at cycle start, for a model that can return there.
+    /// Position of the tool at cycle start; `None` before the first run and on models that
+    /// cannot return there.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(rename = "begun")]
     pub(crate) run_start: Option<RunStart>,

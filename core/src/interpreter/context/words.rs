@@ -48,7 +48,7 @@ pub(crate) enum OneShot {
         /// True for G26: after the repetitions the run returns to the block after the code.
         returns: bool,
     },
-    /// G27 of the Huaxing lathes: jump.
+    /// G27 of the Huaxing lathes: jump to the block N.
     EndlessLoop,
     /// G70: finish a profile.
     Finishing,
@@ -115,7 +115,7 @@ impl OneShot {
         })
     }
 
-    /// Whether the code is one of G70 to G76 (`compound`).
+    /// Whether the code is one of the compound cycles G70 to G76.
     pub(crate) const fn is_compound(self) -> bool {
         matches!(
             self,
@@ -133,9 +133,9 @@ impl OneShot {
 /// Which blocks form the contour of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ContourSource {
-    /// The blocks from P to Q.
+    /// The blocks from the sequence number P to Q.
     Named,
-    /// The next N blocks.
+    /// The next N blocks after the cycle (Huaxing lathes).
     Counted,
 }
 
@@ -156,16 +156,16 @@ pub(crate) enum ZeroOffsetCode {
 /// Unit of a thread lead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LeadUnit {
-    /// mm per revolution.
+    /// The lead is in mm per revolution.
     Millimetres,
-    /// Threads per inch.
+    /// The lead is a number of threads per inch.
     PerInch,
 }
 
 /// Which coordinates a return to the start of the run uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StartReturn {
-    /// G75: machine coordinates.
+    /// G75: the machine coordinates at the start of the run.
     Machine,
     /// G76: work coordinates, as they were at the start or as G92 redefined them.
     Work,
@@ -185,8 +185,8 @@ pub(crate) enum ReturnRoute {
     NamedAxes,
 }
 
-/// The words of a block. Lengths are in millionths of a millimetre, `x` and `u` as written
-/// (diameter or radius).
+/// The words of a block by meaning; `None` for a missing word. Lengths are in millionths of a
+/// millimetre, `x` and `u` as written (diameter or radius).
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SortedWords {
     /// The code of group 00 in the block.
@@ -219,11 +219,11 @@ pub(crate) struct SortedWords {
     pub(crate) q: Option<i64>,
     pub(crate) l: Option<i64>,
     pub(crate) h: Option<u8>,
-    /// L as a factor, in millionths of the value as written.
+    /// L as a factor, in millionths: 1 000 000 for L1.
     pub(crate) l_exact: Option<i64>,
-    /// P as a length or lead, in millionths of the value as written.
+    /// P as a length or lead, in millionths of a millimetre.
     pub(crate) p_exact: Option<i64>,
-    /// D, in millionths of the value as written.
+    /// D in millionths: 1 000 000 for D1, a length in mm or a time in ms.
     pub(crate) d_exact: Option<i64>,
     /// N as a word of a call or cycle (Huaxing), not as a sequence number.
     pub(crate) n: Option<u32>,
@@ -231,9 +231,9 @@ pub(crate) struct SortedWords {
     pub(crate) incremental: Option<bool>,
     /// Whether the block has G09, exact stop.
     pub(crate) exact_stop: bool,
-    /// Whether R was written with a decimal point (G76 R(d)).
+    /// Whether R was written with a decimal point, which decides the unit of R(d) of G76.
     pub(crate) r_has_point: bool,
-    /// Number of words besides O and N.
+    /// Number of words of the block besides O and the sequence number N.
     pub(crate) count: u8,
 }
 
@@ -404,12 +404,13 @@ impl SortedWords {
 /// The words of an arc, millionths of a millimetre.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ArcWords {
-    /// R: the radius; `None` if not programmed.
+    /// R: the radius, in millionths of a millimetre; `None` if not programmed.
     pub(crate) r: Option<i64>,
-    /// I: X distance from the start to the centre as written, a radius on the GSK980TD; `None`
-    /// if not programmed.
+    /// I: X distance from the start to the centre as written, in millionths of a millimetre, a
+    /// radius on the GSK980TD; `None` if not programmed.
     pub(crate) i: Option<i64>,
-    /// K: Z distance from the start to the centre; `None` if not programmed.
+    /// K: Z distance from the start to the centre, in millionths of a millimetre; `None` if
+    /// not programmed.
     pub(crate) k: Option<i64>,
 }
 
@@ -428,12 +429,12 @@ fn unknown_g_alarm(code: i64) -> Alarm {
 /// The programmed target of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum AxisTarget {
-    /// Not programmed.
+    /// The block has no word for the axis.
     #[default]
     None,
-    /// An end point, units of [`ExactPoint`].
+    /// The end point, in units of [`ExactPoint`].
     Absolute(i64),
-    /// A distance, units of [`ExactPoint`].
+    /// The distance to the end point, in units of [`ExactPoint`].
     Increment(i64),
 }
 
@@ -487,7 +488,7 @@ impl AxisWords {
         }
     }
 
-    /// The targets under G91 (`incremental`), where all words are increments.
+    /// Turns absolute targets into increments if G91 is in force (`incremental`).
     pub(crate) const fn with_incremental(self, incremental: bool) -> Self {
         match incremental {
             true => Self {
@@ -499,7 +500,7 @@ impl AxisWords {
         }
     }
 
-    /// The end point. An axis that is not programmed stays at `current`.
+    /// The programmed end point. An axis that is not programmed stays at `current`.
     pub(crate) fn resolve_end(&self, current: ExactPoint) -> ExactPoint {
         ExactPoint::new(
             self.x.resolve(self.base.x).unwrap_or(current.x),

@@ -26,8 +26,8 @@ pub(crate) struct BoxCycle {
 }
 
 impl BoxCycle {
-    /// Plans the four moves of a G90 or G94: through the programmed corners B, C and D and
-    /// back to the start A.
+    /// Plans the four moves of a G90 or G94 through the programmed corners B, C and D and back
+    /// to the start A.
     ///
     /// # Errors
     /// 043 for a corner outside the stroke, 011 without a feed.
@@ -79,9 +79,9 @@ impl BoxCycle {
     }
 }
 
-/// Checks that the taper R does not reach beyond the start: against the infeed, R is at most
-/// as long as the infeed. Both are in units of [`ExactPoint`]. `names` are the cycle's code and its
-/// infeed word, for the message.
+/// Checks that the taper R does not reach beyond the start: against the direction of the
+/// infeed, R is at most as long as the infeed. Both are in units of [`ExactPoint`]. `names`
+/// are the code of the cycle and its infeed word, for the message.
 ///
 /// # Errors
 /// 015 for a taper that reaches beyond the start.

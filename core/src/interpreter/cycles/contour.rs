@@ -17,14 +17,14 @@ use crate::interpreter::context::exact::{ExactPoint, UNITS_PER_MM, round_to_unit
 use crate::interpreter::profile::{Profile, ProfileSegment, StepShape, start_alarm};
 use crate::units::{Axis, Point};
 
-/// Half units of [`ExactPoint`] in a millimetre.
+/// Number of half units of [`ExactPoint`] in a millimetre.
 const HALF_UNITS_PER_MM: i64 = 2 * UNITS_PER_MM;
 
 /// Greatest distance that an arc may turn back without counting as a reversal, mm: the least
 /// increment, to which the end points of the arc are rounded.
 const ARC_TOLERANCE_MM: f64 = 0.001;
 
-/// A point in the plane of the cut, in half units of [`ExactPoint`].
+/// A point by depth and position along the cut, in half units of [`ExactPoint`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ContourPoint {
     pub(crate) depth: i64,
@@ -34,9 +34,9 @@ pub(crate) struct ContourPoint {
 /// Which axis a roughing cycle feeds in (the depth), and along which axis it cuts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum CutPlane {
-    /// G71: levels in X, cuts along Z.
+    /// G71: feeds in along X and cuts along Z.
     Turning,
-    /// G72: levels in Z, cuts along X.
+    /// G72: feeds in along Z and cuts along X.
     Facing,
 }
 
@@ -64,7 +64,8 @@ impl CutPlane {
         }
     }
 
-    /// The least increment along the cut in half units: Z 0.001 mm, X 0.001 mm of diameter.
+    /// The least increment along the cut, in half units of [`ExactPoint`]: 0.001 mm in Z,
+    /// 0.001 mm of the diameter in X.
     const fn least_increment(self) -> i64 {
         match self {
             Self::Turning => HALF_UNITS_PER_MM / 1000,

@@ -30,7 +30,7 @@ use crate::units::{Axis, Feed, Point};
 /// Number of units of [`ExactPoint`] in a thousandth of a millimetre.
 const UNITS_PER_MICRON: i64 = UNITS_PER_MM / 1000;
 
-/// The next move of a pecking cycle.
+/// Names the next move of a pecking cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum PeckingPhase {
     Feed,
@@ -45,7 +45,7 @@ enum PeckingPhase {
 /// The remaining moves of a G74, G75 or G83. Lengths are in units of [`ExactPoint`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PeckingCycle {
-    /// The axis of the pecks: Z for G74, X for G75.
+    /// The axis along which the tool pecks: Z for G74, X for G75.
     axis: Axis,
     shift: FrameShift,
     start: ExactPoint,

@@ -35,7 +35,7 @@ use crate::units::{Axis, Feed, Point};
 /// Number of half units of [`ExactPoint`] in a thousandth of a millimetre.
 const HALF_UNITS_PER_MICRON: i64 = 2 * UNITS_PER_MM / 1000;
 
-/// The next move of a roughing cycle.
+/// Names the next move of a roughing cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum RoughingPhase {
     Approach,
@@ -62,7 +62,7 @@ pub(crate) struct RoughingCycle {
     /// The point to which the tool returns: A without the allowances.
     #[serde(rename = "rest")]
     return_point: ExactPoint,
-    /// The contour from B to C.
+    /// The steps of the contour from B to the end C.
     steps: Vec<ProfileSegment>,
     /// Shift from programmed to machine coordinates.
     #[serde(rename = "home")]
@@ -411,7 +411,8 @@ impl RoughingCycle {
     }
 }
 
-/// The move of one step of a shifted contour, at the feed of the cycle.
+/// Makes the move for one step of a contour that is shifted by `shift`, at the feed of the
+/// cycle.
 pub(crate) fn step_move(
     step: &ProfileSegment,
     shift: FrameShift,

@@ -30,7 +30,7 @@ use crate::units::{Axis, Feed};
 /// along X.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SteppedCycle {
-    /// The axis of the levels: X for G81, Z for G82.
+    /// The axis in which the passes get deeper: X for G81, Z for G82.
     axis: Axis,
     shift: FrameShift,
     a: ExactPoint,
@@ -39,7 +39,7 @@ pub(crate) struct SteppedCycle {
     /// C, the end of the cut of the last pass.
     c: ExactPoint,
     feed: Feed,
-    /// Direction of the levels, 1 or -1.
+    /// Direction in which the passes get deeper, 1 or -1.
     #[serde(rename = "way")]
     direction: i64,
     /// Distance from the start A to the deeper one of B and C, along `axis`.
@@ -56,7 +56,7 @@ pub(crate) struct SteppedCycle {
     move_index: u8,
 }
 
-/// Plans a G81 (`axis` X) or G82 (`axis` Z) block. The tool ends at its start.
+/// Plans a G81 (`axis` X) or G82 (`axis` Z) block. The cycle ends at the start of the tool.
 ///
 /// # Errors
 /// 062 for wrong data, 043 for a corner outside the stroke, 011 without a feed.

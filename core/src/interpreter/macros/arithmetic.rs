@@ -7,7 +7,7 @@ use crate::alarm::number;
 /// The operands of an operation of G65 H.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Operands {
-    /// The value of the result variable before the operation.
+    /// The value of the variable of P before the operation; only H26 reads this value.
     pub(crate) i: i64,
     /// The value of Q, the first operand.
     pub(crate) j: i64,
@@ -60,7 +60,7 @@ pub(crate) enum Operation {
     Value(fn(Operands) -> Result<i128, ArithmeticFault>),
     /// Jumps to the sequence number P if this condition holds for Q and R.
     Jump(fn(i64, i64) -> bool),
-    /// Raises the alarm 500 + P.
+    /// Raises the user alarm with the number 500 + P.
     Alarm,
 }
 

@@ -25,7 +25,7 @@ pub(crate) struct FormulaContext<'a> {
 }
 
 impl<'a> FormulaContext<'a> {
-    /// A context with angles from 0 to 360 degrees.
+    /// A context whose functions give angles from 0 to 360 degrees.
     pub(crate) const fn new(
         read_variable: &'a dyn Fn(u32) -> Result<FormulaValue, ReadError>,
     ) -> Self {
@@ -299,7 +299,8 @@ fn apply_function(
     })
 }
 
-/// Removes the error of the last bits from a whole number: 37.8 - 25.8 is 12.
+/// Rounds a value that differs from a whole number only by the error of the last bits: 37.8 -
+/// 25.8 gives 12.
 fn snap_to_integer(value: f64) -> f64 {
     let whole = round_half_away(value);
     if (value - whole).abs() <= RELATIVE_ERROR * value.abs().max(1.0) {

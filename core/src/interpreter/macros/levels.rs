@@ -14,7 +14,7 @@ use crate::command::ProgramId;
 use crate::interpreter::context::program_position::{CallKind, ProgramCall};
 use crate::interpreter::macros::formula::FormulaValue;
 
-/// Greatest number of a local variable.
+/// Greatest number of a local variable, #33.
 pub(crate) const LAST_LOCAL: u32 = 33;
 
 /// Local variables with a value, by number.
@@ -33,7 +33,7 @@ pub(crate) struct Levels {
     modal: Vec<ModalCall>,
 }
 
-/// The local variables of one call.
+/// The local variables of one running macro call.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct MacroLevel {
     /// Values of the variables at the start of each run.
@@ -44,7 +44,7 @@ struct MacroLevel {
 /// A running loop of macro B, DO to END.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct RunningLoop {
-    /// Number of running calls at the loop.
+    /// Number of running calls when the loop was entered.
     #[serde(rename = "depth")]
     pub(crate) call_depth: usize,
     /// Number of the loop, m of DO m, 1 to 3.
@@ -76,13 +76,13 @@ impl Levels {
         }
     }
 
-    /// The value of a local variable of the innermost level; `None` is null.
+    /// The value of a local variable of the innermost macro call; `None` is null.
     pub(crate) fn get(&self, number: u8) -> FormulaValue {
         let values = self.called.last().map_or(&self.main, |level| &level.values);
         values.get(&number).copied()
     }
 
-    /// Sets a local variable of the innermost level; `None` makes it null.
+    /// Sets a local variable of the innermost macro call; `None` makes the variable null.
     pub(crate) fn set(&mut self, number: u8, value: FormulaValue) {
         let values = match self.called.last_mut() {
             Some(level) => &mut level.values,

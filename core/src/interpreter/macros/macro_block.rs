@@ -25,7 +25,7 @@ pub(crate) enum MacroBlockEffect {
     Value(MacroVariable, i64),
     /// Jumps to this sequence number; a negative one is searched backward first.
     Jump(i64),
-    /// Continues with the next block.
+    /// Continues with the next block: the condition of a jump does not hold.
     Nothing,
 }
 

@@ -39,11 +39,12 @@ pub(crate) enum StatementEffect {
     Leave(u32),
     /// Calls a macro (G65) with these values of its local variables.
     Call(ProgramCall, LocalVariables),
-    /// Starts a modal call (G66).
+    /// Puts this modal call into force (G66).
     Modal(ModalCall),
     /// Cancels the last modal call (G67).
     CancelModal,
-    /// Continues with the next block.
+    /// Changes nothing and continues with the next block, as after a condition that does not
+    /// hold.
     Nothing,
 }
 
@@ -203,7 +204,7 @@ fn evaluate_assignment(
     Ok(StatementEffect::Assign(variable, value))
 }
 
-/// The alarm that `#3000=n (text)` raises: its number is the base of macro alarms plus n.
+/// The alarm 3000 + n that `#3000=n (text)` raises.
 fn program_alarm(value: Option<f64>, text: &str) -> Alarm {
     let value = formula::round_half_away(value.unwrap_or(0.0));
     if !(0.0..=MAX_ALARM_NUMBER).contains(&value) {

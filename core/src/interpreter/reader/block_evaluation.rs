@@ -93,7 +93,7 @@ impl<H: Host> BlockEvaluation<'_, H> {
     }
 }
 
-/// Plans the macro call that G66 makes after a move, outside the profile of a cycle.
+/// Plans the macro call that G66 makes after a block that moves, outside the profile of a G70.
 #[inline]
 fn plan_modal_call(
     run: &InterpreterRun,

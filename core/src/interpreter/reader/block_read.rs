@@ -21,7 +21,7 @@ pub(super) enum BlockRead {
     Ended,
 }
 
-/// Alarm 031 for a missing program.
+/// Alarm 031: the program `program` of the run is missing.
 pub(super) fn missing_program_alarm(program: ProgramId) -> Alarm {
     Alarm::new(number::PROGRAM_MISSING)
         .with_detail(say::program_not_there(format_args!("{program:?}")))

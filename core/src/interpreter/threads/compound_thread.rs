@@ -47,7 +47,7 @@ struct ThreadGeometry {
     end_z: i64,
     /// X of D, the end at full depth, minus X of C, the begin at full depth.
     rise: i64,
-    /// +1 for an outer thread, -1 for an inner one.
+    /// +1 for an outer thread, -1 for an inner thread.
     side: f64,
     /// Direction of the cut: +1 towards +Z, -1 towards -Z.
     heading: f64,
@@ -112,7 +112,8 @@ pub(crate) fn plan_cycle(
     CompoundThread::new(state, context, words, end).map(Some)
 }
 
-/// Stores P(m)(r)(a), Q(Δdmin) and R(d) into parameters 057, 019, 058, 059 and 060.
+/// Stores the data of a G76 into parameters: P(m)(r)(a) into 057, 019 and 058, Q(Δdmin) into
+/// 059 and R(d) into 060.
 fn store_data(
     parameters: &ControlParameters,
     words: &SortedWords,

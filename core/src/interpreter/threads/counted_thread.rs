@@ -46,7 +46,7 @@ pub(crate) struct CountedThread {
     /// Start of the thread on its crest; `c` is the end on the crest.
     a: ExactPoint,
     c: ExactPoint,
-    /// +1 for an outer thread, -1 for an inner one.
+    /// +1 for an outer thread, -1 for an inner thread.
     side: i64,
     depth: i64,
     /// I, the height of the run-out, without sign; `run_out_length` is J, the length.
@@ -157,7 +157,7 @@ impl CountedThread {
         round_to_units(self.depth as f64 * share / UNITS_PER_MICRON as f64) * UNITS_PER_MICRON
     }
 
-    /// Start and end of the cut of a pass.
+    /// Start and end of the cut of the pass with the number `pass`, without the run-out.
     fn pass_ends(&self, pass: i64) -> (ExactPoint, ExactPoint) {
         let into = self.side.saturating_mul(self.pass_depth(pass));
         let below_crest =
@@ -165,7 +165,7 @@ impl CountedThread {
         (below_crest(self.a), below_crest(self.c))
     }
 
-    /// The point where the run-out of a pass ends.
+    /// The point where the run-out of the pass with the number `pass` ends.
     fn run_out_end(&self, pass: i64) -> ExactPoint {
         let (_, end) = self.pass_ends(pass);
         ExactPoint::new(
@@ -217,8 +217,8 @@ impl CountedThread {
         )
     }
 
-    /// `RunOut` or `StartAngle` if the cuts have a run-out or several starts; `None` for straight
-    /// passes.
+    /// `RunOut` if the cuts end in a run-out, else `StartAngle` if the thread has several
+    /// starts; `None` for straight passes.
     pub(crate) const fn beyond_pass(&self) -> Option<ThreadPassFeature> {
         match (self.run_out_length, self.starts) {
             (0, 0 | 1) => None,

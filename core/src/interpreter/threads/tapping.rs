@@ -26,7 +26,7 @@ use crate::units::Point;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Tapping {
     bottom: Point,
-    /// Programmed Z of the start and of the bottom, units of [`ExactPoint`].
+    /// Programmed Z of the start and of the bottom, in millionths of a millimetre.
     #[serde(rename = "way")]
     z_range: (i64, i64),
     lead: f64,

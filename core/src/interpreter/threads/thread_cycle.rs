@@ -77,7 +77,8 @@ pub(crate) struct ThreadCycle {
     thread: Option<Action>,
     #[serde(rename = "tail")]
     run_out: Option<Action>,
-    /// The programmed A and C, R, and the run-out, for the explanation.
+    /// For the explanation: programmed start A and end C, R, and height and length of the
+    /// run-out.
     #[serde(rename = "words")]
     programmed: (ExactPoint, ExactPoint, i64, (i64, i64)),
     start: u32,
@@ -85,7 +86,7 @@ pub(crate) struct ThreadCycle {
     step: u8,
 }
 
-/// Plans the cycle from the current position to the end point of `data` and back.
+/// Plans a G92 from the current position to the end point of `data` and back.
 ///
 /// # Errors
 /// 015 for the taper or a thread without length, 011 without a lead, 043 for a corner outside
@@ -156,8 +157,8 @@ impl ThreadCycle {
         )
     }
 
-    /// `RunOut` or `StartAngle` if the cuts have a run-out or several starts; `None` for straight
-    /// passes.
+    /// `RunOut` if the cuts end in a run-out, else `StartAngle` if the thread has several
+    /// starts; `None` for straight passes.
     pub(crate) const fn beyond_pass(&self) -> Option<ThreadPassFeature> {
         match (&self.run_out, self.starts) {
             (Some(_), _) => Some(ThreadPassFeature::RunOut),
