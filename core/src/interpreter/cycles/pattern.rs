@@ -109,8 +109,8 @@ pub(crate) fn plan_cycle(
     plan_passes(state, context, range, &repetition)
 }
 
-/// Plans the G73 of the Huaxing lathes over the next N blocks. Pass p of L is shifted by I·(1
-/// - p/L) in X, a diameter, and by K·(1 - p/L) in Z.
+/// Plans the G73 of the Huaxing lathes over the next N blocks. The shift of pass p of L is
+/// `1-p/L` times I in X, a diameter, and `1-p/L` times K in Z.
 ///
 /// # Errors
 /// As for [`plan_cycle`].
