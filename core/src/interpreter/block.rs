@@ -35,7 +35,7 @@ use crate::interpreter::threads::thread;
 use crate::interpreter::threads::thread_cycle;
 use crate::model::ModelRecord;
 
-/// The motion that a block commands.
+/// The kind of motion that a block commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum BlockMotion {
     Nothing,
@@ -152,8 +152,8 @@ pub(crate) fn evaluate(
     Ok(())
 }
 
-/// Plans the tool change and the offset of the block. Returns whether the motion of the block
-/// travels a changed offset.
+/// Plans the tool change and the offset of the block. Returns true if the slides must travel a
+/// change of the offset in this block.
 #[inline]
 fn plan_tool(
     state: &mut State,
@@ -176,7 +176,7 @@ fn plan_tool(
     Ok(execution == OffsetExecution::Travel && state.offset != before)
 }
 
-/// Plans the call of a program by an M or T word.
+/// Plans the call of a program that an M or T word makes by parameters of macro B.
 fn plan_special(
     call: SpecialCall,
     state: &State,
@@ -194,7 +194,8 @@ fn plan_special(
     Ok(())
 }
 
-/// Plans the travel per revolution of a thread cycle before its motion.
+/// Plans an action before the motion of a thread cycle that announces its travel per
+/// revolution.
 #[inline]
 fn plan_thread_travel(context: &BlockContext<'_>, plan: &mut Plan) {
     if let PlannedMotion::Cycle(cycle) = &plan.motion
@@ -238,9 +239,9 @@ fn apply_modal_codes(state: &mut State, words: &SortedWords) -> Result<(), Alarm
     Ok(())
 }
 
-/// The control holds one F register: mm/min in G98, 0.0001 mm/rev in G99. Without
-/// a new F the same number is read in the other unit: F1 of G99 becomes F10000
-/// (manual III-2.1.1).
+/// Stores G98 or G99 and converts the feed. The control has one F register: mm/min in G98,
+/// 0.0001 mm/rev in G99. Without a new F the same number counts in the other unit: F1 of G99
+/// becomes F10000 (manual III-2.1.1).
 fn reread_feed(modal: &mut ModalState, per_revolution: bool) {
     const UNITS_PER_MM: f64 = 10_000.0;
     match (modal.feed_per_revolution, per_revolution) {
@@ -289,7 +290,8 @@ fn find_offset_execution(context: &BlockContext<'_>, kind: BlockMotion) -> Offse
     }
 }
 
-/// The spindle command of a block. S of a G50 block limits the speed, any other S sets it.
+/// Plans the spindle command of a block. S of a G50 block limits the spindle speed, any other
+/// S sets the speed. `None` if nothing changes.
 fn plan_spindle(
     state: &mut State,
     context: &BlockContext<'_>,
@@ -390,7 +392,7 @@ fn plan_motion(
     }
 }
 
-/// The arc from the current position to `end`; `None` if it has no length.
+/// Plans the arc from the current position to `end`; `None` for an arc of no length.
 ///
 /// # Errors
 /// The alarm of the arc's data, of the feed or of the nose radius compensation.
@@ -453,7 +455,7 @@ fn plan_block_call(
     Ok(())
 }
 
-/// Plans what happens after the motion: M00, M30, M98 or M99.
+/// Plans the M00, M30, M98 or M99 of the block, which act after the motion.
 fn plan_flow(
     state: &mut State,
     context: &BlockContext<'_>,

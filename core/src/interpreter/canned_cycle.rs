@@ -28,26 +28,26 @@ use crate::interpreter::threads::tapping::Tapping;
 use crate::interpreter::threads::thread_cycle::ThreadCycle;
 use crate::units::Point;
 
-/// The generator of a cycle's moves.
+/// The generator that makes the moves of a cycle, one on each request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum CycleGenerator {
-    /// G33 with several starts; G84 and G85 of the Huaxing lathes.
+    /// Tapping by G33, or by G84 and G85 of the Huaxing lathes.
     Tapping(Tapping),
-    /// G92.
+    /// G92, the thread cycle.
     Thread(ThreadCycle),
-    /// G76.
+    /// G76, the compound thread cycle.
     CompoundThread(CompoundThread),
-    /// G71, G72.
+    /// G71 and G72, roughing along Z and along X.
     Roughing(RoughingCycle),
-    /// G73.
+    /// G73, which repeats a contour.
     Pattern(PatternCycle),
-    /// G74, G75, G83 of the Huaxing lathes.
+    /// Pecking by G74 and G75, or by G83 of the Huaxing lathes.
     Pecking(PeckingCycle),
-    /// G81, G82 of the Huaxing lathes.
+    /// G81 and G82 of the Huaxing lathes, turning and facing in steps.
     Stepped(SteppedCycle),
-    /// G33, G34 of the Huaxing lathes.
+    /// G33 and G34 of the Huaxing lathes, one pass of a thread.
     SinglePass(SinglePass),
-    /// G86, G87.
+    /// G86 and G87 of the Huaxing lathes, a thread in L passes.
     CountedThread(CountedThread),
 }
 
@@ -67,17 +67,17 @@ impl CycleGenerator {
     }
 }
 
-/// A running cycle. It generates one move ahead and so knows which move is its last.
+/// A running cycle. The cycle generates one move ahead, to know which move is the last.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Cycle {
     #[serde(rename = "maker")]
     generator: CycleGenerator,
     #[serde(rename = "ahead")]
     move_ahead: Option<Move>,
-    /// Where the move ahead ends, machine coordinates.
+    /// End of the move ahead, machine coordinates in mm, X as a radius.
     #[serde(rename = "at")]
     ahead_end: Point,
-    /// The note of the move taken last.
+    /// The explanation data of the move taken last; `None` before the first move.
     #[serde(rename = "taken")]
     taken_note: Option<PassNote>,
 }
@@ -101,7 +101,8 @@ impl Cycle {
         Ok(cycle)
     }
 
-    /// Generates the next move, without those of zero length.
+    /// Generates the next move of the cycle and stores it as the move ahead. Skips moves of
+    /// zero length.
     fn generate_ahead(&mut self) {
         loop {
             self.move_ahead = self.generator.next_move();
@@ -140,8 +141,8 @@ impl Cycle {
     }
 
     /// Greatest travel of each axis per spindle revolution in the cuts of a thread cycle, mm;
-    /// `None` for other cycles. The run-out counts if it is tied to the spindle (`is_run_out_tied`, 107 =
-    /// 0).
+    /// `None` for other cycles. The run-out is included if the spindle drives it
+    /// (`is_run_out_tied`, 107 = 0).
     pub(crate) fn thread_travel_per_revolution(&self, is_run_out_tied: bool) -> Option<Point> {
         match &self.generator {
             CycleGenerator::Thread(cycle) => Some(cycle.travel_per_revolution(is_run_out_tied)),
@@ -156,8 +157,8 @@ impl Cycle {
         }
     }
 
-    /// Whether a cut of a thread cycle has a run-out or several starts; `None` for a single
-    /// straight pass.
+    /// What the cuts of a thread cycle have besides a straight pass: a run-out or several
+    /// starts. `None` if they have neither.
     pub(crate) fn beyond_pass(&self) -> Option<ThreadPassFeature> {
         match &self.generator {
             CycleGenerator::Thread(cycle) => cycle.beyond_pass(),
@@ -167,7 +168,7 @@ impl Cycle {
         }
     }
 
-    /// The explanation data of the move taken last.
+    /// The explanation data of the move taken last; `None` before the first move.
     pub(crate) const fn pass_note(&self) -> Option<PassNote> {
         self.taken_note
     }

@@ -28,7 +28,7 @@ use crate::interpreter::profile::{self, ProfileRange};
 use crate::interpreter::threads::compound_thread;
 use crate::units::Axis;
 
-/// Fills `plan` for a block of one of these cycles.
+/// Plans a block of G70 to G76: adds its motion, flow and parameter writes to `plan`.
 ///
 /// # Errors
 /// The alarm of the cycle's words or of its profile.
@@ -106,14 +106,14 @@ pub(crate) fn plan_cycle(
     Ok(())
 }
 
-/// The motion of a cycle, or none for a block that only sets data.
+/// Starts the cycle of `generator`; `None`, from a block that only sets data, makes no motion.
 fn start_cycle(state: &State, generator: Option<CycleGenerator>) -> Result<PlannedMotion, Alarm> {
     generator.map_or(Ok(PlannedMotion::None), |maker| {
         PlannedMotion::start_cycle(state, maker)
     })
 }
 
-/// The flow after a cycle over a profile.
+/// The flow after a cycle over a profile: jumps over the profile if it is after the cycle.
 fn flow_after_cycle(cycle: ProgramPosition, profile: ProfileRange) -> Flow {
     if profile.last < cycle.block {
         return Flow::Next;

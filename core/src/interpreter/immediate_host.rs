@@ -10,31 +10,32 @@ use crate::units::{PerAxis, Point};
 /// A host that stores everything a program may write (parameters, offsets, variables, outputs)
 /// and reports every command as finished.
 pub struct ImmediateHost<'a> {
-    /// A separate copy of the parameters, which the program may change.
+    /// The parameters: a separate copy, which the program may change.
     pub parameters: ControlParameters,
-    /// A separate copy of the tool offsets.
+    /// The tool offsets: a separate copy, which the program may change.
     pub offsets: Offsets,
-    /// A separate copy of the macro variables.
+    /// The macro variables: a separate copy, which the program may change.
     pub variables: Variables,
-    /// A separate copy of timer, date and the stops that the program switches off.
+    /// Timer, date and the stops that the program switches off: a separate copy.
     pub registers: Registers,
-    /// A separate copy of the part counter and the times.
+    /// Part counter and times: a separate copy, which the program may change.
     pub counters: Counters,
-    /// A separate copy of the rows of the setting page.
+    /// The settings of the setting page: a separate copy, which the program may change.
     pub settings: ControlSettings,
-    /// Machine time since the start, s; the caller advances it.
+    /// Machine time since the start of the interpretation, s. The caller advances this clock.
     pub now_s: f64,
-    /// Signals from the ladder to macros, computed when a program reads one first.
+    /// Signals from the ladder to macros, G54 (low byte) and G55; computed when a program
+    /// first reads one.
     pub inputs: LazyCell<u16, Box<dyn FnOnce() -> u16 + 'a>>,
     /// Signals from macros to the ladder, F54 in the lowest byte.
     pub outputs: u64,
-    /// The stored programs and the external one.
+    /// The programs in the memory of the control and the external one.
     pub programs: &'a ProgramMemory,
     /// Machine position at the start of a run, mm, X as a radius.
     pub machine_position: Point,
-    /// Whether each axis has a reference.
+    /// For each axis, whether its reference point is known.
     pub referenced: PerAxis<bool>,
-    /// Whether block skip is on.
+    /// Whether block skip is on, so that blocks marked `/` are skipped.
     pub block_skip: bool,
 }
 

@@ -15,7 +15,8 @@ use crate::program::ProgramMemory;
 use crate::units::{PerAxis, Point};
 
 impl Interpreter {
-    /// Reads up to the next command, like [`next`](Self::next), but without a heap allocation.
+    /// Reads blocks up to the next command and returns it, like [`next`](Self::next) but
+    /// without a heap allocation.
     ///
     /// # Errors
     /// The alarm of the block.
@@ -67,8 +68,8 @@ impl Interpreter {
         }
     }
 
-    /// Sets the start position of the compensation to that before a block, if the block just
-    /// read may start the compensation.
+    /// Sets the start position of the compensation to the tool position before the block just
+    /// read, if this block may start the compensation.
     pub(super) fn set_compensation_start(&mut self, before: &State) {
         if self.state.modal.nose_compensation != 40 && !self.compensation.is_on() {
             let machine = before.to_machine(before.position).to_point();
@@ -76,7 +77,7 @@ impl Interpreter {
         }
     }
 
-    /// The mode of the compensation before the next block.
+    /// The mode of the nose radius compensation before the next block.
     pub(super) fn compensation_mode(&self) -> CompensationMode {
         match (&self.mdi, self.compensation.is_on()) {
             (Some(_), _) => CompensationMode::Never,
@@ -85,16 +86,16 @@ impl Interpreter {
         }
     }
 
-    /// Whether a block that otherwise waits may be read while earlier moves wait for their
-    /// ends. Its effects keep their order.
+    /// Whether the reader may read a block that needs a standstill although the compensation
+    /// holds back earlier moves. The effects of the block keep their order.
     pub(super) fn can_read_early(&self, words: &SortedWords) -> bool {
         self.mdi.is_none()
             && self.compensation.has_pending()
             && !matches!(words.m, Some(0 | 30 | 98 | 99))
     }
 
-    /// Suspends a compensated run while something else moves the tool: stores its programmed
-    /// end.
+    /// Suspends a compensated run before MDI or manual motion moves the tool: stores the
+    /// programmed end of the run.
     pub(super) fn suspend_compensation(&mut self) {
         if self.compensation.is_on() || self.compensation.has_pending() {
             let position = self.state.to_machine(self.state.position);
@@ -102,7 +103,7 @@ impl Interpreter {
         }
     }
 
-    /// Continues the compensated run from the current machine position.
+    /// Continues the suspended run from the machine position `machine` (mm, X as a radius).
     fn resume_compensation(&mut self, machine: Point) {
         let Some(position) = self.suspended_position.take() else {
             return;
@@ -116,19 +117,21 @@ impl Interpreter {
         self.state.set_machine_position(resumed_position);
     }
 
-    /// Drops the compensation vector without motion.
+    /// Ends the compensation without motion: drops its vector and the moves that it holds
+    /// back.
     pub(super) fn drop_compensation(&mut self) {
         self.compensation.clear();
         self.suspended_position = None;
     }
 }
 
-/// Whether a command only gives the control a turn between silent blocks.
+/// Whether a command does nothing and ends no block, so that it needs no compensation.
 fn is_idle_command(command: &ControlCommand) -> bool {
     matches!(command.action, Action::Nothing) && !command.block_end
 }
 
-/// The host as the reader sees it while moves wait for their ends: nothing counts as finished.
+/// A host that reports no command as finished while the compensation holds back moves
+/// (`is_holding`).
 struct LookaheadHost<'a, H> {
     host: &'a mut H,
     is_holding: bool,

@@ -22,7 +22,7 @@ use crate::interpreter::threads::tapping;
 /// Plans the motion of a code of group 00 and sets `state.position` to its end.
 ///
 /// # Errors
-/// The alarm of the code.
+/// The alarm that the code raises.
 pub(crate) fn plan_motion(
     code: OneShot,
     state: &mut State,

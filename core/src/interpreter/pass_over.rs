@@ -3,22 +3,23 @@
 
 use crate::interpreter::reader::Interpreter;
 
-/// What a check has passed over.
+/// What a check of a program has ignored to continue after an alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PassedOver {
-    /// The refused block.
+    /// The block that raised the alarm.
     Block,
-    /// The compensation of a contour whose blocks are correct individually: the position is
-    /// the programmed one.
+    /// The nose radius compensation of a contour whose blocks are correct individually. The
+    /// tool continues at the programmed position.
     Contour,
-    /// Nothing: the block is in the profile that a G70 runs through.
+    /// Nothing, so the check cannot continue: the block is in the profile that a G70 runs
+    /// through.
     Nothing,
 }
 
 impl Interpreter {
-    /// Continues after an alarm of [`advance`](Self::advance), in a run that cuts nothing. The
-    /// nose radius compensation ends, because its corners need every block; the next G41 or
-    /// G42 starts it again.
+    /// Continues after an alarm of [`advance`](Self::advance), in a run that cuts nothing.
+    /// Ends the nose radius compensation, because its corners need every block; the next G41
+    /// or G42 starts the compensation again.
     pub(crate) fn pass_over_refused(&mut self) -> PassedOver {
         let has_contour_failed = self.compensation.has_failed();
         self.drop_compensation();

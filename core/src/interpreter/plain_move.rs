@@ -13,26 +13,27 @@ use crate::interpreter::context::words::{ArcWords, AxisTarget, AxisWords};
 use crate::model::{GCode, ModelRecord};
 use crate::program::ProgramBlock;
 
-/// The words of a block that only moves.
+/// The words of a block that only moves along the contour (G00 to G03).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlainMove {
-    /// The code of group 01 in force, 0 to 3.
+    /// The code of group 01 in force for the move, 0 to 3.
     motion: u8,
-    /// Whether the block contains that code.
+    /// Whether the block contains the code of `motion`.
     has_code: bool,
     feed: Option<f64>,
-    /// X, U, Z and W as written, millionths of a millimetre.
+    /// X and Z as written, millionths of a millimetre.
     absolute: (Option<i64>, Option<i64>),
+    /// U and W as written, millionths of a millimetre.
     increment: (Option<i64>, Option<i64>),
     arc: ArcWords,
 }
 
-/// What a move depends on besides its words and the state.
+/// The data that decide a plain move besides its words and the state.
 #[derive(Clone, Copy)]
 pub(crate) struct MoveContext<'a> {
     pub(crate) record: &'a ModelRecord,
     pub(crate) compensation: CompensationMode,
-    /// Diameters per programmed X: 2 under radius programming (001.2), else 1.
+    /// Factor from a programmed X to a diameter: 2 under radius programming (001.2), else 1.
     pub(crate) x_factor: i64,
 }
 
@@ -46,8 +47,8 @@ impl MoveContext<'_> {
 }
 
 impl PlainMove {
-    /// The move of a block in millimetres, with the code of group 01 before it; `None` if the
-    /// block contains anything else or refers to variables.
+    /// Reads the move of a block in millimetres. `motion` is the code of group 01 before the
+    /// block. `None` if the block contains anything but a plain move or refers to variables.
     pub(crate) fn from_block(
         block: &ProgramBlock,
         motion: u8,
@@ -93,7 +94,7 @@ impl PlainMove {
     /// Applies the move to the state and returns its action; `None` for an arc of no length.
     ///
     /// # Errors
-    /// The alarm of its code. The state stays as before.
+    /// The alarm of the move. The state stays as before.
     pub(crate) fn apply(
         &self,
         state: &mut State,

@@ -18,23 +18,23 @@ use crate::interpreter::context::planned_action::PlannedAction;
 use crate::interpreter::context::state::State;
 use crate::interpreter::cycles::box_cycle::BoxCycle;
 
-/// The motion of a block: a variant for each way to make moves.
+/// The remaining motion of a block, by the way in which its moves are made.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) enum PlannedMotion {
-    /// No motion, or none left.
+    /// The block has no motion, or no move is left.
     #[default]
     None,
     /// A single move, dwell or change of coordinates.
     #[serde(rename = "One")]
     Single(Action),
-    /// G90, G94.
+    /// A turning or facing pass of G90 or G94.
     Box(Box<BoxCycle>),
-    /// G28.
+    /// A return to the reference point (G28 and similar codes).
     Reference(Box<ReferenceReturn>),
-    /// A cut and its chamfer, corner arc or run-out.
+    /// A cut and the chamfer, corner arc or run-out at its end.
     #[serde(rename = "Two")]
     Pair(Box<MovePair>),
-    /// G33 with several starts, G71 to G76, G92.
+    /// A cycle that generates its moves: tapping, threads, G71 to G76 and others.
     Cycle(Box<Cycle>),
 }
 
@@ -83,7 +83,7 @@ impl PlannedMotion {
         }
     }
 
-    /// Whether the axes move.
+    /// Whether the block moves the axes.
     pub(crate) fn has_motion(&self) -> bool {
         match self {
             Self::None => false,
@@ -102,7 +102,8 @@ impl PlannedMotion {
         )
     }
 
-    /// Whether the end of the motion is known only when it is finished.
+    /// Whether the end point is known only when the motion is finished, as in a return that
+    /// seeks a reference point.
     pub(crate) const fn is_end_unknown(&self) -> bool {
         matches!(self, Self::Reference(reference) if reference.is_seeking())
     }
@@ -124,20 +125,22 @@ impl PlannedMotion {
 pub(crate) struct Plan {
     pub(crate) source: SourcePosition,
     pub(crate) modal: ModalState,
-    /// Actions of S, M and T.
+    /// Actions before the motion: those of S, M and T, and the wait for an input.
     pub(crate) before: VecDeque<Action>,
     pub(crate) motion: PlannedMotion,
-    /// Whether the motion runs without nose radius compensation in any case.
+    /// Whether the motion runs without nose radius compensation even if G41 or G42 is in
+    /// force.
     #[serde(rename = "apart")]
     pub(crate) is_uncompensated: bool,
-    /// M00, M30, or M99 of the main program.
+    /// The action after the motion: M00, M30, M99 of the main program, an exact stop, or the
+    /// action of an otherwise empty block.
     pub(crate) after: Option<Action>,
-    /// The flow of the run after the last action.
+    /// What the run does after the last action.
     pub(crate) flow: Flow,
     /// Whether single block stops at the end of the block.
     #[serde(rename = "stops")]
     pub(crate) is_stop: bool,
-    /// Whether feed hold waits for the end of each move.
+    /// Whether feed hold stops only at the end of a move, as in G70 to G75.
     #[serde(rename = "whole")]
     pub(crate) holds_at_move_end: bool,
     /// Parameters to write when the reader accepts the block.
@@ -181,7 +184,7 @@ impl Plan {
         }
     }
 
-    /// The return to the start after the profile of a G70, as the end of its block.
+    /// Plans the end of a G70 block: the rapid from the profile back to the start of the G70.
     pub(crate) fn return_from_profile(finishing: &Finishing, state: &mut State) -> Self {
         state.set_machine_position(state.to_machine(finishing.start));
         let mut plan = Self::new(finishing.source, state.modal);
@@ -193,7 +196,7 @@ impl Plan {
         plan
     }
 
-    /// The explanation data of the cycle move taken last.
+    /// The explanation data of the cycle move taken last; `None` if the block has no cycle.
     pub(crate) fn pass_note(&self) -> Option<PassNote> {
         match &self.motion {
             PlannedMotion::Cycle(cycle) => cycle.pass_note(),
@@ -202,12 +205,12 @@ impl Plan {
         }
     }
 
-    /// Whether every command is taken.
+    /// Whether every command of the block is taken.
     pub(crate) fn is_done(&self) -> bool {
         self.before.is_empty() && self.motion.is_done() && self.after.is_none()
     }
 
-    /// Takes the next command.
+    /// Takes the next command of the block; `None` if all are taken.
     #[inline]
     pub(crate) fn take_command(&mut self) -> Option<ControlCommand> {
         let planned = match self.before.pop_front() {

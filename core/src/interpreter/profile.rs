@@ -28,24 +28,24 @@ use crate::units::Point;
 /// Greatest number of blocks of a profile.
 const MAX_BLOCKS: u32 = 100;
 
-/// The indices of the first and the last block of a profile.
+/// The indices, from 0, of the first and the last block of a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ProfileRange {
     pub(crate) first: u32,
     pub(crate) last: u32,
-    /// Whether the blocks follow the cycle (Huaxing). Then the G00 of the first one may be in
-    /// force before it.
+    /// Whether the blocks follow the cycle (Huaxing). Then the first block needs no G00 if G00
+    /// is already in force.
     pub(crate) is_after_cycle: bool,
 }
 
-/// The geometry of one step of a contour.
+/// What one step of a contour does: a line, an arc or a dwell.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum StepShape {
     /// A straight line; `rapid` if it was programmed as a rapid.
     Straight { rapid: bool },
-    /// An arc about a programmed centre.
+    /// An arc about a programmed centre, in mm, X as a radius.
     Arc { center: Point, clockwise: bool },
-    /// A dwell.
+    /// A dwell in the contour, ms.
     Dwell { ms: u32 },
 }
 
@@ -54,11 +54,12 @@ pub(crate) enum StepShape {
 pub(crate) struct ProfileSegment {
     pub(crate) to: ExactPoint,
     pub(crate) shape: StepShape,
-    /// Line of its block in the file.
+    /// Line of the step's block in the text of the program.
     pub(crate) line: u32,
 }
 
-/// A contour: the start A, the step to B, and the steps from B to C.
+/// A contour: the start A of the cycle, the step to the begin B, and the steps from B to the
+/// end C.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Profile {
     pub(crate) start: ExactPoint,
@@ -67,21 +68,21 @@ pub(crate) struct Profile {
 }
 
 impl Profile {
-    /// B, the end of ns.
+    /// B, where the block ns ends and the contour begins.
     pub(crate) const fn begin_point(&self) -> ExactPoint {
         self.entry.to
     }
 
-    /// C, the end of nf.
+    /// C, where the block nf and the contour end.
     pub(crate) fn end_point(&self) -> ExactPoint {
         self.steps.last().map_or(self.entry.to, |step| step.to)
     }
 }
 
-/// Finds the blocks ns and nf.
+/// Finds the blocks with the sequence numbers ns (P) and nf (Q).
 ///
 /// # Errors
-/// 016, 061, 063 or 067.
+/// 067 in MDI; 061 without P or Q; 063 for a missing block; 016 for a wrong range.
 pub(crate) fn find_range(
     context: &BlockContext<'_>,
     words: &SortedWords,
@@ -123,10 +124,10 @@ pub(crate) fn find_range(
     })
 }
 
-/// The next N blocks after the cycle (Huaxing).
+/// Finds the blocks of a contour that follow the cycle; N is their number (Huaxing).
 ///
 /// # Errors
-/// 016, 061, 063 or 067.
+/// 067 in MDI; 061 without a valid N; 063 for missing blocks; 016 for too many blocks.
 pub(crate) fn find_following_range(
     context: &BlockContext<'_>,
     words: &SortedWords,
@@ -162,10 +163,10 @@ pub(crate) fn find_following_range(
     })
 }
 
-/// The program of the cycle.
+/// Finds the program that contains the cycle.
 ///
 /// # Errors
-/// 031 if it is missing.
+/// 031 if the program is missing.
 pub(crate) fn find_program<'a>(context: &BlockContext<'a>) -> Result<&'a Program, Alarm> {
     context
         .programs
@@ -177,7 +178,8 @@ fn find_block(program: &Program, number: i64, range: core::ops::Range<u32>) -> O
     program.find_sequence_block(u32::try_from(number).ok()?, range)
 }
 
-/// Checks that the number of P or Q occurs once in the program (manual I-3.2.6.7).
+/// Checks that the sequence number of P or Q occurs once in the program; alarm 016 if not
+/// (manual I-3.2.6.7).
 fn check_unique(program: &Program, address: char, number: i64) -> Result<(), Alarm> {
     let end = program.block_count();
     let Some(first) = find_block(program, number, 0..end) else {
@@ -202,7 +204,8 @@ fn range_alarm(detail: Message) -> Alarm {
     Alarm::new(number::PROFILE_RANGE).with_detail(detail)
 }
 
-/// Calls `visit` with index, words and code of group 01 of each block of a range, in order.
+/// Calls `visit` with the index (from 0), the words and the code of group 01 of each block of
+/// a range that is not skipped, in order.
 ///
 /// # Errors
 /// 064 and 066 for codes that a profile cannot contain, and the alarms of the blocks.
@@ -226,7 +229,8 @@ fn visit_blocks(
     Ok(())
 }
 
-/// Assigns the alarm of a profile's block to the cycle; its text contains the line.
+/// Turns the alarm of a block in the profile into an alarm of the cycle. The text names the
+/// block's line.
 fn profile_alarm(alarm: &Alarm, line: u32) -> Alarm {
     let detail = alarm.detail.clone().unwrap_or_else(|| say::as_written(""));
     Alarm::new(alarm.number).with_detail(say::in_profile(line, detail))
@@ -247,7 +251,7 @@ fn check_codes(context: &BlockContext<'_>, words: &SortedWords, motion: u8) -> R
     Ok(())
 }
 
-/// Checks the blocks of a G70, which run as ordinary blocks afterwards.
+/// Checks the codes of the profile of a G70. The blocks run as ordinary blocks afterwards.
 ///
 /// # Errors
 /// The alarm of a block.
@@ -269,7 +273,8 @@ pub(crate) fn check_blocks(
     )
 }
 
-/// A corner at the last block lacks a block after it. Arcs use I, K and R differently.
+/// The alarm for a corner in the last block of a profile, which has no next block. In arcs I,
+/// K and R mean something else.
 fn last_corner_alarm() -> Alarm {
     Alarm::new(number::ARC_DATA).with_detail(say::profile_corner_at_end())
 }
@@ -278,7 +283,7 @@ fn last_corner_alarm() -> Alarm {
 /// M of the blocks act in G70 only.
 ///
 /// # Errors
-/// 065 for a wrong begin, and the alarms of the blocks.
+/// 065 for a wrong first block, and the alarms of the blocks.
 pub(crate) fn evaluate_profile(
     state: &State,
     context: &BlockContext<'_>,
@@ -362,7 +367,7 @@ pub(crate) fn evaluate_profile(
     })
 }
 
-/// The words of the first block of a range that is not skipped.
+/// Reads the words of the first block of a range that is not skipped; `None` if there is none.
 fn find_next_words(
     context: &BlockContext<'_>,
     mut range: core::ops::RangeInclusive<u32>,
@@ -410,7 +415,7 @@ fn step_from_action(
     })
 }
 
-/// Alarm 065 with a reason.
+/// Alarm 065, wrong first block of a profile, with the reason `detail`.
 pub(crate) fn start_alarm(detail: Message) -> Alarm {
     Alarm::new(number::PROFILE_START).with_detail(detail)
 }

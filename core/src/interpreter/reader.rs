@@ -28,11 +28,12 @@ mod block_reader;
 mod pending_block;
 mod statements;
 
-/// Turns blocks into commands. It is plain data that can be saved and restored at any time.
+/// Turns blocks into commands. The interpreter is plain data that can be saved and restored at
+/// any time.
 ///
 /// [`start`](Self::start) begins a *run*. Then each call of [`next`](Self::next) gives one
-/// command, until [`InterpreterStep::Ended`]. A block from the MDI page is a separate run (`start_mdi`),
-/// which leaves a stopped automatic run as it is.
+/// command, until [`InterpreterStep::Ended`]. A block from the MDI page is a separate run
+/// (`start_mdi`), which leaves a stopped automatic run unchanged.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interpreter {
     pub(super) state: State,
@@ -40,8 +41,8 @@ pub struct Interpreter {
     pub(super) mdi: Option<MdiRun>,
     /// The nose radius compensation of the automatic run.
     pub(super) compensation: NoseCompensation,
-    /// Programmed end of a suspended compensated run, machine coordinates, while something
-    /// else moves the tool.
+    /// Programmed end of a suspended compensated run, machine coordinates, while MDI or manual
+    /// motion moves the tool; `None` if no run is suspended.
     #[serde(rename = "aside")]
     pub(super) suspended_position: Option<ExactPoint>,
     jumps: JumpTargets,
@@ -49,35 +50,36 @@ pub struct Interpreter {
     /// Whether the control has the option of macro B.
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     macro_b: bool,
-    /// The model that the programs are for.
+    /// The control model that the programs are for.
     #[serde(default, skip_serializing_if = "ControlModel::is_delivered_main")]
     model: ControlModel,
-    /// Whether that model has the variables #1 to #99 of the Huaxing lathes.
+    /// Whether the model of the programs has the variables #1 to #99 of the Huaxing lathes.
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     #[serde(rename = "own_variables")]
     has_huaxing_variables: bool,
-    /// Codes that call a program by parameters of macro B.
+    /// Codes that call a program by parameters of macro B; `None` if no code does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     code_calls: Option<Box<CodeCalls>>,
-    /// Finds words that change nothing. Only a preview sets it.
+    /// Search for words that change nothing; `None` except in a preview.
     #[serde(skip)]
     audit: Option<Box<WordAudit>>,
     #[serde(skip)]
     recent: BlockCache,
 }
 
-/// The run over the MDI block.
+/// The run over the block that the operator entered on the MDI page.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct MdiRun {
     program: Program,
     run: InterpreterRun,
 }
 
-/// The state at the last block read, while the tool is elsewhere.
+/// The state of the automatic run after the block read last, stored while MDI blocks run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ReadState(State);
 
-/// An answer of [`Interpreter::advance`], with the command in place.
+/// The answer of [`Interpreter::advance`]; like [`InterpreterStep`], but the command is not
+/// boxed.
 pub(crate) enum AdvanceResult {
     Command(ControlCommand),
     Wait,
@@ -110,18 +112,18 @@ impl Interpreter {
         }
     }
 
-    /// Sets inch input, from the next block on.
+    /// Switches inch input on or off, from the next block on.
     pub(crate) const fn set_inch_input(&mut self, inch: bool) {
         self.state.modal.inch = inch;
     }
 
-    /// Switches the option of macro B, from the next block on.
+    /// Switches the option of macro B on or off, from the next block on.
     pub fn set_macro_b(&mut self, on: bool) {
         self.macro_b = on;
         self.update_code_calls();
     }
 
-    /// Reads the codes that call a program; they belong to macro B.
+    /// Reads from the model the codes that call a program; without macro B no code does.
     fn update_code_calls(&mut self) {
         self.code_calls = match self.macro_b {
             true => CodeCalls::from_model(&self.model),
@@ -147,18 +149,19 @@ impl Interpreter {
         self.audit.as_ref().is_some_and(|audit| audit.has_remarks())
     }
 
-    /// The remarks since the last call, with their source positions.
+    /// Returns the remarks found since the last call of this function, with their source
+    /// positions.
     pub(crate) fn take_remarks(&mut self) -> Vec<LocatedRemark> {
         let audit = self.audit.as_mut();
         audit.map_or_else(Vec::new, |audit| audit.take_remarks())
     }
 
-    /// The record of the model that the programs are for.
+    /// The data of the control model that the programs are for.
     pub(crate) fn record(&self) -> &'static ModelRecord {
         self.model.record()
     }
 
-    /// The syntax of the next block of a program.
+    /// The syntax by which the next block of a program is read; `text` is that program.
     pub(crate) fn syntax(
         &self,
         program: ProgramId,
@@ -176,7 +179,7 @@ impl Interpreter {
         }
     }
 
-    /// The modal state after the block read last.
+    /// The modal codes, feed, spindle speed and tool after the block read last.
     pub const fn modal(&self) -> &ModalState {
         &self.state.modal
     }
@@ -191,12 +194,12 @@ impl Interpreter {
         };
     }
 
-    /// The thread lead in force, mm; 0 if unset.
+    /// The thread lead in force, mm per revolution; 0 if unset.
     pub const fn thread_lead(&self) -> f64 {
         self.state.lead
     }
 
-    /// The coordinate frame after the block read last.
+    /// The coordinate frame (program zero and offsets) after the block read last.
     pub fn frame(&self) -> Frame {
         self.state.frame()
     }
@@ -206,14 +209,14 @@ impl Interpreter {
         self.state.position.to_point()
     }
 
-    /// The source position of the block read last, in the current run; `None` before the
-    /// first.
+    /// The source position of the block read last in the current run; `None` before the first
+    /// block.
     pub fn cursor(&self) -> Option<SourcePosition> {
         self.current_run().source
     }
 
-    /// The explanation of the cycle move taken last: pass, level, depth and formula. `None`
-    /// outside cycles. Computed on each call.
+    /// Explains the cycle move taken last: pass, level, depth and formula. `None` outside
+    /// cycles. Each call computes the explanation again.
     pub fn explain(&self) -> Option<Explanation> {
         let run = self.current_run();
         if let (Some(finishing), Some(source)) = (&run.finishing, run.source) {
@@ -231,42 +234,45 @@ impl Interpreter {
         self.current_run().calls.len()
     }
 
-    /// Index of the next block of the program that arrives through the serial line; `None` if
-    /// the run keeps a position in it.
+    /// Index of the next block to read of the program that arrives through the serial line;
+    /// `None` if the run still needs earlier blocks of that program or runs another one.
     pub(crate) fn next_arriving_block(&self) -> Option<u32> {
         let run = &self.main;
         let is_free = run.plan.is_none() && run.calls.is_empty() && run.finishing.is_none();
         (is_free && run.position.program == ProgramId::Dnc).then_some(run.position.block)
     }
 
-    /// Notes that the first `count` blocks of the arriving program are dropped, so that its
-    /// indices shift.
+    /// Corrects the position of the run after the first `count` blocks of the arriving program
+    /// were dropped.
     pub(crate) const fn drop_arrived_blocks(&mut self, count: u32) {
         self.main.position.block = self.main.position.block.saturating_sub(count);
     }
 
-    /// A local variable of macro B in the innermost call of the automatic run; `None` is null.
+    /// The value of a local variable of macro B in the innermost call of the automatic run;
+    /// `None` for null.
     pub fn local_variable(&self, number: u8) -> Option<f64> {
         self.main.levels.get(number)
     }
 
-    /// Sets a local variable of macro B; `None` makes it null.
+    /// Sets a local variable of macro B in the innermost call of the automatic run; `None`
+    /// sets null.
     pub(crate) fn set_local_variable(&mut self, number: u8, value: Option<f64>) {
         self.main.levels.set(number, value);
     }
 
-    /// A measure of work: blocks read so far, plus one for each 64 bytes of their text.
+    /// Work done so far, to limit the computing time: number of blocks read plus one for each
+    /// 64 bytes of their text.
     pub(crate) const fn work_units(&self) -> u64 {
         self.recent.work()
     }
 
-    /// Whether commands of the block read last remain.
+    /// Whether commands of the block read last are left to take.
     pub(crate) fn is_in_block(&self) -> bool {
         self.current_run().plan.is_some()
     }
 
-    /// Starts a run over a program, at the first block at or after a line (from 1). Takes the
-    /// position from the host and keeps the modal state.
+    /// Starts a run over a program, at the first block at or after the line `line` (from 1).
+    /// Takes the tool position from the host and keeps the modal state.
     pub fn start(&mut self, program: ProgramId, line: u32, host: &impl Host) {
         let block = host
             .programs()
@@ -285,8 +291,8 @@ impl Interpreter {
         }
     }
 
-    /// Starts a run over the block from the MDI page. After its end [`next`](Self::next)
-    /// continues the automatic run, if there is one.
+    /// Starts a run over the block `program` from the MDI page. After the end of this run
+    /// [`next`](Self::next) continues the automatic run, if there is one.
     pub(crate) fn start_mdi(&mut self, program: Program, host: &impl Host) {
         let run = InterpreterRun::starting_at(ProgramPosition {
             program: ProgramId::Mdi,
@@ -296,18 +302,19 @@ impl Interpreter {
         self.resync(host);
     }
 
-    /// Ends the run over the MDI block.
+    /// Ends the run over the MDI block; the automatic run becomes the current one again.
     pub(crate) fn leave_mdi(&mut self) {
         self.mdi = None;
     }
 
-    /// The state of the automatic run at its last block read.
+    /// Returns a copy of the state after the block read last, for
+    /// [`Self::restore_read_position`].
     pub(crate) const fn read_state(&self) -> ReadState {
         ReadState(self.state)
     }
 
     /// Restores the position of the automatic run after MDI blocks. Their modal codes stay in
-    /// force, and so does their frame unless `same_frame` is set.
+    /// force. Their coordinate frame does, too, unless `same_frame` restores the earlier one.
     pub(crate) fn restore_read_position(&mut self, read_state: &ReadState, same_frame: bool) {
         let ReadState(before) = read_state;
         if same_frame {
@@ -321,14 +328,14 @@ impl Interpreter {
         self.state.is_threading = before.is_threading;
     }
 
-    /// Takes the position from the host again, after manual motion.
+    /// Takes the tool position from the host again, after manual motion.
     pub fn resync(&mut self, host: &impl Host) {
         self.suspend_compensation();
         self.state
             .set_machine_position(ExactPoint::from_point(host.machine_position()));
     }
 
-    /// Puts another coordinate frame into force, at power-on or after a manual reference
+    /// Puts another coordinate frame into force: at power-on, or when a manual reference
     /// return sets coordinates.
     pub(crate) fn set_frame(&mut self, frame: Frame, host: &impl Host) {
         self.state.zero = ExactPoint::from_point(frame.zero);
@@ -348,7 +355,7 @@ impl Interpreter {
         self.resync(host);
     }
 
-    /// Sets the M codes of the machine's ladder.
+    /// Sets the M codes that the machine's ladder carries out.
     pub(crate) const fn set_machine_codes(&mut self, codes: MachineCodes) {
         self.machine_codes = codes;
     }
@@ -358,9 +365,9 @@ impl Interpreter {
         self.state.modal.tool = tool;
     }
 
-    /// RESET, or the end of a program. Ends the runs, clears the stored words of cycles,
-    /// cancels G41 and G42 and drops their vector. Modal codes stay. 004.3 TOC decides whether
-    /// the offset stays.
+    /// Carries out RESET or the end of a program: ends the runs, deletes the stored words of
+    /// cycles, ends scaling, cancels G41 and G42 and drops their vector. Other modal codes
+    /// stay. 004.3 TOC decides whether the tool offset stays.
     pub fn reset(&mut self, host: &impl Host) {
         self.main = InterpreterRun::new_ended();
         self.mdi = None;
@@ -376,8 +383,8 @@ impl Interpreter {
         self.resync(host);
     }
 
-    /// The next command. Reads at most a few blocks and makes at most one command, so that it
-    /// never delays a tick.
+    /// Returns the next command. One call reads at most a few blocks and makes at most one
+    /// command, so that the call never delays a tick.
     ///
     /// # Errors
     /// The alarm of the block being read. The block has no effect then, and the next call

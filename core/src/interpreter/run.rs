@@ -10,7 +10,7 @@ use crate::interpreter::context::program_position::{CallKind, ProgramCall, Progr
 use crate::interpreter::macros::levels::Levels;
 use crate::interpreter::plan::Plan;
 
-/// A run over programs.
+/// The state of a run over a program and those that it calls.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct InterpreterRun {
     /// The position of the next block to read.
@@ -18,24 +18,25 @@ pub(crate) struct InterpreterRun {
     pub(crate) position: ProgramPosition,
     /// The running calls, the innermost last.
     pub(crate) calls: Vec<ProgramCall>,
-    /// Local variables, loops and modal calls of macros.
+    /// Local variables, loops and modal calls (G66) of the running macros.
     #[serde(default, skip_serializing_if = "Levels::is_empty")]
     pub(crate) levels: Levels,
-    /// The last sequence number (N) read.
+    /// The last sequence number (N) read; `None` before the first.
     pub(crate) sequence: Option<SequenceNumber>,
-    /// The source position of the block read last.
+    /// The source position of the block read last; `None` before the first block.
     pub(crate) source: Option<SourcePosition>,
-    /// Its remaining commands; `None` if all are taken.
+    /// The remaining commands of the block read last; `None` if all are taken.
     pub(crate) plan: Option<Plan>,
-    /// The explanation data of the last move of a finished plan.
+    /// The explanation data of the last cycle move of the block read last, after its commands
+    /// are taken; `None` without a cycle.
     #[serde(rename = "note")]
     pub(crate) last_note: Option<PassNote>,
     /// Whether the command taken last is a move along a contour, where G41 and G42 act.
     #[serde(rename = "contour")]
     pub(crate) is_contour: bool,
-    /// The profile that a G70 runs through.
+    /// The profile that a G70 runs through at present; `None` outside G70.
     pub(crate) finishing: Option<Finishing>,
-    /// Whether the reader pauses until every command is finished (after M00).
+    /// Whether the reader waits until every command is finished, as after M00.
     #[serde(rename = "paused")]
     pub(crate) is_paused: bool,
     #[serde(rename = "ended")]
@@ -43,7 +44,7 @@ pub(crate) struct InterpreterRun {
 }
 
 impl InterpreterRun {
-    /// A run that starts at a block.
+    /// A new run that starts at the block at `position`.
     pub(crate) const fn starting_at(position: ProgramPosition) -> Self {
         Self {
             position,
@@ -60,7 +61,7 @@ impl InterpreterRun {
         }
     }
 
-    /// A run that has ended.
+    /// A run that has already ended and gives no command.
     pub(crate) const fn new_ended() -> Self {
         let mut run = Self::starting_at(ProgramPosition {
             program: ProgramId::External,
@@ -70,8 +71,8 @@ impl InterpreterRun {
         run
     }
 
-    /// Takes the next command of the block read last; after its last command sets the next
-    /// block.
+    /// Takes the next command of the block read last; `None` if all are taken. After the last
+    /// command of the block sets the position of the next one.
     #[inline]
     pub(crate) fn take_command(&mut self) -> Option<ControlCommand> {
         let plan = self.plan.as_mut()?;
@@ -94,7 +95,8 @@ impl InterpreterRun {
         self.position = self.position.next_block();
     }
 
-    /// The flow after a move: the call of the last G66, or the next block.
+    /// The flow after a block that moves at `position`: the call of the last G66, or the next
+    /// block.
     pub(crate) fn flow_after_move(&self, position: ProgramPosition) -> Flow {
         let Some((index, modal)) = self.levels.find_modal_call(&self.calls) else {
             return Flow::Next;

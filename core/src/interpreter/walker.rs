@@ -24,57 +24,61 @@ use crate::interpreter::macros::variable::ReadError;
 use crate::model::ControlModel;
 use crate::program::{BlockCache, CodeCall, Program, ProgramBlock, ProgramMemory, Syntax};
 
-/// The variables above #33 of a model. The walker keeps #0 to #33.
+/// The variables above #33, which the caller of the walker stores. The walker itself stores #0
+/// to #33.
 pub trait SystemVariables {
-    /// The value of a variable; `None` is null.
+    /// Returns the value of the variable `number`; `None` is null.
     ///
     /// # Errors
     /// 115 for an unknown number.
     fn read(&self, number: u32) -> Result<Option<f64>, Alarm>;
 
-    /// Sets a variable; `None` makes it null.
+    /// Sets the variable `number` to `value`; `None` makes it null.
     ///
     /// # Errors
-    /// 115 for an unknown number, 116 for a read-only variable, 043 for a value that it does
-    /// not take.
+    /// 115 for an unknown number, 116 for a read-only variable, 043 for a value that the
+    /// variable does not take.
     fn write(&mut self, number: u32, value: Option<f64>) -> Result<(), Alarm>;
 
-    /// Whether `ASIN` and `ATAN` give −90 to 90 and −180 to 180 degrees instead of 0 to 360.
+    /// Whether the results of `ASIN` and `ATAN` are −90 to 90 and −180 to 180 degrees; if not,
+    /// 0 to 360.
     fn signed_angles(&self) -> bool {
         false
     }
 }
 
-/// The result of reading a block.
+/// What [`Walker::next`] has read.
 #[derive(Clone, Debug, PartialEq)]
 pub enum WalkedBlock {
-    /// Words for the caller to carry out, with numbers in place of formulas.
+    /// The words of a block for the caller to carry out, with numbers in place of formulas.
     Words(Box<ProgramBlock>),
-    /// A statement of macro B that the walker has carried out, or a skipped block.
+    /// The caller has nothing to do: the walker has carried out a statement of macro B or
+    /// skipped the block.
     Nothing,
-    /// The text of a called program has ended: the run continues after the call.
+    /// The text of a called program has ended, with the effect of an M99.
     Returned,
     /// The run has ended.
     Ended,
 }
 
-/// Where M99 has led to.
+/// Where the run continues after an M99.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReturnEffect {
-    /// To another run of the same program, or to its caller.
+    /// With another run of the called program, or after the call in its caller.
     Returned,
-    /// To an earlier block of the main program, or without P to its first one: the program
-    /// restarts.
+    /// At the same or an earlier block of the main program, without P at the first one: the
+    /// program restarts.
     Restarted,
-    /// To a later block of the main program.
+    /// At a later block of the main program.
     Jumped,
 }
 
-/// A run over programs.
+/// A run over a program and those that it calls.
 #[derive(Clone, Debug)]
 pub struct Walker {
-    /// The position of the block read last, and that of the next one.
+    /// The position of the block read last.
     last_position: ProgramPosition,
+    /// The position of the next block.
     next_position: ProgramPosition,
     calls: Vec<ProgramCall>,
     levels: Levels,
@@ -86,7 +90,7 @@ pub struct Walker {
 }
 
 impl Walker {
-    /// A run that begins at the first block of a program.
+    /// A new run that begins at the first block of a program.
     pub fn new(program: ProgramId) -> Self {
         let next_position = ProgramPosition { program, block: 0 };
         Self {
@@ -102,14 +106,15 @@ impl Walker {
         }
     }
 
-    /// Adds the codes that call a program by the parameters of a model.
+    /// Makes those G, M and T codes call a program that the parameters of `model` name.
     #[must_use]
     pub fn with_code_calls(mut self, model: &ControlModel) -> Self {
         self.code_calls = CodeCalls::from_model(model);
         self
     }
 
-    /// The codes that call a program, unless the running calls make them ordinary.
+    /// The codes that call a program; `None` if no code does or a running call makes them
+    /// ordinary.
     fn active_code_calls(&self) -> Option<&CodeCalls> {
         let code_calls = self.code_calls.as_deref();
         code_calls.filter(|_| !are_ordinary(&self.calls))
@@ -134,7 +139,7 @@ impl Walker {
     /// variables above #33.
     ///
     /// # Errors
-    /// The alarm of its syntax or of its statement.
+    /// The alarm of the block's syntax or of its statement.
     pub fn next(
         &mut self,
         programs: &ProgramMemory,
@@ -185,7 +190,7 @@ impl Walker {
         without_wait(walked)
     }
 
-    /// Carries out a macro call that a code makes with the words of its block.
+    /// Carries out the macro call of a G or M code, with the words of its block as arguments.
     fn call_with_words(
         &mut self,
         call: &CodeCall,
@@ -237,7 +242,7 @@ impl Walker {
         Ok(WalkedBlock::Nothing)
     }
 
-    /// The value of a variable.
+    /// Reads a variable: #0 to #33 from the walker, others from `system`; `None` is null.
     fn read_variable(
         &self,
         number: u32,
@@ -250,7 +255,7 @@ impl Walker {
         }
     }
 
-    /// The position of a statement at the block read last.
+    /// The data that a statement in the block read last is evaluated with.
     fn statement_context<'a>(
         &'a self,
         program: &'a Program,
@@ -268,7 +273,8 @@ impl Walker {
         }
     }
 
-    /// Applies the effect of a statement.
+    /// Carries out the effect of a statement: assigns, jumps, calls, or enters or leaves a
+    /// loop.
     fn apply_effect(
         &mut self,
         effect: StatementEffect,
@@ -332,8 +338,8 @@ impl Walker {
         }
     }
 
-    /// Calls a subprogram from the block read last, `runs` times. `name` is the calling code,
-    /// for messages.
+    /// Calls the subprogram with the number `program` from the block read last, `runs` times.
+    /// `name` is the calling code, for messages.
     ///
     /// # Errors
     /// 077 for calls that are too deep, 078 for a missing program.
@@ -349,14 +355,15 @@ impl Walker {
         Ok(())
     }
 
-    /// The subprogram that an M or T calls by parameters, as M98 does; `None` if it is
-    /// ordinary.
+    /// The subprogram that the M code `m` or the T code `t` calls by parameters, as M98 does;
+    /// `None` if neither calls.
     pub fn find_called_subprogram(&self, m: Option<i64>, t: Option<i64>) -> Option<PlainCall> {
         let m = m.and_then(|code| u16::try_from(code).ok());
         self.active_code_calls()?.find_subprogram_by_number(m, t)
     }
 
-    /// Calls such a subprogram `runs` times. In it the codes are ordinary.
+    /// Makes a call found by [`Self::find_called_subprogram`], `runs` times. In the called
+    /// program such codes are ordinary and call nothing.
     ///
     /// # Errors
     /// As for [`Self::call`].
@@ -374,7 +381,8 @@ impl Walker {
         Ok(())
     }
 
-    /// Calls a program with the words of the block as arguments, as G65 does.
+    /// Calls the program with the number `program` with `words` (letter and value) as
+    /// arguments, as G65 does.
     ///
     /// # Errors
     /// As for [`Self::call`]; 129 for a word that is no argument.
@@ -428,7 +436,8 @@ impl Walker {
         })
     }
 
-    /// Makes the call of the last G66. The caller calls it after each block that moves.
+    /// Makes the call of the last G66, if one is in force. Call this function after each block
+    /// that moves.
     pub fn call_modal_macro(&mut self) {
         let Some((index, modal)) = self.levels.find_modal_call(&self.calls) else {
             return;
@@ -446,10 +455,11 @@ impl Walker {
         self.enter_call(call, Some(arguments));
     }
 
-    /// Carries out an M99, with its P.
+    /// Carries out an M99: repeats the call if runs are left, or returns to the caller, at the
+    /// block N`p` if given. In the main program jumps to that block or to the first one.
     ///
     /// # Errors
-    /// 078 for a missing block.
+    /// 078 if the block `p` does not exist.
     pub fn execute_return(
         &mut self,
         programs: &ProgramMemory,
@@ -499,18 +509,19 @@ impl Walker {
         Ok(ReturnEffect::Returned)
     }
 
-    /// Ends the run (M30).
+    /// Ends the run, as M30 does: [`Self::next`] then returns [`WalkedBlock::Ended`].
     pub fn end(&mut self) {
         self.has_ended = true;
     }
 
-    /// Number of running calls.
+    /// Number of running subprogram and macro calls.
     pub fn call_depth(&self) -> usize {
         self.calls.len()
     }
 }
 
-/// The result of reading. Waits cannot occur, because every earlier block is finished.
+/// Removes the variant Wait of [`ReadError`], which cannot occur: every earlier block is
+/// finished.
 fn without_wait(outcome: Result<WalkedBlock, ReadError>) -> Result<WalkedBlock, Alarm> {
     match outcome {
         Ok(read) => Ok(read),

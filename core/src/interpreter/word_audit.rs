@@ -17,12 +17,12 @@ use crate::interpreter::plan::Plan;
 use crate::model::{GCode, ModelRecord};
 use crate::program::{Program, ProgramBlock, ProgramWord};
 
-/// Greatest number of stored shapes of blocks; a program has a few dozen.
+/// Greatest number of stored block shapes; a program has a few dozen.
 const MAX_SHAPES: usize = 4096;
 /// Greatest number of remarks of a run.
 const MAX_REMARKS: usize = 256;
 
-/// One millimetre, or one count, in the millionths of a word.
+/// The change that the audit makes to a value: one millimetre or one count, in millionths.
 const CHANGE_STEP: i64 = 1_000_000;
 
 /// What a preview reports about a block that the control carries out.
@@ -34,16 +34,16 @@ pub enum BlockRemark {
     AfterSemicolon,
 }
 
-/// A word that changes nothing.
+/// A word of a block that changes nothing, and advice about this word.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct IgnoredWord {
-    /// The word as written, without blanks.
+    /// The ignored word as written, without blanks.
     pub text: String,
-    /// Its letter.
+    /// The letter of the ignored word.
     pub address: char,
-    /// The code of the block that does not read it, such as `G01`; `None` without a code.
+    /// The code that does not read the word, such as `G01`; `None` for a block without a code.
     pub code: Option<String>,
-    /// What its author probably meant.
+    /// What the author of the word probably meant.
     pub advice: WordAdvice,
     /// First and last column in the line, in characters from 1.
     pub columns: (u32, u32),
@@ -52,47 +52,48 @@ pub struct IgnoredWord {
 /// What the author of an ignored word probably meant.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum WordAdvice {
-    /// Unknown.
+    /// The intention is unknown.
     None,
-    /// L as a number of calls, which P contains: this P makes these calls.
+    /// L was meant as the number of calls, which belongs into P: payload is the P to write.
     CallCount(String),
-    /// I or K as the taper of a cycle, which is this R.
+    /// I or K was meant as the taper of a cycle: the payload is the R to write.
     TaperIsR(String),
-    /// I as threads per inch, in a block with F.
+    /// I was meant as threads per inch, but F of the same block sets the lead.
     LeadByF,
-    /// I or K as a centre, in a block with R.
+    /// I or K was meant as the centre of an arc, but R of the same block sets the radius.
     CenterBesideRadius,
-    /// R of an arc that ends at its start.
+    /// R belongs to an arc without length, which ends at its start.
     ArcWithoutLength,
-    /// An increment in a block with the absolute word of this axis.
+    /// An increment (U or W) is ignored beside the absolute word of the same axis, X or Z.
     BesideAbsolute(char),
-    /// A dwell in seconds, in a block with P.
+    /// A dwell in seconds is ignored beside P, the dwell in ms.
     DwellByP,
-    /// A G code before this one of the same group.
+    /// A G code is replaced by this later one of the same group.
     LaterCode(String),
 }
 
-/// A remark and its source position.
+/// A remark about a block and the source position of that block.
 pub type LocatedRemark = (BlockRemark, SourcePosition);
 
 /// Searches the blocks of a run for words that change nothing.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WordAudit {
-    /// Shapes of blocks without an ignored word.
+    /// Shapes of blocks in which the audit found no ignored word.
     clean_shapes: BTreeSet<BlockShape>,
-    /// Each remark of the run once, and the number of those taken.
+    /// The remarks of the run, each once.
     remarks: Vec<LocatedRemark>,
+    /// Number of remarks that [`Self::take_remarks`] has returned.
     taken_count: usize,
 }
 
-/// Two interpreters are equal whatever their audits have found.
+/// All audits are equal, so that the comparison of two interpreters ignores their findings.
 impl PartialEq for WordAudit {
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
-/// What decides which words of a block are read, besides their values.
+/// The features of a block, besides the values of its words, that decide which words are read.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct BlockShape {
     addresses: u32,
@@ -127,22 +128,23 @@ impl BlockShape {
     }
 }
 
-/// An evaluated block and its result.
+/// A block, and the state and plan that its evaluation gave.
 pub(crate) struct EvaluatedBlock<'a> {
-    /// The block as parsed.
+    /// The block as parsed, with its words in the order of the text.
     pub(crate) block: &'a ProgramBlock,
-    /// Its words, sorted.
+    /// The sorted words of the block.
     pub(crate) words: &'a SortedWords,
     pub(crate) record: &'a ModelRecord,
-    /// The state before and after the block.
+    /// The state before the block.
     pub(crate) before: &'a State,
+    /// The state after the block.
     pub(crate) after: &'a State,
     pub(crate) plan: &'a Plan,
 }
 
 impl WordAudit {
-    /// Searches a block of a program. `evaluate` evaluates other words in place of the
-    /// block's.
+    /// Searches the block `index` (from 0) of a program for ignored words and stores a remark
+    /// for each. `evaluate` evaluates other words in place of those of the block.
     pub(crate) fn audit_block(
         &mut self,
         program: &Program,
@@ -160,8 +162,8 @@ impl WordAudit {
         }
     }
 
-    /// Searches a G65 block. Its operations act while the reader reads them, so they cannot be
-    /// evaluated twice.
+    /// Searches a G65 block for ignored words. The operations of G65 act while the reader
+    /// reads them, so they cannot be evaluated twice.
     pub(crate) fn audit_macro_block(
         &mut self,
         program: &Program,
@@ -184,7 +186,7 @@ impl WordAudit {
         }
     }
 
-    /// The words that change nothing, with advice.
+    /// Finds the words of a block that change nothing, each with advice.
     fn find_ignored_words(
         &mut self,
         block: &EvaluatedBlock<'_>,
@@ -233,7 +235,7 @@ impl WordAudit {
         ignored
     }
 
-    /// Stores a remark, once for each source position.
+    /// Stores a remark on the block at `source`, unless the same remark is stored already.
     pub(crate) fn add_remark(&mut self, remark: BlockRemark, source: SourcePosition) {
         let remarked = (remark, source);
         if self.remarks.len() < MAX_REMARKS && !self.remarks.contains(&remarked) {
@@ -247,7 +249,7 @@ impl WordAudit {
         self.remarks.len() > self.taken_count
     }
 
-    /// The remarks since the last call.
+    /// Returns the remarks stored since the last call of this function.
     pub(crate) fn take_remarks(&mut self) -> Vec<LocatedRemark> {
         let new = self
             .remarks
@@ -260,7 +262,7 @@ impl WordAudit {
 }
 
 impl IgnoredWord {
-    /// A word of a block, with its columns in its line.
+    /// Describes a word of the block `index` with its text and its columns in the line.
     #[cold]
     fn new(
         program: &Program,
@@ -289,7 +291,8 @@ impl IgnoredWord {
     }
 }
 
-/// The code that carries a block out, as messages name it.
+/// The code that carries out a block, as messages name it (`G01`, `M03`); `None` if the block
+/// has no code.
 fn executing_code(block: &EvaluatedBlock<'_>) -> Option<String> {
     let words = block.words;
     if words.one_shot.is_some() {
@@ -309,11 +312,11 @@ fn executing_code(block: &EvaluatedBlock<'_>) -> Option<String> {
     }
 }
 
-/// How the audit changes a word to see whether it is read.
+/// A change that the audit makes to a word, to find out whether a code reads the word.
 #[derive(Clone, Copy)]
 enum WordChange {
     Removed,
-    /// Adds to its value, in millionths.
+    /// Adds this amount to the value, in millionths.
     Add(i64),
 }
 
@@ -333,8 +336,8 @@ impl WordChange {
     }
 }
 
-/// A copy of the words with one of them changed. Their number stays, because single block
-/// depends on it.
+/// Copies the words and changes the one with the address `letter`. The count of words stays
+/// the same, because single block depends on it.
 fn change_word(words: &SortedWords, letter: u8, change: WordChange) -> SortedWords {
     let mut words = *words;
     let by = match change {
@@ -379,8 +382,8 @@ fn change_word(words: &SortedWords, letter: u8, change: WordChange) -> SortedWor
     words
 }
 
-/// A later G code of the block that replaces this one: the last of a group is valid (decision
-/// TEXT-4).
+/// Finds a later G code of the block that replaces the word at index `at`: the last code of a
+/// group is valid (decision TEXT-4).
 fn find_later_code(block: &EvaluatedBlock<'_>, at: usize) -> Option<i64> {
     let code = |word: &ProgramWord| {
         let number = word.value.integer();
@@ -394,7 +397,8 @@ fn find_later_code(block: &EvaluatedBlock<'_>, at: usize) -> Option<i64> {
     (replacement.0 != number).then_some(replacement.0)
 }
 
-/// The field of [`SortedWords`] that a code sets, as a group number.
+/// The group of a G code. Codes of one group set the same field of [`SortedWords`]; 0 is that
+/// of one-shot codes.
 const fn code_group(code: GCode) -> u8 {
     match code {
         GCode::Rapid
@@ -450,7 +454,7 @@ fn find_advice(block: &EvaluatedBlock<'_>, word: &ProgramWord) -> WordAdvice {
     }
 }
 
-/// M98 P0118 L3 is M98 P30118 (manual I-3.3).
+/// Advises to write the number of calls into P: M98 P0118 L3 is M98 P30118 (manual I-3.3).
 fn call_count_advice(words: &SortedWords) -> WordAdvice {
     match (words.p, words.l) {
         (Some(program @ 1..=9999), Some(count @ 1..=9999)) => {

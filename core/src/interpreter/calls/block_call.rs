@@ -20,10 +20,10 @@ use crate::interpreter::context::program_position::{CallKind, ProgramCall, Progr
 use crate::interpreter::context::words::SortedWords;
 use crate::program::{Program, Syntax, WordNumber};
 
-/// Greatest depth of nested calls.
+/// Greatest number of nested calls by G20, G25 and G26.
 const MAX_CALL_DEPTH: usize = 4;
 
-/// Plans a G20: L (or P) runs of the subprogram N.
+/// Plans a G20: calls the subprogram N; L or else P is the number of runs.
 ///
 /// # Errors
 /// 076 without N, 043 for a wrong N, 077 for calls that are too deep, 078 for a missing
@@ -52,7 +52,7 @@ pub(crate) fn plan_call(context: &BlockContext<'_>, words: &SortedWords) -> Resu
     )
 }
 
-/// Plans a G25, or with `returns` a G26: L runs of the blocks N to P.
+/// Plans a G25, or with `returns` a G26: runs the blocks N to P, L times.
 ///
 /// # Errors
 /// 076 without N, 077 for calls that are too deep, 078 for a missing or reversed range.
@@ -82,7 +82,7 @@ pub(crate) fn plan_repeat(
     build_call_flow(context, program, (first, last - first + 1), runs, back)
 }
 
-/// Plans a G27: a jump to the block N.
+/// Plans a G27: jumps to the block with the sequence number N.
 ///
 /// # Errors
 /// 076 without N, 078 for a missing block.
@@ -140,7 +140,8 @@ fn find_block(context: &BlockContext<'_>, n: i64) -> Result<u32, Alarm> {
     index.ok_or_else(|| Alarm::new(number::TARGET_MISSING).with_detail(say::block_call_missing(n)))
 }
 
-/// The index of the block `G22 Nnn` that begins the subprogram `name`.
+/// The index, from 0, of the block `G22 Nnn` that begins the subprogram `name`; `None` if the
+/// program has no such block.
 fn find_definition(program: &Program, name: u32, context: &BlockContext<'_>) -> Option<u32> {
     let syntax = Syntax {
         model: context.model.id(),

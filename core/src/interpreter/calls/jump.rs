@@ -12,10 +12,10 @@ use crate::alarm::{Alarm, number};
 use crate::interpreter::context::program_position::ProgramPosition;
 use crate::program::Program;
 
-/// Number of jumps that are remembered, so that a loop searches its target once.
+/// Number of jumps whose targets are stored, so that a loop searches its target once.
 const REMEMBERED_JUMPS: usize = 8;
 
-/// A remembered jump.
+/// A jump that was searched before: its start, its P and the index of its target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct KnownJump {
     from: ProgramPosition,
@@ -23,7 +23,8 @@ struct KnownJump {
     to: u32,
 }
 
-/// Finds targets of jumps and remembers the last ones.
+/// Finds the targets of jumps and stores the last ones, so that a loop searches its target
+/// once.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct JumpTargets {
     known: [Option<KnownJump>; REMEMBERED_JUMPS],
@@ -31,8 +32,8 @@ pub(crate) struct JumpTargets {
 }
 
 impl JumpTargets {
-    /// The index of the block that a jump with P `p` from `from` leads to. A negative `p`
-    /// searches backward first.
+    /// Finds the block that a jump from `from` to the sequence number `p` leads to; returns
+    /// its index, from 0. A negative `p` searches backward first.
     ///
     /// # Errors
     /// 128 if the number is out of range or missing in the program.

@@ -15,26 +15,29 @@ use crate::interpreter::context::BlockContext;
 use crate::interpreter::context::code_calls::PlainCall;
 use crate::interpreter::context::words::{OneShot, SortedWords};
 
-/// S and T codes that may call.
+/// S and T codes that may call a subprogram.
 const CALLING_CODES: core::ops::RangeInclusive<i64> = 10..=99;
 
-/// A subprogram call by an M, S or T word, with the word for messages.
+/// A subprogram call by an M, S or T word. `address` and `code` are the letter and the number
+/// of that word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SpecialCall {
     pub(crate) program: u16,
     pub(crate) address: char,
     pub(crate) code: i64,
-    /// Number of runs, at least 1.
+    /// Number of times that the subprogram runs, at least 1.
     pub(crate) runs: u16,
-    /// Whether codes that call by parameters of macro B are ordinary codes in the subprogram.
+    /// Whether codes that call by parameters of macro B are ordinary codes in the subprogram,
+    /// which call no program.
     pub(crate) codes_ordinary: bool,
 }
 
-/// Number of runs that L of a call by a parameter may give.
+/// Allowed values of L, the number of runs, in a call by a parameter of macro B.
 const RUN_RANGE: core::ops::RangeInclusive<i64> = 1..=9999;
 
 impl SpecialCall {
-    /// A copy of the words of the block without the calling word (and its L).
+    /// Copies the words of the block without the calling word, and without the L of a call by
+    /// a parameter of macro B.
     pub(crate) const fn without_calling_word(self, words: &SortedWords) -> SortedWords {
         let mut words = *words;
         match self.address {
@@ -101,7 +104,8 @@ pub(crate) fn find(
     Ok(call)
 }
 
-/// The call by the parameters 240 to 243. L is the number of runs of a call by M.
+/// Completes a call by the parameters 240 to 243 of macro B: L is the number of runs of a call
+/// by M; a T calls once.
 fn from_parameter_call(call: PlainCall, words: &SortedWords) -> Result<SpecialCall, Alarm> {
     let PlainCall {
         program,
@@ -125,7 +129,8 @@ fn from_parameter_call(call: PlainCall, words: &SortedWords) -> Result<SpecialCa
     })
 }
 
-/// The alarm of a call from the MDI page, which may call nothing.
+/// The alarm for a call by an M, S or T code from the MDI page, which may call nothing; `None`
+/// without such a code.
 fn mdi_alarm(m: Option<i64>, s: Option<i64>, t: Option<i64>) -> Option<Alarm> {
     let (number, name, code) = match (m, s, t) {
         (Some(m), ..) => (number::BAD_M, 'M', m),

@@ -16,10 +16,11 @@ use crate::interpreter::context::BlockContext;
 use crate::interpreter::context::flow::Flow;
 use crate::interpreter::context::program_position::{CallKind, ProgramCall, ProgramPosition};
 
-/// Greatest depth of nested calls.
+/// Greatest number of nested subprogram calls (M98).
 pub(crate) const MAX_CALL_DEPTH: usize = 4;
 
-/// Plans an M98: P holds the count of runs (0 is one run) and the program number.
+/// Plans an M98: `p` is the number of runs (0 means one run) times 10000 plus the program
+/// number.
 ///
 /// # Errors
 /// 076 without P, 077 for calls that are too deep, 078 for a missing program.
@@ -35,7 +36,7 @@ pub(crate) fn plan_call(context: &BlockContext<'_>, p: Option<i64>) -> Result<Fl
 /// Plans a call by an M, S or T code (006.5 CM98, or parameters of macro B).
 ///
 /// # Errors
-/// As for [`call`].
+/// As for [`plan_call`].
 pub(crate) fn plan_special_call(
     context: &BlockContext<'_>,
     call: SpecialCall,
@@ -91,11 +92,11 @@ fn build_call_flow(
 }
 
 /// Plans an M99, or the end of a subprogram's text: the next run of the innermost call, or the
-/// return from it. With P the return leads to the block N of the caller. Without a call the
-/// main program starts again.
+/// return from that call. With P the return leads to the block N`p` of the caller. Without a
+/// call the main program starts again.
 ///
 /// # Errors
-/// 078 for a missing target.
+/// 078 if the block N`p` is missing.
 pub(crate) fn plan_return(context: &BlockContext<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
     let Some(call) = context.calls.last() else {
         return plan_restart(context, p);
@@ -113,7 +114,7 @@ pub(crate) fn plan_return(context: &BlockContext<'_>, p: Option<i64>) -> Result<
     }))
 }
 
-/// Plans an M99 of the main program: a jump to its first block, or to N of P.
+/// Plans an M99 of the main program: jumps to the first block, or to the block N`p`.
 fn plan_restart(context: &BlockContext<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
     let program = context.position.program;
     if program == ProgramId::Dnc {
@@ -126,8 +127,8 @@ fn plan_restart(context: &BlockContext<'_>, p: Option<i64>) -> Result<Flow, Alar
     Ok(Flow::Jump(ProgramPosition { program, block }))
 }
 
-/// Whether a jump restarts the main program, so that it counts a part. A jump forward (M99 P)
-/// does not.
+/// Whether `flow` restarts the main program with a jump back, so that the control counts a
+/// part. A jump forward (M99 P) restarts nothing.
 pub(crate) fn is_restart(context: &BlockContext<'_>, flow: &Flow) -> bool {
     match flow {
         Flow::Jump(place) => place.block <= context.position.block,

@@ -27,21 +27,22 @@ use crate::units::Point;
 /// programmed, in half units of [`ExactPoint`] (0.002 mm).
 const CENTER_TOLERANCE: f64 = 4000.0;
 
-/// Half units of [`ExactPoint`] in a millimetre. X radii are whole numbers of half units.
+/// Number of half units of [`ExactPoint`] in a millimetre. X radii are whole numbers of half
+/// units.
 const HALF_UNITS_PER_MM: f64 = 2_000_000.0;
 
 /// Direction of an arc, and what its R and I mean on a control model.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ArcTurn {
     clockwise: bool,
-    /// Whether a negative R commands an arc of 180° and more.
+    /// Whether a negative R commands an arc of 180° and more; if not, it raises alarm 023.
     allows_long_arc: bool,
     /// Whether I is a difference of diameters instead of a radius.
     is_i_diameter: bool,
 }
 
 impl ArcTurn {
-    /// The direction and the meaning of R and I in programs of a model.
+    /// Combines the direction of an arc with the meaning of R and I on the model of `record`.
     pub(crate) fn from_record(record: &ModelRecord, clockwise: bool) -> Self {
         let code = record.g_code(2);
         let is_i_diameter = code == Some(GCode::DiameterArcClockwise);
@@ -53,8 +54,8 @@ impl ArcTurn {
     }
 }
 
-/// The centre of an arc, in programmed coordinates (mm, X as a radius); `None` if it has no
-/// length (R and equal end points).
+/// Finds the centre of an arc, in programmed coordinates (mm, X as a radius). Returns `None`
+/// if the arc has no length (R and equal end points).
 ///
 /// # Errors
 /// 013 without a centre or radius, or with a radius that is too small; 023 for a negative R
@@ -142,13 +143,13 @@ fn find_center_by_vector(
     })
 }
 
-/// The straight connection of start and end, in half units of [`ExactPoint`].
+/// The straight line from the start to the end of an arc, in half units of [`ExactPoint`].
 struct Chord {
     start_x: i128,
     start_z: i128,
     dx: i128,
     dz: i128,
-    /// Square of its length.
+    /// Square of the chord's length, in squared half units.
     length_square: i128,
 }
 
@@ -167,8 +168,8 @@ impl Chord {
         }
     }
 
-    /// Distance of the centre from the chord as a multiple of its length; `None` if the chord
-    /// is longer than the diameter.
+    /// Distance of the centre from the chord as a multiple of the chord's length; `None` if
+    /// the chord is longer than the diameter or has no length.
     fn height_ratio(&self, diameter_square: i128) -> Option<f64> {
         let height_square = diameter_square - self.length_square;
         if height_square < 0 || self.length_square == 0 {
@@ -177,7 +178,8 @@ impl Chord {
         Some((to_f64(height_square) / to_f64(4 * self.length_square)).sqrt())
     }
 
-    /// The point at `ratio` chord lengths to the right of the chord's middle, mm.
+    /// The point at `ratio` chord lengths to the right of the chord's middle, mm, X as a
+    /// radius.
     fn point_beside(&self, ratio: f64) -> Point {
         let middle_x = to_f64(2 * self.start_x + self.dx) / 2.0;
         let middle_z = to_f64(2 * self.start_z + self.dz) / 2.0;
@@ -188,7 +190,8 @@ impl Chord {
     }
 }
 
-/// The nearest floating-point number. Most values fit into 64 bits, whose conversion is fast.
+/// Converts to the nearest floating-point number. Most values fit into 64 bits, whose
+/// conversion is fast.
 fn to_f64(value: i128) -> f64 {
     // A separate function, so that the compiler does not convert all values this way.
     #[cold]

@@ -23,7 +23,7 @@ use crate::units::Axis;
 /// S only. `relative_follows` sets the relative coordinates, too.
 ///
 /// # Errors
-/// 014 for a G50 without a word.
+/// 014 for a G50 without an axis word and S.
 pub(crate) fn set_coordinates(
     state: &mut State,
     words: &SortedWords,

@@ -30,7 +30,7 @@ use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{AxisTarget, AxisWords, SortedWords};
 use crate::units::Axis;
 
-/// The shape of a corner.
+/// How a corner connects its two cuts: by a chamfer or by a tangent arc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum CornerJoin {
     Chamfer,
@@ -118,7 +118,8 @@ pub(crate) fn plan(
     Ok(motion)
 }
 
-/// The shape and the signed size of the corner. Exactly one word fits.
+/// Finds the shape and the signed size (units of [`ExactPoint`], a radius in X) of the corner
+/// after a move of `axis`. Exactly one of R and the chamfer's word may be programmed.
 fn find_join_and_size(words: &SortedWords, axis: Axis) -> Result<(CornerJoin, i64), Alarm> {
     let nonzero = |size: Option<i64>| size.filter(|&size| size != 0);
     let chamfer = match axis {
@@ -132,7 +133,8 @@ fn find_join_and_size(words: &SortedWords, axis: Axis) -> Result<(CornerJoin, i6
     }
 }
 
-/// The coordinate that the next block commands on `axis`.
+/// Finds the programmed coordinate of `axis` at the end of the next block, in units of
+/// [`ExactPoint`].
 fn find_next_end(
     context: &BlockContext<'_>,
     state: &State,
@@ -162,7 +164,8 @@ fn find_next_end(
     }
 }
 
-/// Whether the corner arc from a move of signed `length` along `axis` turns clockwise.
+/// Whether the corner arc after a move of signed `length` along `axis` turns clockwise. The
+/// sign of `size` is the direction of the next move.
 const fn is_arc_clockwise(axis: Axis, length: i64, size: i64) -> bool {
     // Seen with +Z to the right and +X up: from +Z to +X is counter-clockwise.
     match axis {

@@ -17,7 +17,7 @@ use crate::interpreter::context::exact::{UNITS_PER_MM, to_mm};
 use crate::interpreter::context::words::SortedWords;
 use crate::model::{GCode, ModelRecord};
 
-/// The dwell of a G04 block, whole ms; 0 is an exact stop.
+/// Plans the dwell of a G04 block, in whole ms; 0 ms is an exact stop.
 ///
 /// # Errors
 /// 043 for a negative time (manual I-2.2, table 2-1), or one outside the model's limits.

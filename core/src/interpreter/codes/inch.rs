@@ -33,7 +33,7 @@ pub(crate) fn convert_to_metric(block: &mut ProgramBlock, motion: u8) {
     });
 }
 
-/// A count of 0.0001 inch as a count of 0.001 mm.
+/// Converts a count of 0.0001 inch to a count of 0.001 mm, rounded to the nearest.
 fn convert_increments(number: WordNumber) -> WordNumber {
     let (count, half) = (number.integer() * 254, 50 * number.integer().signum());
     WordNumber::from_integer((count + half) / 100, number.digits())

@@ -11,32 +11,34 @@ use crate::interpreter::context::exact::UNITS_PER_MM;
 use crate::interpreter::context::words::SortedWords;
 use crate::model::{MCode, MFunction, ModelRecord, hx31, ncb08};
 
-/// What an M code commands.
+/// What the control does for an M code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MCodeFunction {
-    /// M00: program stop.
+    /// M00: stops the run until the next cycle start.
     Stop,
-    /// M30: end of the program.
+    /// M30, or M02: ends the program.
     End,
-    /// M98: subprogram call.
+    /// M98: calls a subprogram.
     Call,
-    /// M99: return.
+    /// M99: returns from a subprogram, or restarts the main program.
     Return,
-    /// The code that the PLC receives.
+    /// The control sends this M code to the PLC.
     Output(u8),
-    /// Switches outputs or waits for an input of the control, without the PLC.
+    /// The control carries out the code without the PLC: it switches outputs, waits for an
+    /// input, reads an offset number, or does nothing.
     Interface,
 }
 
-/// Whether the control or the machine's ladder has this M code.
+/// Whether the control or the machine's ladder carries out the M code `code`.
 pub(crate) fn has_function(code: u8, context: &BlockContext<'_>) -> bool {
     context.machine_codes.contains(code) || context.model.record().m_function(code).is_some()
 }
 
-/// What an M code commands.
+/// Finds what the control does for the M code `code`.
 ///
 /// # Errors
-/// 019 for a code that the control does not have, or not in MDI or without gears.
+/// 019 for a code that the control does not have, for a call or return in MDI, and for a gear
+/// code on a machine without automatic gear change.
 pub(crate) fn classify_m_code(
     code: u8,
     context: &BlockContext<'_>,
@@ -89,8 +91,8 @@ pub(crate) fn classify_m_code(
     }
 }
 
-/// The outputs that an M code switches, or the input that it waits for; `None` if it does
-/// neither.
+/// Plans the switching of outputs or the wait for an input that an M code commands; `None` if
+/// the code does neither.
 ///
 /// # Errors
 /// 043 for a wrong output, relay or input number.
@@ -130,7 +132,8 @@ pub(crate) fn plan_interface(
     }
 }
 
-/// Whether K of a block is a relay or offset number and so no word of its motion.
+/// Whether K of a block is the relay or offset number of its M code, so that the motion of the
+/// block must not read K.
 pub(crate) fn is_k_number(words: &SortedWords, record: &ModelRecord) -> bool {
     let function = words.m.and_then(|code| record.m_function(code));
     function.is_some_and(|it| {
@@ -141,13 +144,13 @@ pub(crate) fn is_k_number(words: &SortedWords, record: &ModelRecord) -> bool {
     })
 }
 
-/// D of M10: ms.
+/// Reads D of M10, a time in ms; 0 if D is missing or negative.
 fn read_milliseconds(words: &SortedWords) -> u32 {
     let ms = words.d_exact.map_or(0, to_integer);
     u32::try_from(ms).unwrap_or(0)
 }
 
-/// P: output number, 0 to 15.
+/// Reads the output number of P, 0 to 15.
 fn read_output(words: &SortedWords) -> Result<u8, Alarm> {
     match words.p.map(u8::try_from) {
         Some(Ok(number @ 0..=15)) => Ok(number),
@@ -156,7 +159,7 @@ fn read_output(words: &SortedWords) -> Result<u8, Alarm> {
     }
 }
 
-/// K: relay number, 1 to 17. Returns the output number, which counts from 0.
+/// Reads the relay number of K, 1 to 17. Returns the output number, which counts from 0.
 fn read_relay(words: &SortedWords) -> Result<u8, Alarm> {
     match words.k.map(to_integer).map(u8::try_from) {
         Some(Ok(number @ 1..=17)) => Ok(number - 1),
@@ -165,7 +168,7 @@ fn read_relay(words: &SortedWords) -> Result<u8, Alarm> {
     }
 }
 
-/// M24 K: puts an offset number into force; `None` for other M codes.
+/// Reads the offset number that M24 K puts into force; `None` for other M codes.
 ///
 /// # Errors
 /// 043 for a wrong offset number.
@@ -185,12 +188,12 @@ pub(crate) fn read_offset_word(
     }
 }
 
-/// The integer of a word that was read in millionths.
+/// Converts the value of a word from millionths to an integer; decimals are cut off.
 const fn to_integer(millionths: i64) -> i64 {
     millionths / UNITS_PER_MM
 }
 
-/// Waits for an input, 0 to 23: H until it is on, L until it is off.
+/// Plans the wait for an input, 0 to 23: H waits until the input is on, L until it is off.
 fn plan_input_wait(words: &SortedWords) -> Result<Action, Alarm> {
     let (number, high) = match (words.h, words.l) {
         (Some(_), Some(_)) | (None, None) => {

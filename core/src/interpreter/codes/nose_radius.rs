@@ -15,7 +15,7 @@ use crate::units::Point;
 /// Checks that the control has the option of G41 and G42 (002.1).
 ///
 /// # Errors
-/// 010 without it.
+/// 010 for a G41 or G42 on a control without the option.
 pub(crate) fn check_option(
     words: &SortedWords,
     parameters: &ControlParameters,
@@ -28,8 +28,8 @@ pub(crate) fn check_option(
     }
 }
 
-/// Checks an arc under nose radius compensation: arcs cannot start or cancel it (034, 056),
-/// and their data must fit (048, 051, 052).
+/// Checks an arc under nose radius compensation: an arc cannot start or cancel the
+/// compensation (034, 056), and its data must fit (048, 051, 052).
 pub(crate) fn check_arc_block(
     state: &State,
     compensation: CompensationMode,
@@ -66,11 +66,11 @@ fn check_center(
     check_arc(center.length(), (to_end - center).length())
 }
 
-/// Checks a call (M98) or a return (M99) under nose radius compensation. `is_contour` is whether
-/// the block moves along a contour, where it could cancel the compensation.
+/// Checks a call (M98) or a return (M99) under nose radius compensation. `is_contour` is
+/// whether the block moves along a contour, so that the block can cancel the compensation.
 ///
 /// # Errors
-/// 036 in offset mode.
+/// 036 if the block is compensated (offset mode).
 pub(crate) fn check_call(
     state: &State,
     context: &BlockContext<'_>,
@@ -88,7 +88,7 @@ pub(crate) fn check_call(
     }
 }
 
-/// Alarm 036: a call under nose radius compensation.
+/// Alarm 036, for a call or return under nose radius compensation.
 pub(crate) fn call_alarm() -> Alarm {
     CompensationFault::Call.alarm()
 }

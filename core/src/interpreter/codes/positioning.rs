@@ -18,14 +18,14 @@ use crate::interpreter::context::exact::{CoordinateRange, ExactPoint, to_mm};
 use crate::interpreter::context::state::State;
 use crate::units::{Axis, Feed};
 
-/// The rapid to a programmed point.
+/// Plans the rapid to the programmed point `to`.
 pub(crate) fn plan_rapid(state: &State, to: ExactPoint) -> Action {
     Action::Rapid {
         to: state.to_machine(to).to_point(),
     }
 }
 
-/// The straight cut to a programmed point, at the feed in force.
+/// Plans the straight cut to the programmed point `to`, at the feed in force.
 ///
 /// # Errors
 /// 011 without a feed.
@@ -36,7 +36,7 @@ pub(crate) fn plan_line(state: &State, to: ExactPoint) -> Result<Action, Alarm> 
     })
 }
 
-/// The feed in force, mm/min or mm/rev.
+/// The feed in force: per minute (mm/min) or per revolution (mm/rev).
 ///
 /// # Errors
 /// 011 without a feed.

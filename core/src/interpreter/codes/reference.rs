@@ -29,8 +29,8 @@ use crate::memory::parameter;
 use crate::model::{ControlModel, ncb08};
 use crate::units::{Axis, PerAxis, Point};
 
-/// The reference point that the parameters of a model set, machine coordinates in units of
-/// [`ExactPoint`].
+/// Reads the reference point of an axis from the parameters of the NC-B08: machine coordinate
+/// in units of [`ExactPoint`].
 fn find_reference_point(model: &ControlModel, axis: Axis) -> i64 {
     let number = match axis {
         Axis::X => ncb08::REFERENCE_X,
@@ -46,13 +46,13 @@ impl ReturnRoute {
     }
 }
 
-/// A running return to the reference point.
+/// A running return to the reference point: the moves of the block that are left.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ReferenceReturn {
     intermediate: Point,
     reference: Point,
     axes: PerAxis<bool>,
-    /// Whether an axis seeks its reference point.
+    /// Whether at least one axis seeks its reference point at the end of the return.
     #[serde(rename = "seeks")]
     is_seeking: bool,
     frame: Option<Action>,
@@ -63,8 +63,8 @@ impl ReferenceReturn {
     /// Plans the return of the programmed axes; `None` if the block names no axis.
     ///
     /// # Errors
-    /// 012 for axis words that the code does not take, 043 for an I outside the stroke, 090 or
-    /// 093 for an axis without a reference that cannot seek it.
+    /// 012 for axis words that the code does not take, 043 for an intermediate point outside
+    /// the stroke, 090 or 093 for an axis without a reference that cannot seek one.
     pub(crate) fn plan(
         state: &mut State,
         context: &BlockContext<'_>,
@@ -183,7 +183,8 @@ impl ReferenceReturn {
         }
     }
 
-    /// Whether the coordinates are known only when the return is finished.
+    /// Whether an axis seeks its reference point, so that the coordinates are known only when
+    /// the return is finished.
     pub(crate) const fn is_seeking(&self) -> bool {
         self.is_seeking
     }

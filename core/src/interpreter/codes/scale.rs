@@ -19,10 +19,10 @@ use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{LeadUnit, OneShot, SortedWords};
 use crate::model::ModelRecord;
 
-/// Range of L, in millionths.
+/// Allowed scale factors (L of G31), in millionths.
 const FACTOR_RANGE: core::ops::RangeInclusive<i64> = 1_000..=99_999_000;
 
-/// Applies a G31 (`on`) or a G30 to the state.
+/// Stores the scale factor of a G31 (`on`) in the state, or clears it for a G30.
 ///
 /// # Errors
 /// 043 for a missing or wrong L of G31.
@@ -42,7 +42,8 @@ pub(crate) fn set_scale(state: &mut State, words: &SortedWords, on: bool) -> Res
     Err(Alarm::new(number::OUT_OF_RANGE).with_detail(say::dialect_decided(rule)))
 }
 
-/// The words of a block, scaled by the factor in force, if any.
+/// Returns the words of a block with the lengths multiplied by `scale` (in millionths);
+/// unchanged for `None`.
 pub(crate) fn apply_scale(
     words: &SortedWords,
     scale: Option<i64>,
@@ -54,7 +55,7 @@ pub(crate) fn apply_scale(
     }
 }
 
-/// The words of a block, scaled by `factor` millionths.
+/// Returns the words of a block with the lengths multiplied by `factor` (in millionths).
 pub(crate) fn scale_words(words: &SortedWords, factor: i64, record: &ModelRecord) -> SortedWords {
     if matches!(
         words.one_shot,

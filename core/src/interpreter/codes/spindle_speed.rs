@@ -17,7 +17,7 @@ use crate::interpreter::context::words::SortedWords;
 /// Greatest spindle speed, r/min.
 const MAX_SPEED_RPM: f64 = 9999.0;
 
-/// The spindle command of the S, G96 and G97 of a block; `None` without a change.
+/// Plans the spindle command for S, G96 and G97 of a block; `None` if they change nothing.
 ///
 /// # Errors
 /// 002 for an unknown step of a stepped spindle.
@@ -54,7 +54,8 @@ pub(crate) fn plan_spindle(
     Ok(Some(command))
 }
 
-/// The command for a stepped spindle: the last two digits of S choose one of four outputs.
+/// Plans the command for a stepped spindle: the last two digits of S choose one of four
+/// outputs, 00 none. `None` for a block without S.
 fn plan_stepped_speed(state: &mut State, s: Option<i64>) -> Result<Option<SpindleCommand>, Alarm> {
     let Some(s) = s else {
         return Ok(None);

@@ -16,10 +16,11 @@ use crate::interpreter::context::BlockContext;
 use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{AxisWords, StartReturn};
 
-/// Plans the rapid back to the start of the run.
+/// Plans the rapid back to the position that the tool had at cycle start.
 ///
 /// # Errors
-/// 012 with axis words; 090 without a start or, for G75, without a reference point.
+/// 012 with axis words; 090 if no position of cycle start is stored or, for G75, an axis has
+/// no reference.
 pub(crate) fn plan(
     state: &mut State,
     context: &BlockContext<'_>,

@@ -17,33 +17,35 @@ use crate::interpreter::context::exact::ExactPoint;
 use crate::interpreter::context::state::State;
 use crate::units::PerAxis;
 
-/// Greatest offset number.
+/// Greatest offset number in a T word.
 const MAX_OFFSET_NUMBER: u8 = 32;
 /// Greatest tool number of a gang tool post (084 = 0).
 const MAX_TOOL_NUMBER: u8 = 32;
 
-/// How the offset of a T word takes effect in its block.
+/// How the tool offset of a T word takes effect in its block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum OffsetExecution {
-    /// The coordinates shift, and programmed axes travel in the new coordinates.
+    /// The coordinates shift at once; only programmed axes move, to points in the new
+    /// coordinates.
     Shift,
-    /// The slide travels the change of the offset.
+    /// The slide travels the change of the offset with the motion of the block.
     Travel,
     /// The offset stays, only the tool changes (G04, G02, G03).
     ToolOnly,
 }
 
-/// Tool and offset number of a T word.
+/// The tool number and the offset number of a T word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ToolWord {
-    /// `None` keeps the tool.
+    /// Tool number; `None` keeps the tool in use.
     pub(crate) tool: Option<u8>,
+    /// Offset number; 0 cancels the offset.
     pub(crate) offset: u8,
 }
 
 impl ToolWord {
-    /// Decodes the T word of a block by the model's rule. On the Huaxing lathes T has one
-    /// digit, the same number for tool and offset, or one digit for each.
+    /// Decodes the number `value` of a T word by the model's rule: four digits as in
+    /// [`Self::decode`], or on the Huaxing lathes two (tool, offset) or one for both.
     ///
     /// # Errors
     /// 032 or 029 for a wrong tool, 030 for a wrong offset.
@@ -59,8 +61,9 @@ impl ToolWord {
         }
     }
 
-    /// Decodes and checks a T word of four digits. `stations` is the number of stations of the
-    /// turret, 0 for a gang tool post.
+    /// Decodes and checks the number `value` of a T word: the last two digits are the offset,
+    /// those before the tool. `stations` is the number of turret stations, 0 for a gang tool
+    /// post.
     ///
     /// # Errors
     /// 032 or 029 for a wrong tool, 030 for a wrong offset.
@@ -100,8 +103,8 @@ impl ToolWord {
     }
 }
 
-/// Puts a T word into force: changes the state, and appends the tool change and a new frame to
-/// `actions`.
+/// Puts a T word into force: changes the state and appends the tool change to `actions`,
+/// followed by the new frame if the offset has changed.
 pub(crate) fn apply_tool_word(
     state: &mut State,
     context: &BlockContext<'_>,

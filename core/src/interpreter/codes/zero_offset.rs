@@ -14,7 +14,8 @@ use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{AxisTarget, AxisWords, ZeroOffsetCode};
 use crate::units::Axis;
 
-/// Moves the program zero by a zero offset. Returns the new frame; the axes do not move.
+/// Moves the program zero as G54 to G57 (`code`) command with the values of X and Z. Returns
+/// the new frame; the axes do not move.
 pub(crate) fn set_zero_offset(state: &mut State, code: ZeroOffsetCode, axes: &AxisWords) -> Action {
     for axis in [Axis::X, Axis::Z] {
         let (before, current) = (state.zero_offset.get(axis), state.position.get(axis));
@@ -44,7 +45,7 @@ pub(crate) fn set_zero_offset(state: &mut State, code: ZeroOffsetCode, axes: &Ax
     }
 }
 
-/// Forgets the zero offset: G92 defines the coordinates anew.
+/// Sets the stored zero offset to 0, because G92 defines the coordinates anew.
 pub(crate) fn clear_zero_offset(state: &mut State) {
     state.zero_offset = ExactPoint::default();
 }

@@ -21,10 +21,10 @@ use crate::model::{ControlModel, code_calls};
 
 /// Macro variable that holds T when T calls a program.
 pub const T_VARIABLE: u16 = 149;
-/// G codes of macro B that always call.
+/// G65 to G67: always codes of macro B, which no parameter can make call another program.
 const MACRO_CALL_CODES: core::ops::RangeInclusive<u16> = 65..=67;
 
-/// The codes that call a program.
+/// The G, M and T codes that call a program, as parameters of macro B set them.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct CodeCalls {
     g: [u16; 10],
@@ -36,16 +36,17 @@ pub(crate) struct CodeCalls {
 /// A subprogram call by an M or T word, as M98 does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlainCall {
-    /// Program number.
+    /// Number of the called program.
     pub program: u16,
     /// The letter of the word that calls: M or T.
     pub address: char,
-    /// The number of the word that calls.
+    /// The number in the word that calls, 6 for M06.
     pub code: i64,
 }
 
 impl CodeCalls {
-    /// Reads the codes from the parameters of a model; `None` if no code calls.
+    /// Reads the codes that call a program from the parameters of a model; `None` if no code
+    /// calls.
     pub(crate) fn from_model(model: &ControlModel) -> Option<Box<Self>> {
         let read_codes = |first: u16, to: &mut [u16]| {
             for (number, code) in (first..).zip(to) {
@@ -60,7 +61,8 @@ impl CodeCalls {
         (calls != Self::default()).then(|| Box::new(calls))
     }
 
-    /// The number of the macro that a G or M code calls with arguments.
+    /// The number of the program that a G or M code calls with arguments, as G65 does; `None`
+    /// if the code calls none.
     pub(crate) fn find_macro(&self, letter: char, code: u16) -> Option<u16> {
         let (codes, first) = match letter {
             'G' if MACRO_CALL_CODES.contains(&code) => return None,
@@ -70,12 +72,14 @@ impl CodeCalls {
         find_program(codes, code, first)
     }
 
-    /// The subprogram that a word of a block calls: its M, else its T.
+    /// The subprogram that the M word of a block calls, or else its T word; `None` if neither
+    /// calls.
     pub(crate) fn find_subprogram(&self, words: &SortedWords) -> Option<PlainCall> {
         self.find_subprogram_by_number(words.m.map(u16::from), words.t)
     }
 
-    /// The subprogram that the numbers of an M or T call.
+    /// The subprogram that the M code `m` calls, or else the T code `t`; `None` if neither
+    /// calls.
     pub(crate) fn find_subprogram_by_number(
         &self,
         m: Option<u16>,
@@ -105,7 +109,8 @@ fn find_program(codes: &[u16], code: u16, first: u16) -> Option<u16> {
     (code != 0).then_some(entry.0)
 }
 
-/// Whether the running calls make the codes ordinary ones.
+/// Whether one of the running calls makes the codes of [`CodeCalls`] ordinary ones, which call
+/// no program.
 pub(crate) fn are_ordinary(calls: &[ProgramCall]) -> bool {
     calls.iter().any(|call| call.codes_ordinary)
 }

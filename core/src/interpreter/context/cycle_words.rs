@@ -5,42 +5,47 @@ use serde::{Deserialize, Serialize};
 use crate::interpreter::context::exact::ExactPoint;
 use crate::interpreter::context::words::{AxisWords, SortedWords};
 
-/// Stored words. An increment is stored as its absolute end point.
+/// The words of earlier G90, G92 and G94 blocks. An increment is stored as its absolute end
+/// point, in units of [`ExactPoint`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct CycleWords {
     x: Option<i64>,
     z: Option<i64>,
     r: i64,
-    /// Run-out of G92, height and length, in units of [`ExactPoint`].
+    /// J of G92: height of the run-out, in units of [`ExactPoint`].
     j: Option<i64>,
+    /// K of G92: length of the run-out, in units of [`ExactPoint`].
     k: Option<i64>,
-    /// Number of thread starts of G92.
+    /// L of G92: number of thread starts.
     l: Option<i64>,
 }
 
-/// The data of a cycle block, stored words included.
+/// The data of a G90, G92 or G94 block. Words that the block does not have are those of
+/// earlier blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct CycleData {
-    /// C, the end point of the cut.
+    /// The end point of the cut (C in the figures of the manual).
     pub(crate) end: ExactPoint,
-    /// R in millionths of a millimetre; a radius if it is along X.
+    /// R, the taper, in millionths of a millimetre; a radius for a taper in X.
     pub(crate) r: i64,
-    /// J of G92, the height of the run-out; `None` if no block gave it.
+    /// J of G92, the height of the run-out, in units of [`ExactPoint`]; `None` if no block
+    /// gave J.
     pub(crate) j: Option<i64>,
-    /// K of G92, the length of the run-out; `None` if no block gave it.
+    /// K of G92, the length of the run-out, in units of [`ExactPoint`]; `None` if no block
+    /// gave K.
     pub(crate) k: Option<i64>,
-    /// L of G92, the number of thread starts.
+    /// L of G92, the number of thread starts; 1 if no block gave L.
     pub(crate) starts: i64,
 }
 
 impl CycleWords {
-    /// Forgets all words.
+    /// Deletes all stored words.
     pub(crate) fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// Forgets the end point and R, but keeps J, K and L. A code of group 00 other than G04
-    /// does this, and a code of group 01 that is no cycle.
+    /// Deletes the end point and R, but keeps J, K and L. A code of group 00 other than G04
+    /// does this, and a code of group 01 other than G90, G92 and G94.
     pub(crate) fn clear_end(&mut self) {
         *self = Self {
             j: self.j,
@@ -50,13 +55,13 @@ impl CycleWords {
         };
     }
 
-    /// Whether an end point is stored, so that a block can repeat the cycle.
+    /// Whether an end point is stored, so that a block without words can repeat the cycle.
     pub(crate) const fn is_set(&self) -> bool {
         self.x.is_some() || self.z.is_some()
     }
 
-    /// Stores the words of a G92 block (those of G90 and G94, and J, K and L) and returns the
-    /// data of the cycle. `position` is the current position.
+    /// Stores the words of a G92 block (J, K and L besides those of G90) and returns the data
+    /// of the cycle. `position` is the current position.
     pub(crate) fn store_thread_words(
         &mut self,
         words: &SortedWords,

@@ -5,23 +5,24 @@ use serde::{Deserialize, Serialize};
 use crate::model::ModelRecord;
 use crate::units::{Axis, Point};
 
-/// Units of [`ExactPoint`] in a millimetre.
+/// Number of units of [`ExactPoint`] in a millimetre.
 pub(crate) const UNITS_PER_MM: i64 = 1_000_000;
 
-/// The smallest stroke of all models, `9999.999` mm: that of the GSK980TD (manual I-2.2.3).
+/// The smallest `greatest_coordinate` of all models, 9999.999 mm, in units of [`ExactPoint`]:
+/// that of the GSK980TD (manual I-2.2.3).
 const MIN_STROKE: i64 = 9_999_999 * (UNITS_PER_MM / 1000);
 
-/// The range of the coordinates of a program.
+/// What decides the greatest coordinate that a program may command.
 #[derive(Clone, Copy)]
 pub(crate) struct CoordinateRange<'a> {
-    /// Diameters per programmed X: 2 under radius programming (001.2), else 1.
+    /// Factor from a programmed X to a diameter: 2 under radius programming (001.2), else 1.
     pub(crate) x_factor: i64,
-    /// The model that the program is for.
+    /// The data of the control model that the program is for.
     pub(crate) record: &'a ModelRecord,
 }
 
 impl CoordinateRange<'_> {
-    /// The greatest coordinate, units of [`ExactPoint`].
+    /// The greatest absolute coordinate that a program may command, units of [`ExactPoint`].
     pub(crate) fn stroke(self) -> i64 {
         self.record.greatest_coordinate * (UNITS_PER_MM / 1000)
     }
@@ -42,7 +43,7 @@ impl ExactPoint {
         Self { x, z }
     }
 
-    /// The nearest exact point of a point in mm, X as a radius.
+    /// Converts a point in mm, X as a radius, to the nearest exact point.
     pub(crate) fn from_point(point: Point) -> Self {
         Self::new(
             round_to_units(point.x * (2 * UNITS_PER_MM) as f64),
@@ -50,7 +51,7 @@ impl ExactPoint {
         )
     }
 
-    /// The point in mm, X as a radius.
+    /// Converts to a point in mm, X as a radius.
     pub(crate) fn to_point(self) -> Point {
         Point::new(
             self.x as f64 / (2 * UNITS_PER_MM) as f64,
@@ -72,7 +73,8 @@ impl ExactPoint {
         }
     }
 
-    /// The first axis whose programmed coordinate is outside the stroke of the control.
+    /// The first axis whose programmed coordinate is outside the stroke of the control; `None`
+    /// if both are inside.
     pub(crate) fn axis_beyond_stroke(self, range: CoordinateRange<'_>) -> Option<Axis> {
         let find_axis_beyond = |stroke: i64| {
             if self.x.abs() > stroke * range.x_factor {
@@ -118,18 +120,18 @@ pub(crate) fn scale_rounded(value: i64, numerator: i64, denominator: i64) -> i64
     i64::try_from((product + half) / divisor).unwrap_or(i64::MAX)
 }
 
-/// Rounds half away from zero; NaN becomes 0.
+/// Rounds to the nearest integer, half away from zero; NaN becomes 0.
 pub(crate) fn round_to_units(value: f64) -> i64 {
     libm::round(value) as i64
 }
 
-/// A length in units of [`ExactPoint`] as millimetres.
+/// Converts a length from units of [`ExactPoint`] to millimetres.
 pub(crate) fn to_mm(units: i64) -> f64 {
     units as f64 / UNITS_PER_MM as f64
 }
 
-/// A length as a displacement along an axis in units of [`ExactPoint`]: a length along X is a
-/// radius and counts twice.
+/// Converts a length to a displacement of an [`ExactPoint`] along `axis`, in the same units:
+/// along X a length is a radius and the displacement a diameter, twice as great.
 pub(crate) const fn length_on_axis(axis: Axis, length: i64) -> i64 {
     match axis {
         Axis::X => length.saturating_mul(2),

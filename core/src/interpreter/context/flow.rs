@@ -8,25 +8,25 @@ use crate::command::SourcePosition;
 use crate::interpreter::context::exact::ExactPoint;
 use crate::interpreter::context::program_position::{ProgramCall, ProgramPosition};
 
-/// The flow of a run after a block.
+/// What a run does after a block.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Flow {
-    /// Reads the next block.
+    /// Continues with the next block of the program.
     #[default]
     Next,
-    /// Jumps to another block; the running calls stay.
+    /// Jumps to the block at this position; the running calls stay.
     Jump(ProgramPosition),
-    /// Runs the profile of a G70, then returns.
+    /// Runs the profile of a G70, then returns to the block after the G70.
     #[serde(rename = "Finish")]
     RunProfile(Box<Finishing>),
-    /// Starts the next run of the innermost call.
+    /// Repeats the innermost call, which has runs left.
     #[serde(rename = "Again")]
     RunAgain,
-    /// Calls a subprogram (M98).
+    /// Makes this call of a subprogram or of a range of blocks (M98, G20, G25).
     Call(ProgramCall),
-    /// Calls a macro: G65, or a move under G66.
+    /// Makes this call of a macro, by G65, by another code or by a move under G66.
     MacroCall(Box<MacroEntry>),
-    /// Ends the innermost call and continues at this block.
+    /// Ends the innermost call and continues at the block with this position.
     Return(ProgramPosition),
     /// Ends the run.
     End,
@@ -36,24 +36,24 @@ pub(crate) enum Flow {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct MacroEntry {
     pub(crate) call: ProgramCall,
-    /// Arguments: local variables by number.
+    /// Values of the local variables at the begin of the call, by variable number.
     pub(crate) arguments: BTreeMap<u8, f64>,
 }
 
-/// A G70 that runs its profile.
+/// A running G70: the profile that it runs and where it returns to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Finishing {
-    /// The first block of the profile.
+    /// Position of the first block of the profile.
     pub(crate) first: ProgramPosition,
-    /// Index of the last block of the profile.
+    /// Index of the last block of the profile, from 0.
     pub(crate) last: u32,
-    /// The block after the G70.
+    /// Position of the block after the G70, where the run continues.
     #[serde(rename = "back")]
     pub(crate) return_position: ProgramPosition,
     /// Programmed position at the start of the G70.
     pub(crate) start: ExactPoint,
     /// Source position of the G70.
     pub(crate) source: SourcePosition,
-    /// Lines of the first and the last block of the profile.
+    /// Lines of the first and the last block of the profile in the text of the program.
     pub(crate) lines: (u32, u32),
 }

@@ -9,25 +9,25 @@ use crate::units::{PerAxis, Point};
 /// The data of a machine that the interpreter reads and writes. The control and the dry run of
 /// the preview implement it, so both run one interpreter.
 pub trait Host {
-    /// The parameters.
+    /// The control parameters that the interpreter reads.
     fn parameters(&self) -> &ControlParameters;
-    /// The parameters, mutable: cycles write 051–060.
+    /// The control parameters, to write: cycles write 051–060.
     fn parameters_mut(&mut self) -> &mut ControlParameters;
-    /// The tool offsets.
+    /// The table of tool offsets.
     fn offsets(&self) -> &Offsets;
-    /// The tool offsets, mutable: macro B writes them.
+    /// The table of tool offsets, to write from macro B.
     fn offsets_mut(&mut self) -> &mut Offsets;
-    /// The macro variables.
+    /// The common variables that macros read.
     fn variables(&self) -> &Variables;
-    /// The macro variables, mutable: G65 and macro B write them.
+    /// The common variables, to write from G65 and macro B.
     fn variables_mut(&mut self) -> &mut Variables;
     /// Timer, date and the stops that programs have switched off, for macro B.
     fn registers(&self) -> &Registers;
-    /// Timer, date and switched-off stops, mutable.
+    /// Timer, date and switched-off stops, to write from macro B.
     fn registers_mut(&mut self) -> &mut Registers;
     /// Part counter and times. Valid while [`Host::is_settled`] holds.
     fn counters(&self) -> &Counters;
-    /// Part counter and times, mutable.
+    /// Part counter and times, to write from macro B.
     fn counters_mut(&mut self) -> &mut Counters;
     /// Total time with cycle start on, ms. Valid while [`Host::is_settled`] holds.
     fn started_ms(&self) -> u64 {
@@ -37,9 +37,9 @@ pub trait Host {
     fn set_started_ms(&mut self, ms: u64) {
         self.counters_mut().started_ms = ms;
     }
-    /// The rows of the setting page.
+    /// The settings of the setting page, such as inch input, and the option of macro B.
     fn settings(&self) -> &ControlSettings;
-    /// The rows of the setting page, mutable.
+    /// The settings of the setting page, to write from macro B (#3005).
     fn settings_mut(&mut self) -> &mut ControlSettings;
     /// Time since power-on, ms. Valid while [`Host::is_settled`] holds.
     fn now_ms(&self) -> u64;
@@ -48,17 +48,18 @@ pub trait Host {
     fn interface_inputs(&self) -> u16;
     /// Signals from macros to the ladder, F54 (lowest byte) to F59.
     fn interface_outputs(&self) -> u64;
-    /// Sets the signals F54 to F59.
+    /// Sets the signals from macros to the ladder, F54 (lowest byte) to F59.
     fn set_interface_outputs(&mut self, outputs: u64);
-    /// The stored programs and the external one.
+    /// The programs in the memory of the control and the external one.
     fn programs(&self) -> &ProgramMemory;
     /// Commanded machine position, mm, X as a radius. Valid while [`Host::is_settled`] holds.
     fn machine_position(&self) -> Point;
-    /// Whether each axis has a reference.
+    /// For each axis, whether its reference point is known.
     fn referenced(&self) -> PerAxis<bool>;
     /// Whether block skip is on (F4.0).
     fn is_block_skip_on(&self) -> bool;
-    /// Whether every earlier command is finished, FIN included.
+    /// Whether every earlier command is finished, with the FIN signal of the ladder for M, S
+    /// and T.
     fn is_settled(&self) -> bool;
     /// Whether every earlier command is finished and the slides are at their commanded
     /// position.
@@ -67,10 +68,10 @@ pub trait Host {
     }
 }
 
-/// An answer of the interpreter to a query for the next command.
+/// The answer of [`Interpreter::next`](crate::interpreter::Interpreter::next).
 #[derive(Clone, Debug, PartialEq)]
 pub enum InterpreterStep {
-    /// The next command.
+    /// The next command of the run.
     Command(Box<ControlCommand>),
     /// The reader needs a finished machine: query again when [`Host::is_settled`] holds.
     Wait,

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct MachineCodes([u64; 2]);
 
 impl MachineCodes {
-    /// The set of the codes that a ladder declares.
+    /// The set of the M codes that a ladder declares; codes above 127 are ignored.
     pub fn from_declared(declared: &[gsk_plc::MCode]) -> Self {
         let mut codes = Self::default();
         for m in declared {

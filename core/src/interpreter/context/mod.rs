@@ -26,10 +26,10 @@ use crate::model::ControlModel;
 use crate::program::ProgramMemory;
 use crate::units::PerAxis;
 
-/// What the evaluation of a block reads besides its words and the state.
+/// The data that the evaluation of a block reads besides the words of the block and the state.
 pub(crate) struct BlockContext<'a> {
     pub(crate) parameters: &'a ControlParameters,
-    /// The model that the program is for.
+    /// The control model that the program is for.
     pub(crate) model: &'a ControlModel,
     pub(crate) offsets: &'a Offsets,
     pub(crate) programs: &'a ProgramMemory,
@@ -39,26 +39,27 @@ pub(crate) struct BlockContext<'a> {
     pub(crate) source: SourcePosition,
     /// The program and index of the block.
     pub(crate) position: ProgramPosition,
-    /// Whether the block is from the MDI page.
+    /// Whether the operator entered the block on the MDI page.
     pub(crate) is_mdi: bool,
-    /// M codes of the machine's ladder.
+    /// The M codes that the machine's ladder carries out.
     pub(crate) machine_codes: MachineCodes,
     /// Codes that call a program by parameters of macro B; `None` if they are ordinary codes
     /// in this program.
     pub(crate) code_calls: Option<&'a CodeCalls>,
-    /// Diameters per programmed X: 2 under radius programming (001.2), else 1.
+    /// Factor from a programmed X to a diameter: 2 under radius programming (001.2), else 1.
     pub(crate) x_factor: i64,
     /// The mode of the nose radius compensation before the block.
     pub(crate) compensation: CompensationMode,
     /// Reads the words of a block of this program, by its index and the code of group 01
     /// before it; `None` for a skipped block.
     pub(crate) read_words: &'a dyn Fn(u32, u8) -> Result<Option<SortedWords>, Alarm>,
-    /// The words of the next block, if the block needs them for its corner.
+    /// The words of the next block; `None` unless the block has a corner and a block follows
+    /// it.
     pub(crate) next: Option<&'a SortedWords>,
 }
 
 impl BlockContext<'_> {
-    /// The range of the coordinates of the block.
+    /// What decides the greatest coordinate that the block may command.
     pub(crate) fn coordinate_range(&self) -> CoordinateRange<'_> {
         CoordinateRange {
             x_factor: self.x_factor,
@@ -72,8 +73,8 @@ impl BlockContext<'_> {
 pub(crate) enum CompensationMode {
     /// The compensation does not act: MDI, and the profile of a roughing cycle.
     Never,
-    /// Cancel mode.
+    /// Cancel mode: the tool nose centre is not offset from the programmed path.
     Off,
-    /// Offset mode.
+    /// Offset mode: the tool nose centre is offset from the programmed path.
     On,
 }

@@ -9,37 +9,38 @@ use crate::interpreter::context::planned_action::PlannedAction;
 use crate::interpreter::context::state::State;
 use crate::units::{Feed, Point};
 
-/// Converts programmed to machine coordinates. It stays the same during a cycle.
+/// The shift from programmed to machine coordinates. A cycle stores this shift, which does not
+/// change during the cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct FrameShift(ExactPoint);
 
 impl FrameShift {
-    /// The conversion of the frame in force.
+    /// The shift in force: the program zero plus the tool offset.
     pub(crate) fn from_state(state: &State) -> Self {
         Self(state.zero + state.offset)
     }
 
-    /// The conversion with all points moved by a programmed distance.
+    /// This shift plus `distance`: all converted points move by it.
     pub(crate) fn moved(self, distance: ExactPoint) -> Self {
         Self(self.0 + distance)
     }
 
-    /// Machine coordinates of a programmed point, mm.
+    /// Converts a programmed point to machine coordinates, mm, X as a radius.
     pub(crate) fn to_machine(self, program: ExactPoint) -> Point {
         (program + self.0).to_point()
     }
 
-    /// Machine coordinates of a programmed centre, mm.
+    /// Converts a programmed centre to machine coordinates; both in mm, X as a radius.
     pub(crate) fn center_to_machine(self, program: Point) -> Point {
         program + self.0.to_point()
     }
 
-    /// The programmed point of machine coordinates.
+    /// Converts machine coordinates (mm, X as a radius) to the programmed point.
     pub(crate) fn to_program(self, machine: Point) -> ExactPoint {
         ExactPoint::from_point(machine) - self.0
     }
 
-    /// The programmed centre of machine coordinates, mm.
+    /// Converts a centre from machine to programmed coordinates; both in mm, X as a radius.
     pub(crate) fn center_to_program(self, machine: Point) -> Point {
         machine - self.0.to_point()
     }
@@ -49,7 +50,7 @@ impl FrameShift {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Move {
     pub(crate) action: Action,
-    /// Whether single block stops after it.
+    /// Whether single block stops after the move.
     pub(crate) stops: bool,
     pub(crate) note: PassNote,
 }
@@ -63,7 +64,7 @@ impl Move {
         Self::from_action(Action::Line { to, feed }, note)
     }
 
-    /// An action with a stop of single block after it.
+    /// A move by `action`, after which single block stops.
     pub(crate) const fn from_action(action: Action, note: PassNote) -> Self {
         Self {
             action,
@@ -81,7 +82,7 @@ pub(crate) struct MovePair {
 }
 
 impl MovePair {
-    /// Takes the next move.
+    /// Takes the next move out of the pair; `None` if no move is left.
     pub(crate) fn next_action(&mut self) -> Option<PlannedAction> {
         let action = self.first.take().or_else(|| self.second.take());
         action.map(PlannedAction::without_stop)

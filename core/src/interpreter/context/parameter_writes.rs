@@ -10,13 +10,14 @@ use crate::memory::{ControlParameters, ParameterError};
 pub(crate) struct ParameterWrites(Vec<(u16, i32)>);
 
 impl ParameterWrites {
-    /// Adds a parameter and its value.
+    /// Adds a write of `value` to the parameter `number`.
     pub(crate) fn push(&mut self, number: u16, value: i64) {
         let value = i32::try_from(value).unwrap_or(if value < 0 { i32::MIN } else { i32::MAX });
         self.0.push((number, value));
     }
 
-    /// Adds a parameter for a length: millionths of a millimetre are stored as thousandths.
+    /// Adds a write of a length to the parameter `number`: `length` is in millionths of a
+    /// millimetre, the parameter in thousandths.
     pub(crate) fn push_length(&mut self, number: u16, length: i64) {
         self.push(number, scale_rounded(length, 1, 1000));
     }

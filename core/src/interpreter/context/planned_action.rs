@@ -2,7 +2,7 @@
 
 use crate::command::Action;
 
-/// An action of a block, with its stop of single block.
+/// An action of a block, and whether single block stops after it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PlannedAction {
     pub(crate) action: Action,

@@ -24,29 +24,30 @@ impl ProgramPosition {
     }
 }
 
-/// A running call.
+/// A running call of a subprogram or macro, or of a range of blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct ProgramCall {
-    /// The called program.
+    /// The program whose blocks the call runs.
     pub(crate) program: ProgramId,
     /// Number of runs left, the current one included.
     #[serde(rename = "runs")]
     pub(crate) runs_left: u16,
-    /// The block after the call.
+    /// Position of the block after the call, where the caller continues.
     #[serde(rename = "back")]
     pub(crate) return_position: ProgramPosition,
-    /// Which variables the call has.
+    /// How the program was called, which decides its local variables.
     #[serde(default, skip_serializing_if = "CallKind::is_subprogram")]
     pub(crate) kind: CallKind,
-    /// Index of the first block of each run.
+    /// Index, from 0, of the block with which each run begins.
     #[serde(default)]
     #[serde(rename = "first")]
     pub(crate) first_block: u32,
-    /// Number of blocks of each run; `None` if M99 or the end of the text ends it.
+    /// Number of blocks of each run; `None` if M99 or the end of the program ends the run.
     #[serde(default)]
     #[serde(rename = "blocks")]
     pub(crate) block_count: Option<NonZeroU32>,
-    /// Whether codes that call by parameters are ordinary codes in the called program.
+    /// Whether the codes of `CodeCalls` are ordinary codes in the called program, which call
+    /// no program.
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     pub(crate) codes_ordinary: bool,
 }
@@ -60,7 +61,8 @@ impl ProgramCall {
         }
     }
 
-    /// Whether a position is after the last block of a run.
+    /// Whether `position` is after the last block of a run; false for a call without a number
+    /// of blocks.
     pub(crate) fn is_finished_at(&self, position: ProgramPosition) -> bool {
         self.block_count.is_some_and(|count| {
             position.program == self.program
@@ -75,9 +77,10 @@ pub(crate) enum CallKind {
     /// By M98: shares the variables of its caller.
     #[default]
     Subprogram,
-    /// By G65: has separate variables.
+    /// By G65: has separate variables, deleted at its end.
     Macro,
-    /// By a move under the G66 of this index: keeps its variables from call to call.
+    /// By a move under the modal call (G66) with this index, from 0: keeps its variables from
+    /// call to call.
     Modal(u8),
 }
 

@@ -10,34 +10,36 @@ use crate::interpreter::context::exact::ExactPoint;
 use crate::interpreter::context::words::{AxisTarget, AxisWords};
 use crate::units::{Axis, PerAxis};
 
-/// Small and `Copy`, so that the reader can restore it when a block raises an alarm.
+/// The modal codes, position and offsets after the blocks read so far. Small and `Copy`, so
+/// that the reader can restore the state when a block raises an alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct State {
     pub(crate) modal: ModalState,
-    /// Programmed position at the end of the motion read so far.
+    /// Programmed position of the tool at the end of the motion read so far.
     pub(crate) position: ExactPoint,
     /// Machine coordinates of the program zero.
     pub(crate) zero: ExactPoint,
-    /// Tool offset in force.
+    /// Tool offset in force, from a programmed point to that of the slide.
     pub(crate) offset: ExactPoint,
     /// Axes whose offset shifts the coordinates and has not been travelled yet.
     pub(crate) untravelled: PerAxis<bool>,
     /// The tool nose of the last T, from the offset table.
     pub(crate) nose: Nose,
-    /// The stored words of G90, G92 and G94.
+    /// The stored words of G90, G92 and G94 that later blocks reuse.
     pub(crate) cycle: CycleWords,
     /// Programmed end point minus position: after a chamfer, a corner arc or a run-out,
     /// increments count from the programmed corner.
     #[serde(rename = "ahead")]
     pub(crate) increment_offset: ExactPoint,
-    /// Thread lead in force, mm; 0 if unset. F and I of threads set it.
+    /// Thread lead in force, mm per revolution; 0 if unset. F and I of thread blocks set the
+    /// lead.
     pub(crate) lead: f64,
-    /// Whether the previous block was a G32 or G34.
+    /// Whether the previous block cut a thread (G32 or G34), which the next one may continue.
     #[serde(rename = "threading")]
     pub(crate) is_threading: bool,
     /// Last surface speed of G96, m/min.
     pub(crate) surface: f64,
-    /// Greatest speed under G96 (G50 S), r/min; `None` for no limit.
+    /// Greatest spindle speed under G96 (G50 S), r/min; `None` for no limit.
     pub(crate) spindle_limit: Option<f64>,
     /// Whether G91 is in force: axis words are increments.
     #[serde(default)]
@@ -48,7 +50,8 @@ pub(crate) struct State {
     /// Scale factor of G31, in millionths; `None` while scaling is off.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) scale: Option<i64>,
-    /// Position at cycle start, for a model that can return there.
+    /// Position of the tool at cycle start; `None` before the first run and on models that
+    /// cannot return there.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[serde(rename = "begun")]
     pub(crate) run_start: Option<RunStart>,
@@ -57,14 +60,14 @@ pub(crate) struct State {
 /// Position of the tool at cycle start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct RunStart {
-    /// Machine coordinates.
+    /// Position in machine coordinates.
     pub(crate) machine: ExactPoint,
-    /// Work coordinates. G92 redefines them.
+    /// Position in work coordinates. G92 redefines it.
     pub(crate) work: ExactPoint,
 }
 
 impl State {
-    /// The state at power-on.
+    /// The state at power-on: no offset, all coordinates 0, and the given modal codes.
     pub(crate) fn new(modal: ModalState) -> Self {
         Self {
             modal,
@@ -94,12 +97,12 @@ impl State {
         }
     }
 
-    /// Machine coordinates of a programmed point.
-    pub(crate) fn to_machine(self, program: ExactPoint) -> ExactPoint {
+    /// Converts a programmed point to machine coordinates.
+    pub(crate) fn to_machine(&self, program: ExactPoint) -> ExactPoint {
         program + self.zero + self.offset
     }
 
-    /// Sets the programmed position to that of a machine position.
+    /// Sets the programmed position from a position in machine coordinates.
     pub(crate) fn set_machine_position(&mut self, machine: ExactPoint) {
         self.position = machine - self.zero - self.offset;
         self.increment_offset = ExactPoint::default();
@@ -124,7 +127,7 @@ impl State {
         self.increment_offset = ExactPoint::default();
     }
 
-    /// Sets the offset number to 00.
+    /// Sets the offset number to 00 and deletes the nose radius.
     pub(crate) fn cancel_offset_number(&mut self) {
         self.modal.offset = 0;
         self.nose = Nose::default();
@@ -135,7 +138,8 @@ impl State {
         self.modal.nose_compensation != 40 && self.modal.offset != 0
     }
 
-    /// Sets another offset without motion: the coordinates shift.
+    /// Puts another tool offset into force without motion: the programmed coordinates of the
+    /// current position change instead.
     pub(crate) fn shift_offset(&mut self, offset: ExactPoint) {
         self.position = self.position + self.offset - offset;
         self.offset = offset;

@@ -16,39 +16,39 @@ pub(crate) enum OneShot {
     Dwell,
     /// G28, and G27 of the NC-B08: return to the reference point.
     Reference(ReturnRoute),
-    /// G50, and G92 of other models: work coordinates.
+    /// G50, and G92 of other models: set work coordinates.
     Coordinates,
-    /// G54 to G57 of the Huaxing lathes.
+    /// G54 to G57 of the Huaxing lathes: zero offsets.
     ZeroOffset(ZeroOffsetCode),
-    /// G31, and G30, which ends it.
+    /// G31 and G30 of the Huaxing lathes: scaling on and off.
     Scale {
         /// Whether the code switches scaling on.
         on: bool,
     },
-    /// G75 and G76 of the Huaxing lathes.
+    /// G75 and G76 of the Huaxing lathes: return to the position at cycle start.
     StartReturn(StartReturn),
     /// G33 and G34 of the Huaxing lathes: one pass of a thread.
     ThreadPass(LeadUnit),
-    /// G86 and G87: a thread in L passes.
+    /// G86 and G87 of the Huaxing lathes: a thread in L passes.
     CountedThread(LeadUnit),
-    /// G84 and G85: rigid tapping.
+    /// G84 and G85 of the Huaxing lathes: rigid tapping.
     RigidTap(LeadUnit),
-    /// G81 (levels in X) and G82 (levels in Z) of the Huaxing lathes.
+    /// G81 (X) and G82 (Z) of the Huaxing lathes: cut in steps along this axis.
     Stepped(Axis),
     /// G83 of the Huaxing lathes: a deep hole.
     DeepHole,
     /// G20 of the Huaxing lathes: a call of blocks in the same file.
     BlockCall,
-    /// G22: begin of a subprogram in the file.
+    /// G22 of the Huaxing lathes: begin of a subprogram in the same file.
     SubprogramBegin,
-    /// G24: end of a subprogram in the file.
+    /// G24 of the Huaxing lathes: end of a subprogram in the same file.
     SubprogramEnd,
-    /// G25, and G26, which comes back: repeat blocks.
+    /// G25 and G26 of the Huaxing lathes: repeat a range of blocks.
     Repeat {
-        /// Whether the run continues after the code's block.
+        /// True for G26: after the repetitions the run returns to the block after the code.
         returns: bool,
     },
-    /// G27 of the Huaxing lathes: jump.
+    /// G27 of the Huaxing lathes: jump to the block N.
     EndlessLoop,
     /// G70: finish a profile.
     Finishing,
@@ -115,7 +115,7 @@ impl OneShot {
         })
     }
 
-    /// Whether the code is one of G70 to G76 (`compound`).
+    /// Whether the code is one of the compound cycles G70 to G76.
     pub(crate) const fn is_compound(self) -> bool {
         matches!(
             self,
@@ -133,38 +133,39 @@ impl OneShot {
 /// Which blocks form the contour of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ContourSource {
-    /// The blocks from P to Q.
+    /// The blocks from the sequence number P to Q.
     Named,
-    /// The next N blocks.
+    /// The next N blocks after the cycle (Huaxing lathes).
     Counted,
 }
 
 /// What a code does with the zero offset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ZeroOffsetCode {
-    /// G54: no offset.
+    /// G54: sets the zero offset to 0.
     Off,
-    /// G55: sets it.
+    /// G55: sets the zero offset to X and Z.
     Absolute,
-    /// G56: adds to it.
+    /// G56: adds X and Z to the zero offset.
     Added,
-    /// G57: sets it so that the current position becomes zero or the values of X and Z.
+    /// G57: sets the zero offset so that the current position gets the coordinates X and Z, 0
+    /// where the word is missing.
     Here,
 }
 
 /// Unit of a thread lead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LeadUnit {
-    /// mm per revolution.
+    /// The lead is in mm per revolution.
     Millimetres,
-    /// Threads per inch.
+    /// The lead is a number of threads per inch.
     PerInch,
 }
 
 /// Which coordinates a return to the start of the run uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StartReturn {
-    /// G75: machine coordinates.
+    /// G75: the machine coordinates at the start of the run.
     Machine,
     /// G76: work coordinates, as they were at the start or as G92 redefined them.
     Work,
@@ -184,15 +185,15 @@ pub(crate) enum ReturnRoute {
     NamedAxes,
 }
 
-/// The words of a block. Lengths are in millionths of a millimetre, `x` and `u` as written
-/// (diameter or radius).
+/// The words of a block by meaning; `None` for a missing word. Lengths are in millionths of a
+/// millimetre, `x` and `u` as written (diameter or radius).
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SortedWords {
-    /// Group 00.
+    /// The code of group 00 in the block.
     pub(crate) one_shot: Option<OneShot>,
-    /// Group 01, by code number.
+    /// Number of the code of group 01 (motion and G90, G92, G94) in the block.
     pub(crate) motion: Option<u8>,
-    /// Group 04: G40, G41 or G42, by code number.
+    /// Group 04: 40, 41 or 42 for G40, G41 or G42.
     pub(crate) nose: Option<u8>,
     /// Group 02: true for G96, false for G97.
     pub(crate) surface: Option<bool>,
@@ -201,8 +202,9 @@ pub(crate) struct SortedWords {
     pub(crate) m: Option<u8>,
     pub(crate) s: Option<i64>,
     pub(crate) t: Option<i64>,
-    /// Number of digits written for S and T; 0 if a variable gave the number.
+    /// Number of digits written after S; 0 if a variable gave the number.
     pub(crate) s_digits: u8,
+    /// Number of digits written after T; 0 if a variable gave the number.
     pub(crate) t_digits: u8,
     pub(crate) f: Option<f64>,
     pub(crate) p: Option<i64>,
@@ -217,24 +219,26 @@ pub(crate) struct SortedWords {
     pub(crate) q: Option<i64>,
     pub(crate) l: Option<i64>,
     pub(crate) h: Option<u8>,
-    /// L, P and D in millionths as written: a factor, a lead, a length.
+    /// L as a factor, in millionths: 1 000 000 for L1.
     pub(crate) l_exact: Option<i64>,
+    /// P as a length or lead, in millionths of a millimetre.
     pub(crate) p_exact: Option<i64>,
+    /// D in millionths: 1 000 000 for D1, a length in mm or a time in ms.
     pub(crate) d_exact: Option<i64>,
-    /// N after a code of calls or cycles (Huaxing).
+    /// N as a word of a call or cycle (Huaxing), not as a sequence number.
     pub(crate) n: Option<u32>,
     /// True for G91, false for G90.
     pub(crate) incremental: Option<bool>,
-    /// G09.
+    /// Whether the block has G09, exact stop.
     pub(crate) exact_stop: bool,
-    /// Whether R was written with a decimal point (G76 R(d)).
+    /// Whether R was written with a decimal point, which decides the unit of R(d) of G76.
     pub(crate) r_has_point: bool,
-    /// Number of words besides O and N.
+    /// Number of words of the block besides O and the sequence number N.
     pub(crate) count: u8,
 }
 
 impl SortedWords {
-    /// Sorts the words of a block.
+    /// Sorts the words of a block by the meaning that the codes have on the model of `record`.
     ///
     /// # Errors
     /// 010 for an unknown G code, 024 for codes of two groups that exclude each other.
@@ -244,10 +248,11 @@ impl SortedWords {
         Ok(words)
     }
 
-    /// Sorts the words of a block into empty ones, in place, because they are large to move.
+    /// Sorts the words of a block into `self`, which must be empty; in place, because the
+    /// words are large to move.
     ///
     /// # Errors
-    /// As for [`Self::of`].
+    /// As for [`Self::from_block`].
     pub(crate) fn sort_block(
         &mut self,
         block: &ProgramBlock,
@@ -352,8 +357,7 @@ impl SortedWords {
             }
     }
 
-    /// A copy with only the words of the path, without F, S, T, M and the codes of feed and
-    /// spindle.
+    /// Copies the words of the path; leaves out F, S, T, M and the codes of feed and spindle.
     pub(crate) fn path_only(&self) -> Self {
         Self {
             surface: None,
@@ -377,7 +381,7 @@ impl SortedWords {
         matches!(self.m, Some(98 | 99)) && self.count == 1 + u8::from(self.p.is_some())
     }
 
-    /// The words of an arc.
+    /// R, I and K of the block, as the words of an arc.
     pub(crate) const fn arc_words(&self) -> ArcWords {
         ArcWords {
             r: self.r,
@@ -386,8 +390,8 @@ impl SortedWords {
         }
     }
 
-    /// The axis words: X before U, Z before W. X values are multiplied by `x_factor`, 2 under
-    /// radius programming. Increments count from `base`.
+    /// The targets of X or U and of Z or W; X and Z win over U and W. X and U are multiplied
+    /// by `x_factor`, 2 under radius programming. Increments count from `base`.
     pub(crate) fn axis_words(&self, x_factor: i64, base: ExactPoint) -> AxisWords {
         AxisWords {
             x: AxisTarget::from_words(self.x, self.u, x_factor),
@@ -400,10 +404,13 @@ impl SortedWords {
 /// The words of an arc, millionths of a millimetre.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ArcWords {
-    /// R: the radius.
+    /// R: the radius, in millionths of a millimetre; `None` if not programmed.
     pub(crate) r: Option<i64>,
-    /// I and K: from the start to the centre, I as a radius.
+    /// I: X distance from the start to the centre as written, in millionths of a millimetre, a
+    /// radius on the GSK980TD; `None` if not programmed.
     pub(crate) i: Option<i64>,
+    /// K: Z distance from the start to the centre, in millionths of a millimetre; `None` if
+    /// not programmed.
     pub(crate) k: Option<i64>,
 }
 
@@ -422,18 +429,18 @@ fn unknown_g_alarm(code: i64) -> Alarm {
 /// The programmed target of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum AxisTarget {
-    /// Not programmed.
+    /// The block has no word for the axis.
     #[default]
     None,
-    /// An end point, units of [`ExactPoint`].
+    /// The end point, in units of [`ExactPoint`].
     Absolute(i64),
-    /// A distance, units of [`ExactPoint`].
+    /// The distance to the end point, in units of [`ExactPoint`].
     Increment(i64),
 }
 
 impl AxisTarget {
-    /// The target of an absolute and an incremental word as written; the absolute word wins.
-    /// `factor` multiplies the value.
+    /// The target of an axis from its absolute and its incremental word as written; the
+    /// absolute word wins. The value is multiplied by `factor`.
     pub(crate) fn from_words(absolute: Option<i64>, increment: Option<i64>, factor: i64) -> Self {
         match (absolute, increment) {
             (Some(value), _) => Self::Absolute(value * factor),
@@ -459,7 +466,7 @@ impl AxisTarget {
     }
 }
 
-/// The programmed targets of both axes, X as a diameter.
+/// The programmed targets of both axes, X as a diameter, in units of [`ExactPoint`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct AxisWords {
     pub(crate) x: AxisTarget,
@@ -481,7 +488,7 @@ impl AxisWords {
         }
     }
 
-    /// The targets under G91 (`incremental`), where all words are increments.
+    /// Turns absolute targets into increments if G91 is in force (`incremental`).
     pub(crate) const fn with_incremental(self, incremental: bool) -> Self {
         match incremental {
             true => Self {
@@ -493,7 +500,7 @@ impl AxisWords {
         }
     }
 
-    /// The end point. An axis that is not programmed stays at `current`.
+    /// The programmed end point. An axis that is not programmed stays at `current`.
     pub(crate) fn resolve_end(&self, current: ExactPoint) -> ExactPoint {
         ExactPoint::new(
             self.x.resolve(self.base.x).unwrap_or(current.x),

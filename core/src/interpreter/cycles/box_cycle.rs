@@ -15,10 +15,10 @@ use crate::interpreter::context::planned_action::PlannedAction;
 use crate::interpreter::context::state::State;
 use crate::units::{Axis, Feed, Point};
 
-/// A running box. Single block stops after each move.
+/// The remaining moves of a G90 or G94. Single block stops after each move.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct BoxCycle {
-    /// B, C, D, A in machine coordinates.
+    /// The ends of the four moves (B, C, D, A) in machine coordinates, mm, X as a radius.
     corners: [Point; 4],
     feed: Feed,
     step: u8,
@@ -26,7 +26,8 @@ pub(crate) struct BoxCycle {
 }
 
 impl BoxCycle {
-    /// A box through the programmed corners B, C and D and back to the start A.
+    /// Plans the four moves of a G90 or G94 through the programmed corners B, C and D and back
+    /// to the start A.
     ///
     /// # Errors
     /// 043 for a corner outside the stroke, 011 without a feed.
@@ -47,8 +48,8 @@ impl BoxCycle {
         })
     }
 
-    /// Shifts the legs for the tool nose under G41 and G42. The box begins and ends at the
-    /// machine point `start`.
+    /// Shifts the four moves for the tool nose under G41 and G42. They begin and end at the
+    /// machine point `start` (mm, X as a radius).
     pub(crate) fn shift_for_nose(&mut self, start: Point, nose: Nose) {
         self.corners = box_corners(start, self.corners, nose);
     }
@@ -72,18 +73,18 @@ impl BoxCycle {
         self.step >= 4
     }
 
-    /// The explanation data of the move taken last.
+    /// The explanation data of the move taken last; `None` before the first move.
     pub(crate) fn pass_note(&self) -> Option<PassNote> {
         (self.step > 0).then_some(self.note)
     }
 }
 
-/// Checks that the taper R does not reach beyond the start: against the infeed, R is at most
-/// as long as the infeed. Both are in units of [`ExactPoint`]. `names` are the cycle's code and its
-/// infeed word, for the message.
+/// Checks that the taper R does not reach beyond the start: against the direction of the
+/// infeed, R is at most as long as the infeed. Both are in units of [`ExactPoint`]. `names`
+/// are the code of the cycle and its infeed word, for the message.
 ///
 /// # Errors
-/// 015.
+/// 015 for a taper that reaches beyond the start.
 pub(crate) fn check_taper(r: i64, infeed: i64, names: (&str, &str)) -> Result<(), Alarm> {
     let is_against = r != 0 && r.signum() != infeed.signum();
     if !is_against || (infeed != 0 && r.abs() <= infeed.abs()) {
@@ -100,7 +101,7 @@ pub(crate) fn check_taper(r: i64, infeed: i64, names: (&str, &str)) -> Result<()
     )
 }
 
-/// Explains the box of G90 or G94. `None` for another note.
+/// Explains a pass of G90 or G94; `None` for the note of another cycle.
 pub(crate) fn explain_box(note: PassNote) -> Option<Explanation> {
     let PassNote::Box { axis, a, c, taper } = note else {
         return None;

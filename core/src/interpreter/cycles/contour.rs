@@ -17,31 +17,31 @@ use crate::interpreter::context::exact::{ExactPoint, UNITS_PER_MM, round_to_unit
 use crate::interpreter::profile::{Profile, ProfileSegment, StepShape, start_alarm};
 use crate::units::{Axis, Point};
 
-/// Half units of [`ExactPoint`] in a millimetre.
+/// Number of half units of [`ExactPoint`] in a millimetre.
 const HALF_UNITS_PER_MM: i64 = 2 * UNITS_PER_MM;
 
-/// How far an arc may turn back before it counts as a reversal, mm: the least increment, to
-/// which its end points are rounded.
+/// Greatest distance that an arc may turn back without counting as a reversal, mm: the least
+/// increment, to which the end points of the arc are rounded.
 const ARC_TOLERANCE_MM: f64 = 0.001;
 
-/// A point in the plane of the cut, in half units of [`ExactPoint`].
+/// A point by depth and position along the cut, in half units of [`ExactPoint`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ContourPoint {
     pub(crate) depth: i64,
     pub(crate) along: i64,
 }
 
-/// Which axis is the depth of a roughing cycle and which is along the cut.
+/// Which axis a roughing cycle feeds in (the depth), and along which axis it cuts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum CutPlane {
-    /// G71: levels in X, cuts along Z.
+    /// G71: feeds in along X and cuts along Z.
     Turning,
-    /// G72: levels in Z, cuts along X.
+    /// G72: feeds in along Z and cuts along X.
     Facing,
 }
 
 impl CutPlane {
-    /// The axis of the levels.
+    /// The axis in which the cycle feeds in from level to level.
     pub(crate) const fn depth_axis(self) -> Axis {
         match self {
             Self::Turning => Axis::X,
@@ -64,7 +64,8 @@ impl CutPlane {
         }
     }
 
-    /// The least increment along the cut in half units: Z 0.001 mm, X 0.001 mm of diameter.
+    /// The least increment along the cut, in half units of [`ExactPoint`]: 0.001 mm in Z,
+    /// 0.001 mm of the diameter in X.
     const fn least_increment(self) -> i64 {
         match self {
             Self::Turning => HALF_UNITS_PER_MM / 1000,
@@ -72,7 +73,8 @@ impl CutPlane {
         }
     }
 
-    /// Depth and position along the cut of a centre, in half units.
+    /// Converts a centre (mm, X as a radius) to its depth and its position along the cut, in
+    /// half units of [`ExactPoint`].
     fn center_in_plane(self, center: Point) -> (f64, f64) {
         let (x, z) = (
             center.x * HALF_UNITS_PER_MM as f64,
@@ -88,18 +90,18 @@ impl CutPlane {
 /// Directions of a cut as signs, 1 or -1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct CutDirections {
-    /// From A to B, along the depth.
+    /// Direction of the depth, from the start A to the begin B of the contour.
     pub(crate) depth: i64,
-    /// From B to C, along the cut.
+    /// Direction of the cut, from the begin B to the end C of the contour.
     pub(crate) along: i64,
 }
 
 impl CutDirections {
-    /// The directions of a profile. From B on each of its steps must go back in depth and on
-    /// along the cut, without reversal.
+    /// Finds the directions of a profile. From B on each step must go towards A in depth and
+    /// towards C along the cut, without reversal.
     ///
     /// # Errors
-    /// 065 for a step that does not.
+    /// 065 for a step in another direction, and for a contour without depth or length.
     pub(crate) fn from_profile(plane: CutPlane, profile: &Profile) -> Result<Self, Alarm> {
         let (a, b, c) = (
             plane.to_plane(profile.start),
@@ -150,7 +152,7 @@ impl CutDirections {
     }
 }
 
-/// Whether an arc keeps its direction in both axes, that is, stays within a quadrant.
+/// Whether an arc keeps its direction in both axes, that is, is within a quadrant.
 fn is_one_way(from: ExactPoint, to: ExactPoint, center: Point, clockwise: bool) -> bool {
     let (start, end) = (from.to_point() - center, to.to_point() - center);
     let cross = start.z * end.x - start.x * end.z;
@@ -168,9 +170,9 @@ fn is_one_way(from: ExactPoint, to: ExactPoint, center: Point, clockwise: bool) 
         && !passes_extreme(start.z, end.z, start.x, end.x)
 }
 
-/// The end of the cut of a level, along the cut: the first point of the contour at or beyond
-/// the level, seen in the direction of the cut. If the level is beyond the contour, it is the
-/// end of the contour. All values are in half units.
+/// Finds where the cut at the depth `level` ends, as a position along the cut: at the first
+/// point of the contour at or beyond the level, or else at the end of the contour. All values
+/// are in half units of [`ExactPoint`].
 pub(crate) fn find_cut_end(
     plane: CutPlane,
     directions: CutDirections,
@@ -208,7 +210,7 @@ fn intersect_line(start: ContourPoint, end: ContourPoint, level: i64) -> i64 {
         )
 }
 
-/// The point of an arc without reversal at a level.
+/// Finds where an arc without reversal reaches the depth `level`, as a position along the cut.
 fn intersect_arc(
     plane: CutPlane,
     start: ContourPoint,
@@ -233,7 +235,7 @@ fn intersect_arc(
     }
 }
 
-/// Rounds to the least increment, within the step.
+/// Rounds to the least increment `increment`, but not beyond `begin` and `end` of the step.
 fn round_to_increment(value: i64, increment: i64, begin: i64, end: i64) -> i64 {
     let rounded = scale_rounded(value, 1, increment).saturating_mul(increment);
     rounded.clamp(begin.min(end), begin.max(end))

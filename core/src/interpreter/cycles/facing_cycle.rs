@@ -17,7 +17,7 @@ use crate::interpreter::context::state::State;
 use crate::interpreter::cycles::box_cycle::{BoxCycle, check_taper};
 use crate::units::Axis;
 
-/// Plans the cycle from the current position to the end point of `data` and back.
+/// Plans a G94 from the current position to the end point of `data` and back.
 ///
 /// # Errors
 /// 015 for the taper, 043 for a corner outside the stroke, 011 without a feed.

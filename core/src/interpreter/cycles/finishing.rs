@@ -18,7 +18,7 @@ use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::SortedWords;
 use crate::interpreter::profile::{self, ProfileRange};
 
-/// Plans a G70: the flow continues in the profile.
+/// Plans a G70: finds and checks the profile, and returns the flow that runs it.
 ///
 /// # Errors
 /// The alarm of the profile.
@@ -47,12 +47,12 @@ pub(crate) fn plan_finishing(
 }
 
 impl Finishing {
-    /// Whether a position is after the last block of the profile.
+    /// Whether `position` is after the last block of the profile.
     pub(crate) fn is_finished_at(&self, position: ProgramPosition) -> bool {
         position.program == self.first.program && position.block > self.last
     }
 
-    /// The explanation of the profile, while its first block runs; `None` in other blocks.
+    /// Explains the G70 while the first block of the profile runs; `None` in other blocks.
     pub(crate) fn explain(&self, block: SourcePosition) -> Option<Explanation> {
         if block.line != self.lines.0 || block.program != self.first.program {
             return None;

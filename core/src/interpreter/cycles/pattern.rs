@@ -25,10 +25,10 @@ use crate::interpreter::profile::{self, ProfileRange, ProfileSegment, StepShape}
 use crate::memory::parameter;
 use crate::units::Feed;
 
-/// Units of [`ExactPoint`] in a thousandth of a millimetre.
+/// Number of units of [`ExactPoint`] in a thousandth of a millimetre.
 const UNITS_PER_MICRON: i64 = UNITS_PER_MM / 1000;
 
-/// A running G73.
+/// The remaining moves of a G73.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PatternCycle {
     start: ExactPoint,
@@ -36,14 +36,15 @@ pub(crate) struct PatternCycle {
     steps: Vec<ProfileSegment>,
     home: FrameShift,
     allowance: ExactPoint,
-    /// Δi and Δk, X as a diameter.
+    /// Δi and Δk, the distance of the first pass from the last; X as a diameter.
     relief: ExactPoint,
     feed: Feed,
     pass: i64,
     passes: i64,
-    /// Number of parts into which the relief is divided.
+    /// Number of equal parts into which the passes divide the relief.
     gaps: i64,
-    /// 0 the move to A_n, 1 the entry, then the steps.
+    /// Next move of the pass: 0 is that to the start of the pass, 1 the entry, from 2 on the
+    /// steps.
     step: usize,
 }
 
@@ -61,7 +62,8 @@ pub(crate) fn store_data(words: &SortedWords, writes: &mut ParameterWrites) -> R
     store_passes(words, writes)
 }
 
-/// Stores R(d), which either block of the cycle may hold.
+/// Stores the number of passes, R(d), which either block of the cycle may contain, into
+/// parameter 055.
 fn store_passes(words: &SortedWords, writes: &mut ParameterWrites) -> Result<(), Alarm> {
     if let Some(passes) = words.r {
         if passes < UNITS_PER_MM {
@@ -72,7 +74,7 @@ fn store_passes(words: &SortedWords, writes: &mut ParameterWrites) -> Result<(),
     Ok(())
 }
 
-/// Plans the cycle over a profile.
+/// Plans the G73 over the profile `range`; U and W are the finishing allowances.
 ///
 /// # Errors
 /// 062 for a wrong number of passes, 043 for a point outside the stroke, and the alarms of the
@@ -107,8 +109,8 @@ pub(crate) fn plan_cycle(
     plan_passes(state, context, range, &repetition)
 }
 
-/// Plans the cycle of the Huaxing lathes over the next blocks. Cut p of L is shifted by I·(1 -
-/// p/L), where I is a diameter.
+/// Plans the G73 of the Huaxing lathes over the next N blocks. The shift of pass p of L is
+/// `1-p/L` times I in X, a diameter, and `1-p/L` times K in Z.
 ///
 /// # Errors
 /// As for [`plan_cycle`].
@@ -128,7 +130,7 @@ pub(crate) fn plan_counted(
     plan_passes(state, context, range, &repetition)
 }
 
-/// How often the contour is cut, and how far apart.
+/// Number of passes over the contour, and the distances between them.
 struct PatternPasses {
     allowance: ExactPoint,
     relief: ExactPoint,
@@ -170,7 +172,7 @@ fn plan_passes(
 }
 
 impl PatternCycle {
-    /// The shift of the current pass.
+    /// The shift of the current pass from the programmed contour, allowance included.
     fn current_shift(&self) -> ExactPoint {
         let (remaining, gaps) = (self.passes - self.pass, self.gaps);
         self.allowance
@@ -222,7 +224,7 @@ fn pattern_alarm(detail: Message) -> Alarm {
     Alarm::new(number::CYCLE_DATA).with_detail(say::cycle_in_code(73, detail))
 }
 
-/// Explains a pass of G73. `None` for another note.
+/// Explains a pass of G73; `None` for the note of another cycle.
 pub(crate) fn explain_shifted_pass(note: PassNote) -> Option<Explanation> {
     let PassNote::Shifted {
         number,

@@ -27,10 +27,10 @@ use crate::interpreter::context::words::{AxisTarget, AxisWords, SortedWords};
 use crate::memory::{ControlParameters, parameter};
 use crate::units::{Axis, Feed, Point};
 
-/// Units of [`ExactPoint`] in a thousandth of a millimetre.
+/// Number of units of [`ExactPoint`] in a thousandth of a millimetre.
 const UNITS_PER_MICRON: i64 = UNITS_PER_MM / 1000;
 
-/// The next move of a pecking cycle.
+/// Names the next move of a pecking cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum PeckingPhase {
     Feed,
@@ -42,20 +42,22 @@ enum PeckingPhase {
     Done,
 }
 
-/// A running G74, G75 or G83. Lengths are in units of [`ExactPoint`].
+/// The remaining moves of a G74, G75 or G83. Lengths are in units of [`ExactPoint`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PeckingCycle {
-    /// The axis of the pecks: Z for G74, X for G75.
+    /// The axis along which the tool pecks: Z for G74, X for G75.
     axis: Axis,
     shift: FrameShift,
     start: ExactPoint,
     end: ExactPoint,
     feed: Feed,
-    /// Peck depth, retract, step between columns and relief, signed towards the end point.
-    /// Step and relief are on the other axis.
+    /// Depth of a peck. This length and the next three are signed towards the end point.
     peck: i64,
+    /// Retract after a peck.
     retract: i64,
+    /// Step from one column to the next, on the other axis.
     step: i64,
+    /// Relief at the bottom of a column, on the other axis.
     relief: i64,
     /// Number of the current column, from 1.
     column: i64,
@@ -68,8 +70,8 @@ pub(crate) struct PeckingCycle {
     deep_hole: bool,
 }
 
-/// Plans a G74 (`axis` Z) or G75 (`axis` X) block. With axis words, P or Q it is the cycle.
-/// Without them it stores the retract, and the result is `None`.
+/// Plans a G74 (`axis` Z) or G75 (`axis` X) block. A block with axis words, P or Q makes the
+/// cycle. Another one only stores the retract R(e) and returns `None`.
 ///
 /// # Errors
 /// 062 for wrong data, 043 for an end outside the stroke, 011 without a feed.
@@ -221,7 +223,7 @@ impl PeckingCycle {
         })
     }
 
-    /// Coordinate of the current column on the other axis.
+    /// Coordinate of the current column, on the axis across the pecks.
     fn column_coordinate(&self) -> i64 {
         let side = self.axis.other();
         if self.column >= self.columns {
@@ -230,7 +232,7 @@ impl PeckingCycle {
         self.start.get(side) + self.step * (self.column - 1)
     }
 
-    /// Coordinate of the end of a peck.
+    /// Coordinate of the end of the peck with the number `peck`, from 1.
     fn peck_end(&self, peck: i64) -> i64 {
         if peck >= self.pecks {
             return self.end.get(self.axis);
@@ -238,7 +240,7 @@ impl PeckingCycle {
         self.start.get(self.axis) + self.peck * peck
     }
 
-    /// Coordinate of the retract after a peck.
+    /// Coordinate to which the tool retracts after the peck with the number `peck`.
     fn retract_end(&self, peck: i64) -> i64 {
         let retracted = self.peck_end(peck) - self.retract;
         let top = self.start.get(self.axis);
@@ -320,12 +322,12 @@ impl PeckingCycle {
     }
 }
 
-/// Number of steps in a distance, rounded up.
+/// Number of steps of the length `step` in a distance, rounded up.
 fn count_steps(distance: i64, step: i64) -> i64 {
     (distance.abs() + step - 1) / step
 }
 
-/// P or Q in units of [`ExactPoint`]; 0 if missing.
+/// Converts P or Q from thousandths of a millimetre to units of [`ExactPoint`]; 0 if missing.
 fn read_amount(axis: Axis, address: char, value: Option<i64>) -> Result<i64, Alarm> {
     match value {
         None => Ok(0),
@@ -345,7 +347,7 @@ fn pecking_alarm(axis: Axis, detail: Message) -> Alarm {
     Alarm::new(number::CYCLE_DATA).with_detail(say::cycle_in_code(code, detail))
 }
 
-/// Explains a column of G74, G75 or G83. `None` for another note.
+/// Explains a peck of G74, G75 or G83; `None` for the note of another cycle.
 pub(crate) fn explain_column(note: PassNote) -> Option<Explanation> {
     let PassNote::Column {
         axis,

@@ -32,10 +32,10 @@ use crate::interpreter::profile::{
 use crate::memory::parameter;
 use crate::units::{Axis, Feed, Point};
 
-/// Half units of [`ExactPoint`] in a thousandth of a millimetre.
+/// Number of half units of [`ExactPoint`] in a thousandth of a millimetre.
 const HALF_UNITS_PER_MICRON: i64 = 2 * UNITS_PER_MM / 1000;
 
-/// The next move of a roughing cycle.
+/// Names the next move of a roughing cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum RoughingPhase {
     Approach,
@@ -48,35 +48,39 @@ enum RoughingPhase {
     Done,
 }
 
-/// A running G71 or G72.
+/// The remaining moves of a G71 or G72.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct RoughingCycle {
     #[serde(rename = "view")]
     plane: CutPlane,
     #[serde(rename = "signs")]
     directions: CutDirections,
-    /// A and B.
+    /// A, from which the levels count.
     start: ExactPoint,
+    /// B, the begin of the contour.
     begin: ExactPoint,
-    /// Where the tool returns to: A without the allowances.
+    /// The point to which the tool returns: A without the allowances.
     #[serde(rename = "rest")]
     return_point: ExactPoint,
-    /// The contour from B to C.
+    /// The steps of the contour from B to the end C.
     steps: Vec<ProfileSegment>,
-    /// The conversion of the frame, and the same with the allowances.
+    /// Shift from programmed to machine coordinates.
     #[serde(rename = "home")]
     frame_shift: FrameShift,
+    /// Shift from programmed to machine coordinates plus the finishing allowances.
     #[serde(rename = "shift")]
     contour_shift: FrameShift,
     allowance: ExactPoint,
-    /// Whether ns is a rapid.
+    /// Whether the first block of the profile (ns) is a rapid, so that the infeeds are rapids.
     #[serde(rename = "rapid")]
     is_infeed_rapid: bool,
     feed: Feed,
-    /// Δd and e, half units.
+    /// Δd, the depth of cut, in half units of [`ExactPoint`].
     cut: i64,
+    /// e, the retract after a cut, in half units of [`ExactPoint`].
     escape: i64,
-    /// Number of the current level, from 1, and number of the contour pass.
+    /// Number of the current level, from 1; `levels` is the number of the contour pass, the
+    /// last one.
     level: i64,
     levels: i64,
     phase: RoughingPhase,
@@ -107,7 +111,7 @@ pub(crate) fn store_data(
     store_retract(words, writes)
 }
 
-/// Stores R(e), which either block of the cycle may hold.
+/// Stores the retract, R(e), which either block of the cycle may contain, into parameter 052.
 fn store_retract(words: &SortedWords, writes: &mut ParameterWrites) -> Result<(), Alarm> {
     if let Some(retract) = words.r {
         if retract < 0 {
@@ -118,7 +122,7 @@ fn store_retract(words: &SortedWords, writes: &mut ParameterWrites) -> Result<()
     Ok(())
 }
 
-/// Plans the cycle over a profile.
+/// Plans the G71 or G72 over the profile `range`; U and W are the finishing allowances.
 ///
 /// # Errors
 /// 062 for a missing depth, 043 for a point outside the stroke, and the alarms of the profile.
@@ -149,9 +153,9 @@ pub(crate) fn plan_cycle(
     plan_levels(plane, state, context, range, &levels)
 }
 
-/// Plans the cycle of the Huaxing lathes over the next blocks. Its levels count from the
-/// current position, without the allowances. I is a diameter in G71, K the retract of the
-/// slide.
+/// Plans the G71 or G72 of the Huaxing lathes over the next N blocks. The levels count from
+/// the current position, without the allowances. I is the depth of cut, a diameter in G71; K
+/// is the retract of the slide.
 ///
 /// # Errors
 /// As for [`plan_cycle`].
@@ -177,17 +181,18 @@ pub(crate) fn plan_counted(
     plan_levels(plane, state, context, range, &levels)
 }
 
-/// Depth and start of the levels of a roughing cycle.
+/// Depth of cut, retract, allowances and origin of the levels of a roughing cycle.
 struct RoughingLevels {
-    /// Δd and e, half units.
+    /// Δd, the depth of cut, in half units of [`ExactPoint`].
     cut: i64,
+    /// e, the retract after a cut, in half units of [`ExactPoint`].
     escape: i64,
     allowance: ExactPoint,
-    /// Level 0 relative to A, without the allowances.
+    /// Point from which the levels count, relative to A, without the allowances.
     origin: ExactPoint,
 }
 
-/// The cycle over a range of blocks.
+/// Plans a roughing cycle over the blocks `range`.
 fn plan_levels(
     plane: CutPlane,
     state: &State,
@@ -239,7 +244,8 @@ fn plan_levels(
     Ok(roughing)
 }
 
-/// Checks that ns moves only the axis of the levels; alarm 065.
+/// Checks that the first block of the profile (ns) moves only the axis of the levels; alarm
+/// 065 if not.
 fn check_entry(plane: CutPlane, profile: &Profile) -> Result<(), Alarm> {
     let (a, b) = (
         plane.to_plane(profile.start),
@@ -254,7 +260,8 @@ fn check_entry(plane: CutPlane, profile: &Profile) -> Result<(), Alarm> {
     }))
 }
 
-/// Checks that a contour of the Huaxing lathes has no G00 from B on.
+/// Checks that a contour of the Huaxing lathes has no G00 after its first block; alarm 065 if
+/// it has.
 fn check_no_rapid(profile: &Profile) -> Result<(), Alarm> {
     let mut steps = profile.steps.iter();
     match steps.find(|step| step.shape == StepShape::Straight { rapid: true }) {
@@ -277,12 +284,14 @@ impl RoughingCycle {
         Ok(())
     }
 
-    /// Depth of the current level, without the allowance.
+    /// Depth coordinate of the current level, without the allowance, in half units of
+    /// [`ExactPoint`].
     fn level_depth(&self) -> i64 {
         self.plane.to_plane(self.start).depth + self.directions.depth * self.cut * self.level
     }
 
-    /// Depth after the escape from the current level.
+    /// Depth coordinate after the retract from the current level, in half units of
+    /// [`ExactPoint`].
     fn escape_depth(&self) -> i64 {
         self.level_depth() - self.directions.depth * self.escape
     }
@@ -317,7 +326,7 @@ impl RoughingCycle {
             .to_machine(self.plane.to_exact(ContourPoint { depth, along }))
     }
 
-    /// The move after a level.
+    /// The move after a level: the next infeed, or the entry of the contour pass.
     fn phase_after_level(&self) -> RoughingPhase {
         if self.level < self.levels {
             RoughingPhase::Infeed
@@ -392,7 +401,7 @@ impl RoughingCycle {
         Some(next_move)
     }
 
-    /// An infeed: a rapid if ns is one.
+    /// An infeed to `to`: a rapid if the first block of the profile (ns) is one, else a cut.
     fn infeed_move(&self, to: Point, note: PassNote) -> Move {
         if self.is_infeed_rapid {
             Move::rapid(to, note)
@@ -402,7 +411,8 @@ impl RoughingCycle {
     }
 }
 
-/// The move of one step of a shifted contour, at the feed of the cycle.
+/// Makes the move for one step of a contour that is shifted by `shift`, at the feed of the
+/// cycle.
 pub(crate) fn step_move(
     step: &ProfileSegment,
     shift: FrameShift,
@@ -429,7 +439,7 @@ fn roughing_alarm(detail: Message) -> Alarm {
     Alarm::new(number::CYCLE_DATA).with_detail(detail)
 }
 
-/// Explains a level of G71 or G72. `None` for another note.
+/// Explains a level of G71 or G72; `None` for the note of another move.
 pub(crate) fn explain_level(note: PassNote) -> Option<Explanation> {
     let PassNote::Level {
         axis,
@@ -464,7 +474,7 @@ pub(crate) fn explain_level(note: PassNote) -> Option<Explanation> {
     })
 }
 
-/// Explains the contour pass of G71 and G72. `None` for another note.
+/// Explains the contour pass of G71 or G72; `None` for the note of another move.
 pub(crate) fn explain_contour_pass(note: PassNote) -> Option<Explanation> {
     let PassNote::Contour {
         axis,

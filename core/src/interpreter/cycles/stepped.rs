@@ -26,24 +26,28 @@ use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{AxisWords, SortedWords};
 use crate::units::{Axis, Feed};
 
-/// A running G81 or G82. Lengths are in units of [`ExactPoint`], diameters along X.
+/// The remaining moves of a G81 or G82. Lengths are in units of [`ExactPoint`], diameters
+/// along X.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SteppedCycle {
-    /// The axis of the levels: X for G81, Z for G82.
+    /// The axis in which the passes get deeper: X for G81, Z for G82.
     axis: Axis,
     shift: FrameShift,
     a: ExactPoint,
-    /// B and C of the last box.
+    /// B, the start of the cut of the last pass.
     b: ExactPoint,
+    /// C, the end of the cut of the last pass.
     c: ExactPoint,
     feed: Feed,
-    /// Direction of the levels, 1 or -1.
+    /// Direction in which the passes get deeper, 1 or -1.
     #[serde(rename = "way")]
     direction: i64,
-    /// Distance from A to the deeper one of B and C; depths per pass by I and K.
+    /// Distance from the start A to the deeper one of B and C, along `axis`.
     #[serde(rename = "whole")]
     total_depth: i64,
+    /// Depth of a roughing pass (I).
     step: i64,
+    /// Depth of the finishing pass (K); 0 for none.
     finish: i64,
     /// Number of the current pass, from 1.
     pass: i64,
@@ -52,7 +56,7 @@ pub(crate) struct SteppedCycle {
     move_index: u8,
 }
 
-/// Plans a G81 (`axis` X) or G82 (`axis` Z) block. The tool ends at its start.
+/// Plans a G81 (`axis` X) or G82 (`axis` Z) block. The cycle ends at the start of the tool.
 ///
 /// # Errors
 /// 062 for wrong data, 043 for a corner outside the stroke, 011 without a feed.
@@ -122,7 +126,7 @@ pub(crate) fn plan_cycle(
 }
 
 impl SteppedCycle {
-    /// Depth of the current pass from A.
+    /// Depth of the current pass from the start A, without sign.
     const fn pass_depth(&self) -> i64 {
         let roughed = self.total_depth - self.finish;
         let stepped = self.step.saturating_mul(self.pass);
@@ -135,7 +139,7 @@ impl SteppedCycle {
         }
     }
 
-    /// B and C of the current pass, cut off at the level of A.
+    /// Start B and end C of the cut of the current pass, cut off at the level of the start A.
     fn pass_corners(&self) -> (ExactPoint, ExactPoint) {
         let axis = self.axis;
         let remaining = self
@@ -150,7 +154,8 @@ impl SteppedCycle {
         (self.cut_off(b, c), self.cut_off(c, b))
     }
 
-    /// A corner or, if it is beyond the level of A, the point of the cut at that level.
+    /// Returns `corner`, or if that corner is beyond the level of the start A, the point of
+    /// the cut at that level. `other` is the other end of the cut.
     fn cut_off(&self, corner: ExactPoint, other: ExactPoint) -> ExactPoint {
         let (axis, along) = (self.axis, self.axis.other());
         let level = self.a.get(axis);
@@ -209,7 +214,7 @@ fn stepped_alarm(axis: Axis, detail: Message) -> Alarm {
     Alarm::new(number::CYCLE_DATA).with_detail(detail)
 }
 
-/// Explains a box of G81 or G82. `None` for another note.
+/// Explains a pass of G81 or G82; `None` for the note of another cycle.
 pub(crate) fn explain_step(note: PassNote) -> Option<Explanation> {
     let PassNote::Stepped {
         axis,

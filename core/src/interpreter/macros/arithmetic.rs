@@ -4,18 +4,18 @@ use gsk_messages::{Message, say};
 
 use crate::alarm::number;
 
-/// The operands of an operation.
+/// The operands of an operation of G65 H.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Operands {
-    /// The value of the result variable before the operation.
+    /// The value of the variable of P before the operation; only H26 reads this value.
     pub(crate) i: i64,
-    /// Q.
+    /// The value of Q, the first operand.
     pub(crate) j: i64,
-    /// R.
+    /// The value of R, the second operand.
     pub(crate) k: i64,
 }
 
-/// Why an operation has no result.
+/// Why an operation of G65 H has no result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ArithmeticFault {
     DivisionByZero,
@@ -53,19 +53,19 @@ impl ArithmeticFault {
     }
 }
 
-/// What an H code does.
+/// What G65 does for an H code.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Operation {
-    /// Stores the result into the variable P.
+    /// Computes a result with this function and stores it into the variable of P.
     Value(fn(Operands) -> Result<i128, ArithmeticFault>),
-    /// Jumps to N of P if the condition of Q and R holds.
+    /// Jumps to the sequence number P if this condition holds for Q and R.
     Jump(fn(i64, i64) -> bool),
-    /// Raises the alarm 500 + P.
+    /// Raises the user alarm with the number 500 + P.
     Alarm,
 }
 
 impl Operation {
-    /// The operation of an H code; `None` for an unknown code.
+    /// The operation of the H code `h`; `None` for an unknown code.
     pub(crate) fn from_h_code(h: i64) -> Option<Self> {
         use Operation::{Alarm, Jump, Value};
         Some(match h {
@@ -105,7 +105,7 @@ impl Operation {
         })
     }
 
-    /// The letters of Q and R that an operation does not read.
+    /// Which of the letters Q and R the operation of the H code `h` does not read.
     pub(crate) const fn unread_words(h: i64) -> &'static [u8] {
         match h {
             1 | 21 | 22 | 24 | 25 => b"R",
@@ -114,7 +114,8 @@ impl Operation {
         }
     }
 
-    /// Whether the result depends on the previous value of P.
+    /// Whether the result of the H code `h` depends on the previous value of the variable of
+    /// P.
     pub(crate) const fn reads_result(h: i64) -> bool {
         h == 26
     }
@@ -144,7 +145,7 @@ fn hypotenuse(j: i64, k: i64) -> i128 {
     square(j).saturating_add(square(k)).isqrt() as i128
 }
 
-/// The number of a binary-coded decimal, four bits per digit.
+/// Converts a binary-coded decimal, four bits per digit, to its number.
 fn from_decimal_code(code: i64) -> Result<i128, ArithmeticFault> {
     let mut rest = u64::try_from(code).map_err(|_| ArithmeticFault::NegativeDecimalCode)?;
     let (mut value, mut weight) = (0, 1);
@@ -160,7 +161,7 @@ fn from_decimal_code(code: i64) -> Result<i128, ArithmeticFault> {
     Ok(value)
 }
 
-/// The binary-coded decimal of a number, four bits per digit.
+/// Converts a number to a binary-coded decimal, four bits per digit.
 fn to_decimal_code(value: i64) -> Result<i128, ArithmeticFault> {
     let mut rest = u64::try_from(value).map_err(|_| ArithmeticFault::NegativeDecimalCode)?;
     let (mut code, mut shift) = (0, 0);
@@ -180,7 +181,8 @@ fn to_radians(thousandths: i64) -> f64 {
     (thousandths as f64 / 1000.0).to_radians()
 }
 
-/// Drops the fraction, after rounding off the error of the last bits: 1000 · sin 30° is 500.
+/// Cuts off the fraction, after rounding away the error of the last bits: 1000 · sin 30° is
+/// 500.
 fn truncate(value: f64) -> i128 {
     const NOISE: f64 = 1e6;
     libm::trunc(libm::round(value * NOISE) / NOISE) as i128
@@ -211,7 +213,8 @@ fn multiply_by_tangent(factor: i64, angle: i64) -> Result<i128, ArithmeticFault>
     })
 }
 
-/// The direction of (k, j) in thousandths of a degree, 0 to 359999.
+/// The direction of the vector (`k`, `j`) in thousandths of a degree, 0 to 359999: the arc
+/// tangent of `j` / `k`.
 fn direction_angle(j: i64, k: i64) -> Result<i128, ArithmeticFault> {
     if j == 0 && k == 0 {
         return Err(ArithmeticFault::UndefinedDirection);
@@ -225,10 +228,11 @@ fn direction_angle(j: i64, k: i64) -> Result<i128, ArithmeticFault> {
     Ok(truncate(degrees * 1000.0).rem_euclid(FULL_TURN.into()))
 }
 
-/// Computes the result of an operation.
+/// Computes the result of an operation and checks that a variable can store it.
 ///
 /// # Errors
-/// The fault of the operation, or alarm 111 outside the range of a variable.
+/// The fault of the operation, or `OutOfRange` (alarm 111) for a result that no variable can
+/// store.
 pub(crate) fn compute(
     function: fn(Operands) -> Result<i128, ArithmeticFault>,
     operands: Operands,

@@ -11,20 +11,21 @@ use crate::program::{
     ProgramBlock, Syntax,
 };
 
-/// A number; `None` is null.
+/// The value of a formula or variable; `None` is null, a variable without a value.
 pub(crate) type FormulaValue = Option<f64>;
 
-/// What the evaluation of a formula reads.
+/// The variables and the angle range that the evaluation of a formula uses.
 #[derive(Clone, Copy)]
 pub(crate) struct FormulaContext<'a> {
-    /// Reads a variable by its number.
+    /// Reads the variable with this number.
     pub(crate) read_variable: &'a dyn Fn(u32) -> Result<FormulaValue, ReadError>,
-    /// Whether `ASIN` and `ATAN` give −90 to 90 and −180 to 180 degrees instead of 0 to 360.
+    /// Whether the results of `ASIN` and `ATAN` are −90 to 90 and −180 to 180 degrees; if not,
+    /// 0 to 360.
     pub(crate) signed_angles: bool,
 }
 
 impl<'a> FormulaContext<'a> {
-    /// A context with angles from 0 to 360 degrees.
+    /// A context whose functions give angles from 0 to 360 degrees.
     pub(crate) const fn new(
         read_variable: &'a dyn Fn(u32) -> Result<FormulaValue, ReadError>,
     ) -> Self {
@@ -43,15 +44,16 @@ impl<'a> FormulaContext<'a> {
     }
 }
 
-/// Least and greatest absolute value, besides 0.
+/// Least absolute value of a result other than 0.
 const MIN_ABSOLUTE: f64 = 1e-29;
 const MAX_ABSOLUTE: f64 = Variables::GREATEST_REAL;
 
-/// Evaluates a formula. `ROUND` rounds to a multiple of `unit`: 1, or the least increment of
-/// the word that contains the formula.
+/// Evaluates a formula; `None` is null. `ROUND` rounds to a multiple of `unit`: 1, or the
+/// least increment of the word that contains the formula.
 ///
 /// # Errors
-/// 111, 112, 115 or 119; or a variable that cannot be read yet.
+/// 111 for a value out of range, 112 for a division by 0, 115 for an unknown variable, 119 for
+/// a wrong argument; or a wait for a variable.
 pub(crate) fn evaluate_formula(
     expression: &FormulaCode,
     unit: f64,
@@ -93,7 +95,7 @@ pub(crate) fn evaluate_formula(
     Ok(stack.pop().flatten())
 }
 
-/// A copy of a block with values in place of the formulas of its words.
+/// Copies a block with values in place of the formulas of its words.
 pub(crate) fn evaluate_words(
     block: &ProgramBlock,
     formulas: &[FormulaCode],
@@ -114,7 +116,7 @@ pub(crate) fn evaluate_words(
     Ok(block.with_values(&values, syntax)?)
 }
 
-/// Whether a condition holds. Null equals only null; for greater and less it counts as 0.
+/// Whether a condition holds. Null equals only null; in comparisons of size null counts as 0.
 pub(crate) fn is_condition_true(
     condition: &MacroCondition,
     context: FormulaContext<'_>,
@@ -132,7 +134,7 @@ pub(crate) fn is_condition_true(
     })
 }
 
-/// Rounds a value as a variable stores it: eight significant digits, halves away from zero.
+/// Rounds a value to eight significant digits, halves away from zero, as a variable stores it.
 pub(crate) fn round_to_stored(value: f64) -> f64 {
     const DIGITS: i32 = 8;
     if value == 0.0 {
@@ -166,7 +168,7 @@ fn power_of_ten(exponent: i32) -> f64 {
     })
 }
 
-/// Relative error of the last bits of a calculation.
+/// Relative error that calculations may leave in the last bits of a value.
 const RELATIVE_ERROR: f64 = 1e-10;
 
 /// Rounds to a whole number, halves away from zero. A value below a half by the error of the
@@ -176,10 +178,10 @@ pub(crate) fn round_half_away(value: f64) -> f64 {
     libm::floor(size + 0.5 + RELATIVE_ERROR * size.max(1.0)).copysign(value)
 }
 
-/// The number of the variable that a formula commands.
+/// Converts the value of a formula after `#` to the number of a variable.
 ///
 /// # Errors
-/// 115 outside 0 to 99999.
+/// 115 for a number outside 0 to 99999.
 pub(crate) fn to_variable_number(value: f64) -> Result<u32, ReadError> {
     let whole = round_half_away(value);
     if (0.0..=99_999.0).contains(&whole) {
@@ -204,7 +206,7 @@ fn division_by_zero_alarm(detail: gsk_messages::Message) -> ReadError {
         .into()
 }
 
-/// The alarm for a value that a function does not take.
+/// The alarm for an argument outside the range of a function.
 fn argument_alarm(function: &'static str, value: f64) -> ReadError {
     Alarm::new(number::NEGATIVE_ARGUMENT)
         .with_detail(say::formula_argument_refused(function, value))
@@ -249,7 +251,7 @@ fn apply_function(
     unit: f64,
     context: FormulaContext<'_>,
 ) -> Result<f64, ReadError> {
-    /// Greatest number of a binary-coded decimal.
+    /// Greatest number that `BCD` can convert.
     const MAX_DECIMAL_CODE: f64 = 99_999_999.0;
     Ok(match function {
         FormulaFunction::Sine => sine(value),
@@ -297,7 +299,8 @@ fn apply_function(
     })
 }
 
-/// Removes the error of the last bits from a whole number: 37.8 - 25.8 is 12.
+/// Rounds a value that differs from a whole number only by the error of the last bits: 37.8 -
+/// 25.8 gives 12.
 fn snap_to_integer(value: f64) -> f64 {
     let whole = round_half_away(value);
     if (value - whole).abs() <= RELATIVE_ERROR * value.abs().max(1.0) {
@@ -307,7 +310,8 @@ fn snap_to_integer(value: f64) -> f64 {
     }
 }
 
-/// Exact at the angles with an exact sine.
+/// The sine of an angle in degrees, without rounding error at multiples of 30 and 90 degrees
+/// whose sine is 0, ±0.5 or ±1.
 fn sine(degrees: f64) -> f64 {
     let turned = degrees.rem_euclid(360.0);
     if turned == 0.0 || turned == 180.0 {
@@ -341,7 +345,7 @@ fn tangent(degrees: f64) -> Result<f64, ReadError> {
     })
 }
 
-/// The angle of (`up`, `across`), −180 to 180 degrees.
+/// The arc tangent of `up` / `across`, −180 to 180 degrees.
 fn arc_tangent(up: f64, across: f64) -> Result<f64, ReadError> {
     if up == 0.0 && across == 0.0 {
         return Err(division_by_zero_alarm(say::macro_angle_of_nothing()));
@@ -350,7 +354,7 @@ fn arc_tangent(up: f64, across: f64) -> Result<f64, ReadError> {
     Ok(libm::atan2(up + 0.0, across).to_degrees())
 }
 
-/// An angle from 0 up to 360 degrees.
+/// Adds a full turn to a negative angle, in degrees, so that the angle is from 0 to 360.
 fn to_positive_angle(degrees: f64) -> f64 {
     let turned = if degrees < 0.0 {
         degrees + 360.0

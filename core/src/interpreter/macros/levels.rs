@@ -14,49 +14,50 @@ use crate::command::ProgramId;
 use crate::interpreter::context::program_position::{CallKind, ProgramCall};
 use crate::interpreter::macros::formula::FormulaValue;
 
-/// Greatest number of a local variable.
+/// Greatest number of a local variable, #33.
 pub(crate) const LAST_LOCAL: u32 = 33;
 
 /// Local variables with a value, by number.
 pub(crate) type LocalVariables = BTreeMap<u8, f64>;
 
-/// Variables, loops and modal calls of a run.
+/// The local variables, loops and modal calls (G66) of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Levels {
-    /// Variables of the main program.
+    /// Local variables of the main program.
     main: LocalVariables,
-    /// Variables of the running macro calls, the innermost last.
+    /// Local variables of the running macro calls, the innermost last.
     called: Vec<MacroLevel>,
-    /// Running loops, the innermost last.
+    /// Running loops (DO to END), the innermost last.
     loops: Vec<RunningLoop>,
-    /// Modal calls, the last commanded last.
+    /// Modal calls (G66) in force, in the order of their commands.
     modal: Vec<ModalCall>,
 }
 
-/// The local variables of one call.
+/// The local variables of one running macro call.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct MacroLevel {
-    /// Their values at the start of each run.
+    /// Values of the variables at the start of each run.
     arguments: LocalVariables,
     values: LocalVariables,
 }
 
-/// A running loop.
+/// A running loop of macro B, DO to END.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct RunningLoop {
-    /// Number of running calls at the loop.
+    /// Number of running calls when the loop was entered.
     #[serde(rename = "depth")]
     pub(crate) call_depth: usize,
-    /// m of DO m, 1 to 3.
+    /// Number of the loop, m of DO m, 1 to 3.
     pub(crate) number: u8,
-    /// Index of the blocks of DO and END.
+    /// Index of the block of DO, from 0.
     #[serde(rename = "first")]
     pub(crate) first_block: u32,
+    /// Index of the block of END, from 0.
     #[serde(rename = "last")]
     pub(crate) last_block: u32,
 }
 
-/// A modal call by G66: each move calls its program.
+/// A modal call by G66: each block that moves calls this program.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ModalCall {
     pub(crate) program: ProgramId,
@@ -75,13 +76,13 @@ impl Levels {
         }
     }
 
-    /// The value of a local variable of the innermost level; `None` is null.
+    /// The value of a local variable of the innermost macro call; `None` is null.
     pub(crate) fn get(&self, number: u8) -> FormulaValue {
         let values = self.called.last().map_or(&self.main, |level| &level.values);
         values.get(&number).copied()
     }
 
-    /// Sets a local variable of the innermost level; `None` makes it null.
+    /// Sets a local variable of the innermost macro call; `None` makes the variable null.
     pub(crate) fn set(&mut self, number: u8, value: FormulaValue) {
         let values = match self.called.last_mut() {
             Some(level) => &mut level.values,
@@ -93,14 +94,14 @@ impl Levels {
         };
     }
 
-    /// Adds a level for a macro call with these arguments.
+    /// Adds a level for a new macro call; its variables begin with the values of `arguments`.
     pub(crate) fn push_level(&mut self, arguments: LocalVariables) {
         let values = arguments.clone();
         self.called.push(MacroLevel { arguments, values });
     }
 
-    /// Prepares the next run of the innermost of `depth` calls: ends its loops, and restores
-    /// its arguments unless it is modal.
+    /// Prepares the next run of the innermost of `depth` calls: ends the loops of the call. A
+    /// G65 call gets its arguments again; a modal call keeps its variables.
     pub(crate) fn prepare_next_run(&mut self, call: &ProgramCall, depth: usize) {
         self.loops.retain(|it| it.call_depth < depth);
         if let (CallKind::Macro, Some(level)) = (call.kind, self.called.last_mut()) {
@@ -108,8 +109,8 @@ impl Levels {
         }
     }
 
-    /// Removes the level of a call; `depth` calls are left. A modal call keeps its variables
-    /// for the next move.
+    /// Removes the level of a call that has ended; `depth` calls are left. The variables of a
+    /// modal call are stored for its next run.
     pub(crate) fn pop_level(&mut self, call: &ProgramCall, depth: usize) {
         self.loops.retain(|it| it.call_depth <= depth);
         let level = match call.kind {
@@ -123,14 +124,15 @@ impl Levels {
         }
     }
 
-    /// Ends the loops that a jump to `block` leaves, on the same level; loops around it stay.
+    /// Ends the loops that a jump to `block` leaves. `depth` is the number of running calls;
+    /// loops of callers and loops that contain `block` stay.
     pub(crate) fn end_left_loops(&mut self, depth: usize, block: u32) {
         let contains_target = |it: &RunningLoop| (it.first_block..=it.last_block).contains(&block);
         self.loops
             .retain(|it| it.call_depth < depth || contains_target(it));
     }
 
-    /// The innermost loop, if it is on the level of `depth` calls.
+    /// The innermost running loop; `None` if that loop was not begun at `depth` running calls.
     pub(crate) fn innermost_loop(&self, depth: usize) -> Option<RunningLoop> {
         self.loops
             .last()
@@ -138,7 +140,7 @@ impl Levels {
             .filter(|it| it.call_depth == depth)
     }
 
-    /// Adds a loop, unless it is running already.
+    /// Adds a loop, unless the innermost loop is the same one, which its DO repeats.
     pub(crate) fn enter_loop(&mut self, entered: RunningLoop) {
         if self.innermost_loop(entered.call_depth) != Some(entered) {
             self.loops.push(entered);
@@ -159,7 +161,8 @@ impl Levels {
         self.modal.pop();
     }
 
-    /// The modal call that a move makes, with its index: the last one that is not running.
+    /// The modal call that a move makes, with its index from 0: the last modal call that is
+    /// not running. `None` if there is no such call.
     pub(crate) fn find_modal_call(&self, calls: &[ProgramCall]) -> Option<(u8, &ModalCall)> {
         let is_running = |index| {
             let kind = CallKind::Modal(index);
@@ -170,12 +173,12 @@ impl Levels {
             .find(|(index, _)| !is_running(*index))
     }
 
-    /// Whether a move may call a program.
+    /// Whether a modal call is in force, so that a move may call a program.
     pub(crate) const fn has_modal_call(&self) -> bool {
         !self.modal.is_empty()
     }
 
-    /// Whether there are no variables, loops and modal calls.
+    /// Whether there are no local variables with a value, no loops and no modal calls.
     pub(crate) fn is_empty(&self) -> bool {
         *self == Self::default()
     }

@@ -10,22 +10,22 @@ use crate::interpreter::macros::system::VariableSources;
 use crate::interpreter::macros::variable::{self, ReadError};
 use crate::program::{Program, ProgramBlock, Syntax};
 
-/// Greatest number of blocks to search for one that is not skipped.
+/// Greatest number of blocks that the search for the next block that is not skipped reads.
 const MAX_SKIPPED_BLOCKS: u32 = 16;
 
-/// What reading ahead needs.
+/// Reads blocks of a program ahead of their turn.
 pub(crate) struct LookaheadReader<'a, H> {
     pub(crate) program: &'a Program,
     pub(crate) syntax: Syntax,
-    /// Whether blocks marked `/` are skipped.
+    /// Whether block skip is on, so that blocks marked `/` are skipped.
     pub(crate) is_skipping: bool,
     pub(crate) host: &'a H,
-    /// The sources of variables for formulas of macro B.
+    /// The sources of variables for formulas of macro B; `None` without macro B.
     pub(crate) sources: Option<&'a VariableSources<'a>>,
 }
 
-/// The alarm of a block read ahead. The planner of a cycle waits until everything before it is
-/// finished, so its blocks never need to wait.
+/// The alarm of a block read ahead. A wait becomes an alarm, too: the planner of a cycle waits
+/// until everything before it is finished, so its blocks never need to wait.
 pub(crate) fn to_alarm(reason: ReadError) -> Alarm {
     match reason {
         ReadError::Fault(alarm) => alarm,
@@ -36,8 +36,8 @@ pub(crate) fn to_alarm(reason: ReadError) -> Alarm {
 }
 
 impl<H: Host> LookaheadReader<'_, H> {
-    /// The words of a block; `None` for a skipped one. `motion` is the code of group 01 in
-    /// force before it.
+    /// Reads the words of the block `index` (from 0); `None` for a skipped block. `motion` is
+    /// the code of group 01 in force before the block.
     ///
     /// # Errors
     /// The alarm of the block, or a variable that cannot be read yet.
@@ -80,7 +80,8 @@ impl<H: Host> LookaheadReader<'_, H> {
             .map_err(ReadError::Fault)
     }
 
-    /// Whether another block follows that is not skipped, with or without errors.
+    /// Whether a block that is not skipped follows the block `index`; blocks with errors
+    /// count.
     pub(crate) fn has_next(&self, index: u32) -> bool {
         let next = index.saturating_add(1);
         let end = self
@@ -91,8 +92,9 @@ impl<H: Host> LookaheadReader<'_, H> {
             || (next..end).any(|index| !matches!(self.read_words_at(index, 1), Ok(None)))
     }
 
-    /// The words of the next block; `None` at the end of the text and for a block with an
-    /// alarm, which is raised at its turn.
+    /// Reads the words of the next block after `index` that is not skipped. `None` at the end
+    /// of the text, and for a block with an alarm, which the reader raises at the turn of that
+    /// block.
     pub(crate) fn read_words_after(
         &self,
         index: u32,

@@ -15,21 +15,21 @@ use crate::interpreter::macros::variable::{MacroVariable, ReadError, read_value}
 use crate::memory::Variables;
 use crate::program::{ProgramBlock, WordNumber};
 
-/// Greatest P of H99.
+/// Greatest P of H99, the number of a user alarm.
 const LAST_USER_ALARM: i64 = 99;
 
-/// What a G65 block does.
+/// What a G65 H block does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MacroBlockEffect {
-    /// Sets a variable to a value.
+    /// Stores this value into this variable.
     Value(MacroVariable, i64),
-    /// Jumps to a sequence number; if negative, searches backward first.
+    /// Jumps to this sequence number; a negative one is searched backward first.
     Jump(i64),
-    /// Continues with the next block.
+    /// Continues with the next block: the condition of a jump does not hold.
     Nothing,
 }
 
-/// Evaluates a G65 block without changing anything.
+/// Evaluates a G65 H block without changing anything; the caller carries out the effect.
 ///
 /// # Errors
 /// 111 to 116, 119, 125, the alarm of H99, or a variable that cannot be read yet.
@@ -90,7 +90,7 @@ fn missing_h_alarm(block: &ProgramBlock) -> Alarm {
     Alarm::new(number::BAD_OPERATION).with_detail(say::macro_operation_missing())
 }
 
-/// A constant, or the value of a variable; 0 if the word is missing.
+/// Reads an operand: a constant or the value of a variable; 0 if the word is missing.
 fn read_operand(number: Option<WordNumber>, host: &impl Host) -> Result<i64, ReadError> {
     let Some(number) = number else {
         return Ok(0);
@@ -108,7 +108,7 @@ fn read_operand(number: Option<WordNumber>, host: &impl Host) -> Result<i64, Rea
     Ok(if variable.negative { -value } else { value })
 }
 
-/// The variable P of an operation.
+/// Finds the variable of P, in which an operation stores its result.
 fn find_result_variable(
     p: Option<WordNumber>,
     host: &impl Host,

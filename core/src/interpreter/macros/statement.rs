@@ -15,50 +15,52 @@ use crate::program::{
 
 /// Greatest depth of nested macro calls.
 pub(crate) const MAX_MACRO_DEPTH: usize = 4;
-/// The variable that raises an alarm.
+/// Number of the variable whose assignment raises an alarm.
 const ALARM_VARIABLE: u32 = 3000;
-/// Greatest number of an alarm of a program.
+/// Greatest number that a program may assign to #3000.
 const MAX_ALARM_NUMBER: f64 = 99.0;
-/// Greatest number of characters of an alarm text.
+/// Greatest number of characters of the alarm text after #3000.
 const MAX_ALARM_TEXT_CHARS: usize = 26;
 /// Greatest number of groups of I, J and K in a call.
 const MAX_ARGUMENT_GROUPS: u8 = 10;
 
-/// What a statement does. The caller carries it out.
+/// What a statement of macro B does. The caller carries out this effect.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum StatementEffect {
-    /// Sets a variable to a value, or to null.
+    /// Sets the variable with this number to a value, or with `None` to null.
     Assign(u32, Option<f64>),
-    /// Jumps to a sequence number.
+    /// Jumps to this sequence number (GOTO).
     Jump(i64),
-    /// Enters a loop, or repeats it.
+    /// Runs the blocks of this loop, at its DO, for the first time or again.
     Enter(RunningLoop),
-    /// Jumps from END back to its DO, at this block.
+    /// Jumps from END back to its DO, which is the block with this index.
     Repeat(u32),
-    /// Jumps to the block after this END.
+    /// Leaves a loop: jumps to the block after the END with this index.
     Leave(u32),
-    /// Calls a macro with arguments (G65).
+    /// Calls a macro (G65) with these values of its local variables.
     Call(ProgramCall, LocalVariables),
-    /// Starts a modal call (G66).
+    /// Puts this modal call into force (G66).
     Modal(ModalCall),
-    /// Cancels a modal call (G67).
+    /// Cancels the last modal call (G67).
     CancelModal,
-    /// Continues with the next block.
+    /// Changes nothing and continues with the next block, as after a condition that does not
+    /// hold.
     Nothing,
 }
 
-/// The position of a statement: program, block and calls.
+/// The data that decide what a statement does besides its formulas: program, block and running
+/// calls.
 pub(crate) struct StatementContext<'a> {
     pub(crate) program: &'a Program,
     pub(crate) programs: &'a ProgramMemory,
     pub(crate) position: ProgramPosition,
     pub(crate) calls: &'a [ProgramCall],
     pub(crate) syntax: Syntax,
-    /// The loop that begins at this block, or the innermost one at an END.
+    /// The innermost running loop, which a DO repeats or an END ends; `None` outside loops.
     pub(crate) current_loop: Option<RunningLoop>,
 }
 
-/// Evaluates a statement. Nothing changes.
+/// Evaluates a statement without changing anything; the caller carries out the effect.
 ///
 /// # Errors
 /// The alarm of the statement or of a formula, or a variable that cannot be read yet.
@@ -130,9 +132,10 @@ pub(crate) fn evaluate_statement(
 /// The code that calls a macro, and the limits of the call.
 struct MacroCaller<'a> {
     name: &'a str,
-    /// Greatest number of runs.
+    /// Greatest number of runs that the call may command.
     max_runs: i64,
-    /// Whether codes that call by parameters are ordinary codes in the macro.
+    /// Whether codes that call by parameters are ordinary codes in the macro, which call no
+    /// program.
     codes_ordinary: bool,
 }
 
@@ -165,7 +168,7 @@ fn evaluate_macro_call(
     ))
 }
 
-/// Evaluates the call that a G or M code makes by a parameter.
+/// Evaluates the macro call that a G or M code makes by a parameter of macro B.
 ///
 /// # Errors
 /// As for [`evaluate_statement`].
@@ -201,7 +204,7 @@ fn evaluate_assignment(
     Ok(StatementEffect::Assign(variable, value))
 }
 
-/// The alarm of `#3000=n (text)`.
+/// The alarm 3000 + n that `#3000=n (text)` raises.
 fn program_alarm(value: Option<f64>, text: &str) -> Alarm {
     let value = formula::round_half_away(value.unwrap_or(0.0));
     if !(0.0..=MAX_ALARM_NUMBER).contains(&value) {
@@ -248,10 +251,10 @@ fn evaluate_runs(
     Err(Alarm::new(number::OUT_OF_RANGE).with_detail(detail).into())
 }
 
-/// The local variables that the arguments of a call set.
+/// Evaluates the arguments of a call to the local variables of the macro.
 ///
-/// I, J and K count in groups. One that does not follow the last of them in the alphabet
-/// begins the next group, so one rule reads both argument lists of the manual.
+/// I, J and K form groups. A letter that does not follow the previous one of them in the
+/// alphabet begins the next group, so one rule reads both argument lists of the manual.
 fn evaluate_arguments(
     call: &MacroCall,
     formula_context: FormulaContext<'_>,
@@ -263,10 +266,10 @@ fn evaluate_arguments(
     locals_from_arguments(arguments)
 }
 
-/// The local variables of arguments whose values are known.
+/// Converts arguments (letter and value) to the local variables of a macro.
 ///
 /// # Errors
-/// 129 for a letter that is no argument, or too many groups.
+/// 129 for a letter that is no argument, or for more than 10 groups of I, J and K.
 pub(crate) fn locals_from_arguments(
     arguments: impl Iterator<Item = Result<(u8, Option<f64>), ReadError>>,
 ) -> Result<LocalVariables, ReadError> {
@@ -332,8 +335,8 @@ impl StatementContext<'_> {
         })
     }
 
-    /// The loop that begins at this block, with the index of its END. Loops in between must
-    /// lie inside it as a whole.
+    /// Finds the END of the loop `number` that begins at this block. Loops in between must lie
+    /// inside this loop as a whole.
     fn find_loop(&self, number: u8) -> Result<RunningLoop, ReadError> {
         let first = self.position.block;
         let mut open = vec![number];

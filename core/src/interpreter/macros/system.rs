@@ -36,21 +36,22 @@ use crate::interpreter::macros::variable::{MacroVariable, ReadError};
 use crate::memory::{Counters, Registers, SwitchedOff, Variables};
 use crate::program::{FormulaCode, Program, ProgramBlock, Syntax};
 
-/// The sources of variables besides the host.
+/// Where the variables come from that the host does not store: local variables, modal state
+/// and program.
 pub(crate) struct VariableSources<'a> {
     pub(crate) levels: &'a Levels,
     /// The state after the previous block.
     pub(crate) state: State,
     pub(crate) source: SourcePosition,
-    /// Whether the variables are those of the Huaxing lathes, #1 to #99.
+    /// Whether only the variables #1 to #99 of the Huaxing lathes exist.
     pub(crate) has_huaxing_variables: bool,
 }
 
 impl VariableSources<'_> {
-    /// The value of a variable; `None` is null.
+    /// Reads the variable with the number `number`; `None` is null.
     ///
     /// # Errors
-    /// 115 for an unknown number, or a variable that cannot be read yet.
+    /// 115 for an unknown number, or a wait for a variable that cannot be read yet.
     pub(crate) fn read(&self, number: u32, host: &impl Host) -> Result<FormulaValue, ReadError> {
         if self.has_huaxing_variables {
             return match u16::try_from(number) {
@@ -77,7 +78,7 @@ impl VariableSources<'_> {
         }
     }
 
-    /// A copy of a block with values in place of its formulas.
+    /// Copies a block with values in place of its formulas.
     pub(crate) fn evaluate_words(
         &self,
         block: &ProgramBlock,
@@ -153,21 +154,21 @@ impl VariableSources<'_> {
     }
 }
 
-/// Checks that a number is a variable common to all programs.
+/// Checks that `number` is that of a variable common to all programs, and returns it.
 fn check_common(number: u32) -> Result<u16, ReadError> {
     let common = u16::try_from(number).ok();
     let common = common.filter(|it| Variables::has_real(*it));
     common.ok_or_else(|| unknown_variable_alarm(number))
 }
 
-/// The alarm for a number that the Huaxing lathes do not have.
+/// The alarm for a variable number that the Huaxing lathes do not have.
 pub(crate) fn unknown_huaxing_alarm(number: u32) -> ReadError {
     Alarm::new(number::BAD_VARIABLE)
         .with_detail(say::variable_of_huaxing_unknown(number))
         .into()
 }
 
-/// Sets a variable of the Huaxing lathes.
+/// Sets a variable of the Huaxing lathes; `None` makes it null.
 ///
 /// # Errors
 /// 115 for an unknown number, 116 for #0.
@@ -196,7 +197,7 @@ fn unknown_variable_alarm(number: u32) -> ReadError {
         .into()
 }
 
-/// Sets a variable; a null `value` clears it.
+/// Sets the variable with the number `number`; a `value` of `None` makes the variable null.
 ///
 /// # Errors
 /// 111 for a value that the variable cannot hold, 115 for an unknown number, 116 for one that
@@ -239,7 +240,7 @@ enum OffsetTableField {
     T,
 }
 
-/// Row and column of the offset table that a variable reads.
+/// Finds the row and the column of the offset table that a variable reads or writes.
 fn find_offset_field(number: u32, host: &impl Host) -> Result<(u8, OffsetTableField), ReadError> {
     let field = match (number / 100, number % 100) {
         (20, row @ 1..=32) => (row as u8, OffsetTableField::X),
@@ -253,7 +254,7 @@ fn find_offset_field(number: u32, host: &impl Host) -> Result<(u8, OffsetTableFi
     Ok(field)
 }
 
-/// The value as on the offset page, mm.
+/// Reads a value of the offset table as the offset page shows it: X, Z and R in mm, or T.
 fn read_offset(number: u32, host: &impl Host) -> Result<f64, ReadError> {
     let (row, value) = find_offset_field(number, host)?;
     let offset = host.offsets().get(row);
@@ -265,7 +266,8 @@ fn read_offset(number: u32, host: &impl Host) -> Result<f64, ReadError> {
     })
 }
 
-/// Sets a value of the offset table. It takes effect with the next T of its row.
+/// Sets a value of the offset table. The value takes effect with the next T word of this
+/// offset number.
 fn write_offset(number: u32, value: FormulaValue, host: &mut impl Host) -> Result<(), ReadError> {
     let (row, field) = find_offset_field(number, host)?;
     check_settled(host)?;
@@ -284,11 +286,12 @@ fn write_offset(number: u32, value: FormulaValue, host: &mut impl Host) -> Resul
     Ok(())
 }
 
-/// Variable of the rows of the setting page.
+/// Number of the variable whose bits are rows of the setting page.
 pub(crate) const SETTINGS_VARIABLE: u32 = 3005;
 /// Milliseconds in an hour.
 const HOUR_MS: f64 = 3.6e6;
-/// Rows of the setting page as bits of #3005.
+/// Bit of #3005 for the parity row of the setting page; the next constants are those of other
+/// rows.
 const PARITY_BIT: u8 = 2;
 const ISO_BIT: u8 = 3;
 const INCH_BIT: u8 = 4;
@@ -379,8 +382,8 @@ fn write_machine(number: u32, value: FormulaValue, host: &mut impl Host) -> Resu
     Ok(())
 }
 
-/// Waits until the machine is idle: a variable of the machine counts when its block runs, not
-/// when the reader reads it ahead.
+/// Returns a wait until every earlier command is finished: a block must read the variables of
+/// the machine when it runs, not when the reader reads it ahead.
 fn check_settled(host: &impl Host) -> Result<(), ReadError> {
     match host.is_settled() {
         true => Ok(()),
@@ -388,7 +391,7 @@ fn check_settled(host: &impl Host) -> Result<(), ReadError> {
     }
 }
 
-/// A whole number from 0 to `greatest`; alarm 111 outside.
+/// Rounds `value` to a whole number from 0 to `greatest`; alarm 111 outside.
 fn check_integer(number: u32, value: f64, greatest: i64) -> Result<i64, ReadError> {
     let whole = formula::round_half_away(value) as i64;
     if (0..=greatest).contains(&whole) {

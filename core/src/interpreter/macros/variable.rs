@@ -18,9 +18,9 @@ use crate::program::{BlockError, ProgramBlock, Syntax, VariableReference};
 /// Why a block cannot be read now.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum ReadError {
-    /// It must wait until every earlier command is finished.
+    /// The block must wait until every earlier command is finished.
     Wait,
-    /// It raises an alarm.
+    /// The block raises this alarm.
     Fault(Alarm),
 }
 
@@ -36,30 +36,31 @@ impl From<BlockError> for ReadError {
     }
 }
 
-/// An existing variable of G65.
+/// A variable that G65 can read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MacroVariable {
-    /// #200–#231, #500–#515.
+    /// A common variable by its number, #200–#231 or #500–#515.
     Common(u16),
-    /// #1000–#1015, by bit.
+    /// #1000–#1015: one input from the ladder, bit 0 to 15.
     Input(u8),
-    /// #1032, the sixteen inputs as one number.
+    /// #1032: the sixteen inputs from the ladder as one number.
     Inputs,
-    /// #1100–#1115, by bit.
+    /// #1100–#1115: one output to the ladder, bit 0 to 15.
     Output(u8),
-    /// #1132, the sixteen outputs as one number.
+    /// #1132: the sixteen outputs to the ladder as one number.
     Outputs,
-    /// #1133, the thirty-two outputs F56–F59.
+    /// #1133: the thirty-two outputs F56–F59 to the ladder as one number.
     MoreOutputs,
 }
 
-/// First bit of #1133 in the outputs.
+/// Position of the first bit of #1133 in the outputs of the host.
 const MORE_OUTPUTS_SHIFT: u32 = 16;
 const LOW_16: u64 = 0xFFFF;
 const LOW_32: u64 = 0xFFFF_FFFF;
 
 impl MacroVariable {
-    /// The variable of a number, also by indirection through #9nnn.
+    /// Finds the variable with the number `number`. #9nnn is the variable whose number is in
+    /// #nnn.
     ///
     /// # Errors
     /// 115 for an unknown number.
@@ -94,8 +95,8 @@ impl MacroVariable {
         }
     }
 
-    /// The value of the variable. Signals of the ladder wait until every earlier command is
-    /// finished.
+    /// Reads the variable; one without a value is 0. For signals of the ladder the caller must
+    /// wait until every earlier command is finished.
     pub(crate) fn read(self, host: &impl Host) -> Result<i64, ReadError> {
         if let Self::Common(number) = self {
             return Ok(host.variables().get(number).unwrap_or(0));
@@ -114,8 +115,8 @@ impl MacroVariable {
         Ok(word as i64)
     }
 
-    /// Checks that the variable can take a value now. Every value but zero switches an output
-    /// on.
+    /// Checks that the variable can be set to `value` now. Every value but zero switches a
+    /// single output on.
     ///
     /// # Errors
     /// 116 for inputs, 111 for a value that the variable cannot hold; or a wait for an earlier
@@ -145,7 +146,7 @@ impl MacroVariable {
         }
     }
 
-    /// Sets the variable to a checked value.
+    /// Sets the variable to a value that [`Self::check`] has accepted.
     pub(crate) fn write(self, value: i64, host: &mut impl Host) -> Result<(), Alarm> {
         let outputs = host.interface_outputs();
         let changed = match self {
@@ -164,12 +165,12 @@ fn illegal_variable_alarm(detail: Message) -> Alarm {
     Alarm::new(number::BAD_VARIABLE).with_detail(detail)
 }
 
-/// The value of the referenced variable, without the sign of the reference.
+/// Reads the referenced variable, without the sign of the reference.
 pub(crate) fn read_value(variable: VariableReference, host: &impl Host) -> Result<i64, ReadError> {
     MacroVariable::find(variable.number, host)?.read(host)
 }
 
-/// A copy of a block with numbers in place of its references to variables.
+/// Copies a block with numbers in place of its references to variables.
 pub(crate) fn resolve_variables(
     block: ProgramBlock,
     syntax: Syntax,

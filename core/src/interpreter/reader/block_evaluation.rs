@@ -22,14 +22,15 @@ use crate::program::ProgramBlock;
 
 use super::pending_block::PendingBlock;
 
-/// A block with numbers only, and what its evaluation reads.
+/// A block without variables and formulas, and the data that its evaluation reads.
 pub(super) struct BlockEvaluation<'a, H> {
     pub(super) pending: &'a PendingBlock<'a>,
     pub(super) block: &'a ProgramBlock,
     pub(super) words: &'a SortedWords,
-    /// The words of the next block, if the block needs them for its corner.
+    /// The words of the next block; `None` unless the block has a corner and a block follows
+    /// it.
     pub(super) next: Option<&'a SortedWords>,
-    /// Codes that call a program; `None` if they are ordinary in this block.
+    /// Codes that call a program; `None` if such codes are ordinary in this block.
     pub(super) code_calls: Option<&'a CodeCalls>,
     pub(super) compensation: CompensationMode,
     pub(super) machine_codes: MachineCodes,
@@ -38,7 +39,8 @@ pub(super) struct BlockEvaluation<'a, H> {
 }
 
 impl<H: Host> BlockEvaluation<'_, H> {
-    /// Evaluates the block into `plan` and audits it. `before` is a copy of `state`.
+    /// Evaluates the block: changes `state` and fills `plan`. `audit` then searches the block
+    /// for ignored words. `before` is a copy of `state` before the block.
     ///
     /// # Errors
     /// The alarm of a word. `state` and `plan` are then unusable.
@@ -91,7 +93,7 @@ impl<H: Host> BlockEvaluation<'_, H> {
     }
 }
 
-/// Plans the macro call that G66 makes after a move, outside the profile of a cycle.
+/// Plans the macro call that G66 makes after a block that moves, outside the profile of a G70.
 #[inline]
 fn plan_modal_call(
     run: &InterpreterRun,
@@ -111,7 +113,8 @@ fn plan_modal_call(
     }
 }
 
-/// The context of a block outside compensation, without calls by codes.
+/// Builds the context of a block for which nose radius compensation is off and no code calls a
+/// program. The caller changes these fields.
 pub(super) fn build_context<'a, H: Host>(
     host: &'a H,
     model: &'a ControlModel,
@@ -141,7 +144,7 @@ pub(super) fn build_context<'a, H: Host>(
     }
 }
 
-/// Diameters per programmed X: 2 under radius programming (001.2), else 1.
+/// Factor from a programmed X to a diameter: 2 under radius programming (001.2), else 1.
 pub(super) fn x_factor(parameters: &ControlParameters) -> i64 {
     match parameters.is_radius_programming() {
         true => 2,

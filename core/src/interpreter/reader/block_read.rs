@@ -7,21 +7,21 @@ use crate::command::{ControlCommand, ProgramId};
 
 /// The result of reading one block.
 pub(super) enum BlockRead {
-    /// Its plan is stored in the run.
+    /// The block is evaluated and its plan is stored in the run.
     Planned,
-    /// It only moves: this is its command.
+    /// The block only moves: this is its command.
     Moves(ControlCommand),
-    /// It must wait until every earlier command is finished.
+    /// The block must wait until every earlier command is finished.
     Wait,
-    /// It has not arrived through the serial line yet.
+    /// The block has not arrived through the serial line yet.
     Starved,
-    /// It is skipped or has no words.
+    /// The block is skipped or has no words.
     Skipped,
-    /// The text has ended.
+    /// The text of the program has ended.
     Ended,
 }
 
-/// Alarm 031 for a missing program.
+/// Alarm 031: the program `program` of the run is missing.
 pub(super) fn missing_program_alarm(program: ProgramId) -> Alarm {
     Alarm::new(number::PROGRAM_MISSING)
         .with_detail(say::program_not_there(format_args!("{program:?}")))

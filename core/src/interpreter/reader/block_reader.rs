@@ -25,14 +25,15 @@ use super::block_read::{BlockRead, missing_program_alarm};
 use super::pending_block::{PendingBlock, ReadObstacle, TextBoundary};
 use super::{AdvanceResult, Interpreter, MdiRun};
 
-/// Greatest number of blocks without a command in one call.
+/// Greatest number of blocks without a command that one call reads.
 const SILENT_BLOCKS: u32 = 16;
 
 impl Interpreter {
-    /// The next command as programmed, without the nose radius compensation.
+    /// Reads blocks up to the next command, as programmed, without the nose radius
+    /// compensation.
     ///
     /// # Errors
-    /// The alarm of the block. It has no effect then.
+    /// The alarm of the block. The block has no effect then.
     pub(in crate::interpreter) fn next_programmed<H: Host>(
         &mut self,
         host: &mut H,
@@ -64,7 +65,8 @@ impl Interpreter {
         self.yield_turn()
     }
 
-    /// A command without action after many silent blocks, which gives the control a turn.
+    /// Returns a command without action after many blocks without a command, so that one call
+    /// never takes long; a wait before the first block.
     fn yield_turn(&self) -> Result<AdvanceResult, Alarm> {
         let Some(source) = self.current_run().source else {
             return Ok(AdvanceResult::Wait);
@@ -93,7 +95,8 @@ impl Interpreter {
         }
     }
 
-    /// Adds the other foreign words of the block to the alarm of a foreign code.
+    /// Adds messages about the other foreign words of the block to the alarm of a code that
+    /// the model does not have.
     #[cold]
     fn with_foreign_words<H: Host>(&self, mut alarm: Alarm, host: &H) -> Alarm {
         let position = self.current_run().position;
@@ -110,7 +113,8 @@ impl Interpreter {
         alarm
     }
 
-    /// Messages about the foreign words of a block after the first one.
+    /// Messages about the words of a block, after the first such word, that the model does not
+    /// have.
     #[cold]
     fn find_further_foreign_words(&self, program: &Program, block: u32) -> Vec<Message> {
         let record = self.record();
@@ -218,7 +222,7 @@ impl Interpreter {
         Ok(self.store_plan(plan))
     }
 
-    /// Handles a position at which no block is read.
+    /// Handles the end of a text, of a profile or of the blocks that have arrived.
     fn pass_boundary<H: Host>(
         &mut self,
         boundary: TextBoundary,
@@ -239,10 +243,11 @@ impl Interpreter {
         }
     }
 
-    /// The source position of a block that cannot be parsed, if it is skipped.
+    /// Returns the source position of a block that cannot be parsed, if block skip skips the
+    /// block.
     ///
     /// # Errors
-    /// The alarm of the block, with its other foreign words.
+    /// The alarm of the block, with messages about its other foreign words.
     #[cold]
     fn skip_unparsed(
         &self,
@@ -260,8 +265,8 @@ impl Interpreter {
         Err(Alarm::from(error).with_source(pending.source))
     }
 
-    /// The move of a block that only moves; `None` for other blocks and where a plan is
-    /// needed.
+    /// Reads the move of a block that only moves; `None` for other blocks, and for a run in
+    /// which even such a block needs a plan.
     #[inline]
     fn find_plain_move(
         &self,
@@ -289,7 +294,7 @@ impl Interpreter {
         }
     }
 
-    /// The variables that formulas of the block read; `None` if it has no formulas.
+    /// The variables that formulas of the block read; `None` if the syntax has no formulas.
     #[inline]
     fn variable_sources<'a>(&self, pending: &PendingBlock<'a>) -> Option<VariableSources<'a>> {
         // The state is large: copy it only for formulas.
@@ -299,8 +304,8 @@ impl Interpreter {
         }
     }
 
-    /// Sorts the words of a block into empty ones. Returns the words of the next block, if the
-    /// block needs them for its corner.
+    /// Sorts the words of a block into the empty `words`. Returns the words of the next block
+    /// if this block has a corner, else `None`.
     #[inline]
     fn sort_words<H: Host>(
         &self,
@@ -318,7 +323,8 @@ impl Interpreter {
         pending.read_next_words(words, &self.state.modal, ahead)
     }
 
-    /// The command of a block that only moves, from machine position `from`, without a plan.
+    /// Makes the command of a block that only moves, without a plan, and goes to the next
+    /// block. `from` is the machine position before the move.
     #[inline]
     fn command_plain_move(
         &mut self,
@@ -343,7 +349,8 @@ impl Interpreter {
         })
     }
 
-    /// Handles the end of the text without M30 or M99.
+    /// Handles the end of a text without M30 or M99: returns from a call, or ends the run.
+    /// `last_line` is the line of the end, for messages.
     fn handle_end_of_text<H: Host>(
         &mut self,
         last_line: u32,
@@ -392,8 +399,8 @@ impl Interpreter {
         Ok(self.store_plan(plan))
     }
 
-    /// Stores a plan in the run. After M00, M30 and a G28 that seeks the reference point the
-    /// reader pauses until they are finished.
+    /// Stores the plan of a block in the run. After M00, M30 and a G28 that seeks the
+    /// reference point the reader waits until the machine has finished them.
     pub(super) fn store_plan(&mut self, mut plan: Plan) -> BlockRead {
         let run = self.current_run_mut();
         plan.holds_at_move_end |= run.finishing.is_some();
@@ -415,7 +422,8 @@ impl Interpreter {
     }
 }
 
-/// The message of a rule, with the other errors of its block.
+/// Appends the messages about other errors of the block, if any, to the message of the first
+/// one.
 fn append_further(rule: Message, further: Vec<Message>) -> Message {
     match further.is_empty() {
         true => rule,
@@ -423,7 +431,8 @@ fn append_further(rule: Message, further: Vec<Message>) -> Message {
     }
 }
 
-/// Whether a move has two words for the same thing.
+/// Whether a move has two words for the same value: X and U, Z and W, R and I or K, or two G
+/// codes.
 const fn has_competing_words(block: &ProgramBlock) -> bool {
     block.has(b'X') && block.has(b'U')
         || block.has(b'Z') && block.has(b'W')
@@ -431,7 +440,7 @@ const fn has_competing_words(block: &ProgramBlock) -> bool {
         || block.has_two_g_codes()
 }
 
-/// The text and the run that the next block belongs to.
+/// Finds the program and the run of the next block: those of the MDI block if there is one.
 ///
 /// # Errors
 /// 031 for a missing program.
@@ -451,7 +460,7 @@ fn find_text<'a, H: Host>(
     }
 }
 
-/// Checks that the model has G65.
+/// Checks that the model has G65; alarm 010 if not.
 fn check_macro_code(record: &ModelRecord) -> Result<(), Alarm> {
     match record.g_code(65) {
         Some(_) => Ok(()),
@@ -459,7 +468,7 @@ fn check_macro_code(record: &ModelRecord) -> Result<(), Alarm> {
     }
 }
 
-/// Stores the number of a T word that calls a program.
+/// Stores the number of a T word that calls a program into #149.
 #[inline]
 fn set_t_variable<H: Host>(call: Option<PlainCall>, host: &mut H) -> Result<(), Alarm> {
     match call {

@@ -23,26 +23,27 @@ use crate::program::{CodeCall, MacroStatement, Program, ProgramBlock, Syntax};
 use super::block_read::BlockRead;
 use super::statements::{huaxing_alarm, resolve_block};
 
-/// The block at the position of a run.
+/// The next block of a run, before it is parsed and evaluated.
 pub(super) struct PendingBlock<'a> {
     pub(super) program: &'a Program,
     pub(super) run: &'a InterpreterRun,
     pub(super) position: ProgramPosition,
     pub(super) syntax: Syntax,
-    /// The position for commands and alarms: line 0 and the last sequence number before the
-    /// block is located.
+    /// The source position for commands and alarms. Until [`Self::locate`] the line is 0 and
+    /// the sequence number that of earlier blocks.
     pub(super) source: SourcePosition,
     pub(super) is_mdi: bool,
-    /// Whether blocks marked `/` are skipped.
+    /// Whether block skip is on, so that blocks marked `/` are skipped.
     pub(super) is_skipping: bool,
 }
 
 /// A position at which a run reads no block.
 #[derive(Clone, Copy)]
 pub(super) enum TextBoundary {
-    /// The end of the profile that G70 runs.
+    /// The end of the profile that this G70 runs.
     ProfileEnd(Finishing),
-    /// The end of the text or of the blocks of a call, after this line.
+    /// The end of the text or of the blocks of a call. The payload is the last line, for
+    /// messages.
     TextEnd(u32),
     /// The end of the blocks that have arrived through the serial line.
     Starved,
@@ -50,11 +51,12 @@ pub(super) enum TextBoundary {
 
 /// Why a block cannot be evaluated now.
 pub(super) enum ReadObstacle {
-    /// It must wait until every earlier command is finished.
+    /// The block must wait until every earlier command is finished.
     Wait,
-    /// The block that it depends on has not arrived through the serial line yet.
+    /// The next block, which decides the end of this one, has not arrived through the serial
+    /// line yet.
     Starved,
-    /// It raises an alarm.
+    /// The block raises this alarm.
     Fault(Alarm),
 }
 
@@ -68,7 +70,7 @@ impl From<ReadError> for ReadObstacle {
 }
 
 impl ReadObstacle {
-    /// The result of reading the block at this source position.
+    /// Converts to the result of reading a block. An alarm gets the position `source`.
     pub(super) fn into_read(self, source: SourcePosition) -> Result<BlockRead, Alarm> {
         match self {
             Self::Wait => Ok(BlockRead::Wait),
@@ -79,7 +81,7 @@ impl ReadObstacle {
 }
 
 impl TextBoundary {
-    /// The boundary at the position of a run; `None` if a block is to be read there.
+    /// Finds the boundary at the position of a run; `None` if a block follows there.
     #[inline]
     pub(super) fn find<H: Host>(
         program: &Program,
@@ -115,7 +117,8 @@ impl TextBoundary {
 }
 
 impl<'a> PendingBlock<'a> {
-    /// The block at the position of a run over a text, not located yet.
+    /// The block at the position of a run, whose line and sequence number [`Self::locate`]
+    /// sets later.
     #[inline]
     pub(super) fn new(
         (program, run): (&'a Program, &'a InterpreterRun),
@@ -138,21 +141,22 @@ impl<'a> PendingBlock<'a> {
         }
     }
 
-    /// Sets line and sequence number of the block.
+    /// Sets the line and the sequence number of the block. `None` for `n` keeps the last
+    /// sequence number.
     #[inline]
     pub(super) fn locate(&mut self, line: u32, n: Option<u32>) {
         self.source.line = line;
         self.source.sequence = n.map(SequenceNumber::from).or(self.source.sequence);
     }
 
-    /// Sets line and sequence number of a block that cannot be parsed.
+    /// Sets the line and the sequence number of a block that cannot be parsed, from its text.
     #[cold]
     pub(super) fn locate_unparsed(&mut self) {
         let n = self.program.sequence(self.position.block);
         self.locate(self.program.block_line(self.position.block), n);
     }
 
-    /// Whether a block that cannot be parsed is skipped.
+    /// Whether block skip skips the block. For a block that cannot be parsed.
     pub(super) fn is_unparsed_skipped(&self) -> bool {
         self.is_skipping && self.program.has_skip_mark(self.position.block)
     }
@@ -171,7 +175,8 @@ impl<'a> PendingBlock<'a> {
         }
     }
 
-    /// The codes that call a program in this block; `None` if they are ordinary.
+    /// The codes that call a program in this block; `None` if such codes are ordinary here: in
+    /// MDI, through the serial line and in some calls.
     #[inline]
     pub(super) fn active_code_calls<'c>(
         &self,
@@ -181,8 +186,8 @@ impl<'a> PendingBlock<'a> {
         calls.filter(|_| stored && !code_calls::are_ordinary(&self.run.calls))
     }
 
-    /// The macro call by the first code of the block; `None` if the block is ordinary or
-    /// skipped. Locates the block that calls.
+    /// Finds the macro call that the first code of the block makes, and locates the block.
+    /// `None` if the code calls nothing or the block is skipped.
     ///
     /// # Errors
     /// The alarm of an argument.
@@ -205,7 +210,7 @@ impl<'a> PendingBlock<'a> {
         Ok(call)
     }
 
-    /// The effect of a macro call by the first code of the block.
+    /// Evaluates the macro call that the first code of the block makes.
     ///
     /// # Errors
     /// The alarm of an argument, or a variable that cannot be read yet.
@@ -224,7 +229,7 @@ impl<'a> PendingBlock<'a> {
         statement::evaluate_code_call(call, &context, FormulaContext::new(&read_variable))
     }
 
-    /// The effect of a statement of macro B.
+    /// Evaluates a statement of macro B without changing anything.
     ///
     /// # Errors
     /// The alarm of the statement, or a variable that cannot be read yet.
@@ -255,8 +260,8 @@ impl<'a> PendingBlock<'a> {
         }
     }
 
-    /// The variables that formulas of the block read. `state` is that after the previous
-    /// block.
+    /// The sources of the variables that formulas of the block read. `state` is the state
+    /// after the previous block.
     #[inline]
     pub(super) fn variable_sources(
         &self,
@@ -271,7 +276,7 @@ impl<'a> PendingBlock<'a> {
         }
     }
 
-    /// Reads the blocks after this one.
+    /// A reader for the blocks after this one.
     #[inline]
     pub(super) fn lookahead_reader<'s, H>(
         &self,
@@ -290,8 +295,8 @@ impl<'a> PendingBlock<'a> {
         }
     }
 
-    /// A copy of the block with numbers in place of its variables and formulas, in mm; `None`
-    /// if it has such numbers only.
+    /// Copies the block with numbers in place of its variables and formulas, in mm. `None` if
+    /// the block has only numbers in mm already.
     ///
     /// # Errors
     /// The alarm of a formula, or a variable that cannot be read yet.
@@ -312,10 +317,10 @@ impl<'a> PendingBlock<'a> {
         Ok(Some(metric))
     }
 
-    /// The words of the next block, if the block needs them for its corner.
+    /// Reads the words of the next block if this block has a corner; `None` for other blocks.
     ///
     /// # Errors
-    /// A next block that has not arrived, cannot be read yet or has an alarm.
+    /// The next block has not arrived or cannot be read yet.
     #[inline]
     pub(super) fn read_next_words<H: Host>(
         &self,

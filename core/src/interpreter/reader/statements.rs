@@ -22,7 +22,8 @@ use super::Interpreter;
 use super::block_read::{BlockRead, missing_program_alarm};
 
 impl Interpreter {
-    /// Carries out a statement of macro B while the reader reads it.
+    /// Carries out a statement of macro B at once, while the reader reads the block, and plans
+    /// the flow after it.
     pub(super) fn execute_statement<H: Host>(
         &mut self,
         effect: Result<StatementEffect, ReadError>,
@@ -44,7 +45,8 @@ impl Interpreter {
         Ok(self.store_plan(plan))
     }
 
-    /// Applies the effect of a statement and returns the flow after it.
+    /// Carries out the effect of a statement: assigns, or changes loops and modal calls.
+    /// Returns the flow after the statement.
     fn apply_effect<H: Host>(
         &mut self,
         effect: StatementEffect,
@@ -86,7 +88,7 @@ impl Interpreter {
         Ok(Flow::Next)
     }
 
-    /// Checks that no macro is called under nose radius compensation.
+    /// Checks that nose radius compensation is off for a macro call; alarm 036 if not.
     fn check_macro_call(&self) -> Result<(), Alarm> {
         match self.compensation_mode() {
             CompensationMode::On => Err(nose_radius::call_alarm()),
@@ -94,7 +96,7 @@ impl Interpreter {
         }
     }
 
-    /// The block that a jump to a sequence number leads to.
+    /// Finds the index of the block that a jump to the sequence number `p` leads to.
     fn find_jump_target<H: Host>(
         &mut self,
         position: ProgramPosition,
@@ -114,8 +116,8 @@ impl Interpreter {
         }
     }
 
-    /// Carries out a G65 H block while the reader reads it. As a code of group 00 it clears
-    /// the stored words of G90, G92 and G94 (manual I-3.2.5.3).
+    /// Carries out a G65 H block at once, while the reader reads it. G65, a code of group 00,
+    /// clears the stored words of G90, G92 and G94 (manual I-3.2.5.3).
     pub(super) fn execute_macro_block<H: Host>(
         &mut self,
         block: &ProgramBlock,
@@ -149,7 +151,7 @@ impl Interpreter {
     }
 }
 
-/// The alarm of the Huaxing lathes for a statement other than an assignment.
+/// The alarm of the Huaxing lathes for a statement; `None` for an assignment, which they have.
 #[cold]
 pub(super) fn huaxing_alarm(statement: &MacroStatement) -> Option<Alarm> {
     let code = match statement {
@@ -165,8 +167,8 @@ pub(super) fn huaxing_alarm(statement: &MacroStatement) -> Option<Alarm> {
     Some(Alarm::new(number::BAD_G).with_detail(say::g_unknown(code)))
 }
 
-/// A copy of a block with numbers in place of its variables and formulas; `None` if it has
-/// numbers only.
+/// Copies a block with numbers in place of its variables and formulas; `None` if the block has
+/// only numbers.
 pub(super) fn resolve_block<H: Host>(
     block: &ProgramBlock,
     sources: Option<&VariableSources<'_>>,

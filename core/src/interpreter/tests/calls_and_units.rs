@@ -3,7 +3,8 @@
 use super::InterpreterBench;
 use crate::program::MdiBlock;
 
-/// The commands of a text, without its end.
+/// Runs a program and returns its commands as short texts, without the one at the end of the
+/// program.
 fn trace(bench: &mut InterpreterBench, text: &str) -> Vec<String> {
     let mut lines = bench.trace(text);
     lines.retain(|line| !line.ends_with("end counts false m30 false"));

@@ -2,7 +2,8 @@
 
 use super::InterpreterBench;
 
-/// The example of the manual: M68×6, k 3.68, d 0.2, Δd 1.8, Δdmin 0.1, a 60, r 1.0.
+/// The G76 example of the manual: M68×6, height k 3.68, allowance d 0.2, first depth Δd 1.8,
+/// least infeed Δdmin 0.1, thread angle 60°, run-out of one lead.
 const EXAMPLE: &str = "G76 P011060 Q100 R200;\nG76 X60.64 Z25 P3680 Q1800 F6;\n";
 
 fn stored_data(bench: &InterpreterBench) -> [i32; 5] {
@@ -101,7 +102,8 @@ fn depths_have_explanations() {
     assert_eq!(passes[4].2, "k = 3.680, cutting 0.200");
 }
 
-/// Depths of the passes of a straight outer thread from X50, computed from X of its cuts.
+/// Runs a G76 with two blocks for a straight outer thread from X50, and returns the depth of
+/// each pass, mm (a radius), computed from X of the cuts.
 fn depths(first: &str, second: &str) -> Vec<f64> {
     let mut bench = InterpreterBench::at(50.0, 10.0);
     bench.parameters.set(19, 0).unwrap();

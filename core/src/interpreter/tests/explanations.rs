@@ -4,7 +4,7 @@ use super::InterpreterBench;
 use crate::interpreter::Explanation;
 use crate::interpreter::InterpreterStep;
 
-/// The explanations of a text, one per pass of each block.
+/// Runs a program and returns the explanations of its cycles, one per pass of each block.
 fn collect_explanations(mut bench: InterpreterBench, text: &str) -> Vec<Explanation> {
     let mut all: Vec<(u32, Explanation)> = Vec::new();
     bench.open(text);

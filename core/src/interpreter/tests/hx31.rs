@@ -8,7 +8,8 @@ fn bench() -> InterpreterBench {
     InterpreterBench::at(100.0, 50.0).of_model(ModelId::Hx31)
 }
 
-/// Line of each move and its end, X as a diameter, machine coordinates.
+/// Runs a program and returns for each move its line and the X (diameter) and Z of its end,
+/// machine coordinates in mm.
 fn trace_moves(text: &str) -> Vec<(u32, f64, f64)> {
     let mut bench = bench();
     bench.open(text);
@@ -34,7 +35,7 @@ fn trace_lines(text: &str) -> Vec<u32> {
         .collect()
 }
 
-/// The block after a corner is read under G91, too.
+/// A corner also reads the block after it when G91 (increments) is in force.
 #[test]
 fn corners_under_increments() {
     let absolute = trace_moves("G01 Z40 R2 F100\nX120\nM02\n");
@@ -46,7 +47,7 @@ fn corners_under_increments() {
     assert_eq!(increments, absolute);
 }
 
-/// C54.
+/// C54: G92 and G54 to G57 shift the displayed coordinates.
 #[test]
 fn zero_offsets() {
     let mut bench = bench();
@@ -84,7 +85,7 @@ fn increments_are_modal() {
     );
 }
 
-/// C43: I is a difference of diameters, K is not.
+/// C43: I of an arc is a difference of diameters, K a distance along Z.
 #[test]
 fn an_arc_has_i_as_a_diameter() {
     let mut bench = bench();
@@ -147,7 +148,8 @@ fn an_endless_loop_counts_a_part() {
     assert!(parts.count() > 1000);
 }
 
-/// C44: ten passes, nine of 2 and one of 1.8; then the blocks run as ordinary ones.
+/// C44: G72 over the next blocks makes ten passes, nine of 2 mm and one of 1.8 mm; then the
+/// blocks run as ordinary ones.
 #[test]
 fn facing_by_the_next_blocks() {
     let text = "G00 X104 Z2\nG72 I2 K1 N3 X0.4 Z0.2 F100\nN30 G00 Z-18\nN40 G01 X60 F80\nN50 G01 X40 Z2\nM02\n";
@@ -195,7 +197,7 @@ fn turning_by_the_next_blocks() {
     }
 }
 
-/// C45: cut p of 3 is shifted by I(1 - p/3) + X.
+/// C45: pass p of 3 of a G73 is shifted by I(1 - p/3) plus the allowance X.
 #[test]
 fn a_closed_contour_by_the_next_blocks() {
     let text = "G00 X60 Z2\nG73 I12 K6 N2 L3 X0.4 Z0.2 F100\nG00 X30\nG01 Z-20\nM02\n";
@@ -249,7 +251,7 @@ fn dwells_relays_and_tools() {
     }
 }
 
-/// Block numbers have up to five digits, at the begin of a block and after a code.
+/// Sequence numbers have up to five digits, at the begin of a block and as a word of a code.
 #[test]
 fn block_numbers_have_five_digits() {
     let text = "N10010 G26 N70000.99999.2\nN10020 G27 N99998\nN70000 G91 G00 X1\n\

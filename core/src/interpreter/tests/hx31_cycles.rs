@@ -4,7 +4,8 @@
 use super::InterpreterBench;
 use crate::model::ModelId;
 
-/// What a text does from X`x` Z2 on, without the command of its end.
+/// Runs a program from X`x` Z2 on and returns its commands as short texts, without the one at
+/// the end of the program.
 fn trace_from(x: f64, text: &str) -> Vec<String> {
     trace(InterpreterBench::at(x, 2.0), text)
 }
@@ -29,7 +30,7 @@ fn fault(text: &str) -> (u16, u32) {
         .run_to_alarm(text)
 }
 
-/// C55: R·√(p/L) = 2.6·√(1/4), √(2/4), √(3/4), √(4/4).
+/// C55: the depths R·√(p/L) of G86 are 2.6·√(1/4), 2.6·√(2/4), 2.6·√(3/4) and 2.6·√(4/4).
 #[test]
 fn the_depth_of_a_thread_follows_square_roots() {
     let lines = trace_from(30.0, "G86 Z-30 K2 R2.6 L4\n");
@@ -48,7 +49,8 @@ fn the_depth_of_a_thread_follows_square_roots() {
     assert_eq!(lines, expected);
 }
 
-/// The run-out is over J by I. Each depth has all starts. 8 threads per inch are 3.175 mm.
+/// The run-out is J long and I high. G87 cuts all starts at each depth. 8 threads per inch are
+/// a lead of 3.175 mm.
 #[test]
 fn a_thread_has_a_run_out_and_starts() {
     assert_eq!(
@@ -123,7 +125,8 @@ fn taps_have_their_lead_in_k_or_i() {
     );
 }
 
-/// From Z2: pecks to -6, -14 and -20, a retract of 2 after each, then out of the hole.
+/// G83 from Z2 pecks to Z-6, Z-14 and Z-20, retracts by 2 after each peck, and leaves the
+/// hole.
 #[test]
 fn a_deep_hole_is_pecked() {
     assert_eq!(
@@ -144,7 +147,7 @@ fn a_deep_hole_is_pecked() {
     );
 }
 
-/// 10 mm of diameter with a finishing cut of 1: 4, 8, 9, 10.
+/// G81 cuts 10 mm of diameter, with a finishing cut of 1 mm, at the depths 4, 8, 9 and 10.
 #[test]
 fn turning_in_steps() {
     let round = |x: &str| {
@@ -172,8 +175,8 @@ fn turning_in_steps() {
     );
 }
 
-/// A cone from X40 to X50 in two passes of 5. The first one, from X45 to X55, reaches X50 of
-/// the start half way, at Z-9.
+/// G81 cuts a cone from X40 to X50 in two passes of 5 mm. The first pass, from X45 to X55,
+/// reaches X50, the X of the start, half way at Z-9.
 #[test]
 fn a_cone_in_steps_is_not_cut_beyond_the_start() {
     assert_eq!(
@@ -198,7 +201,8 @@ fn a_cone_in_steps_is_not_cut_beyond_the_start() {
     );
 }
 
-/// From Z2 to Z-2 by 1.5 per step with a finishing cut of 0.5: 1.5, 3, 3.5, 4.
+/// G82 faces from Z2 to Z-2 in steps of 1.5 mm with a finishing cut of 0.5 mm: the depths are
+/// 1.5, 3, 3.5 and 4.
 #[test]
 fn facing_in_steps() {
     let round = |z: &str| {
@@ -216,7 +220,7 @@ fn facing_in_steps() {
     assert_eq!(trace_from(60.0, "G82 X20 Z-2 I-1.5 K-0.5 F100\n"), expected);
 }
 
-/// K of M20 is a relay number: no centre under G03, no chamfer under G01.
+/// K of M20 is a relay number, which gives no centre under G03 and no chamfer under G01.
 #[test]
 fn a_relay_number_is_not_a_length() {
     assert_eq!(
@@ -265,7 +269,7 @@ fn all_lengths_are_scaled_and_nothing_else() {
     );
 }
 
-/// The factor scales the blocks of a contour, and the block that a corner reads ahead.
+/// The factor of G31 scales the blocks of a contour, and the block that a corner reads ahead.
 #[test]
 fn corners_and_contours_are_scaled() {
     let bare = trace_from(50.0, "G01 Z-40 R2 F100\nX100\n");
@@ -330,7 +334,7 @@ fn returns_lead_to_machine_zero_and_to_the_start() {
     );
 }
 
-/// Also under G91, G92 sets coordinates of the current point.
+/// G92 sets the coordinates of the current point to X and Z also under G91.
 #[test]
 fn coordinates_are_set_under_increments() {
     let mut bench = InterpreterBench::at(100.0, 50.0).of_model(ModelId::Hx31);

@@ -10,7 +10,8 @@ fn bench() -> InterpreterBench {
     bench
 }
 
-/// Runs a text that must end without an alarm, and returns #100.
+/// Runs a program that must end without an alarm, and returns the value of #100; `None` for
+/// null.
 fn run_result(text: &str) -> Option<f64> {
     let mut bench = bench();
     bench.open(text);
@@ -85,7 +86,7 @@ fn formulas() {
     }
 }
 
-/// Manual of macro B, precision: eight significant digits.
+/// Variables store eight significant digits (manual of macro B, precision).
 #[test]
 fn variables_keep_eight_digits() {
     let text = "#1=9876543210123.456;\n#2=9876543277777.777;\n#100=#2-#1;";
@@ -140,7 +141,7 @@ fn words_take_formulas() {
     );
 }
 
-/// ROUND in a word rounds to the increment: two rounded moves lead back.
+/// ROUND in a word rounds to 0.001 mm, so the two rounded moves lead back to the start.
 #[test]
 fn round_in_a_word_rounds_to_the_increment() {
     let mut bench = bench();
@@ -151,7 +152,7 @@ fn round_in_a_word_rounds_to_the_increment() {
     assert_eq!(bench.displayed_position().1, 0.0);
 }
 
-/// The example of the manual of macro B: the sum of 1 to 10, by GOTO and by WHILE.
+/// The example of the manual of macro B computes the sum of 1 to 10, by GOTO and by WHILE.
 #[test]
 fn sums_of_the_manual() {
     let jumps =
@@ -248,7 +249,7 @@ fn bench_with_programs(programs: &[&str]) -> InterpreterBench {
     bench
 }
 
-/// Manual of macro B, 2.8: each run of the macro starts with its arguments.
+/// Each run of a macro starts with the arguments of its call (manual of macro B, 2.8).
 #[test]
 fn a_call_has_separate_variables() {
     let called = "O9010;\n#3=#1+#2;\nIF[#3GT360]GOTO9;\nG00 W#3;\nN9 M99;\n";
@@ -388,7 +389,8 @@ fn signals_of_the_ladder() {
     assert_eq!(fault("#1000=1;"), (116, 1));
 }
 
-/// A program with G65 H only is read as without the option.
+/// A program that uses macro B only for G65 H does the same with and without the option of
+/// macro B.
 #[test]
 fn both_macro_languages_share_variables() {
     for with_option in [false, true] {

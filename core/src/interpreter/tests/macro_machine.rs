@@ -11,7 +11,7 @@ fn bench() -> InterpreterBench {
     bench
 }
 
-/// Runs a text that must end without an alarm.
+/// Runs a program that must end without an alarm.
 fn run(bench: &mut InterpreterBench, text: &str) {
     bench.open(text);
     let (_, alarm) = bench.run_to_end();
@@ -46,7 +46,7 @@ fn offsets_are_read_and_written() {
     assert_eq!(bench.offsets.get(1), written);
 }
 
-/// A written offset takes effect with the next T.
+/// An offset that a macro writes takes effect with the next T word.
 #[test]
 fn a_written_offset_takes_effect_with_the_next_t() {
     let trace = bench().trace("T0101;\nG00 X100 Z50;\n#2001=2;\nX100;\nT0101;\nX100;\n");
@@ -78,7 +78,7 @@ fn invalid_offsets_and_values_raise_alarms() {
     );
 }
 
-/// C29, C52.
+/// C29, C52: #3011 and #3012 read date and time, #3001 and #3002 the timers.
 #[test]
 fn programs_read_clock_and_timers() {
     let mut bench = bench();
@@ -104,7 +104,8 @@ fn programs_read_clock_and_timers() {
     assert_eq!(fault("#3002=-1;"), (111, 1));
 }
 
-/// Values that the machine changes are not read ahead.
+/// A block with a value that the machine changes waits until every earlier command is
+/// finished.
 #[test]
 fn values_of_the_machine_wait_until_it_is_idle() {
     for text in ["#100=#3001;", "#100=#3901;", "#3003=1;", "#2001=1;"] {
@@ -142,7 +143,7 @@ fn counters_and_switches() {
     assert_eq!(fault("#3006=1;"), (115, 1));
 }
 
-/// #3005: bit 4 is inch input, from the next block on.
+/// Bit 4 of #3005 switches inch input on, from the next block on.
 #[test]
 fn settings_are_bits() {
     let mut bench = bench();
@@ -178,7 +179,7 @@ fn a_g_code_calls_with_arguments() {
     assert_eq!(bench.variables.real_value(101), Some(20.0));
 }
 
-/// In a macro that a G code calls, codes are ordinary ones: G01 cuts.
+/// In a macro that a G code calls, no code calls a program: G01 cuts.
 #[test]
 fn a_g_code_redefines_one_of_the_control() {
     let mut bench = bench_with_calls(&[(220, 1)], &["O9010;\nG01 Z-#26 F100;\nM99;"]);
@@ -239,7 +240,7 @@ fn wrong_calls_raise_alarms() {
     assert_eq!(nested.0, 77);
 }
 
-/// Statements and formulas on the MDI page.
+/// Blocks with statements and formulas run from the MDI page.
 #[test]
 fn statements_run_from_the_mdi_page() {
     let mut bench = bench();

@@ -5,7 +5,7 @@ use crate::interpreter::InterpreterStep;
 use crate::interpreter::macros::arithmetic::{Operands, Operation, compute};
 use crate::memory::{ToolOffset, Variables};
 
-/// Runs a text that must end without an alarm, and returns #200.
+/// Runs a program that must end without an alarm, and returns the value of #200.
 fn run_result(text: &str) -> i64 {
     let mut bench = InterpreterBench::new();
     bench.open(text);

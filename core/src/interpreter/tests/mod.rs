@@ -37,7 +37,7 @@ use crate::model::{ControlModel, ModelId};
 use crate::program::{Program, ProgramMemory};
 use crate::units::{Feed, PerAxis, Point};
 
-/// A control that carries out everything at once.
+/// An interpreter with the data of a control that carries out each command at once.
 pub(super) struct InterpreterBench {
     pub(super) parameters: ControlParameters,
     pub(super) offsets: Offsets,
@@ -185,7 +185,7 @@ impl InterpreterBench {
         }
     }
 
-    /// A bench at a point given as diameter and Z.
+    /// A bench with the tool at X `x` (diameter) and Z `z`, mm.
     pub(super) fn at(x: f64, z: f64) -> Self {
         Self {
             machine: Point::new(x / 2.0, z),
@@ -250,7 +250,8 @@ impl InterpreterBench {
         interpreter.reset(&world);
     }
 
-    /// All remaining commands of the current run, at most 10 000, and its alarm.
+    /// Returns the remaining commands of the current run, at most 10 000, and the alarm that
+    /// ends the run, if any.
     pub(super) fn run_to_end(&mut self) -> (Vec<ControlCommand>, Option<Alarm>) {
         let mut commands = Vec::new();
         while commands.len() < 10_000 {
@@ -263,8 +264,8 @@ impl InterpreterBench {
         (commands, None)
     }
 
-    /// Runs a text to its end and returns its commands in short, without the checks before
-    /// cycles of threads.
+    /// Runs a program to its end and returns its commands as short texts, without the action
+    /// that precedes thread cycles.
     pub(super) fn trace(&mut self, text: &str) -> Vec<String> {
         self.open(text);
         let (commands, alarm) = self.run_to_end();
@@ -280,7 +281,8 @@ impl InterpreterBench {
         lines
     }
 
-    /// The number and the line of the alarm that ends a text.
+    /// Runs a program that must end with an alarm; returns the number and the line of that
+    /// alarm.
     pub(super) fn run_to_alarm(&mut self, text: &str) -> (u16, u32) {
         self.open(text);
         let (_, alarm) = self.run_to_end();
@@ -293,14 +295,14 @@ impl InterpreterBench {
         (alarm.number, alarm.source.map_or(0, |source| source.line))
     }
 
-    /// Absolute position as diameter and Z, mm.
+    /// The absolute position that the control shows: X (diameter) and Z, mm.
     pub(super) fn displayed_position(&self) -> (f64, f64) {
         let point = self.interpreter.position();
         (point.diameter().0, point.z)
     }
 
-    /// A command in short: machine positions with X as a diameter; `|` is a stop of single
-    /// block.
+    /// Formats a command as a short text. Positions are machine coordinates with X as a
+    /// diameter; `|` marks a stop of single block.
     fn describe(&self, command: &ControlCommand) -> String {
         let format_point = |point: Point| {
             format!(
@@ -415,7 +417,7 @@ fn target(action: &Action) -> Option<Point> {
     }
 }
 
-/// A number with at most six decimals, without zeros at the end.
+/// Formats a number with at most six decimals, without zeros at the end.
 fn format_short(value: f64) -> String {
     let text = format!("{value:.6}");
     let text = text.trim_end_matches('0').trim_end_matches('.');

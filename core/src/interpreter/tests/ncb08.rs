@@ -12,7 +12,8 @@ fn trace(text: &str) -> Vec<String> {
     trace_bench(bench(), text)
 }
 
-/// The trace without line numbers and stops of single block.
+/// Runs a program and returns its commands as short texts, without line numbers and stops of
+/// single block.
 fn trace_bench(mut bench: InterpreterBench, text: &str) -> Vec<String> {
     let lines = bench.trace(text);
     let strip_line_number = |line: &String| {
@@ -22,7 +23,8 @@ fn trace_bench(mut bench: InterpreterBench, text: &str) -> Vec<String> {
     lines.iter().map(strip_line_number).collect()
 }
 
-/// C46: I and K are radius values from the start to the centre: R = 8.000.
+/// C46: I and K lead from the start to the centre, I as a radius, and give a full circle of
+/// radius 8.
 #[test]
 fn a_full_circle_has_its_centre_by_i_and_k() {
     assert_eq!(
@@ -34,7 +36,7 @@ fn a_full_circle_has_its_centre_by_i_and_k() {
     );
 }
 
-/// C47: R does not define the centre of a full circle.
+/// C47: a full circle by R raises E433, because R does not define its centre.
 #[test]
 fn a_full_circle_by_r_is_e433() {
     assert_eq!(bench().run_to_alarm("G02 X10 Z20 R8 F100;"), (433, 1));
@@ -51,7 +53,7 @@ fn a_negative_radius_is_the_longer_arc() {
     assert_eq!(other[0], "ccw X10 Z14 about X18 Z17 F100");
 }
 
-/// C48: X in seconds comes before P in milliseconds.
+/// C48: in G04 the control reads X (seconds) before P (milliseconds).
 #[test]
 fn a_dwell_in_seconds_comes_first() {
     let lines = trace("G04 X2;\nG04 P1000;\nG04 X1 P5000;\nM2;");
@@ -66,7 +68,7 @@ fn a_dwell_in_seconds_comes_first() {
     );
 }
 
-/// C49, and outputs by their codes.
+/// C49: M10, M11 and other M codes switch outputs without the PLC.
 #[test]
 fn outputs_are_switched_by_the_program() {
     for (block, expected) in [

@@ -7,7 +7,8 @@ use crate::memory::ToolOffset;
 use crate::program::Program;
 use crate::units::{Feed, Point};
 
-/// Offset rows without X and Z: 01 is R1 T3, 02 is R2 T3.
+/// A bench with nose radius compensation and two offsets without X and Z: 01 is R1 T3, 02 is
+/// R2 T3.
 fn bench(x: f64, z: f64) -> InterpreterBench {
     let mut bench = InterpreterBench::at(x, z).with_bit(2, 1, true);
     for number in [1, 2] {
@@ -21,7 +22,8 @@ fn bench(x: f64, z: f64) -> InterpreterBench {
     bench
 }
 
-/// What a program does after `T0101 F100` in line 1, without that line.
+/// Runs `blocks` after a line `T0101 F100` and returns their commands as short texts, without
+/// those of that line and of the end.
 fn trace(bench: &mut InterpreterBench, blocks: &str) -> Vec<String> {
     let lines = bench.trace(&format!("T0101 F100\n{blocks}"));
     lines
@@ -411,7 +413,7 @@ fn a_saved_interpreter_continues_the_compensation() {
     }
 }
 
-/// What a program does, without line numbers.
+/// Runs `blocks` from X40 Z10 and returns their commands as short texts, without line numbers.
 fn trace_path(blocks: &str) -> Vec<String> {
     trace(&mut bench(40.0, 10.0), blocks)
         .iter()

@@ -2,7 +2,8 @@
 
 use super::InterpreterBench;
 
-/// The alarm of a profile between N1 and N9 under a cycle, at X50 Z2.
+/// Runs the block `cycle` over the profile `blocks` (N1 to N9) from X50 Z2 and returns the
+/// number of the alarm that the cycle raises.
 fn fault(cycle: &str, blocks: &str) -> u16 {
     let data = "G71 U2 R1;\nG73 U1 W1 R2;\nG01 F100;\n";
     let text = format!("{data}{cycle} P1 Q9;\n{blocks}\nM30;\nN20 G01 X1;\n");

@@ -8,7 +8,7 @@ use super::{InterpreterBench, target};
 use crate::command::Action;
 use crate::memory::ToolOffset;
 
-/// Thousandths of a millimetre as a program contains them.
+/// Formats thousandths of a millimetre as millimetres with three decimals.
 fn mm(thousandths: i64) -> String {
     let sign = if thousandths < 0 { "-" } else { "" };
     let size = thousandths.abs();
@@ -19,8 +19,8 @@ fn steps() -> impl Strategy<Value = Vec<(i64, i64, u8)>> {
     prop::collection::vec((-90_000_i64..90_000, -90_000_i64..90_000, 0_u8..4), 1..60)
 }
 
-/// A block of a turning program: usually a straight move, sometimes a block that affects the
-/// following moves.
+/// Generates a block of a turning program: usually a straight move, sometimes a block that
+/// affects the following moves.
 fn any_block() -> impl Strategy<Value = String> {
     let number = || (-40_000_i64..40_000).prop_map(mm);
     let axis = move |absolute: char, increment: char| {
@@ -67,7 +67,8 @@ fn any_block() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    /// A word that changes nothing keeps the reader from taking a block as a plain move.
+    /// A plain move does what the full evaluation of its block does. A word without effect
+    /// forces the full evaluation.
     #[test]
     fn a_plain_move_is_what_its_block_is(
         blocks in prop::collection::vec(any_block(), 1..40),

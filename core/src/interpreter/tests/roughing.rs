@@ -2,7 +2,7 @@
 
 use super::InterpreterBench;
 
-/// Figure 3-38 of the manual.
+/// The G71 program of figure 3-38 of the manual: a shaft.
 const SHAFT: &str = "G71 U4.0 R1.0;
 G71 P080 Q120 U1 W2.0 F100 S200;
 N080 G00 X40.0;

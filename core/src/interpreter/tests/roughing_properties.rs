@@ -15,7 +15,8 @@ use super::InterpreterBench;
 use crate::command::Action;
 use crate::units::Point;
 
-/// A step of a profile in thousandths: distance along, distance back in depth, and its shape.
+/// A random step of a profile: distance along the cut and distance back in depth, in
+/// thousandths of a millimetre, and the kind of arc or line.
 #[derive(Clone, Copy, Debug)]
 struct ProfileLeg {
     along: i64,
@@ -33,7 +34,8 @@ fn legs() -> impl Strategy<Value = Vec<ProfileLeg>> {
     prop::collection::vec(leg, 1..12)
 }
 
-/// Appends the contour as short chords, radius and Z.
+/// Appends a line, or an arc about `center` as 200 chords, to the points `out` (X as a
+/// radius). The `bool` is whether the arc is clockwise.
 fn chords(from: Point, to: Point, center: Option<(Point, bool)>, out: &mut Vec<Point>) {
     let Some((center, clockwise)) = center else {
         out.push(to);
@@ -83,12 +85,13 @@ struct RoughingCase {
     text: String,
     start: (f64, f64),
     facing: bool,
-    /// +1 outside (part below the contour), -1 inside; and the direction of the cut.
+    /// +1 for an outer contour, with the part below, -1 for an inner one.
     side: f64,
+    /// Direction of the cut along its axis, +1 or -1.
     cut_direction: f64,
 }
 
-/// The program of a profile from its deepest point back to the start.
+/// Builds a roughing program whose profile leads from its deepest point back to the start.
 fn build_case(
     legs: &[ProfileLeg],
     quadrant: u8,
@@ -170,7 +173,8 @@ fn build_case(
     }
 }
 
-/// Depth (negative away from the start) and position along of a point.
+/// Converts a machine point to its depth (negative away from the start) and its position along
+/// the cut, mm.
 fn to_case_plane(case: &RoughingCase, point: Point) -> Point {
     let (x, z) = (point.x - case.start.0 / 2.0, point.z - case.start.1);
     let (depth, along) = if case.facing { (z, x) } else { (x, z) };

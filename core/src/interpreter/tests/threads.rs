@@ -377,8 +377,8 @@ fn ten_threads_an_inch() {
     assert_eq!(trace[1], "1: thread X40 Z-30 Z lead 2.54 at 0 |");
 }
 
-/// Travel of each axis per revolution in the first command of a text, which must be the check
-/// of a thread cycle.
+/// Starts a program whose first command must announce a thread cycle, and returns the travel
+/// of each axis per spindle revolution, mm.
 fn per_revolution(bench: &mut InterpreterBench, text: &str) -> Point {
     bench.open(text);
     match bench.next() {

@@ -28,53 +28,58 @@ use crate::interpreter::threads::thread_cycle::{RunOutLimits, run_out_width_unit
 use crate::memory::{ControlParameters, parameter};
 use crate::units::Point;
 
-/// Units of [`ExactPoint`] in a thousandth of a millimetre.
+/// Number of units of [`ExactPoint`] in a thousandth of a millimetre.
 const UNITS_PER_MICRON: i64 = UNITS_PER_MM / 1000;
-/// Greatest length in thousandths of a millimetre.
+/// Greatest length that a word of G76 may give, in thousandths of a millimetre.
 const MAX_LENGTH: i64 = 9_999_999;
-/// Greatest number of passes.
+/// Greatest number of roughing passes without a least infeed.
 const MAX_PASSES: f64 = 9_999_999.0;
 
-/// The geometry of a thread. Lengths are in mm, X as a radius.
+/// The geometry of a G76 thread. Integers are in units of [`ExactPoint`], real lengths in mm,
+/// X as a radius.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct ThreadGeometry {
     shift: FrameShift,
     a: ExactPoint,
-    /// X of B, the depth reference.
+    /// X of B, the crest of the thread, from which the depths count.
     b_x: i64,
-    /// Z of the end D.
+    /// Z of D, the end of the thread.
     end_z: i64,
-    /// X of D minus X of C.
+    /// X of D, the end at full depth, minus X of C, the begin at full depth.
     rise: i64,
-    /// +1 for an outer thread, -1 for an inner one.
+    /// +1 for an outer thread, -1 for an inner thread.
     side: f64,
-    /// +1 towards +Z.
+    /// Direction of the cut: +1 towards +Z, -1 towards -Z.
     heading: f64,
-    /// Radius per mm of Z of the line C-D.
+    /// Slope of the taper: change of the radius per mm of Z.
     slope: f64,
-    /// tan(a/2).
+    /// Tangent of half the thread angle, along which the tool feeds in.
     tangent: f64,
     lead: f64,
     run_out: i64,
 }
 
-/// A running G76.
+/// The remaining moves of a G76.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct CompoundThread {
     #[serde(rename = "shape")]
     geometry: ThreadGeometry,
-    /// Δd, Δdmin, k - d and k in units of [`ExactPoint`], radii.
+    /// Δd, the depth of the first pass. This depth and the next three are radii in units of
+    /// [`ExactPoint`].
     first: i64,
+    /// Δdmin, the least infeed of a pass.
     least: i64,
+    /// k - d, the depth at which roughing ends.
     rough: i64,
+    /// k, the height of the thread.
     height: i64,
     finishing: u32,
-    /// The current pass.
+    /// The pass whose moves the cycle makes at present.
     pass: CompoundPass,
     step: u8,
 }
 
-/// A pass of G76.
+/// Number, depth and start of a pass of G76.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct CompoundPass {
     number: u64,
@@ -83,12 +88,12 @@ struct CompoundPass {
     rule: DepthRule,
     /// Number of finishing passes left, this one included; 0 in roughing.
     finishing_left: u32,
-    /// Distance of the start from Z_A along Z, mm.
+    /// Distance of the start of the pass from the start A of the cycle, along Z, mm.
     along: f64,
 }
 
-/// Plans a G76 block. With X(U) or Z(W) it is the cycle. Without them it stores the data of
-/// the cycle, and the result is `None`.
+/// Plans a G76 block. A block with X(U) or Z(W) makes the cycle. Another one only stores the
+/// data of the cycle and returns `None`.
 ///
 /// # Errors
 /// 062 for wrong data, 011 without a lead, 043 for a point outside the stroke.
@@ -107,7 +112,8 @@ pub(crate) fn plan_cycle(
     CompoundThread::new(state, context, words, end).map(Some)
 }
 
-/// Stores P(m)(r)(a), Q(Δdmin) and R(d) into parameters 057, 019, 058, 059 and 060.
+/// Stores the data of a G76 into parameters: P(m)(r)(a) into 057, 019 and 058, Q(Δdmin) into
+/// 059 and R(d) into 060.
 fn store_data(
     parameters: &ControlParameters,
     words: &SortedWords,
@@ -253,8 +259,8 @@ impl CompoundThread {
         true
     }
 
-    /// Greatest travel of each axis per revolution in a cut, mm. The run-out counts if it is
-    /// `is_run_out_tied` to the spindle.
+    /// Greatest travel of each axis per spindle revolution in a cut, mm, X as a radius. The
+    /// run-out is included if the spindle drives it (`is_run_out_tied`).
     pub(crate) fn travel_per_revolution(&self, is_run_out_tied: bool) -> Point {
         let begin = self.geometry.pass_begin(&self.pass);
         let (cut, run_out) = self.geometry.pass_actions(begin, &self.pass);
@@ -265,7 +271,7 @@ impl CompoundThread {
         )
     }
 
-    /// `RunOut` if the cuts have one; `None` for straight passes.
+    /// `RunOut` if the cuts end in a run-out; `None` for straight passes.
     pub(crate) fn beyond_pass(&self) -> Option<ThreadPassFeature> {
         let (_, tail) = self
             .geometry
@@ -363,13 +369,13 @@ impl ThreadGeometry {
         })
     }
 
-    /// Distance along Z that the half angle leads to at a depth: `x·tan(a/2)` with `x = d / (1
-    /// + s·g·t·tan(a/2))` on a taper of slope g.
+    /// Distance along Z, mm, that the infeed along the half angle reaches at `depth`, mm:
+    /// `x·tan(a/2)` with `x = d / (1 + s·g·t·tan(a/2))` on a taper of slope g.
     fn infeed_along(&self, depth: f64) -> f64 {
         depth * self.tangent / (1.0 + self.side * self.slope * self.heading * self.tangent)
     }
 
-    /// B_n, the start of a pass.
+    /// The start of the cut of a pass (B_n), programmed coordinates.
     fn pass_begin(&self, pass: &CompoundPass) -> ExactPoint {
         let z = pass.along;
         let x = to_mm(pass.depth) - self.side * self.slope * self.heading * z;
@@ -379,7 +385,7 @@ impl ThreadGeometry {
         )
     }
 
-    /// The cut of a pass and its run-out.
+    /// The cut of a pass and its run-out; `None` for a part that the pass does not have.
     fn pass_actions(
         &self,
         begin: ExactPoint,
@@ -402,7 +408,7 @@ fn thread_alarm(detail: Message) -> Alarm {
     Alarm::new(number::CYCLE_DATA).with_detail(say::cycle_in_code(76, detail))
 }
 
-/// Explains a pass of G76. `None` for another note.
+/// Explains a pass of G76; `None` for the note of another cycle.
 pub(crate) fn explain_thread_pass(note: PassNote) -> Option<Explanation> {
     let PassNote::ThreadPass {
         number,

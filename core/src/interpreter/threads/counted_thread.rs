@@ -33,22 +33,23 @@ use crate::units::{Axis, Point};
 
 /// Least increment of a depth, units of [`ExactPoint`].
 const UNITS_PER_MICRON: i64 = UNITS_PER_MM / 1000;
-/// Greatest number of starts, and of passes.
+/// Greatest number of thread starts.
 const MAX_STARTS: i64 = 99;
 const MAX_PASSES: i64 = 99;
 
-/// A running G86 or G87. Lengths are in units of [`ExactPoint`], diameters along X.
+/// The remaining moves of a G86 or G87. Lengths are in units of [`ExactPoint`], diameters
+/// along X.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct CountedThread {
     code: u8,
     shift: FrameShift,
-    /// Start and end on the crest.
+    /// Start of the thread on its crest; `c` is the end on the crest.
     a: ExactPoint,
     c: ExactPoint,
-    /// +1 for an outer thread, -1 for an inner one.
+    /// +1 for an outer thread, -1 for an inner thread.
     side: i64,
     depth: i64,
-    /// I and J, without signs.
+    /// I, the height of the run-out, without sign; `run_out_length` is J, the length.
     #[serde(rename = "out")]
     run_out_height: i64,
     #[serde(rename = "back")]
@@ -64,7 +65,7 @@ pub(crate) struct CountedThread {
     next_leg: ThreadLeg,
 }
 
-/// The next move of a pass.
+/// Names the next move of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum ThreadLeg {
     Infeed,
@@ -76,7 +77,7 @@ enum ThreadLeg {
     Done,
 }
 
-/// Plans a G86 or G87 block. The tool ends at its start.
+/// Plans a G86 or G87 block. The cycle ends at the start of the tool.
 ///
 /// # Errors
 /// 062 for wrong data, 011 or 043 for the lead, 043 for a point outside the stroke.
@@ -146,7 +147,8 @@ pub(crate) fn plan_cycle(
 }
 
 impl CountedThread {
-    /// Depth of a pass: `R·√(p/L)`, rounded to the least increment.
+    /// Depth of the pass with the number `pass`: `R·√(p/L)`, a difference of diameters,
+    /// rounded to the least increment.
     fn pass_depth(&self, pass: i64) -> i64 {
         if pass >= self.passes {
             return self.depth;
@@ -155,7 +157,7 @@ impl CountedThread {
         round_to_units(self.depth as f64 * share / UNITS_PER_MICRON as f64) * UNITS_PER_MICRON
     }
 
-    /// Start and end of the cut of a pass.
+    /// Start and end of the cut of the pass with the number `pass`, without the run-out.
     fn pass_ends(&self, pass: i64) -> (ExactPoint, ExactPoint) {
         let into = self.side.saturating_mul(self.pass_depth(pass));
         let below_crest =
@@ -163,7 +165,7 @@ impl CountedThread {
         (below_crest(self.a), below_crest(self.c))
     }
 
-    /// The point where the run-out of a pass ends.
+    /// The point where the run-out of the pass with the number `pass` ends.
     fn run_out_end(&self, pass: i64) -> ExactPoint {
         let (_, end) = self.pass_ends(pass);
         ExactPoint::new(
@@ -173,7 +175,8 @@ impl CountedThread {
         )
     }
 
-    /// E: the end of the run-out, clear of the crest for the move back.
+    /// The point from which the tool moves back along Z (E): after the run-out, clear of the
+    /// crest.
     fn clear_point(&self, pass: i64) -> ExactPoint {
         let outward = |x: i64| self.side.saturating_mul(x);
         let left = self.run_out_end(pass);
@@ -183,7 +186,7 @@ impl CountedThread {
         ExactPoint::new(outward(x), left.z)
     }
 
-    /// The cut of a pass and its run-out.
+    /// The cut of a pass and its run-out; `None` for a part that the pass does not have.
     fn pass_actions(&self, pass: i64) -> (Option<Action>, Option<Action>) {
         let (from, to) = self.pass_ends(pass);
         let run_out = (self.run_out_length != 0).then(|| RunOut {
@@ -202,8 +205,8 @@ impl CountedThread {
         cut.to_actions(self.shift, ThreadStart::AtIndex { degrees })
     }
 
-    /// Greatest travel of each axis per revolution in a cut, mm. The run-out counts if it is
-    /// `is_run_out_tied` to the spindle.
+    /// Greatest travel of each axis per spindle revolution in a cut, mm, X as a radius. The
+    /// run-out is included if the spindle drives it (`is_run_out_tied`).
     pub(crate) fn travel_per_revolution(&self, is_run_out_tied: bool) -> Point {
         let (begin, _) = self.pass_ends(self.pass);
         let (cut, run_out) = self.pass_actions(self.pass);
@@ -214,8 +217,8 @@ impl CountedThread {
         )
     }
 
-    /// `RunOut` or `StartAngle` if the cuts have a run-out or several starts; `None` for straight
-    /// passes.
+    /// `RunOut` if the cuts end in a run-out, else `StartAngle` if the thread has several
+    /// starts; `None` for straight passes.
     pub(crate) const fn beyond_pass(&self) -> Option<ThreadPassFeature> {
         match (self.run_out_length, self.starts) {
             (0, 0 | 1) => None,
@@ -281,7 +284,8 @@ impl CountedThread {
         next_move
     }
 
-    /// The move after a return along Z.
+    /// The move after the return along Z: the infeed of the next pass, or the last move to the
+    /// start of the cycle.
     const fn leg_after_return(&self) -> ThreadLeg {
         match self.pass >= self.passes && self.start + 1 >= self.starts {
             true => ThreadLeg::Home,
@@ -295,7 +299,7 @@ fn thread_alarm(code: u8, detail: Message) -> Alarm {
     Alarm::new(number::CYCLE_DATA).with_detail(detail)
 }
 
-/// Explains a pass of G86 or G87. `None` for another note.
+/// Explains a pass of G86 or G87; `None` for the note of another cycle.
 pub(crate) fn explain_counted_pass(note: PassNote) -> Option<Explanation> {
     let PassNote::CountedThread {
         code,

@@ -8,7 +8,8 @@ use crate::interpreter::context::exact::to_mm;
 use crate::interpreter::context::words::{LeadUnit, SortedWords};
 use crate::interpreter::threads::thread::{LEAD_RANGE_MM, MM_PER_INCH, PER_INCH_RANGE};
 
-/// The lead of a thread block, mm per revolution. `code` is its G code, for messages.
+/// Reads the lead of a thread block, mm per revolution. `code` is the G code of the block, for
+/// messages.
 ///
 /// # Errors
 /// 011 without a lead, 043 for a lead out of range.
@@ -20,10 +21,10 @@ pub(crate) fn read_lead(words: &SortedWords, unit: LeadUnit, code: u8) -> Result
     check_lead(given, unit, code)
 }
 
-/// The lead of a tap block, mm per revolution; I may hold its threads per inch.
+/// Reads the lead of a tapping block, mm per revolution. I, or else K, holds threads per inch.
 ///
 /// # Errors
-/// As for [`lead`].
+/// As for [`read_lead`].
 pub(crate) fn read_tap_lead(words: &SortedWords, unit: LeadUnit, code: u8) -> Result<f64, Alarm> {
     match unit {
         LeadUnit::Millimetres => read_lead(words, unit, code),

@@ -24,7 +24,8 @@ use crate::interpreter::threads::lead_word;
 use crate::interpreter::threads::thread::{self, ThreadCut, long_axis};
 use crate::units::{Axis, Point};
 
-/// The three moves of a pass, machine coordinates.
+/// The three moves of a G33 or G34: rapid to the depth, thread, rapid out. Machine coordinates
+/// in mm, X as a radius.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SinglePass {
     begin: Point,
@@ -34,7 +35,8 @@ pub(crate) struct SinglePass {
     step: u8,
 }
 
-/// Plans a G33 or G34 block. Sets `state.position` to E, where the tool stays.
+/// Plans a G33 or G34 block. Sets `state.position` to the end of the last move, where the tool
+/// stays.
 ///
 /// # Errors
 /// 062 for a pass without length, 011 or 043 for the lead, 043 for a point outside the stroke.
@@ -93,7 +95,7 @@ pub(crate) fn plan_pass(
 }
 
 impl SinglePass {
-    /// Travel of each axis per revolution in the cut, mm.
+    /// Travel of each axis per spindle revolution in the cut, mm, X as a radius.
     pub(crate) fn travel_per_revolution(&self) -> Point {
         thread::travel_per_revolution(self.begin, [Some(&self.thread), None])
     }
@@ -115,7 +117,7 @@ fn pass_alarm(code: u8, detail: Message) -> Alarm {
     Alarm::new(number::CYCLE_DATA).with_detail(detail)
 }
 
-/// Explains G33 or G34 of the Huaxing lathes. `None` for another note.
+/// Explains G33 or G34 of the Huaxing lathes; `None` for the note of another cycle.
 pub(crate) fn explain_single_pass(note: PassNote) -> Option<Explanation> {
     let PassNote::SinglePass {
         code,

@@ -22,27 +22,28 @@ use crate::interpreter::threads::lead_word;
 use crate::interpreter::threads::thread;
 use crate::units::Point;
 
-/// A running tapping cycle: the remaining starts at the same hole.
+/// The remaining thread starts of a tapping cycle, all at the same hole.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Tapping {
     bottom: Point,
-    /// Programmed Z of the start and of the bottom, units of [`Exact`].
+    /// Programmed Z of the start and of the bottom, in millionths of a millimetre.
     #[serde(rename = "way")]
     z_range: (i64, i64),
     lead: f64,
     start: u32,
     starts: u32,
-    /// Its G code, for the explanation.
+    /// G code of the cycle, for the explanation.
     #[serde(default = "tapping_code")]
     code: u8,
 }
 
-/// G33, the only tapping code of the GSK980TD.
+/// Default of a stored cycle: 33, the only tapping code of the GSK980TD.
 const fn tapping_code() -> u8 {
     33
 }
 
-/// Plans a G33 block; `None` without motion. The tool ends at its start.
+/// Plans a G33 block; `None` for a block without motion. The cycle ends at the start of the
+/// tool.
 ///
 /// # Errors
 /// 009 for a motion of X, 011 without a lead, 043 for an end outside the stroke.
@@ -73,7 +74,7 @@ pub(crate) fn plan_cycle(
     Ok(Some(tapping))
 }
 
-/// Plans a G84 or G85 block of the Huaxing lathes: a tap with the lead in its words.
+/// Plans a G84 or G85 block of the Huaxing lathes: tapping with the lead that the block gives.
 ///
 /// # Errors
 /// 062 for wrong data, 011 or 043 for the lead, 043 for an end outside the stroke.
@@ -139,12 +140,13 @@ impl Tapping {
     }
 }
 
-/// The start angle of a start, counted from 0, of a multi-start thread, degrees.
+/// The spindle angle, in degrees, of the thread start `start` (from 0) of a thread with
+/// `starts` starts.
 pub(crate) fn start_angle_degrees(start: u32, starts: u32) -> f64 {
     360.0 * f64::from(start) / f64::from(starts.max(1))
 }
 
-/// Explains a start of rigid tapping. `None` for another note.
+/// Explains one thread start of a tapping cycle; `None` for the note of another cycle.
 pub(crate) fn explain_tap(note: PassNote) -> Option<Explanation> {
     let PassNote::Tap {
         start,

@@ -22,15 +22,16 @@ use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{AxisWords, OneShot, SortedWords};
 use crate::units::{Axis, Point};
 
-/// Leads of threads, mm per revolution.
+/// Allowed leads of threads, mm per revolution.
 pub(super) const LEAD_RANGE_MM: core::ops::RangeInclusive<f64> = 0.001..=500.0;
-/// Threads per inch, in millionths.
+/// Allowed numbers of threads per inch, in millionths.
 pub(super) const PER_INCH_RANGE: core::ops::RangeInclusive<i64> = 60_000..=25_400 * UNITS_PER_MM;
-/// Change of the lead per revolution, in millionths of a millimetre.
+/// Allowed changes of the lead per revolution (R of G34, without sign), in millionths of a
+/// millimetre.
 const LEAD_CHANGE_RANGE: core::ops::RangeInclusive<i64> = 1_000..=500 * UNITS_PER_MM;
 pub(super) const MM_PER_INCH: f64 = 25.4;
 
-/// Whether F and I of a block set a thread lead.
+/// Whether F and I of a block set a thread lead. `motion` is the code of group 01 in force.
 pub(crate) fn is_lead_block(words: &SortedWords, motion: u8) -> bool {
     match words.one_shot {
         Some(OneShot::CompoundThread) => true,
@@ -39,8 +40,8 @@ pub(crate) fn is_lead_block(words: &SortedWords, motion: u8) -> bool {
     }
 }
 
-/// Sets the lead of a block: F in mm, or I in threads per inch. Both share one register,
-/// separate from the feed.
+/// Stores the lead of a block in the state: F in mm per revolution, or I in threads per inch.
+/// Both share one register, separate from the feed.
 ///
 /// # Errors
 /// 043 for a lead out of range.
@@ -64,7 +65,7 @@ pub(crate) fn store_lead(state: &mut State, words: &SortedWords) -> Result<(), A
 /// The lead in force, mm per revolution.
 ///
 /// # Errors
-/// 011 if it is unset.
+/// 011 if no lead is set.
 pub(crate) fn current_lead(state: &State) -> Result<f64, Alarm> {
     if state.lead > 0.0 {
         return Ok(state.lead);
@@ -72,7 +73,8 @@ pub(crate) fn current_lead(state: &State) -> Result<f64, Alarm> {
     Err(Alarm::new(number::NO_FEED).with_detail(say::thread_lead_missing()))
 }
 
-/// The axis to which the lead applies: that of the greater displacement, X as a radius.
+/// The axis to which the lead of a thread applies: the one with the greater displacement,
+/// where X counts as a radius.
 pub(crate) const fn long_axis(from: ExactPoint, to: ExactPoint) -> Axis {
     let (x, z) = (to.x.abs_diff(from.x), to.z.abs_diff(from.z));
     if x >= z.saturating_mul(2) {
@@ -89,24 +91,24 @@ pub(crate) struct ThreadCut {
     pub(crate) to: ExactPoint,
     pub(crate) long_axis: Axis,
     pub(crate) lead: f64,
-    /// Change of the lead, mm per revolution and revolution.
+    /// Change of the lead (mm per revolution) with each revolution, mm.
     pub(crate) increase: f64,
     pub(crate) run_out: Option<RunOut>,
 }
 
-/// The run-out of a thread.
+/// The run-out of a thread: the move that leaves the thread before its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RunOut {
-    /// Distance between its begin and the end of the thread, along the long axis (a radius for
-    /// X).
+    /// Distance from the begin of the run-out to the end of the thread along the long axis, in
+    /// units of [`ExactPoint`]; a radius for X.
     pub(crate) length: i64,
-    /// The point where it ends.
+    /// The point where the run-out ends.
     pub(crate) end: ExactPoint,
 }
 
 impl ThreadCut {
-    /// The actions of the thread and of its run-out. The first is `None` if the run-out takes
-    /// up the whole thread.
+    /// The actions of the thread and of its run-out. The first is `None` if the run-out is as
+    /// long as the whole thread, the second if there is no run-out.
     pub(crate) fn to_actions(
         self,
         shift: FrameShift,
@@ -162,7 +164,7 @@ impl ThreadCut {
         }
     }
 
-    /// A distance on the long axis in mm, X as a radius.
+    /// Converts a distance on the long axis to mm, X as a radius.
     fn length_mm(&self, units: i64) -> f64 {
         let length = to_mm(units);
         match self.long_axis {
@@ -172,8 +174,9 @@ impl ThreadCut {
     }
 }
 
-/// The lead after a travel: `lead(n) = F + R·n` after n revolutions, in which the long axis
-/// travels `F·n + R·n²/2`. NaN if it would fall below zero.
+/// The lead after the long axis has travelled `travel` mm: `lead(n) = F + R·n` after n
+/// revolutions, in which the axis travels `F·n + R·n²/2`. NaN if the lead would fall below
+/// zero.
 fn lead_after(lead: f64, increase: f64, travel: f64) -> f64 {
     if increase == 0.0 {
         return lead;
@@ -181,7 +184,8 @@ fn lead_after(lead: f64, increase: f64, travel: f64) -> f64 {
     (lead * lead + 2.0 * increase * travel).sqrt()
 }
 
-/// Greatest travel of each axis per revolution, mm, in cuts that begin at `from`.
+/// Greatest travel of each axis per spindle revolution, mm, X as a radius, in a thread and its
+/// run-out that begin at `from`.
 pub(crate) fn travel_per_revolution(from: Point, cuts: [Option<&Action>; 2]) -> Point {
     let (mut at, mut fastest) = (from, Point::default());
     for cut in cuts.into_iter().flatten() {
@@ -274,7 +278,7 @@ pub(crate) fn plan_thread(
     Ok(motion)
 }
 
-/// R of G34, the change of the lead.
+/// Reads R of G34, the change of the lead per revolution, mm; 0 if missing.
 fn read_lead_change(r: Option<i64>) -> Result<f64, Alarm> {
     let Some(r) = r else {
         return Ok(0.0);

@@ -31,18 +31,20 @@ use crate::interpreter::threads::thread::{self, RunOut, ThreadCut, long_axis};
 use crate::memory::ControlParameters;
 use crate::units::{Axis, Point};
 
-/// The size of a run-out, and the X that limits it.
+/// The size of a run-out, and the start of the cycle, which limits the run-out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RunOutLimits {
-    /// Height of the run-out on the short axis and its length on the long one; radii along X.
+    /// Height of the run-out, on the short axis, in units of [`ExactPoint`]; a radius along X.
     pub(crate) height: i64,
+    /// Length of the run-out, on the long axis, in units of [`ExactPoint`]; a radius along X.
     pub(crate) length: i64,
-    /// The start A of the cycle: the run-out leads towards it and not beyond.
+    /// The start A of the cycle: the run-out leads towards this point and not beyond it.
     pub(crate) start: ExactPoint,
 }
 
 impl RunOutLimits {
-    /// The cut from B to C with its run-out.
+    /// The cut from `from` to `to` with a run-out that does not reach beyond the start of the
+    /// cycle.
     pub(crate) fn limited_cut(self, from: ExactPoint, to: ExactPoint, lead: f64) -> ThreadCut {
         let long = long_axis(from, to);
         let short = long.other();
@@ -65,17 +67,18 @@ impl RunOutLimits {
     }
 }
 
-/// A running G92.
+/// The remaining moves of a G92.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ThreadCycle {
-    /// A, B and D in machine coordinates.
+    /// Start A of the cycle. This point, B and D are machine coordinates in mm, X as a radius.
     a: Point,
     b: Point,
     d: Point,
     thread: Option<Action>,
     #[serde(rename = "tail")]
     run_out: Option<Action>,
-    /// The programmed A and C, R, and the run-out, for the explanation.
+    /// For the explanation: programmed start A and end C, R, and height and length of the
+    /// run-out.
     #[serde(rename = "words")]
     programmed: (ExactPoint, ExactPoint, i64, (i64, i64)),
     start: u32,
@@ -83,7 +86,7 @@ pub(crate) struct ThreadCycle {
     step: u8,
 }
 
-/// Plans the cycle from the current position to the end point of `data` and back.
+/// Plans a G92 from the current position to the end point of `data` and back.
 ///
 /// # Errors
 /// 015 for the taper or a thread without length, 011 without a lead, 043 for a corner outside
@@ -135,14 +138,15 @@ pub(crate) fn plan_cycle(
     Ok(cycle)
 }
 
-/// Width of the run-out by parameter 019 (tenths of the lead), units of [`ExactPoint`].
+/// Width of the run-out by parameter 019 (tenths of the lead), in units of [`ExactPoint`].
+/// `lead` is in mm.
 pub(crate) fn run_out_width_units(parameters: &ControlParameters, lead: f64) -> i64 {
     round_to_units(f64::from(parameters.run_out_tenths()) * 0.1 * lead * UNITS_PER_MM as f64)
 }
 
 impl ThreadCycle {
-    /// Greatest travel of each axis per revolution in a cut, mm. The run-out counts if it is
-    /// `is_run_out_tied` to the spindle.
+    /// Greatest travel of each axis per spindle revolution in a cut, mm, X as a radius. The
+    /// run-out is included if the spindle drives it (`is_run_out_tied`).
     pub(crate) fn travel_per_revolution(&self, is_run_out_tied: bool) -> Point {
         thread::travel_per_revolution(
             self.b,
@@ -153,8 +157,8 @@ impl ThreadCycle {
         )
     }
 
-    /// `RunOut` or `StartAngle` if the cuts have a run-out or several starts; `None` for straight
-    /// passes.
+    /// `RunOut` if the cuts end in a run-out, else `StartAngle` if the thread has several
+    /// starts; `None` for straight passes.
     pub(crate) const fn beyond_pass(&self) -> Option<ThreadPassFeature> {
         match (&self.run_out, self.starts) {
             (Some(_), _) => Some(ThreadPassFeature::RunOut),
@@ -207,7 +211,7 @@ impl ThreadCycle {
     }
 }
 
-/// The same thread with another start angle, degrees.
+/// Copies a thread action with another start angle, degrees.
 pub(crate) fn with_start_angle(thread: &Action, degrees: f64) -> Action {
     let mut action = *thread;
     if let Action::Thread { start, .. } = &mut action {
@@ -216,7 +220,7 @@ pub(crate) fn with_start_angle(thread: &Action, degrees: f64) -> Action {
     action
 }
 
-/// Explains a start of G92. `None` for another note.
+/// Explains one thread start of G92; `None` for the note of another cycle.
 pub(crate) fn explain_thread_start(note: PassNote) -> Option<Explanation> {
     let PassNote::Thread {
         start,
