@@ -4,8 +4,8 @@ use super::super::lexer::Lexer;
 use super::expression::parse_variable_number;
 use crate::memory::Variables;
 
-/// Whether both languages have a variable: the variables of macro A, direct or indirect, and
-/// the signals of the ladder.
+/// Whether macro A and macro B both have the variable `number`: the variables of macro A,
+/// direct or indirect (9nnn), and the signals of the PLC.
 fn is_shared_variable(number: u32) -> bool {
     let Ok(number) = u16::try_from(number) else {
         return false;
@@ -49,7 +49,7 @@ pub(in crate::program) fn uses_macro_b(text: &str) -> bool {
     false
 }
 
-/// Whether a G code is G66, G67, or G65 without H.
+/// Whether the G code at the position is G66, G67, or G65 without H.
 fn is_macro_call(mut lexer: Lexer<'_>) -> bool {
     let mut code = 0_u32;
     while let Some(digit) = lexer.read_digit() {
