@@ -34,7 +34,7 @@ pub struct Setup {
     /// the work zero is the machine zero.
     pub start: Option<Point>,
     /// True position of the slides from the reference point (X as a radius), mm, which the
-    /// control does not know before the reference return; `None` if it is equal to `start`.
+    /// control does not know before the reference return; `None` for the position `start`.
     pub slides: Option<Point>,
     /// Absolute coordinates at power-off (X as a radius), mm. The control keeps them with
     /// 004.7 ABOT = 0; a preview always uses them: `start - absolute` is the work zero.

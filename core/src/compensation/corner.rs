@@ -267,9 +267,9 @@ fn rest_vectors(a: &ContourSegment, b: &ContourSegment, rho: f64) -> Option<Corn
     }
 }
 
-/// Vectors of a corner that would be tangent except for rounding; the paths of the nose centre
-/// meet at a grazing angle at `met`. A micrometre moves that point past the end of a short
-/// move, or there is none. Then one vector between the two perpendicular ones replaces it.
+/// Vectors of a corner that would be tangent except for rounding. The paths of the nose centre
+/// meet at `met`, at a grazing angle, so that rounding may move `met` past the end of a short
+/// move. Then one vector between the two perpendicular ones is used instead.
 ///
 /// ```text
 ///   offset of a ----------*---.___        * square to a, + square to b

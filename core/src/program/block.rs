@@ -122,7 +122,8 @@ impl ProgramBlock {
         &self.words[..usize::from(self.len)]
     }
 
-    /// Whether the block has no words besides N: then it repeats a cycle of group 01.
+    /// Whether the block has no words besides N and O. Such a block repeats a cycle of group
+    /// 01.
     pub const fn is_empty(&self) -> bool {
         self.len == 0
     }
@@ -138,8 +139,8 @@ impl ProgramBlock {
         statement.filter(|it| !matches!(it, MacroStatement::Words(_)))
     }
 
-    /// The formulas that words of the block refer to; `None` if it has a statement or only
-    /// plain numbers.
+    /// The formulas that words of the block refer to; `None` if the block has a macro
+    /// statement, or only words with plain numbers.
     pub(crate) fn formulas(&self) -> Option<&[FormulaCode]> {
         match self.statement.as_deref() {
             Some(MacroStatement::Words(formulas)) => Some(formulas),

@@ -25,7 +25,7 @@ pub struct Completion {
     pub points: bool,
 }
 
-/// The first automatic sequence number in a program without sequence numbers.
+/// The automatic sequence number if no block above the cursor has a sequence number.
 const FIRST_NUMBER: u32 = 10;
 /// The highest automatic sequence number; the editor numbers no block above it.
 const LAST_NUMBER: u32 = 9999;
@@ -119,8 +119,8 @@ impl ProgramEditor {
         before.fold(false, |inside, c| c == '(' || inside && c != ')')
     }
 
-    /// Whether a letter typed at the cursor continues a statement or a formula of macro B: a
-    /// name, a variable or a bracket is before it in its block.
+    /// Whether a letter typed at the cursor continues a statement or a formula of macro B: in
+    /// the block, a name, a variable or a bracket is before the cursor.
     pub fn is_in_statement(&self) -> bool {
         let line = self.program.line(self.line);
         let before: String = line.chars().take(self.column as usize).collect();

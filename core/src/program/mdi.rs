@@ -210,8 +210,8 @@ fn split_words(text: &str) -> Vec<(MdiSlot, String)> {
     words
 }
 
-/// The group of a G code (manual I-3, table 3-7). Groups 00 and 01 cannot share a block, so
-/// they count as one; G20 and G21 have a separate group.
+/// The number of the group of a G code (manual I-3, table 3-7). Groups 00 and 01 cannot share
+/// a block, so that both yield 0; G20 and G21 yield a separate group.
 const fn g_group(code: u8) -> u8 {
     match code {
         96 | 97 => 2,

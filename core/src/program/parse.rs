@@ -14,8 +14,8 @@ use crate::alarm::number;
 use crate::dialect::{self, with_advice};
 use crate::model::GCode;
 
-/// Parses one block: up to the first `;`, `*`, `%` or line end outside comments. It does not
-/// allocate unless it fails.
+/// Parses one block: the text up to the first `;`, `*`, `%` or line end outside comments. The
+/// parser allocates only if it fails.
 ///
 /// # Errors
 /// The alarm of the syntax: 002, 005, 006, 007, 009, 012, 018, 043, 125; of macro B 114,

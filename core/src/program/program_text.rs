@@ -143,8 +143,8 @@ impl Program {
         self.shared.full_width
     }
 
-    /// The first line with text after the `%` at the end of the program: the control does
-    /// not read it.
+    /// The first line with text after the `%` at the end of the program, which the control
+    /// does not read; `None` without such text.
     pub(crate) fn line_after_end(&self) -> Option<u32> {
         self.shared.after_end
     }

@@ -125,8 +125,8 @@ impl TextIndex {
     }
 }
 
-/// Whether the `%` here ends the text: it begins its line, or only blanks follow it. Within
-/// a line it is an invalid character, for which its block is refused.
+/// Whether the `%` at the position ends the text: it begins its line, or only blanks follow
+/// it. Within a line, `%` is an invalid character, and its block is refused.
 #[cold]
 fn is_end_mark(lexer: Lexer<'_>) -> bool {
     let bytes = lexer.moved_to(0).rest();

@@ -16,9 +16,8 @@ fn is_shared_variable(number: u32) -> bool {
         || matches!(number, 1000..=1015 | 1032 | 1100..=1115 | 1132 | 1133)
 }
 
-/// Whether a text has a statement, a formula or a variable that only macro B has. In a
-/// program without any of them, a variable in a word counts least increments, as G65 H
-/// stores it.
+/// Whether a text has a statement, a formula or a variable that only macro B has. Without any
+/// of them, a variable in a word counts least increments, as G65 H stores values.
 pub(in crate::program) fn uses_macro_b(text: &str) -> bool {
     let mut lexer = Lexer::new(text);
     let mut before = 0_u8;
