@@ -11,38 +11,40 @@ use crate::program::ProgramMemory;
 /// The battery-backed memory (manual III-11). The PLC memory is separate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BatteryMemory {
-    /// Parameters by number: bits and values.
+    /// Values of the parameters, by number.
     pub parameters: ControlParameters,
-    /// Tool offsets: X, Z, nose radius R and tip T of each number.
+    /// Tool offsets: X, Z, nose radius R and tip direction T of each offset number.
     pub offsets: Offsets,
-    /// Pitch error corrections by axis and point, 0–255.
+    /// Pitch errors of both axes at the points 0 to 255.
     pub pitch: PitchTable,
-    /// Macro variables; [`power_on`](Self::power_on) clears the volatile ones.
+    /// Macro variables; [`power_on`](Self::power_on) clears those that are not retained.
     pub variables: Variables,
-    /// The rows of the setting page, inch input (英制编程) among them.
+    /// The settings of the setting page, such as inch input (英制编程).
     pub settings: ControlSettings,
-    /// Operation level and passwords that protect programs and parameters.
+    /// Active operation level, and the passwords of all levels.
     pub authority: Authority,
-    /// The electronic disks that hold sets of parameter values (manual III-2.1.10).
+    /// The electronic disks: saved sets of parameters, offsets and pitch errors (manual
+    /// III-2.1.10).
     pub disks: Disks,
-    /// Program memory: all stored programs by O number.
+    /// The stored programs, and which one is selected.
     pub programs: ProgramMemory,
-    /// Part counter and cutting time.
+    /// Part counter, cutting time and the counters of macro B.
     pub counters: Counters,
-    /// The control model with its model-specific parameters.
+    /// The control model, with the values of the parameters that only this model has.
     #[serde(default, skip_serializing_if = "ControlModel::is_delivered_main")]
     pub model: ControlModel,
 }
 
 impl BatteryMemory {
-    /// Switches to a control model and takes over the values that its parameters are
-    /// delivered with.
+    /// Switches to the control model `model`, and sets the parameters to its delivered values
+    /// where these differ from the GSK980TD.
     pub fn set_model(&mut self, model: ControlModel) {
         self.parameters.apply_delivered_values(model.record());
         self.model = model;
     }
 
-    /// Applies power-on: volatile values are cleared and the operation level falls back.
+    /// Changes the data as power-on does: corrects parameters, clears variables that are not
+    /// retained, and lowers a high operation level.
     pub fn power_on(&mut self) {
         self.parameters.power_on();
         self.variables.power_on();

@@ -2,37 +2,37 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The operating mode.
+/// The operating mode of the control, selected by the operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum OperatingMode {
-    /// 编辑: programs are edited.
+    /// 编辑: edits programs.
     Edit,
-    /// 自动: a stored program is executed.
+    /// 自动: executes the selected stored program.
     Auto,
-    /// 录入: a typed block is executed (MDI).
+    /// 录入 (MDI): executes a typed block.
     Mdi,
-    /// 单步: the axes move in fixed increments (001.3 = 0).
+    /// 单步: moves the axes in fixed steps (001.3 = 0).
     Step,
-    /// 手轮: the handwheel moves the axes (001.3 = 1).
+    /// 手轮: moves the axes by the handwheel (001.3 = 1).
     Handwheel,
-    /// 手动: the axes jog.
+    /// 手动: jogs the axes while a key is pressed.
     Jog,
-    /// 机械回零: return to the machine zero.
+    /// 机械回零: returns the axes to the machine zero.
     MachineZero,
-    /// 程序回零: return to the program zero.
+    /// 程序回零: returns the axes to the program zero.
     ProgramZero,
     /// DNC: executes a program that arrives through the serial port.
     Dnc,
-    /// 手动示教: jog; positions are stored in the program.
+    /// 手动示教: jogs the axes and stores positions in the program.
     TeachJog,
-    /// 单步示教: steps; positions are stored in the program (001.3 = 0).
+    /// 单步示教: moves the axes in steps and stores positions in the program (001.3 = 0).
     TeachStep,
-    /// 手轮示教: handwheel; positions are stored in the program (001.3 = 1).
+    /// 手轮示教: moves the axes by the handwheel and stores positions in the program (001.3 = 1).
     TeachHandwheel,
 }
 
 impl OperatingMode {
-    /// Every operating mode.
+    /// All operating modes, in the order of their declaration.
     pub const ALL: [Self; 12] = [
         Self::Edit,
         Self::Auto,
@@ -48,8 +48,8 @@ impl OperatingMode {
         Self::TeachHandwheel,
     ];
 
-    /// The mode that G43 commands (manual PLC-II 3.6). `None` for an unused code: the mode
-    /// then does not change.
+    /// The mode that the byte G43 of the PLC commands (manual PLC-II 3.6); `None` for an
+    /// unused code, at which the mode does not change.
     pub(crate) const fn from_code(g43: u8, handwheel_fitted: bool) -> Option<Self> {
         Some(match g43 & 0b1010_0111 {
             0 => Self::Mdi,
@@ -68,7 +68,7 @@ impl OperatingMode {
         })
     }
 
-    /// The text on the status line.
+    /// The name of the mode on the status line, in Chinese.
     pub const fn text(self) -> &'static str {
         match self {
             Self::Edit => "编辑方式",
@@ -91,8 +91,8 @@ impl OperatingMode {
         matches!(self, Self::Auto | Self::Mdi | Self::Dnc)
     }
 
-    /// Whether the operator moves the axes in this mode. Selecting such a mode holds a
-    /// running program (PLC signal *SP).
+    /// Whether the operator moves the axes in this mode. Selecting such a mode holds a running
+    /// program (PLC signal *SP).
     pub const fn is_manual(self) -> bool {
         matches!(
             self,
@@ -107,8 +107,8 @@ impl OperatingMode {
         )
     }
 
-    /// The mode whose motion this mode has: a teach-in mode moves the axes like the mode it
-    /// is named after.
+    /// The mode whose motion this mode has: the one without teach-in for a teach-in mode,
+    /// otherwise the mode itself.
     pub const fn motion_mode(self) -> Self {
         match self {
             Self::TeachJog => Self::Jog,
@@ -118,7 +118,7 @@ impl OperatingMode {
         }
     }
 
-    /// Whether positions are stored in the program.
+    /// Whether positions of the axes are stored in the program in this mode (teach-in).
     pub const fn teaches(self) -> bool {
         matches!(
             self,
@@ -126,7 +126,7 @@ impl OperatingMode {
         )
     }
 
-    /// Whether the selected program can be edited.
+    /// Whether the selected program can be edited in this mode.
     pub const fn edits(self) -> bool {
         matches!(self, Self::Edit) || self.teaches()
     }

@@ -18,7 +18,7 @@ pub use conventions::{Conventions, Increments, MacroForm, ToolForm, WorkPlane, X
 pub(crate) use record::{AxisEnd, EdgeAction, LadderOutput, MFunction, WiredContact};
 pub use record::{ModelParameter, ModelRecord};
 
-/// A control model.
+/// A control model whose programs this control reads.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
@@ -26,19 +26,19 @@ pub enum ModelId {
     /// GSK980TD: the lathe control that this program implements.
     #[default]
     Gsk980td,
-    /// GSK980MDi, a mill.
+    /// GSK980MDi, a mill control.
     Gsk980mdi,
-    /// Huaxing 31 and 32 series, a lathe.
+    /// Huaxing 31 and 32 series, a lathe control.
     Hx31,
-    /// SYSViV NC-B08, a lathe.
+    /// SYSViV NC-B08, a lathe control.
     Ncb08,
 }
 
 impl ModelId {
-    /// All control models.
+    /// All control models, in the order of their declaration.
     pub const ALL: [Self; 4] = [Self::Gsk980td, Self::Gsk980mdi, Self::Hx31, Self::Ncb08];
 
-    /// The word of the model on the command line, and the name of its folder.
+    /// The word that names the model on the command line; also the name of its folder.
     pub const fn command_word(self) -> &'static str {
         match self {
             Self::Gsk980td => "gsk980td",
@@ -58,12 +58,12 @@ impl ModelId {
         }
     }
 
-    /// The model with a word of the command line; `None` for an unknown word.
+    /// The model that a word of the command line names; `None` for an unknown word.
     pub fn from_command_word(word: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|it| it.command_word() == word)
     }
 
-    /// The record of the model from `assets/models/`.
+    /// The record of the model, read from `assets/models/`.
     pub fn record(self) -> &'static ModelRecord {
         ModelRecord::for_model(self)
     }
@@ -84,12 +84,12 @@ impl ModelId {
 #[serde(default)]
 pub struct ControlModel {
     id: ModelId,
-    /// The changed parameters; the others have their delivered values.
+    /// Values of changed parameters, by number; the others have their delivered values.
     parameters: BTreeMap<u16, i32>,
 }
 
 impl ControlModel {
-    /// A control of a model with all parameters as delivered.
+    /// A control of the model `id` with all parameters as delivered.
     pub const fn new(id: ModelId) -> Self {
         Self {
             id,
@@ -97,12 +97,12 @@ impl ControlModel {
         }
     }
 
-    /// The identifier of the model.
+    /// The model that the control is.
     pub const fn id(&self) -> ModelId {
         self.id
     }
 
-    /// The record of the model.
+    /// The record of the model: its codes, conventions and parameters.
     pub fn record(&self) -> &'static ModelRecord {
         self.id.record()
     }
@@ -117,7 +117,7 @@ impl ControlModel {
         self.is_main() && self.parameters.is_empty()
     }
 
-    /// The value of a parameter that only this model has; 0 for a number it does not have.
+    /// The value of a parameter that only this model has; 0 if it has no such number.
     pub fn parameter(&self, number: u16) -> i32 {
         let delivered = || self.record().parameters.get(&number).map(|it| it.delivered);
         self.parameters
@@ -127,10 +127,10 @@ impl ControlModel {
             .unwrap_or(0)
     }
 
-    /// Changes a parameter that only this model has.
+    /// Sets a parameter that only this model has.
     ///
     /// # Errors
-    /// A number that the model does not have, or a value outside its range.
+    /// The message that the model has no such number, or that the value is outside its range.
     pub fn set_parameter(&mut self, number: u16, value: i32) -> Result<(), Message> {
         let record = self.record();
         let Some(parameter) = record.parameters.get(&number) else {
@@ -147,42 +147,43 @@ impl ControlModel {
 
 /// Parameters of macro B that assign programs to codes, and the numbers of those programs.
 pub(crate) mod code_calls {
-    /// First of ten parameters: G codes that call a program like G65.
+    /// First of ten parameters, each with a G code that calls a program like G65.
     pub(crate) const FIRST_G_PARAMETER: u16 = 220;
-    /// First of ten parameters: M codes that call a program like G65.
+    /// First of ten parameters, each with an M code that calls a program like G65.
     pub(crate) const FIRST_M_PARAMETER: u16 = 230;
-    /// First of three parameters: M codes that call a program like M98.
+    /// First of three parameters, each with an M code that calls a program like M98.
     pub(crate) const FIRST_PLAIN_M_PARAMETER: u16 = 240;
-    /// Parameter: each T word calls a program like M98.
+    /// Parameter that makes each T word call a program like M98, if it is not 0.
     pub(crate) const T_PARAMETER: u16 = 243;
-    /// The same for the GSK980MDi: a bit parameter.
+    /// Bit parameter of the GSK980MDi with the bit [`MILL_T_BIT`].
     pub(crate) const MILL_T_PARAMETER: u16 = 40;
-    /// The bit in [`MILL_T_PARAMETER`].
+    /// Bit in [`MILL_T_PARAMETER`] that makes each T word call a program like M98.
     pub(crate) const MILL_T_BIT: u8 = 5;
-    /// The program that the first code of each kind calls.
+    /// The program that the code in the first parameter of each kind calls; the codes in the
+    /// next parameters call the next numbers.
     pub(crate) const FIRST_G_PROGRAM: u16 = 9010;
     pub(crate) const FIRST_M_PROGRAM: u16 = 9020;
     pub(crate) const FIRST_PLAIN_M_PROGRAM: u16 = 9001;
     pub(crate) const T_PROGRAM: u16 = 9000;
 }
 
-/// Numbers of Huaxing lathes.
+/// Numbers of parameters and codes of the Huaxing lathes.
 pub(crate) mod hx31 {
-    /// Parameter: time that M71 to M85 switch their output on, ms.
+    /// Parameter with the time for which M71 to M85 switch their output on, ms.
     pub(crate) const PULSE_TIME: u16 = 71;
-    /// The M code that switches the first output.
+    /// The M code that pulses the first output; the next codes pulse the next outputs.
     pub(crate) const FIRST_PULSE: u8 = 71;
 }
 
 /// Numbers of the parameters that only the NC-B08 has.
 pub(crate) mod ncb08 {
-    /// Limit of the rapid rate, mm/min.
+    /// Parameter with the greatest rapid rate, mm/min.
     pub(crate) const RAPID_LIMIT: u16 = 17;
-    /// Duration of M21, ms.
+    /// Parameter with the duration of M21, ms.
     pub(crate) const CLAMP_TIME: u16 = 41;
-    /// Reference point, 0.001 mm; X is a diameter.
+    /// Parameter with the X coordinate of the reference point as a diameter, 0.001 mm.
     pub(crate) const REFERENCE_X: u16 = 108;
-    /// Reference point, 0.001 mm.
+    /// Parameter with the Z coordinate of the reference point, 0.001 mm.
     pub(crate) const REFERENCE_Z: u16 = 109;
 }
 

@@ -47,16 +47,16 @@ pub use spindle::SpindleRotation;
 use start_position::StartPositionCheck;
 pub use work_budget::WorkBudget;
 
-/// Blocks without motion after which [`preview`] stops.
+/// Number of consecutive commands without motion after which [`preview`] stops.
 const MOTIONLESS_BLOCKS: u64 = 1_500_000;
 
-/// Number of commands between two calls of the progress callback.
+/// Number of commands between two calls of `should_continue`.
 const COMMANDS_PER_PROGRESS: u32 = 4096;
 
-/// Machine time after which a preview stops, s: 1000 hours.
+/// Simulated machine time after which a preview stops, s: 1000 hours.
 const LONGEST_RUN_S: f64 = 3.6e6;
 
-/// The way in which a preview ended.
+/// Where a preview ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PreviewEnd {
     /// At M30.
@@ -67,9 +67,9 @@ pub enum PreviewEnd {
     M99,
     /// At the end of the text without M30 or M99.
     Text,
-    /// At an alarm.
+    /// At an alarm, which is in [`Preview::alarm`].
     Alarm,
-    /// At 1000 hours of machine time without an end, or when the caller cancelled.
+    /// At 1000 hours of machine time, or where the caller cancelled the preview.
     Limit,
 }
 
@@ -88,14 +88,14 @@ pub struct PathLengths {
     pub thread: f64,
 }
 
-/// The result of a preview. X of points is a radius, mm.
+/// The result of a preview: what running the program would do. X of points is a radius, mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preview {
-    /// How the program ended.
+    /// Where the preview ended.
     pub end: PreviewEnd,
-    /// The alarm that ended the program.
+    /// The alarm at which the program ended; `None` if it ended without one.
     pub alarm: Option<Alarm>,
-    /// Further errors after that alarm. All other fields describe the run up to it.
+    /// Alarms of the rest of the program. All other fields describe the run up to `alarm`.
     pub further: FurtherAlarms,
     /// Estimated machine time, s: motion, M, S, T and dwell.
     pub time_s: f64,
@@ -105,28 +105,28 @@ pub struct Preview {
     pub blocks: u64,
     /// Number of moves and dwells, without those of zero length.
     pub moves: u64,
-    /// Number of executed M00.
+    /// Number of executed program stops (M00).
     pub stops: u32,
-    /// Number of finished parts.
+    /// Number of finished parts that the control counts during the program.
     pub parts: u32,
-    /// Tools that were called, with their offset numbers, in order; each pair once.
+    /// Tool and offset number of each T word, in the order of first use; each pair once.
     pub tools: Vec<(u8, u8)>,
-    /// Bounding box of the path in work coordinates; `None` without motion.
+    /// Bounding box of the path in work coordinates, mm; `None` without motion.
     pub bounds: Option<PathBounds>,
     /// Probable mistakes that raise no alarm. Most kinds are listed at their first
     /// occurrence only.
     pub cautions: Vec<Caution>,
     /// Path lengths by kind of move.
     pub lengths: PathLengths,
-    /// Absolute position at the end, mm.
+    /// Absolute position (work coordinates) at the end, mm.
     pub absolute: Point,
     /// Machine position at the end, mm.
     pub machine: Point,
     /// Relative position at the end, mm.
     pub relative: Point,
-    /// Coordinate frame at the end.
+    /// Work zero and tool offset at the end.
     pub frame: Frame,
-    /// Modal state at the end.
+    /// Modal codes and values at the end.
     pub modal: ModalState,
     /// Direction of the spindle at the end.
     pub spindle: SpindleRotation,
@@ -136,26 +136,26 @@ pub struct Preview {
     pub parameters: ControlParameters,
 }
 
-/// Progress of a running preview.
+/// Progress of a running preview, passed to `should_continue`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PreviewProgress {
-    /// Line of the current block, from 1.
+    /// Line of the last executed block, from 1; 0 before the first block.
     pub line: u32,
     /// Number of executed blocks.
     pub blocks: u64,
-    /// Number of moves.
+    /// Number of moves and dwells so far.
     pub moves: u64,
-    /// Number of blocks read, repeated for loops and subprograms, plus one for each 64 bytes
-    /// of their text.
+    /// Number of blocks read, counted again in loops and subprograms, plus one for each 64
+    /// bytes of parsed text.
     pub work: u64,
-    /// Number of commands since the last move.
+    /// Number of executed commands since the last move.
     pub motionless: u64,
-    /// Machine time, s.
+    /// Simulated machine time so far, s.
     pub time_s: f64,
 }
 
-/// Interprets the selected program from its first line to its end, at most 1.5 million
-/// blocks without motion. `on_move` receives all moves in order.
+/// Interprets the selected program from its first line to its end, or until 1.5 million
+/// consecutive commands have moved nothing. `on_move` receives all moves in order.
 pub fn preview(
     setup: &Setup,
     programs: &ProgramMemory,
@@ -166,8 +166,8 @@ pub fn preview(
     })
 }
 
-/// Like [`preview`], while `should_continue` returns true: it is called every few thousand commands.
-/// When it returns false, the preview ends with [`PreviewEnd::Limit`].
+/// Interprets the selected program like [`preview`]. Calls `should_continue` every few
+/// thousand commands; when it returns `false`, the preview ends with [`PreviewEnd::Limit`].
 pub fn preview_with_progress(
     setup: &Setup,
     programs: &ProgramMemory,
@@ -184,7 +184,8 @@ pub fn preview_with_progress(
     )
 }
 
-/// Like [`preview_with_progress`]; `on_move` also receives the explanation of a move of a cycle.
+/// Works like [`preview_with_progress`], but `on_move` also receives the explanation of each
+/// move of a cycle; `None` for other moves.
 pub fn preview_explained(
     setup: &Setup,
     programs: &ProgramMemory,
@@ -198,7 +199,8 @@ pub fn preview_explained(
     interpret(setup, programs, on_move, should_continue, options)
 }
 
-/// Like [`preview_with_progress`]; after an alarm it continues and collects [`FurtherAlarms`] ones.
+/// Works like [`preview_with_progress`], but continues after an alarm and collects the
+/// following ones in [`Preview::further`].
 pub fn preview_beyond_alarms(
     setup: &Setup,
     programs: &ProgramMemory,
@@ -218,12 +220,12 @@ pub fn preview_beyond_alarms(
     )
 }
 
-/// Optional outputs that cost time.
+/// Optional outputs of a preview that cost computing time.
 #[derive(Clone, Copy, Default)]
 struct PreviewOptions {
-    /// Continue after an alarm.
+    /// Whether the preview continues after an alarm.
     beyond_alarms: bool,
-    /// Explain the position of moves of cycles.
+    /// Whether `on_move` receives explanations of the moves of cycles.
     explanations: bool,
 }
 
@@ -301,7 +303,7 @@ fn interpret(
     preview
 }
 
-/// The work zero before the first block.
+/// The frame before the first block: its work zero follows from the start position.
 fn frame_at_start(setup: &Setup) -> Frame {
     let start = setup.start.unwrap_or_default();
     Frame {
@@ -312,7 +314,7 @@ fn frame_at_start(setup: &Setup) -> Frame {
     }
 }
 
-/// The ladder's inputs to macros while the lathe is idle.
+/// The inputs of macros (#1000 to #1015, one bit each) that the ladder sets on an idle lathe.
 fn idle_inputs(setup: &Setup) -> u16 {
     const SETTLED_TICKS: u32 = 500;
     let mut simulation = Simulation::new(setup.clone());
@@ -323,7 +325,7 @@ fn idle_inputs(setup: &Setup) -> u16 {
     u16::from_le_bytes([memory.g(54), memory.g(55)])
 }
 
-/// Callback for the moves, each with its explanation.
+/// Callback for the moves, each with its explanation (`None` without one).
 type OnMove<'a> = dyn FnMut(&ExecutedMove, Option<&Explanation>) + 'a;
 
 /// State of the preview while it executes commands.
@@ -334,28 +336,28 @@ struct PreviewRun<'a> {
     messages: LadderMessages,
     relative_zero: Point,
     motionless: u64,
-    /// Block of the last executed command.
+    /// Position of the block of the last executed command; `None` before the first one.
     source: Option<SourcePosition>,
-    /// The program has reached its end.
+    /// Whether the program has reached its end.
     ended: bool,
     programs: &'a ProgramMemory,
     position_check: StartPositionCheck,
-    /// State of the preview after the first alarm.
+    /// The search for further alarms; `None` before the first alarm.
     alarm_search: Option<AlarmSearch>,
-    /// Deceleration time at the end of the last thread, s. It is added to the clock later.
+    /// Deceleration time at the end of the last thread, s, not yet added to the clock.
     owed_deceleration_s: f64,
-    /// Cuts that blend into each other (007.3 = 0), and the last of them. Its duration is
-    /// known at the next command.
+    /// Cuts that blend into each other (007.3 = 0), and the last of them, whose duration
+    /// depends on the next command.
     sequel: CutChain,
     pending_cut: Option<(ExecutedMove, Option<Explanation>)>,
-    /// A rapid that may lead to a machine zero: the next command decides.
+    /// A rapid that may lead to a machine zero; the next command decides whether it does.
     pending_return: Option<(ExecutedMove, Option<Explanation>)>,
     last_reported: Option<ReportedEnd>,
-    /// Time in which the spindle reaches a new speed, s.
+    /// Time that the spindle needs to reach a new speed, s.
     spindle_settle_s: f64,
     preview: Preview,
     on_move: &'a mut OnMove<'a>,
-    /// Whether moves are explained, and the explanation of the current command.
+    /// Whether moves are explained, and the explanation of the current command, if any.
     has_explanations: bool,
     explanation: Option<Explanation>,
 }
@@ -415,7 +417,8 @@ impl<'a> PreviewRun<'a> {
         }
     }
 
-    /// Executes commands to the end of the program or to an alarm.
+    /// Executes commands until the program ends or `should_continue` returns `false` (`None`),
+    /// or until an alarm, which is returned.
     fn run(
         &mut self,
         interpreter: &mut Interpreter,
@@ -485,7 +488,7 @@ impl<'a> PreviewRun<'a> {
         self.preview.alarm = Some(alarm);
     }
 
-    /// The result up to here.
+    /// Ends the pending cut and returns the result of all commands executed so far.
     fn finish(&mut self, parameters: &ControlParameters) -> Preview {
         self.report_pending_cut(false);
         self.preview.time_s = self.clock.now() + self.owed_deceleration_s;
@@ -502,8 +505,8 @@ impl<'a> PreviewRun<'a> {
     }
 }
 
-/// Rounds off the errors in the last bits that a change of frame causes. End points are
-/// multiples of 0.0005 mm, centres are accurate to 1e-9 mm.
+/// Rounds a point to 1e-9 mm, which removes the errors in the last bits after a change of
+/// frame. End points are multiples of 0.0005 mm.
 fn remove_noise(point: Point) -> Point {
     const FINE: f64 = 1e9;
     Point::new(round(point.x * FINE) / FINE, round(point.z * FINE) / FINE)

@@ -2,15 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
-/// States of automatic operation; the signals STL, SPL and OP report them.
+/// The state of automatic operation, which the signals STL, SPL and OP report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RunState {
-    /// After power-on, RESET and M30: the next cycle start begins at the cursor.
+    /// No program is active (after power-on, RESET and M30): cycle start begins at the cursor.
     Reset,
-    /// At the end of a block: cycle start continues with the next one.
+    /// Stopped at the end of a block: cycle start continues with the next block.
     Stop,
     /// A block is running.
     Run,
-    /// Feed hold: motion has stopped within a block.
+    /// Feed hold has stopped the motion within a block: cycle start continues the block.
     Hold,
 }

@@ -13,7 +13,7 @@ use crate::machine::{LatheConfig, SlideEnds};
 use crate::memory::{ControlParameters, DayTime};
 use crate::units::{Axis, PerAxis, Point};
 
-/// K12: the ladder stores the tool in position here.
+/// Byte of the K area (K12) in which the ladder stores the number of the tool in position.
 pub(crate) const TOOL_IN_POSITION: u16 = 12;
 
 /// The initial state of a control and its simulated lathe.
@@ -21,39 +21,42 @@ pub(crate) const TOOL_IN_POSITION: u16 = 12;
 pub struct Setup {
     /// Battery-backed memory: parameters, offsets, programs and other data.
     pub memory: BatteryMemory,
-    /// The ladder of the machine.
+    /// The PLC program of the machine.
     pub ladder: MachineLadder,
-    /// Retained memory of the PLC; `None`: its initial values.
+    /// Retained memory of the PLC; `None` for the initial values of the ladder.
     pub plc_retained: Option<RetainedMemory>,
     /// Configuration of the simulated lathe.
     pub lathe: LatheConfig,
-    /// The parameters that the lathe was wired for; `None`: those in `memory`.
+    /// The parameters for whose contact levels the lathe was wired; `None` for those in
+    /// `memory`.
     pub wired: Option<ControlParameters>,
-    /// Machine position of the tool (X as a radius), mm; `None`: unset. Without `absolute`
+    /// Machine position of the tool (X as a radius), mm; `None` if unset. Without `absolute`,
     /// the work zero is the machine zero.
     pub start: Option<Point>,
-    /// True position of the slides from the reference point (X as a radius), mm; `None`:
-    /// that of `start`. Before the reference return the control does not know it.
+    /// True position of the slides from the reference point (X as a radius), mm, which the
+    /// control does not know before the reference return; `None` for the position `start`.
     pub slides: Option<Point>,
-    /// Absolute coordinates at power-off (X as a radius), mm; with 004.7 ABOT = 0 they are
-    /// kept. A preview always uses them: `start - absolute` is the work zero.
+    /// Absolute coordinates at power-off (X as a radius), mm. The control keeps them with
+    /// 004.7 ABOT = 0; a preview always uses them: `start - absolute` is the work zero.
     pub absolute: Option<Point>,
     /// Alarms raised at power-on by errors in the stored data.
     pub alarms: Vec<Alarm>,
-    /// Whether both axes are already referenced.
+    /// Whether both axes are already referenced at power-on.
     pub referenced: bool,
-    /// Axes whose machine zero was set by hand and is kept (method A).
+    /// Whether the machine zero of an axis was set by hand and is kept over power-off (method
+    /// A).
     pub zero_kept: PerAxis<bool>,
-    /// Speed of a spindle that already turns forward, r/min; `None`: it is stopped.
+    /// Speed of a spindle that already turns forward, r/min; `None` if it is stopped.
     pub spindle_rpm: Option<f64>,
     /// Local date and time of day at power-on.
     pub day_time: DayTime,
-    /// Machine inputs that are forced to a level.
+    /// Inputs of the machine that are forced, each with its level (`true` = 1).
     pub forced_inputs: Vec<(BitAddress, bool)>,
 }
 
 impl Setup {
-    /// The tool in position at power-on: 075, or the value that the ladder stored in K12.
+    /// The number of the tool in position at power-on: parameter 075, or K12 of the ladder if
+    /// 075 is 0.
     pub(crate) fn tool_in_position(&self) -> u8 {
         match self.memory.parameters.tool_in_position() {
             0 => {}
@@ -69,15 +72,15 @@ impl Setup {
         }
     }
 
-    /// Whether an axis is referenced at power-on. A zero without a switch (014 ZRS = 0) is
-    /// kept.
+    /// Whether an axis is referenced at power-on: both are, or its zero is kept, which needs
+    /// 014 ZRS = 0 (no zero switch).
     pub(crate) fn is_referenced(&self, axis: Axis) -> bool {
         let kept = *self.zero_kept.get(axis) && !self.memory.parameters.has_zero_switch(axis);
         self.referenced || kept
     }
 
-    /// The training lathe as delivered: factory parameters except for its analog spindle,
-    /// dogs and limit switches, not referenced.
+    /// The training lathe as delivered, not referenced: factory parameters except for an
+    /// analog spindle, with dogs and limit switches.
     pub fn delivered() -> Self {
         Self {
             lathe: LatheConfig::default(),
@@ -87,8 +90,8 @@ impl Setup {
         }
     }
 
-    /// The initial state for an operator script without a machine file: that of a dry run
-    /// with another lathe. Its slides have switches and ends, since scripts jog them.
+    /// The initial state for an operator script without a machine file: that of a dry run, but
+    /// the slides have switches and ends, since scripts jog them.
     pub fn for_operator_script() -> Self {
         Self {
             lathe: LatheConfig::with_long_slides(),
@@ -96,15 +99,16 @@ impl Setup {
         }
     }
 
-    /// Enables the power chuck of the training lathe: M12 and M13 act (164.0 SLQP = 1), and
-    /// the spindle also starts without clamping (164.1 SLSP = 1).
+    /// Returns the setup with a power chuck: M12 and M13 act (164.0 SLQP = 1), and the spindle
+    /// also starts without clamping (164.1 SLSP = 1).
     #[must_use]
     pub fn with_chuck(mut self) -> Self {
         self.memory.parameters.fit_chuck();
         self
     }
 
-    /// The axes whose start position is beyond the ends of their slides, with those ends.
+    /// The axes whose start position is beyond the ends of their slides, each with those ends
+    /// (X as a diameter, mm).
     pub fn axes_beyond_ends(&self) -> Vec<(Axis, SlideEnds)> {
         let Some(start) = self.start else {
             return Vec::new();

@@ -17,11 +17,12 @@ use super::plane::sweep;
 use super::segment::{Circle, ContourSegment};
 use crate::units::Point;
 
-/// How much closer rounding and joined corners may bring the nose, mm.
+/// Tolerance of the check, mm: rounding and joined corners may bring the nose this much closer
+/// to a surface than its radius.
 pub(super) const ROUNDING_MM: f64 = 0.0003;
-/// A shorter arc of at most half a turn counts as its chord, mm.
+/// An arc of at most half a turn whose chord is shorter than this, mm, counts as the chord.
 const SHORT_CHORD_MM: f64 = 1e-6;
-/// Smaller changes of radius are ignored, mm.
+/// A radius that changes by less than this along an arc, mm, counts as constant.
 const NEGLIGIBLE_GROWTH_MM: f64 = 0.0001;
 
 /// A line, or an arc of at most a full turn whose radius may change linearly.
@@ -30,7 +31,8 @@ pub(super) struct Curve {
     from: Point,
     pub(super) to: Point,
     arc: Option<CurveArc>,
-    /// Corners of a box that contains the curve; it may be larger than the curve.
+    /// Corners of a box parallel to the axes that contains the curve, mm; it may be larger
+    /// than necessary.
     low: Point,
     high: Point,
 }
@@ -68,8 +70,8 @@ impl Curve {
         curve
     }
 
-    /// The arc from `from` to `to` about the centre of `circle`, parallel to the arc of a
-    /// move.
+    /// The arc from `from` to `to` about the centre of `circle`, parallel to the arc of the
+    /// move `piece`.
     pub(super) fn parallel_arc(
         from: Point,
         to: Point,
@@ -92,7 +94,7 @@ impl Curve {
         Self::from_arc(from, to, arc)
     }
 
-    /// The programmed surface of a move.
+    /// The programmed surface that a move cuts, as a curve.
     pub(super) fn surface(piece: &ContourSegment) -> Self {
         match &piece.circle {
             None => Self::line(piece.start, piece.end),
@@ -104,7 +106,8 @@ impl Curve {
         self.arc.is_none()
     }
 
-    /// The greatest distance of the curve from the arc with its middle radius, mm.
+    /// Greatest distance of an arc with changing radius from the arc with its middle radius,
+    /// mm; 0 for a line.
     pub(super) fn radius_deviation(&self) -> f64 {
         self.arc.as_ref().map_or(0.0, CurveArc::radius_deviation)
     }
@@ -129,8 +132,8 @@ impl Curve {
         }
     }
 
-    /// The least and the greatest coordinate along `direction`. `along` computes the
-    /// coordinate of a point in that direction.
+    /// The least and the greatest coordinate of the curve along `direction`, scaled by the
+    /// length of `direction`. `along` computes that coordinate of a point.
     fn extent(&self, direction: Point, along: impl Fn(Point) -> f64) -> (f64, f64) {
         let (from, to) = (along(self.from), along(self.to));
         let (mut least, mut most) = min_max(from, to);
@@ -155,7 +158,7 @@ impl Curve {
         (least, most)
     }
 
-    /// The two halves of an arc.
+    /// Splits the curve, an arc, into two halves.
     fn split_arc(&self, arc: &CurveArc) -> [Self; 2] {
         let arm = self.from - arc.center;
         let whole = match sweep(arm, self.to - arc.center, arc.turn) {
@@ -180,14 +183,14 @@ impl Curve {
 }
 
 impl CurveArc {
-    /// The greatest distance of the curve from the arc with its middle radius, mm.
+    /// Greatest distance of the arc from an arc with its middle radius, mm.
     const fn radius_deviation(&self) -> f64 {
         self.growth.abs() / 2.0
     }
 }
 
-/// The smaller and the larger of two numbers. Neither may be NaN, so that the NaN handling
-/// of `min` and `max` is not needed.
+/// The smaller and the larger of two numbers, neither of which may be NaN: `min` and `max`
+/// would handle NaN too, which takes time.
 #[inline]
 const fn min_max(one: f64, other: f64) -> (f64, f64) {
     let smaller = if one < other { one } else { other };
@@ -195,7 +198,7 @@ const fn min_max(one: f64, other: f64) -> (f64, f64) {
     (smaller, larger)
 }
 
-/// Whether a path comes closer to a surface than `least`, mm.
+/// Whether the distance of a path from a surface is less than `least`, mm.
 pub(super) fn is_closer_than(path: &Curve, surface: &Curve, least: f64) -> bool {
     least > 0.0
         && !are_boxes_apart(path, surface, least)
@@ -204,8 +207,8 @@ pub(super) fn is_closer_than(path: &Curve, surface: &Curve, least: f64) -> bool 
         && is_closer_by_halving(path, surface, least)
 }
 
-/// Whether two curves come closer to each other than `least`, mm. Where the change of a
-/// radius decides, arcs are halved until the change is negligible.
+/// Whether the distance of two curves is less than `least`, mm. If the change of a radius
+/// decides, arcs are halved until the change is negligible.
 fn is_closer_by_halving(a: &Curve, b: &Curve, least: f64) -> bool {
     let deviation = a.radius_deviation() + b.radius_deviation();
     let between = distance(a, b);
@@ -228,7 +231,7 @@ fn is_closer_by_halving(a: &Curve, b: &Curve, least: f64) -> bool {
     })
 }
 
-/// Whether the bounding boxes of two curves are already `least` apart.
+/// Whether the bounding boxes of two curves are at least `least` apart, mm.
 fn are_boxes_apart(a: &Curve, b: &Curve, least: f64) -> bool {
     let gap = |one: f64, other: f64| min_max(min_max(one, other).1, 0.0).1;
     let x = gap(a.low.x - b.high.x, b.low.x - a.high.x);
@@ -257,7 +260,7 @@ fn is_on_one_side(line: &Curve, other: &Curve, least: f64) -> bool {
     is_beyond(right) || is_beyond(-left)
 }
 
-/// The least distance of two curves, mm. Arcs count with their middle radius.
+/// The least distance between two curves, mm. Each arc counts with its middle radius.
 pub(super) fn distance(a: &Curve, b: &Curve) -> f64 {
     let between = match (&a.arc, &b.arc) {
         (None, None) => return line_distance(a, b),
@@ -288,7 +291,8 @@ fn distance_to_point(curve: &Curve, point: Point) -> f64 {
     }
 }
 
-/// The foot of the perpendicular from a point to a line, if it lies within the line.
+/// The foot of the perpendicular from a point to a line; `None` if it is not between the ends
+/// of the line.
 fn foot(line: &Curve, point: Point) -> Option<Point> {
     let along = line.to - line.from;
     let square = along.dot(along);
@@ -301,8 +305,8 @@ fn foot(line: &Curve, point: Point) -> Option<Point> {
         .then(|| line.from + along * part)
 }
 
-/// Two lines are closest at an end unless they cross. The squared distances are compared:
-/// the root of the least one is the least distance.
+/// The least distance between two lines, mm; 0 if they cross. Otherwise an end of one line is
+/// closest, so that the squared distances of the ends are compared.
 fn line_distance(a: &Curve, b: &Curve) -> f64 {
     if do_lines_cross(a, b) {
         return 0.0;

@@ -22,49 +22,51 @@ use super::segment::ContourSegment;
 
 use crate::units::Point;
 
-/// Vectors closer than this count as one, mm.
+/// Vectors whose ends are closer than this count as equal, mm.
 const SAME_VECTOR_MM: f64 = 0.001;
-/// Two moves whose nose centres are closer than this at their corner are tangent except for
-/// rounded ends and centres, mm.
+/// Two moves count as tangent if their nose centres are closer than this at the corner, mm;
+/// such a distance comes from rounded ends and centres.
 const TANGENT_MM: f64 = 0.004;
-/// The same limit where one of the moves is so short that rounding turns it more, mm.
+/// Limit instead of [`TANGENT_MM`], mm, if one of the moves is so short that rounding turns it
+/// more.
 const SHORT_MOVE_TANGENT_MM: f64 = 0.02;
-/// Rounding the ends of a shorter move to 0.001 mm turns it by more than 0.002 rad, mm.
+/// Length, mm, below which rounding the ends to 0.001 mm turns a move by more than 0.002 rad.
 const SHORT_MOVE_MM: f64 = 0.35;
-/// Directions with a smaller cross product are parallel.
+/// Directions count as parallel if the cross product of their unit vectors is smaller.
 const PARALLEL: f64 = 1e-9;
 /// Cosine of one degree.
 const COS_1_DEGREE: f64 = 0.999_847_695_156_391_3;
 
-/// How a start-up begins and a cancel ends. Type A has one vector perpendicular to the
-/// compensated move; type B goes around the corner too.
+/// How the nose goes around a corner when compensation starts or is cancelled. Type A has one
+/// vector, perpendicular to the compensated move; type B goes around the corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum StartUpType {
-    /// Only for machines set to type A.
+    /// One perpendicular vector; only machines that are set to type A use it.
     A,
     B,
 }
 
-/// This control uses type B.
+/// The start-up type of this control, type B.
 const START_TYPE: StartUpType = StartUpType::B;
 
 /// The role of the two moves of a corner in the compensation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CornerRole {
-    /// The first move starts the compensation.
+    /// The first move starts the compensation, the second one is compensated.
     StartUp,
     /// Both moves are compensated.
     Both,
-    /// The second move cancels the compensation.
+    /// The first move is compensated, the second one cancels the compensation.
     Cancel,
 }
 
-/// Up to four vectors of a corner, in order.
+/// Up to four vectors of a corner, from the programmed point to the nose centre, in the order
+/// in which the nose centre reaches their ends, mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct CornerVectors {
     list: [Point; 4],
     count: u8,
-    /// There is one vector: to the point where the offset paths of both moves meet.
+    /// Whether the only vector ends where the offset paths of both moves meet.
     pub(super) meets: bool,
 }
 
@@ -78,7 +80,7 @@ impl CornerVectors {
         vectors
     }
 
-    /// One vector to the point where the offset paths of both moves meet.
+    /// A corner with one vector, to the point where the offset paths of both moves meet.
     fn at_meeting(point: Point) -> Self {
         Self {
             meets: true,
@@ -112,10 +114,10 @@ impl CornerVectors {
     }
 }
 
-/// The geometry of a corner.
+/// The shape of a corner, seen from the side of the nose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum CornerKind {
-    /// The turn is too small for a second vector.
+    /// The direction changes so little that the two perpendicular vectors count as equal.
     Straight,
     Inner,
     /// Inner, with less than one degree between the paths.
@@ -126,8 +128,9 @@ enum CornerKind {
     OuterSharp,
 }
 
-/// Classifies the angle between two directions of travel. The nose is on the left for a
-/// positive `rho`, else on the right.
+/// Classifies the corner between the directions of travel `exit` of the first and `entry` of
+/// the second move. The nose is on the left for a positive `rho`, on the right for a negative
+/// one.
 fn classify_corner(exit: Point, entry: Point, rho: f64) -> CornerKind {
     let turned = (exit - entry) * rho;
     if turned.dot(turned) <= SAME_VECTOR_MM * SAME_VECTOR_MM {
@@ -153,8 +156,8 @@ fn classify_corner(exit: Point, entry: Point, rho: f64) -> CornerKind {
     CornerKind::Obtuse
 }
 
-/// The vectors at the end of `a`. The nose runs `rho_a` left of `a` and `rho_b` left of `b`,
-/// mm; negative values mean right.
+/// Computes the vectors of the corner at the end of `a`. The nose centre is `rho_a` to the
+/// left of `a` and `rho_b` to the left of `b`, mm; negative values mean right.
 pub(super) fn corner_vectors(
     a: &ContourSegment,
     rho_a: f64,
@@ -181,12 +184,14 @@ pub(super) fn corner_vectors(
     }
 }
 
-/// The vector perpendicular to the end of a move.
+/// The vector from the end of a move to the nose centre, perpendicular to the move. `rho` is
+/// its length, mm, positive to the left.
 pub(super) fn perpendicular_at_end(a: &ContourSegment, rho: f64) -> Point {
     a.exit.left() * rho
 }
 
-/// The vector perpendicular to the start of a move.
+/// The vector from the start of a move to the nose centre, perpendicular to the move. `rho` is
+/// its length, mm, positive to the left.
 pub(super) fn perpendicular_at_start(b: &ContourSegment, rho: f64) -> Point {
     b.entry.left() * rho
 }
@@ -251,7 +256,8 @@ fn same_side_vectors(
     })
 }
 
-/// The position where the nose rests at a corner with an inner arc that it fills.
+/// The vectors to where the nose rests at a corner with inner arcs that it fills; `None` if it
+/// fills neither arc.
 fn rest_vectors(a: &ContourSegment, b: &ContourSegment, rho: f64) -> Option<CornerVectors> {
     let center = |piece: &ContourSegment| piece.rest_center(rho).map(|center| center - b.start);
     match (center(a), center(b)) {
@@ -261,10 +267,9 @@ fn rest_vectors(a: &ContourSegment, b: &ContourSegment, rho: f64) -> Option<Corn
     }
 }
 
-/// A corner that would be tangent except for rounding. The paths of the nose centre then
-/// meet at a grazing angle. A micrometre moves their meeting point by a multiple, past the
-/// end of a short move, or there is no meeting point. The nose centre goes between the two
-/// perpendicular vectors instead: their distance is below the effect of rounding.
+/// Vectors of a corner that would be tangent except for rounding. The paths of the nose centre
+/// meet at `met`, at a grazing angle, so that rounding may move `met` past the end of a short
+/// move. Then one vector between the two perpendicular ones is used instead.
 ///
 /// ```text
 ///   offset of a ----------*---.___        * square to a, + square to b
@@ -306,7 +311,8 @@ fn near_tangent_vectors(
     }
 }
 
-/// Goes around an acute corner: both paths of the nose centre continue by r.
+/// Vectors around an acute outer corner: both paths of the nose centre continue by the nose
+/// radius. The flags: whether the outer perpendicular vectors are included.
 fn extended_vectors(
     a: &ContourSegment,
     b: &ContourSegment,
@@ -326,8 +332,8 @@ fn extended_vectors(
     CornerVectors::from_points(points.get(from..to).unwrap_or(&[]))
 }
 
-/// Change between G41 and G42: the intersection if it is within the moves, else one vector
-/// perpendicular to each move.
+/// Vectors of a change between G41 and G42: the intersection of the paths if it is within the
+/// moves, otherwise one vector perpendicular to each move.
 ///
 /// ```text
 ///    A -----P            A ------P

@@ -7,24 +7,24 @@ use crate::alarm::Alarm;
 use crate::command::{Action, ControlCommand, Frame, ModalState, ProgramId, SourcePosition};
 use crate::units::{Feed, Point};
 
-/// A move in the plane. In its points `z` is along the first axis of the plane and `x` along
-/// the second, mm; in this view clockwise is clockwise.
+/// A move in the plane of G17 to G19. In its points `z` is along the first axis of the plane
+/// and `x` along the second, mm; clockwise is as seen in this view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlatMove {
     /// The number under which the caller keeps the other data of the move.
     pub number: u32,
-    /// Line number for alarms.
+    /// Line number of the block, for alarms.
     pub line: u32,
-    /// End point, mm.
+    /// End point of the move, mm.
     pub to: Point,
-    /// Shape of the path.
+    /// Whether the move is a rapid, a line or an arc.
     pub shape: FlatShape,
 }
 
-/// The path of a move in the plane.
+/// The kind of a move in the plane, with the data of an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FlatShape {
-    /// A rapid: to a point, without a feed.
+    /// A rapid to the end point.
     Rapid,
     /// A straight cut.
     Line,
@@ -32,7 +32,7 @@ pub enum FlatShape {
     Arc {
         /// Centre of the arc, mm.
         center: Point,
-        /// Direction of the arc, seen as the points of [`FlatMove`] are.
+        /// Whether the arc is clockwise, in the view of [`FlatMove`].
         clockwise: bool,
     },
 }
@@ -48,22 +48,22 @@ pub enum CutterSide {
     Right,
 }
 
-/// One result of the compensation.
+/// What the compensation releases: a move or a block without one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CutterOutput {
     /// A move of the cutter centre. A corner may turn one pushed move into several; only the
     /// last of them is the move itself, the others lead around the corner before it.
     Move {
-        /// The compensated move, with the number of the pushed one.
+        /// The compensated move; its `number` is that of the pushed move.
         flat: FlatMove,
-        /// Whether it is the last move with this number.
+        /// Whether this is the last move with its `number`.
         last: bool,
     },
     /// The number of a block that was pushed without motion in the plane.
     Other(u32),
 }
 
-/// Converts the moves of a program into moves of the cutter centre.
+/// Cutter compensation: converts programmed moves into moves of the cutter centre.
 #[derive(Clone, Debug, Default)]
 pub struct CutterCompensation {
     stream: NoseCompensation,
@@ -81,7 +81,7 @@ impl CutterCompensation {
         self.stream.set_position(point, Frame::default());
     }
 
-    /// Accepts a move of a block, with the active side and the cutter radius, mm.
+    /// Accepts a programmed move with the active side of the cutter and its radius, mm.
     pub fn push(&mut self, flat: FlatMove, side: CutterSide, radius: f64) {
         let feed = Feed::PerMinute(1.0);
         let action = match flat.shape {
@@ -101,13 +101,15 @@ impl CutterCompensation {
         self.push_action((flat.number, flat.line), action, side, nose, true);
     }
 
-    /// Accepts a block without motion in the plane.
+    /// Accepts a block without motion in the plane; `number` comes back in
+    /// [`CutterOutput::Other`].
     pub fn push_other(&mut self, number: u32, side: CutterSide) {
         let nose = Nose::default();
         self.push_action((number, 0), Action::Nothing, side, nose, true);
     }
 
-    /// Accepts motion that is not compensated and ends at `to`, mm.
+    /// Accepts motion that is not compensated and ends at `to`, mm; the move before it ends on
+    /// its programmed point.
     pub fn push_uncompensated(&mut self, number: u32, to: Point, side: CutterSide) {
         let nose = Nose::default();
         self.push_action((number, 0), Action::Rapid { to }, side, nose, false);
@@ -154,16 +156,17 @@ impl CutterCompensation {
         self.stream.recent_paths.keep_last();
     }
 
-    /// Ends the open move perpendicular to itself: no further move follows.
+    /// Releases the last pushed move, whose end then is perpendicular to it, because no
+    /// further move is known.
     pub fn flush(&mut self) {
         self.stream.flush();
     }
 
-    /// Returns the next result, or `None` until more is pushed.
+    /// Returns the next result; `None` until more moves are pushed.
     ///
     /// # Errors
-    /// Alarms of compensation; the sequence number of their source is the number of the
-    /// move.
+    /// The alarm at which compensation ends; the sequence number of its source is the number
+    /// of the move.
     pub fn take(&mut self) -> Option<Result<CutterOutput, Alarm>> {
         let command = match self.stream.take()? {
             Ok(command) => command,

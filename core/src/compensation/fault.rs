@@ -66,7 +66,8 @@ impl CompensationFault {
         }
     }
 
-    /// Whether the fault concerns two moves: then the first one is not started.
+    /// Whether the fault concerns a move together with the one before: that one is not started
+    /// then.
     pub(crate) const fn is_between_moves(self) -> bool {
         !matches!(
             self,
@@ -74,13 +75,13 @@ impl CompensationFault {
         )
     }
 
-    /// The alarm without a source position.
+    /// The alarm of this fault, without a position in the program.
     pub(crate) fn alarm(self) -> Alarm {
         Alarm::new(self.number()).with_detail(self.reason())
     }
 
-    /// The alarm of a corner, at the block that is not started. If the words of the next
-    /// block are wrong in themselves, the alarm is at that block.
+    /// The alarm of a fault at the corner of two moves. Its position is the first block, which
+    /// is not started, or the second block if the words of that block are wrong in themselves.
     pub(super) fn corner_alarm(self, first: SourcePosition, second: SourcePosition) -> Alarm {
         let position = match self {
             Self::SamePoint | Self::CenterAtStart | Self::CenterAtEnd | Self::SmallArc => second,

@@ -26,23 +26,23 @@ use super::plane::sweep;
 use super::segment::{Circle, ContourSegment, is_too_short};
 use crate::units::Point;
 
-/// A smaller motion backwards is rounding, mm.
+/// Motion opposite to the programmed direction by less than this is rounding, mm.
 const BACKWARDS_MM: f64 = 1e-6;
-/// How far the nose may cut into an arc whose end is off its circle, mm: its path is
-/// parallel only while the radius changes slowly.
+/// How far the nose may cut into an arc whose end is off its circle, mm: the nose path is
+/// parallel to such an arc only while the radius changes slowly.
 const TILTED_ARC_MM: f64 = 0.0005;
 
-/// The vectors that remain at both ends of a move.
+/// The vectors at both ends of a move that interference has not ruled out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct EndVectors {
     pub(super) start: CornerVectors,
     pub(super) end: CornerVectors,
-    /// Whether an arc is run as a straight line.
+    /// Whether the move, an arc, is run as a straight line.
     pub(super) straight: bool,
 }
 
 impl EndVectors {
-    /// Starts with all vectors; an arc remains an arc.
+    /// All vectors of both corners, before any is ruled out; an arc remains an arc.
     pub(super) const fn with_all_vectors(start: CornerVectors, end: CornerVectors) -> Self {
         Self {
             start,
@@ -57,14 +57,15 @@ impl EndVectors {
 pub(super) struct ExecutedPath {
     surface: Curve,
     path: Curve,
-    /// Whether the path keeps the nose clear of the surface of the same move.
+    /// Whether the nose path is parallel to the surface; a straight line instead of an arc is
+    /// not.
     parallel: bool,
-    /// Distance of the nose centre to the left of the move, mm.
+    /// Distance of the nose centre to the left of the move, mm; negative to the right.
     pub(super) rho: f64,
 }
 
 impl ExecutedPath {
-    /// An unused entry.
+    /// The content of an entry before its first use.
     const EMPTY: Self = {
         let none = Curve::line(Point::new(0.0, 0.0), Point::new(0.0, 0.0));
         Self {
@@ -75,7 +76,7 @@ impl ExecutedPath {
         }
     };
 
-    /// Overwrites the entry with the data of a move.
+    /// Overwrites this entry with the surface and the nose path of a move.
     #[inline(always)]
     fn set_from(&mut self, piece: &ContourSegment, way: &EndVectors, rho: f64) {
         let (p, q) = (piece.start + way.start.last(), piece.end + way.end.first());
@@ -93,21 +94,21 @@ impl ExecutedPath {
         self.rho = rho;
     }
 
-    /// Programmed end.
+    /// The programmed end point of the move.
     pub(super) const fn end(&self) -> Point {
         self.surface.to
     }
 }
 
-/// Number of earlier moves that the check includes.
+/// Number of earlier moves with which a move is checked.
 const MOVES_BEFORE: usize = 3;
 
-/// The last executed moves while the corners between them were regular, and the move that is
-/// being checked. The entry is written in place: copying it would cost more than the check.
+/// The paths of the last moves since the last interruption of the contour, and of the move
+/// being checked. A move is written in place: a copy would cost more than the check.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct RecentPaths {
     kept: Vec<ExecutedPath>,
-    /// Index of the next entry; once the list is full, of the oldest one.
+    /// Index in `kept` of the entry to be written next; once the list is full, the oldest one.
     next: usize,
 }
 
@@ -118,7 +119,7 @@ impl RecentPaths {
         self.next = 0;
     }
 
-    /// The last committed move.
+    /// The path of the last committed move; `None` without one.
     pub(super) fn last(&self) -> Option<&ExecutedPath> {
         let last = (self.next + MOVES_BEFORE) % (MOVES_BEFORE + 1);
         self.kept.get(last)
@@ -133,7 +134,7 @@ impl RecentPaths {
         }
     }
 
-    /// Stages the path of a move that is still to be checked.
+    /// Writes the path of a move that is still to be checked into the next entry.
     #[inline(always)]
     pub(super) fn stage(&mut self, piece: &ContourSegment, way: &EndVectors, rho: f64) {
         if self.kept.len() == self.next {
@@ -144,7 +145,8 @@ impl RecentPaths {
         }
     }
 
-    /// The staged move, and the earlier ones with the nose at the same distance on the left.
+    /// The path of the staged move, and those of earlier moves with the nose at the same
+    /// distance on the same side; `None` if no move is staged.
     #[inline(always)]
     pub(super) fn staged(&self) -> Option<(&ExecutedPath, EarlierPaths<'_>)> {
         let (before, from) = self.kept.split_at_checked(self.next)?;
@@ -166,13 +168,13 @@ impl RecentPaths {
         Some((laid, all))
     }
 
-    /// Commits the staged move: it has been run.
+    /// Keeps the staged move as executed, for the checks of later moves.
     pub(super) const fn commit(&mut self) {
         self.next = (self.next + 1) % (MOVES_BEFORE + 1);
     }
 }
 
-/// References to earlier moves, in no order.
+/// References to the paths of earlier moves, in no particular order.
 #[derive(Clone, Copy)]
 pub(super) struct EarlierPaths<'a> {
     list: [&'a ExecutedPath; MOVES_BEFORE],
@@ -185,10 +187,9 @@ impl<'a> EarlierPaths<'a> {
     }
 }
 
-/// Whether the nose would cut into neighbouring moves. Around the corner at the start and
-/// along the move, it must keep clear of the earlier moves, the move itself and the next
-/// one. The earlier moves must also have kept clear of the next one. `last` is one of the
-/// earlier moves.
+/// Whether the nose would cut into the part: around the corner at the start of the move
+/// `trail` or along it, into the moves `before`, the move itself or the `next` one, or on the
+/// earlier moves into the next one. `last` is the latest of `before`.
 ///
 /// ```text
 ///              path .-------   inner: the path leaves the line before it on the side of
@@ -200,8 +201,8 @@ impl<'a> EarlierPaths<'a> {
 ///              `. `. path      path's own line
 /// ```
 ///
-/// Along a line between two meeting points the nose keeps clear of the lines that meet
-/// there: they are not checked.
+/// A line whose two ends are meeting points cannot cut into the lines that it meets there:
+/// those are not checked.
 pub(super) fn does_cut_neighbours(
     before: &[&ExecutedPath],
     last: Option<&ExecutedPath>,
@@ -254,8 +255,8 @@ pub(super) fn does_cut_neighbours(
     }) || next.is_some_and(|next| before.iter().any(|before| cuts(&before.path, &next)))
 }
 
-/// Checks a move between the vectors at its start and its end. Drops some of them if
-/// necessary.
+/// Drops vectors from both ends of a move until its nose path no longer runs backwards. Fails
+/// if it still does with one vector at each end (alarm 057).
 #[inline]
 pub(super) fn drop_interfering_vectors(
     piece: &ContourSegment,
@@ -290,8 +291,8 @@ fn interferes(piece: &ContourSegment, way: &EndVectors) -> bool {
     }
 }
 
-/// Whether the sweep of the nose path differs from the programmed one by more than half a
-/// turn.
+/// Whether the nose path about an arc runs backwards: its sweep differs from the programmed
+/// one by more than half a turn.
 fn is_reversed(piece: &ContourSegment, circle: &Circle, p: Point, q: Point) -> bool {
     let (first, last) = (p - circle.center, q - circle.center);
     let (start, end) = (piece.start - circle.center, piece.end - circle.center);

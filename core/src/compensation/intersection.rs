@@ -14,13 +14,13 @@ use super::segment::{ContourSegment, SAME_POINT_MM};
 
 use crate::units::Point;
 
-/// A smaller denominator counts as a division by zero.
+/// Denominators smaller than this count as zero.
 const LEAST_DENOMINATOR: f64 = 1e-12;
-/// Radicands between this and zero count as zero: rounding.
+/// Radicands between this and zero are a rounding error and count as zero.
 const LEAST_RADICAND: f64 = -1e-9;
 
-/// The displacement from the end of `a`, which is the start of `b`. The nose runs `rho_a`
-/// left of `a` and `rho_b` left of `b`, mm.
+/// The vector from the end of `a`, the start of `b`, to where the paths of the nose centre
+/// meet, mm. The nose centre is `rho_a` to the left of `a` and `rho_b` to the left of `b`, mm.
 pub(super) fn intersect(
     a: &ContourSegment,
     rho_a: f64,
@@ -33,7 +33,7 @@ pub(super) fn intersect(
     }
 }
 
-/// The same for moves of any shape.
+/// [`intersect`] for lines and arcs in any combination.
 fn intersect_paths(
     a: &ContourSegment,
     rho_a: f64,
@@ -55,13 +55,14 @@ fn intersect_paths(
     Ok(path_a.intersect(&path_b).unwrap_or(meeting))
 }
 
-/// The path of the nose centre along one of the moves, relative to P.
+/// The path of the nose centre along a move, relative to the corner P.
 #[derive(Clone, Copy, Debug)]
 struct OffsetPath {
-    /// Unit vector to the left of the move at P.
+    /// Unit vector to the left of the move, at P.
     normal: Point,
     rho: f64,
-    /// Centre of an arc; `radius` is that of the path about it.
+    /// Centre of the arc relative to P, and in `radius` the radius of the nose path about it,
+    /// mm; zero for a line.
     center: Point,
     radius: f64,
     arc: bool,
@@ -87,7 +88,8 @@ impl OffsetPath {
         })
     }
 
-    /// The same path with the radius that the arc has beside a displacement from P.
+    /// A copy with the radius that the arc of `piece` has at `displacement` from P, for an arc
+    /// whose radius changes.
     fn with_radius_at(&self, piece: &ContourSegment, displacement: Point) -> Self {
         piece.circle.as_ref().map_or(*self, |circle| {
             let radius = piece.radius_toward(circle, displacement - self.center);
@@ -112,7 +114,7 @@ impl OffsetPath {
     }
 }
 
-/// Intersects two lines through P, each offset along its normal.
+/// Intersects two lines through P, each moved along its unit normal by its `rho`, mm.
 pub(super) fn intersect_lines(
     normal_a: Point,
     rho_a: f64,
@@ -134,7 +136,8 @@ pub(super) fn intersect_lines(
     Ok(sum * (1.0 / denominator))
 }
 
-/// Intersects a line through P, offset to the left by `rho`, with a circle.
+/// Intersects a line through P, moved to the left by `rho`, with a circle about `center`.
+/// Returns the intersection closest to P; `None` if they do not meet.
 fn intersect_line_circle(along: Point, rho: f64, center: Point, radius: f64) -> Option<Point> {
     let beside = along.left() * rho;
     let w = beside - center;
@@ -149,7 +152,8 @@ fn intersect_line_circle(along: Point, rho: f64, center: Point, radius: f64) -> 
     Some(beside + along * distance)
 }
 
-/// Intersects two circles whose centres are relative to P.
+/// Intersects two circles whose centres are relative to P. Returns the intersection closest to
+/// P.
 fn intersect_circles(
     center_a: Point,
     radius_a: f64,

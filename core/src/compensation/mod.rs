@@ -45,7 +45,7 @@ pub(crate) use stream::{CommandContext, NoseCompensation};
 
 use crate::units::{Point, round};
 
-/// Rounds to the least increment: 0.001 mm in Z and in the diameter X.
+/// Rounds a point to the least increment: 0.001 mm in Z and in the diameter X.
 fn round_to_increment(point: Point) -> Point {
     Point::new(
         round(point.x * 2000.0) / 2000.0,

@@ -15,7 +15,8 @@ use crate::command::{ControlCommand, ProgrammedX, SourcePosition};
 use crate::units::Point;
 
 impl NoseCompensation {
-    /// Ends the open move at the next one, which becomes the open move.
+    /// Releases the open move, whose end follows from `next`, and stores `next` as the open
+    /// move.
     pub(super) fn open_next_move(&mut self, mut next: Box<OpenMove>) {
         let source = next.command.source;
         if let Some(moving) = self.open_move.take() {
@@ -48,8 +49,8 @@ impl NoseCompensation {
         }
     }
 
-    /// Begins a move after the end of the move before has been settled: from the current
-    /// vector. An arc begins on its own path.
+    /// Prepares a move that follows no open move: it begins at the current position of the
+    /// tip. An arc gets a vector onto its own offset path first.
     fn begin_from_tip(&mut self, next: &mut OpenMove) {
         let mut radius = self.tip_state.radius;
         if self.tip_state.cancelled {
@@ -78,8 +79,8 @@ impl NoseCompensation {
         }
     }
 
-    /// Runs the move that cancels the compensation, from `from_x` to its programmed end.
-    /// `piece` is `None` for a move without a direction.
+    /// Releases the open move, then the command that cancels the compensation, from the
+    /// programmed X `from_x`, mm. `piece` is `None` if the command has no direction.
     pub(super) fn cancel(
         &mut self,
         command: ControlCommand,
@@ -126,7 +127,8 @@ impl NoseCompensation {
         self.ready.push_back(with_programmed_x(command, programmed));
     }
 
-    /// A T word without axis words: the tool moves by the change of the offset.
+    /// Executes a T word without axis words after the open move: the tool moves by `by`, the
+    /// change of the tool offset, mm.
     pub(super) fn shift_tool(&mut self, command: ControlCommand, by: Point) {
         if self.open_move.is_some() {
             self.held.push_back(HeldCommand::Travel(command, by));
@@ -135,14 +137,14 @@ impl NoseCompensation {
         }
     }
 
-    /// The tip moves with its vector.
+    /// Releases the command as a straight move of the tip by `by`, mm.
     fn shift_tool_now(&mut self, mut command: ControlCommand, by: Point) {
         self.tip_state.base = self.tip_state.base + by;
         command.action = straight_action(&command.action, self.tip_state.tip());
         self.ready.push_back(command);
     }
 
-    /// Releases a move that ends perpendicular to itself.
+    /// Releases a move with its end vector perpendicular to it.
     pub(super) fn end_perpendicular(&mut self, moving: Box<OpenMove>) {
         let square = corner::perpendicular_at_end(&moving.piece, moving.rho());
         self.end_move(
@@ -152,14 +154,14 @@ impl NoseCompensation {
         );
     }
 
-    /// Releases the open move with its end on the programmed point.
+    /// Releases the open move so that the tip ends on the programmed point.
     pub(super) fn end_at_programmed_point(&mut self) {
         if let Some(moving) = self.open_move.take() {
             self.end_move(moving, MoveEnd::Cancelled, None);
         }
     }
 
-    /// Releases the open move with this end, then the commands held after it.
+    /// Checks and releases a move with the end `end`, then the commands held after it.
     fn end_move(&mut self, moving: Box<OpenMove>, end: MoveEnd<'_>, next: Option<NextMove<'_>>) {
         let cancelled = matches!(end, MoveEnd::Cancelled);
         let end = match end {
@@ -193,8 +195,8 @@ impl NoseCompensation {
         self.release_held();
     }
 
-    /// Checks a move in offset mode for interference and reduces its vectors to those that
-    /// may be run. Records its path for the checks of later moves.
+    /// Checks a compensated move for interference and drops vectors that would interfere.
+    /// Stores its path for the checks of later moves.
     fn check(
         &mut self,
         moving: &OpenMove,
@@ -235,7 +237,8 @@ impl NoseCompensation {
         Ok(())
     }
 
-    /// Moves around the corner at the start of a move, as part of that move's block.
+    /// Releases the moves around the corner at the start of a move, as part of the block of
+    /// that move.
     pub(super) fn push_corner_moves(&mut self, moving: &OpenMove, vectors: &CornerVectors) {
         for vector in vectors.as_slice().iter().skip(1) {
             let to = round_to_increment(self.tip_state.base + *vector);
@@ -243,7 +246,8 @@ impl NoseCompensation {
         }
     }
 
-    /// Releases the move itself, to the first vector of its end or to the programmed point.
+    /// Releases the move itself. It ends at the first vector of its end; with `cancelled` a
+    /// straight move to the programmed point follows.
     fn push_main_move(&mut self, moving: &OpenMove, way: &EndVectors, cancelled: bool) {
         let to = round_to_increment(moving.base() + way.end.first());
         let arc = if way.straight {
@@ -267,7 +271,7 @@ impl NoseCompensation {
         self.ready.push_back(moving.command_with(straight));
     }
 
-    /// Releases the commands held after a move.
+    /// Releases the commands that waited for the end of the open move.
     fn release_held(&mut self) {
         while let Some(held) = self.held.pop_front() {
             match held {
@@ -277,15 +281,16 @@ impl NoseCompensation {
         }
     }
 
-    /// Raises an alarm at the start of a block, after everything before it has been
-    /// executed.
+    /// Raises an alarm at the start of the block `source`, after the open move has been
+    /// released.
     pub(super) fn fail_before(&mut self, fault: CompensationFault, source: SourcePosition) {
         self.flush();
         self.fault
             .get_or_insert_with(|| fault.alarm().with_source(source));
     }
 
-    /// Raises an alarm between the open move and the next one: the open move is not started.
+    /// Raises an alarm at the corner of the open move and the next one. The open move is not
+    /// run.
     pub(super) fn fail_at_corner(&mut self, fault: CompensationFault, next: SourcePosition) {
         match self.open_move.take() {
             Some(moving) => {
@@ -295,8 +300,8 @@ impl NoseCompensation {
         }
     }
 
-    /// Refuses the move that was open. The moves around the corner before it are still
-    /// executed.
+    /// Raises an alarm instead of running the move `moving`. The moves around the corner
+    /// before it are still run.
     pub(super) fn refuse_move(&mut self, moving: &OpenMove, alarm: Alarm) {
         let vectors = self.tip_state.vectors;
         self.push_corner_moves(moving, &vectors);

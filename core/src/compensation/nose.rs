@@ -8,14 +8,14 @@ use crate::units::{Point, tip_direction};
 /// The active nose, as the last T word took it from the offset table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Nose {
-    /// Radius, mm; a negative one exchanges the sides of G41 and G42.
+    /// Nose radius, mm; a negative one exchanges the sides of G41 and G42.
     pub(crate) radius: f64,
-    /// Direction of the imaginary tip, 0 to 9.
+    /// Number of the direction from the nose centre to the imaginary tip, 0 to 9.
     pub(crate) direction: u8,
 }
 
 impl Nose {
-    /// The nose in a row of the offset table.
+    /// The nose data (R and T) in a row of the offset table.
     pub(crate) const fn from_offset(offset: &ToolOffset) -> Self {
         Self {
             radius: offset.r,
@@ -23,7 +23,7 @@ impl Nose {
         }
     }
 
-    /// Signs of the direction from the nose centre to the imaginary tip.
+    /// Direction from the nose centre to the imaginary tip: -1, 0 or 1 in X and Z.
     pub(super) const fn tip_signs(self) -> Point {
         tip_direction(self.direction)
     }

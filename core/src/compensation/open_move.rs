@@ -11,18 +11,18 @@ use super::segment::{ContourSegment, is_too_short};
 use crate::command::{Action, ControlCommand, ModalState, ProgrammedX, SourcePosition};
 use crate::units::{Feed, Point};
 
-/// The position of the tip once all released commands have run, and the vectors of that
-/// corner that are still ahead.
+/// The position of the tip after all released commands, with the vectors of that corner that
+/// the tip has not reached yet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct TipState {
     /// Machine point that the vectors are relative to, mm: the programmed point plus the
     /// displacement from the nose centre to the tip.
     pub(super) base: Point,
-    /// The tip has reached the first vector.
+    /// Vectors of the corner; the tip has reached the first one.
     pub(super) vectors: CornerVectors,
     /// Nose radius for which the vectors were computed, mm.
     pub(super) radius: f64,
-    /// The vector is cancelled: the tip is on the programmed point.
+    /// Whether the tip is on the programmed point, without a vector.
     pub(super) cancelled: bool,
 }
 
@@ -47,21 +47,22 @@ impl TipState {
     }
 }
 
-/// A compensated move whose end is not known yet.
+/// The open move: a compensated move whose end is unknown until the next move is read.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct OpenMove {
     pub(super) command: ControlCommand,
     pub(super) piece: ContourSegment,
-    /// +1 left (G41), -1 right (G42).
+    /// Side of the nose: +1 left (G41), -1 right (G42).
     pub(super) side: f64,
     pub(super) nose: Nose,
     /// Tool offset at the end of the move, mm.
     pub(super) offset: Point,
-    /// The move starts the compensation.
+    /// Whether the move starts the compensation.
     pub(super) starts: bool,
-    /// The move begins on a cancelled vector.
+    /// Whether the move begins on the programmed point, where the vector was cancelled.
     pub(super) from_point: bool,
-    /// The move begins on the vector that ended the move before, perpendicular to that move.
+    /// Whether the move begins on the end vector of the move before, perpendicular to that
+    /// move.
     pub(super) square_start: bool,
 }
 
@@ -70,13 +71,14 @@ impl OpenMove {
         self.side * self.nose.radius
     }
 
-    /// The machine point that the vectors at the end of the move are relative to.
+    /// The machine point that the vectors at the end of the move are relative to, mm: its end
+    /// plus the tool offset and the vector to the tip.
     pub(super) fn base(&self) -> Point {
         self.piece.end + self.offset + self.nose.tip_vector()
     }
 
-    /// The command of the move with another action: a straight line, or an arc about the
-    /// centre of the programmed one.
+    /// A copy of the command of the move with `action` instead: a straight line, or an arc
+    /// about the centre of the programmed one.
     pub(super) fn command_with(&self, action: Action) -> ControlCommand {
         let programmed_x = || Box::new(self.programmed_x(&action));
         ControlCommand {
@@ -90,7 +92,7 @@ impl OpenMove {
         }
     }
 
-    /// The programmed X while the tip executes `action`.
+    /// How the programmed X changes while the tip executes `action`.
     fn programmed_x(&self, action: &Action) -> ProgrammedX {
         let to = self.piece.end.x + self.offset.x;
         let from = self.piece.start.x + self.offset.x;
@@ -110,15 +112,16 @@ impl OpenMove {
         }
     }
 
-    /// A corner move at the start of this block. The programmed point does not move.
+    /// A straight move to `to`, mm, around the corner at the start of this block. The
+    /// programmed point does not move.
     pub(super) fn corner_command(&self, to: Point) -> ControlCommand {
         let programmed_x = self.piece.start.x + self.offset.x;
         corner_move(&self.command, to, programmed_x)
     }
 }
 
-/// The box of a released move, reused for the next one, so that no block allocates. Its
-/// content has no meaning.
+/// The box of a released move, reused for the next one so that no block allocates. The content
+/// of the box has no meaning.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SpareBox(Option<Box<OpenMove>>);
 
@@ -133,7 +136,7 @@ impl SpareBox {
         Self(Some(done))
     }
 
-    /// Returns a box that holds `moving`.
+    /// Stores `moving` in the spare box, or in a new one, and returns it.
     pub(super) fn box_move(&mut self, moving: OpenMove) -> Box<OpenMove> {
         match self.0.take() {
             Some(mut spare) => {
@@ -145,31 +148,33 @@ impl SpareBox {
     }
 }
 
-/// The move that determines the end of the open one.
+/// The move after the open one, which determines the end of the open one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NextMove<'a> {
     pub(super) source: SourcePosition,
-    /// A compensated move, and the distance of the nose centre to its left, mm.
+    /// The geometry of a compensated move, and the distance of the nose centre to its left,
+    /// mm; `None` for a move that cancels.
     pub(super) surface: Option<(&'a ContourSegment, f64)>,
 }
 
-/// The way in which an open move ends.
+/// Where an open move ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum MoveEnd<'a> {
     Vectors(&'a CornerVectors),
-    /// On the programmed point.
+    /// On the programmed point, without a vector.
     Cancelled,
 }
 
-/// A command that waits after the open move.
+/// A command that is released after the open move.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) enum HeldCommand {
     Plain(ControlCommand),
-    /// The tool moves by the change of its offset, mm; the programmed point does not move.
+    /// A T word moves the tool by the change of its offset, the point, mm; the programmed
+    /// point does not move.
     Travel(ControlCommand, Point),
 }
 
-/// +1 for G41, -1 for G42, 0 for G40.
+/// The sign of the side of the nose: +1 for G41 (left), -1 for G42 (right), 0 for G40.
 pub(super) fn side_sign(modal: &ModalState) -> f64 {
     match modal.nose_compensation {
         41 => 1.0,
@@ -199,7 +204,8 @@ pub(super) fn destination(action: &Action, from: Point) -> Option<Point> {
     }
 }
 
-/// The geometry of a move without the tool offset.
+/// The geometry of the move `action` from `start` to `end`, which are without the tool offset
+/// `offset`, mm.
 pub(super) fn action_segment(
     action: &Action,
     start: Point,
@@ -214,7 +220,7 @@ pub(super) fn action_segment(
     }
 }
 
-/// A straight move to the target of the tip: a rapid, or at the feed of the block.
+/// A straight move of the tip to `to`: at the feed of `action`, or a rapid if it has no feed.
 pub(super) fn straight_action(action: &Action, to: Point) -> Action {
     match action_feed(action) {
         Some(feed) => Action::Line { to, feed },
@@ -229,8 +235,8 @@ pub(super) const fn action_feed(action: &Action) -> Option<Feed> {
     }
 }
 
-/// A corner move at the start of the block after the corner. The programmed X remains at
-/// `programmed_x`, mm.
+/// A straight move to `to` around a corner, as part of the block `command`, which follows the
+/// corner. The programmed X remains at `programmed_x`, mm.
 pub(super) fn corner_move(
     command: &ControlCommand,
     to: Point,
@@ -250,7 +256,7 @@ pub(super) fn corner_move(
     )
 }
 
-/// Under G96 a command carries the programmed X, which determines the spindle speed.
+/// Adds the programmed X to a command if G96 is active: it determines the spindle speed.
 pub(super) fn with_programmed_x(
     mut command: ControlCommand,
     x: impl FnOnce() -> ProgrammedX,
@@ -259,8 +265,8 @@ pub(super) fn with_programmed_x(
     command
 }
 
-/// The arc of the tip: that of the nose centre, displaced. `None` for a line, and for an arc
-/// that is too short to run.
+/// The arc of the tip to `to`, parallel to that of the nose centre; `None` if the move is a
+/// line or the arc is too short to run.
 pub(super) fn shifted_arc(moving: &OpenMove, way: &EndVectors, to: Point) -> Option<Action> {
     let piece = &moving.piece;
     let circle = piece.circle.as_ref()?;

@@ -15,26 +15,26 @@ use super::fault::CompensationFault;
 use super::plane::sweep;
 use crate::units::Point;
 
-/// Points closer than this are the same, mm.
+/// Points closer than this count as the same, mm.
 pub(super) const SAME_POINT_MM: f64 = 1e-7;
-/// A centre closer than this to a point of its arc is on that point, mm.
+/// A centre that is closer than this to an end of its arc counts as on that end, mm.
 const ON_POINT_MM: f64 = 0.0005;
 /// Greatest distance of an end point from the circle of its arc, mm.
 pub(crate) const OFF_CIRCLE_MM: f64 = 0.010;
-/// An end closer than this to its circle is on it, mm.
+/// An end that is closer than this to the circle of its arc counts as on it, mm.
 const ON_CIRCLE_MM: f64 = 1e-10;
-/// How much larger than an inner arc the nose may be, mm: the effect of rounding both ends
-/// and the centre to 0.001 mm.
+/// How much larger than an inner arc the nose may be, mm: rounding both ends and the centre to
+/// 0.001 mm has this effect.
 const ROUNDING_SHORTAGE_MM: f64 = 0.0018;
-/// The nose fills an inner arc that is larger by less than this, mm.
+/// The nose fills an inner arc whose radius exceeds the nose radius by less than this, mm.
 const FILLED_ARC_MM: f64 = 0.002;
-/// Shorter arcs are run as straight lines, mm: rounding could reverse them.
+/// Arcs with a shorter chord are run as straight lines, mm: rounding could reverse them.
 const SHORT_ARC_MM: f64 = 0.002;
 
-/// A larger nose does not fit into an inner arc with a wider sweep, rad.
+/// Sweep, rad, above which an inner arc cannot have a larger nose rest in it.
 const WIDE_SWEEP_RAD: f64 = 0.9 * PI;
 
-/// A line or an arc with the directions of travel at its ends.
+/// A line or an arc, with the directions of travel at its ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct ContourSegment {
     pub(super) start: Point,
@@ -46,15 +46,16 @@ pub(super) struct ContourSegment {
     pub(super) circle: Option<Circle>,
 }
 
-/// The circle of an arc.
+/// The circle of an arc, and its sense of rotation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Circle {
     pub(super) center: Point,
-    /// Radius at the start, mm. If the end is off this circle, the radius changes linearly.
+    /// Distance of the centre from the start of the arc, mm. The radius changes linearly along
+    /// the arc if it differs from `last_radius`.
     pub(super) radius: f64,
-    /// Radius at the end, mm.
+    /// Distance of the centre from the end of the arc, mm.
     pub(super) last_radius: f64,
-    /// +1 counter-clockwise, -1 clockwise.
+    /// Sense of rotation: +1 counter-clockwise, -1 clockwise.
     pub(super) turn: f64,
 }
 
@@ -66,7 +67,7 @@ pub(super) fn are_same(one: Point, other: Point) -> bool {
 }
 
 impl ContourSegment {
-    /// A straight move.
+    /// A straight move; an error if its ends are the same point.
     pub(super) fn line(start: Point, end: Point) -> Result<Self, CompensationFault> {
         let along = (end - start)
             .unit()
@@ -81,7 +82,7 @@ impl ContourSegment {
         })
     }
 
-    /// An arc about a centre.
+    /// An arc about `center`; an error if the centre is on an end or an end is off the circle.
     pub(super) fn arc(
         start: Point,
         end: Point,
@@ -107,7 +108,7 @@ impl ContourSegment {
         })
     }
 
-    /// The sweep of an arc, rad, up to a full turn; 0 for a line.
+    /// The angle that the move sweeps, rad, up to a full turn; 0 for a line.
     pub(super) fn sweep(&self) -> f64 {
         let Some(circle) = &self.circle else {
             return 0.0;
@@ -117,8 +118,8 @@ impl ContourSegment {
         if angle <= 0.0 { TAU } else { angle }
     }
 
-    /// The radius of an arc in a direction from its centre, mm. Outside the sweep it is the
-    /// radius of the closer end.
+    /// The radius of an arc in the direction `direction` from its centre, mm. Outside the
+    /// sweep it is the radius at the closer end.
     pub(super) fn radius_toward(&self, circle: &Circle, direction: Point) -> f64 {
         if (circle.last_radius - circle.radius).abs() < ON_CIRCLE_MM {
             return circle.radius;
@@ -135,9 +136,10 @@ impl ContourSegment {
         circle.radius + (circle.last_radius - circle.radius) * part
     }
 
-    /// The centre of a nose that fills an inner arc, `None` if it does not fill it. A nose
-    /// as large as the arc rests on the centre of the arc. A larger one rests above its
-    /// middle, so that it cuts into neither end.
+    /// The centre of a nose that fills this inner arc; `None` if the nose does not fill it. A
+    /// nose as large as the arc rests on the centre of the arc, a larger nose above the middle
+    /// of the arc, so that it cuts into neither end. `rho` is the nose radius, positive on the
+    /// left, mm.
     ///
     /// ```text
     ///   start o    V    o end       the shortage / cos (sweep / 2) from the
@@ -162,18 +164,19 @@ impl ContourSegment {
 }
 
 impl Circle {
-    /// The radius of the nose-centre path, offset to the left by `rho`, where the arc has
-    /// the radius `radius`, mm.
+    /// The radius of the nose-centre path, mm, where the arc has the radius `radius`. The path
+    /// is `rho` to the left of the arc.
     pub(super) fn path_radius(&self, radius: f64, rho: f64) -> f64 {
         (radius - self.turn * rho).max(0.0)
     }
 
-    /// How much larger the nose is than an inner arc, mm, when it runs to the left by `rho`.
+    /// How much larger than this arc the nose is, mm, if the nose centre is `rho` to the left;
+    /// negative if it is smaller.
     fn shortage(&self, rho: f64) -> f64 {
         self.turn * rho - self.radius.min(self.last_radius)
     }
 
-    /// Refuses a nose that is too large for an inner arc (alarm 053).
+    /// Fails if the nose, `rho` to the left, is too large for this inner arc (alarm 053).
     pub(super) fn check_radius(&self, rho: f64) -> Result<(), CompensationFault> {
         if self.shortage(rho) > ROUNDING_SHORTAGE_MM {
             return Err(CompensationFault::SmallArc);
@@ -182,7 +185,8 @@ impl Circle {
     }
 }
 
-/// Checks the arc data of compensation C: the distances of the centre from both ends, mm.
+/// Checks the distances of an arc's centre from its start and its end, mm: neither may be
+/// zero, and they must be equal within the tolerance.
 pub(crate) fn check_arc(at_start: f64, at_end: f64) -> Result<(), CompensationFault> {
     if at_start <= ON_POINT_MM {
         return Err(CompensationFault::CenterAtStart);
@@ -197,7 +201,8 @@ pub(crate) fn check_arc(at_start: f64, at_end: f64) -> Result<(), CompensationFa
     Ok(())
 }
 
-/// Whether an arc from `p` to `q` is so short that it is run as a straight line.
+/// Whether the nose path from `p` to `q` beside an arc is so short that it is run as a
+/// straight line.
 pub(super) fn is_too_short(piece: &ContourSegment, circle: &Circle, p: Point, q: Point) -> bool {
     let (p, q) = (p - circle.center, q - circle.center);
     let short = (q - p).length() < SHORT_ARC_MM;

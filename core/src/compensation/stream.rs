@@ -16,22 +16,22 @@ use crate::alarm::Alarm;
 use crate::command::{Action, ControlCommand, Frame};
 use crate::units::Point;
 
-/// Blocks without motion after which an open move ends perpendicular to itself.
+/// Number of blocks without motion after which the open move ends perpendicular to itself.
 const IDLE_BLOCKS: u8 = 2;
 
-/// Context of a command, supplied by the interpreter.
+/// What the interpreter adds to a command for the compensation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CommandContext {
     /// Whether the block moves along a contour (G00 to G03). Other motion (cycles, threads,
     /// G28) runs without compensation.
     pub(crate) contour: bool,
-    /// The active nose.
+    /// The nose that is active for the command.
     pub(crate) nose: Nose,
-    /// 003.4: a T word shifts the coordinates instead of moving the tool.
+    /// 003.4: whether a T word shifts the coordinates instead of moving the tool.
     pub(crate) offset_by_shift: bool,
 }
 
-/// The compensation between the interpreter and the executor of the commands.
+/// Compensation C: converts the commands of the interpreter into commands for the tip.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct NoseCompensation {
     pub(super) on: bool,
@@ -42,36 +42,38 @@ pub(crate) struct NoseCompensation {
     offset: Point,
     #[serde(rename = "stand")]
     pub(super) tip_state: TipState,
-    /// Boxed: it is passed on more often than it is read.
+    /// The move that waits for the next one; boxed, since it is passed on more often than
+    /// read.
     #[serde(rename = "moving")]
     pub(super) open_move: Option<Box<OpenMove>>,
     #[serde(skip)]
     pub(super) spare: SpareBox,
-    /// The compensated moves before the open one, while the corners between them were
-    /// regular.
+    /// Paths of the moves before the open one, for the interference check; emptied where the
+    /// contour is interrupted.
     #[serde(rename = "before")]
     pub(super) recent_paths: RecentPaths,
     pub(super) held: VecDeque<HeldCommand>,
     pub(super) ready: VecDeque<ControlCommand>,
     pub(super) fault: Option<Alarm>,
-    /// Blocks without motion since the open move.
+    /// Number of blocks without motion after the open move.
     pub(super) idle: u8,
-    /// The current block has moved.
+    /// Whether the current block has moved the tool.
     moved: bool,
 }
 
 impl NoseCompensation {
-    /// Whether offset mode is active: from the start-up move to the move that cancels.
+    /// Whether compensation is active: from the start-up move to the move that cancels it.
     pub(crate) const fn is_on(&self) -> bool {
         self.on
     }
 
-    /// Whether commands were accepted that have not been released.
+    /// Whether an open move or a released command has not been taken yet.
     pub(crate) fn has_pending(&self) -> bool {
         self.open_move.is_some() || !self.ready.is_empty()
     }
 
-    /// Returns the next command, or the alarm at which the run ends.
+    /// Removes the next released command, or returns the alarm at which the run ends; `None`
+    /// until further commands are pushed.
     pub(crate) fn take(&mut self) -> Option<Result<ControlCommand, Alarm>> {
         match self.ready.pop_front() {
             Some(command) => Some(Ok(command)),
@@ -84,19 +86,20 @@ impl NoseCompensation {
         self.fault.is_some()
     }
 
-    /// Drops the vector without motion: at RESET and at the start of a run.
+    /// Resets the compensation without motion: at RESET and at the start of a run.
     pub(crate) fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// Sets the machine position of the tool before a block, while the compensation is off.
+    /// Sets the position of the tool before a block, machine coordinates, mm. Only while the
+    /// compensation is off.
     pub(crate) fn set_position(&mut self, machine: Point, frame: Frame) {
         self.machine = machine;
         self.offset = frame.offset;
         self.programmed_end = machine - frame.offset;
     }
 
-    /// Accepts the next command of the program.
+    /// Accepts the next command of the program. It is released at once or after the open move.
     pub(crate) fn push(&mut self, command: ControlCommand, origin: CommandContext) {
         if self.fault.is_some() {
             return;
@@ -114,15 +117,16 @@ impl NoseCompensation {
         }
     }
 
-    /// Ends the open move perpendicular to itself: no block may be read before all commands
-    /// have been executed.
+    /// Releases the open move, whose end is perpendicular to it. Called where no block may be
+    /// read before all commands have been executed.
     pub(crate) fn flush(&mut self) {
         if let Some(moving) = self.open_move.take() {
             self.end_perpendicular(moving);
         }
     }
 
-    /// The block after the open move has wrong data: the open move is not started.
+    /// Drops the open move, which still waits for the next one, and stores `alarm`: the next
+    /// block has wrong data.
     pub(crate) fn refuse(&mut self, alarm: Alarm) {
         if let Some(moving) = self.open_move.take() {
             let vectors = self.tip_state.vectors;
@@ -132,8 +136,8 @@ impl NoseCompensation {
         self.fault = Some(alarm);
     }
 
-    /// Moves the vectors along after the tool was moved while the run was stopped. Returns
-    /// the displacement, mm.
+    /// Moves the start of the open move and its vectors to the position `machine`, mm, to
+    /// which the operator moved the tool during a stop. Returns the displacement, mm.
     pub(crate) fn displace(&mut self, machine: Point) -> Point {
         let tip = self.tip_state.tip();
         if are_same(tip, machine) {
@@ -182,8 +186,8 @@ impl NoseCompensation {
         }
     }
 
-    /// Passes on motion that is not compensated. The vector is cancelled before it and
-    /// returns with the next move along the contour.
+    /// Releases the open move on its programmed point, then a motion that is not compensated.
+    /// The next move along the contour is compensated again.
     fn push_uncompensated(&mut self, command: ControlCommand, to: Point) {
         self.end_at_programmed_point();
         self.moved = true;
@@ -213,7 +217,7 @@ impl NoseCompensation {
         self.enqueue(command);
     }
 
-    /// Accepts a move along the contour.
+    /// Accepts a move of G00 to G03 to `to`, machine coordinates, mm.
     fn push_contour_move(&mut self, command: ControlCommand, to: Point, nose: Nose) {
         let (start, end) = (self.programmed_end, to - self.offset);
         let from = core::mem::replace(&mut self.machine, to);

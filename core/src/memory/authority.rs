@@ -3,16 +3,16 @@
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-/// An operation level: 0 (everything) to 5 (logged off).
+/// An operation level, from 0 (all rights) to 5 (logged off).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct OperationLevel(u8);
 
 impl OperationLevel {
-    /// Machine builder: may send and receive programs above O9000.
+    /// Machine builder: may send and receive programs above O9000 through the serial port.
     pub(crate) const BUILDER: Self = Self(2);
-    /// Workshop: parameters and all programs. A new control has this level.
+    /// Workshop: may change parameters and all programs. A new control has this level.
     pub(crate) const WORKSHOP: Self = Self(3);
-    /// Operator: programs below O9000 and offsets.
+    /// Operator: may change programs below O9000 and tool offsets.
     pub(crate) const OPERATOR: Self = Self(4);
     /// Logged off: no change is allowed.
     pub const NONE: Self = Self(5);
@@ -22,7 +22,7 @@ impl OperationLevel {
         self.0
     }
 
-    /// The level after power-on: levels above the workshop's are lost at power-off.
+    /// The level after power-on if this level was active at power-off: at most the workshop's.
     const fn after_power_on(self) -> Self {
         if self.0 < Self::WORKSHOP.0 {
             Self::WORKSHOP
@@ -31,13 +31,13 @@ impl OperationLevel {
         }
     }
 
-    /// Number of digits of the level's password.
+    /// Number of digits of the password for this level.
     const fn password_digits(self) -> usize {
         8 - self.0 as usize
     }
 }
 
-/// The active level and the passwords of levels 0 to 4.
+/// The active operation level, and the passwords of levels 0 to 4.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "Plain", into = "Plain")]
 pub struct Authority {
@@ -63,31 +63,32 @@ impl Default for Authority {
 }
 
 impl Authority {
-    /// The active level.
+    /// The operation level that is active now.
     pub const fn level(&self) -> OperationLevel {
         self.level
     }
 
-    /// The level that a password opens; `None` for a wrong one.
+    /// The level that `password` opens; `None` if no level has this password.
     pub fn level_for(&self, password: &str) -> Option<OperationLevel> {
         let level = self.passwords.iter().position(|own| own == password)?;
         u8::try_from(level).ok().map(OperationLevel)
     }
 
-    /// Enters the level of a password; returns `false` for a wrong one.
+    /// Activates the level that `password` opens. Returns `false` if no level has this
+    /// password.
     pub fn enter(&mut self, password: &str) -> bool {
         let level = self.level_for(password);
         self.level = level.unwrap_or(self.level);
         level.is_some()
     }
 
-    /// Logs off: enters [`OperationLevel::NONE`].
+    /// Logs off: activates [`OperationLevel::NONE`].
     pub const fn log_off(&mut self) {
         self.level = OperationLevel::NONE;
     }
 
-    /// Replaces a password by one of the same length. Returns `false` if the old one is
-    /// wrong, or the new one has another length or other characters than digits.
+    /// Replaces the password `old` by `new`. Returns `false` if no level has `old`, or if
+    /// `new` has another length or characters other than digits.
     pub fn change_password(&mut self, old: &str, new: &str) -> bool {
         let digits = new.bytes().all(|byte| byte.is_ascii_digit());
         let password = self.passwords.iter_mut().find(|own| *own == old);
@@ -100,7 +101,8 @@ impl Authority {
         }
     }
 
-    /// Lowers a level above the workshop's to the workshop's, as power-on does.
+    /// Sets the level as power-on does: a level with more rights than the workshop's becomes
+    /// the workshop's.
     pub const fn power_on(&mut self) {
         self.level = self.level.after_power_on();
     }

@@ -2,26 +2,26 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The part counter has four digits, 0 to 9999 (manual III-2.1.1).
+/// The part counter wraps to 0 at this value: it has four digits (manual III-2.1.1).
 const PART_COUNT_LIMIT: u32 = 10_000;
-/// Limit of the number of required parts in macro B.
+/// The number of required parts (#3902) must be below this value.
 const REQUIRED_PARTS_LIMIT: u32 = 10_000;
-/// The timer of cycle start wraps at 1145324.612 h, ms.
+/// The timer of cycle start wraps to 0 at this value, ms: 1145324.612 h.
 const STARTED_LIMIT_MS: u64 = 4_123_168_603_200;
-/// The cutting time has two digits for hours, ms.
+/// The cutting time wraps to 0 at this value, ms: it has two digits for hours.
 const CUTTING_LIMIT_MS: u64 = 100 * 60 * 60 * 1000;
 
-/// Counters of the position page; they are kept over power-off.
+/// Counters that are kept over power-off: those of the position page, and two of macro B.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counters {
-    /// Parts made: counts each M30, and each M99 of the main program.
+    /// Number of parts made: each M30, and each M99 of the main program, adds one.
     pub parts: u32,
-    /// Time in cutting feed, ms, below [`Self::CUTTING_LIMIT_MS`].
+    /// Time spent in cutting feed, ms; less than [`Self::CUTTING_LIMIT_MS`].
     pub cutting_ms: u64,
     /// Number of required parts: #3902 of macro B. No page shows it.
     #[serde(default, skip_serializing_if = "is_zero_u32")]
     pub required: u32,
-    /// Time with the cycle-start lamp on, ms: #3002 of macro B.
+    /// Time for which the cycle-start lamp was on, ms: #3002 of macro B.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub started_ms: u64,
 }
@@ -42,7 +42,8 @@ const fn is_zero(value: &u64) -> bool {
     *value == 0
 }
 
-/// Adds `ms` and wraps at `limit`. The value read from a file may exceed the limit.
+/// The sum of `before` and `ms`, wrapped to 0 at `limit`. `before` may exceed the limit if it
+/// comes from a file.
 const fn add_wrapping(before: u64, ms: u64, limit: u64) -> u64 {
     let sum = before.saturating_add(ms);
     if sum < limit {
@@ -62,7 +63,7 @@ impl Counters {
     /// The time of cycle start wraps to 0 at this value, ms.
     pub const STARTED_LIMIT_MS: u64 = STARTED_LIMIT_MS;
 
-    /// Counts one part; 0 follows 9999.
+    /// Adds one finished part; 0 follows 9999.
     pub(crate) const fn count_part(&mut self) {
         self.parts = (self.parts % PART_COUNT_LIMIT + 1) % PART_COUNT_LIMIT;
     }
@@ -72,17 +73,17 @@ impl Counters {
         self.cutting_ms = add_wrapping(self.cutting_ms, ms, CUTTING_LIMIT_MS);
     }
 
-    /// Adds time with cycle start on, ms.
+    /// Adds time for which the cycle-start lamp was on, ms.
     pub(crate) const fn count_started_ms(&mut self, ms: u64) {
         self.started_ms = add_wrapping(self.started_ms, ms, STARTED_LIMIT_MS);
     }
 
-    /// Parts to zero.
+    /// Sets the number of parts to 0.
     pub(crate) const fn clear_parts(&mut self) {
         self.parts = 0;
     }
 
-    /// Cutting time to zero.
+    /// Sets the cutting time to 0.
     pub(crate) const fn clear_cutting_time(&mut self) {
         self.cutting_ms = 0;
     }

@@ -9,14 +9,14 @@ use super::parameters::ControlParameters;
 use super::pitch::PitchTable;
 use crate::model::ModelRecord;
 
-/// The data on a disk.
+/// The data stored on an electronic disk.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DiskContent {
-    /// State and data parameters.
+    /// Values of the state and data parameters.
     pub parameters: ControlParameters,
-    /// Tool offsets.
+    /// Table of tool offsets.
     pub offsets: Offsets,
-    /// Pitch error table.
+    /// Pitch errors of both axes.
     pub pitch: PitchTable,
 }
 
@@ -33,7 +33,7 @@ impl DiskContent {
     }
 }
 
-/// The disks. A disk without saved data has the factory data.
+/// The data saved on the electronic disks; a disk without saved data has the factory data.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Disks {
     saved: [Option<DiskContent>; 4],
@@ -50,20 +50,20 @@ const fn save_index(disk: ElectronicDisk) -> Option<usize> {
 }
 
 impl Disks {
-    /// The data on a disk; without saved data, the factory data for the control model.
+    /// The data on a disk: the saved data, otherwise the factory data of the control model.
     pub fn load(&self, disk: ElectronicDisk, record: &ModelRecord) -> DiskContent {
         save_index(disk)
             .and_then(|place| self.saved[place].clone())
             .unwrap_or_else(|| DiskContent::factory(disk, record))
     }
 
-    /// The saved data of a disk; `None` if it has the factory data. N0 always has the
-    /// factory data.
+    /// The saved data of a disk; `None` if nothing was saved, and always for N0, which is
+    /// read-only.
     pub fn saved(&self, disk: ElectronicDisk) -> Option<&DiskContent> {
         self.saved.get(save_index(disk)?)?.as_ref()
     }
 
-    /// Saves data on a disk. N0 is read-only: nothing is saved.
+    /// Saves data on a disk. N0 is read-only: the call has no effect.
     pub fn save(&mut self, disk: ElectronicDisk, content: DiskContent) {
         if let Some(place) = save_index(disk) {
             self.saved[place] = Some(content);

@@ -14,7 +14,7 @@ impl ControlParameters {
         })
     }
 
-    /// A bit with position 0 for X and position 1 for Z.
+    /// A bit of a state parameter: bit 0 for X, bit 1 for Z.
     pub(super) fn axis_bit(&self, number: u16, axis: Axis) -> bool {
         self.bit(
             number,
@@ -25,116 +25,117 @@ impl ControlParameters {
         )
     }
 
-    /// 001.4: the spindle speed is an analog voltage; otherwise outputs S1–S4 select it.
+    /// 001.4: whether the spindle speed is an analog voltage; otherwise outputs S1–S4 select
+    /// it.
     pub fn has_analog_spindle(&self) -> bool {
         self.bit(1, 4)
     }
 
-    /// 005.2 DRDY: signal level of a ready drive.
+    /// 005.2 DRDY: level (`true` = 1) of the signal of a ready drive.
     pub(crate) fn drive_ready_level(&self) -> bool {
         self.bit(5, 2)
     }
 
-    /// 009.0, 009.1 ALM: signal level of a drive with an alarm.
+    /// 009.0, 009.1 ALM: level (`true` = 1) of the signal of a drive with an alarm.
     pub(crate) fn drive_alarm_level(&self, axis: Axis) -> bool {
         self.axis_bit(9, axis)
     }
 
-    /// 012.2 OFVY: a drive that is ready before it is enabled has no alarm.
+    /// 012.2 OFVY: whether a drive may be ready before it is enabled, without an alarm.
     pub(crate) fn can_drive_be_early(&self) -> bool {
         self.bit(12, 2)
     }
 
-    /// 006.4 OVRI: the code of the feed-override switch is inverted.
+    /// 006.4 OVRI: whether the code of the feed-override switch is inverted.
     pub(crate) fn is_override_code_inverted(&self) -> bool {
         self.bit(6, 4)
     }
 
-    /// 004.1 PROD: the relative coordinates are those of the program; otherwise they include
-    /// the tool offset.
+    /// 004.1 PROD: whether the relative coordinates are those of the program; otherwise they
+    /// include the tool offset.
     pub(crate) fn is_relative_programmed(&self) -> bool {
         self.bit(4, 1)
     }
 
-    /// 005.3 EDTB: text is inserted after the character at the cursor (function A);
+    /// 005.3 EDTB: whether text is inserted after the character at the cursor (function A);
     /// otherwise before it (B).
     pub fn inserts_after_cursor(&self) -> bool {
         self.bit(5, 3)
     }
 
-    /// 012.6 WSFT: offset 000 shifts the work coordinates.
+    /// 012.6 WSFT: whether offset 000 shifts the work coordinates.
     pub fn has_work_shift(&self) -> bool {
         self.bit(12, 6)
     }
 
-    /// 001.3: the handwheel key selects the handwheel mode; otherwise the step mode.
+    /// 001.3: whether the handwheel key selects the handwheel mode; otherwise the step mode.
     pub fn has_handwheel(&self) -> bool {
         self.bit(1, 3)
     }
 
-    /// 001.2: X and U words are radii.
+    /// 001.2: whether X and U words are radii.
     pub fn is_radius_programming(&self) -> bool {
         self.bit(1, 2)
     }
 
-    /// 002.1: the control has nose radius compensation C (option).
+    /// 002.1: whether the control has nose radius compensation C (option).
     pub(crate) fn has_nose_compensation(&self) -> bool {
         self.bit(2, 1)
     }
 
-    /// 003.4: a T word shifts the coordinates; otherwise the tool moves.
+    /// 003.4: whether a T word shifts the coordinates; otherwise the tool moves.
     pub(crate) fn is_offset_by_shift(&self) -> bool {
         self.bit(3, 4)
     }
 
-    /// 004.4 ORC: X offsets are radii.
+    /// 004.4 ORC: whether X offsets are radii.
     pub(crate) fn is_offset_radius(&self) -> bool {
         self.bit(4, 4)
     }
 
-    /// 004.3 TOC: RESET keeps the active offset.
+    /// 004.3 TOC: whether RESET keeps the active offset.
     pub(crate) fn reset_keeps_offset(&self) -> bool {
         self.bit(4, 3)
     }
 
-    /// 005.4 M30: the cursor returns to the program head immediately; otherwise at the next
-    /// start.
+    /// 005.4 M30: whether M30 returns the cursor to the program head immediately; otherwise
+    /// the next start does.
     pub(crate) fn m30_rewinds(&self) -> bool {
         self.bit(5, 4)
     }
 
-    /// 005.1 PPD: G50 also sets the relative coordinates.
+    /// 005.1 PPD: whether G50 also sets the relative coordinates.
     pub(crate) fn g50_sets_relative(&self) -> bool {
         self.bit(5, 1)
     }
 
-    /// 013.5 POD: numbers in programs need a decimal point.
+    /// 013.5 POD: whether numbers in programs need a decimal point.
     pub fn is_point_required(&self) -> bool {
         self.bit(13, 5)
     }
 
-    /// 013.4 SBKM: single block stops after G65 blocks.
+    /// 013.4 SBKM: whether single block stops after G65 blocks.
     pub(crate) fn macro_blocks_stop(&self) -> bool {
         self.bit(13, 4)
     }
 
-    /// 013.3 PODI: the editor appends the decimal point to numbers without one.
+    /// 013.3 PODI: whether the editor appends the decimal point to numbers without one.
     pub fn is_point_appended(&self) -> bool {
         self.bit(13, 3)
     }
 
-    /// 006.5 CM98: M, S and T codes without a function call subprograms.
+    /// 006.5 CM98: whether M, S and T codes without a function call subprograms.
     pub(crate) fn special_codes_call(&self) -> bool {
         self.bit(6, 5)
     }
 
-    /// 004.0 SCW: the least increment is 0.0001 inch; otherwise 0.001 mm. It is the unit of
-    /// lengths among the parameters.
+    /// 004.0 SCW: whether the least increment, which is the unit of length parameters, is
+    /// 0.0001 inch; otherwise 0.001 mm.
     pub fn is_inch_machine(&self) -> bool {
         self.bit(4, 0)
     }
 
-    /// Unit of lengths among the parameters, mm: 0.001, or 0.00254 (0.0001 inch) with SCW.
+    /// Unit of length parameters, mm: 0.001, or 0.00254 (0.0001 inch) with 004.0 SCW.
     pub fn least_increment_mm(&self) -> f64 {
         if self.is_inch_machine() {
             0.00254
@@ -143,49 +144,49 @@ impl ControlParameters {
         }
     }
 
-    /// 004.7 ABOT: the absolute coordinates are lost at power-off.
+    /// 004.7 ABOT: whether the absolute coordinates are lost at power-off.
     pub(crate) fn power_off_loses_coordinates(&self) -> bool {
         self.bit(4, 7)
     }
 
-    /// 004.6 RDRN: in dry run, rapids keep the rapid rate.
+    /// 004.6 RDRN: whether rapids keep the rapid rate in dry run.
     pub(crate) fn dry_run_keeps_rapid(&self) -> bool {
         self.bit(4, 6)
     }
 
-    /// 012.7 APRS: a reference return sets the absolute coordinates to 049, 050.
+    /// 012.7 APRS: whether a reference return sets the absolute coordinates to 049, 050.
     pub(crate) fn reference_sets_coordinates(&self) -> bool {
         self.bit(12, 7)
     }
 
-    /// 012.0 ISOT: manual rapid is allowed before the reference return.
+    /// 012.0 ISOT: whether manual rapid is allowed before the reference return.
     pub(crate) fn can_rapid_without_reference(&self) -> bool {
         self.bit(12, 0)
     }
 
-    /// 014.0, 014.1: the axis has a zero switch (methods B and C).
+    /// 014.0, 014.1: whether the axis has a zero switch (methods B and C).
     pub(crate) fn has_zero_switch(&self, axis: Axis) -> bool {
         self.axis_bit(14, axis)
     }
 
-    /// 007.0, 007.1 ZC: one switch serves for deceleration and zero (method C); otherwise
-    /// the zero signal is separate (method B).
+    /// 007.0, 007.1 ZC: whether one switch serves for deceleration and zero (method C);
+    /// otherwise the zero signal is separate (method B).
     pub fn has_one_zero_switch(&self, axis: Axis) -> bool {
         self.axis_bit(7, axis)
     }
 
-    /// 006.0, 006.1 ZM: the zero is approached in the negative direction.
+    /// 006.0, 006.1 ZM: whether the zero is approached in the negative direction.
     pub(crate) fn is_zero_negative(&self, axis: Axis) -> bool {
         self.axis_bit(6, axis)
     }
 
-    /// 004.5 DECI: a closed deceleration contact means that the switch is pressed;
+    /// 004.5 DECI: whether a closed deceleration contact means that the switch is pressed;
     /// otherwise an open one.
     pub(crate) fn is_deceleration_closed(&self) -> bool {
         self.bit(4, 5)
     }
 
-    /// 113: rate of the approach to the reference point, mm/min; half of it for X.
+    /// 113: rate at which the slide approaches the reference point, mm/min; for X half of 113.
     pub(crate) fn zero_approach_rate(&self, axis: Axis) -> f64 {
         let rate = f64::from(self.value(113));
         match axis {
@@ -199,13 +200,13 @@ impl ControlParameters {
         self.value(33).into()
     }
 
-    /// 049, 050: absolute coordinate of the reference point of the slide (X as a
-    /// radius), mm.
+    /// 049, 050: absolute coordinate of the slide at the reference point (X as a radius), mm.
     pub(crate) fn reference_coordinate(&self, axis: Axis) -> f64 {
         self.slide_length(axis, self.per_axis(axis, 49, 50))
     }
 
-    /// Converts a coordinate among the parameters to one of the slide (X as a radius), mm.
+    /// Converts the value of a length parameter to a coordinate of the slide (X as a radius),
+    /// mm.
     fn slide_length(&self, axis: Axis, value: i32) -> f64 {
         let scale = match axis {
             Axis::X if !self.is_radius_programming() => 2.0,
@@ -218,23 +219,23 @@ impl ControlParameters {
         }
     }
 
-    /// 173.1 SINC: step mode and handwheel offer no steps of 0.1 mm and more.
+    /// 173.1 SINC: whether step mode and handwheel offer no steps of 0.1 mm and more.
     pub fn has_small_steps_only(&self) -> bool {
         self.bit(173, 1)
     }
 
-    /// 164.7 AGER: M41–M44 change gears. It needs an analog spindle, and 005.5 SMAL must not
-    /// select manual gear change.
+    /// 164.7 AGER: whether M41–M44 change gears. This needs an analog spindle, and 005.5 SMAL
+    /// must not select manual gear change.
     pub(crate) fn has_automatic_gears(&self) -> bool {
         self.bit(164, 7) && self.has_analog_spindle() && !self.bit(5, 5)
     }
 
-    /// 172.4 MOT: the soft limits are not monitored.
+    /// 172.4 MOT: whether the soft limits are not monitored.
     pub(crate) fn are_soft_limits_masked(&self) -> bool {
         self.bit(172, 4)
     }
 
-    /// 172.3 MESP: the emergency-stop contact is not monitored.
+    /// 172.3 MESP: whether the emergency-stop contact is not monitored.
     pub(crate) fn is_emergency_stop_masked(&self) -> bool {
         self.bit(172, 3)
     }
@@ -258,8 +259,8 @@ impl ControlParameters {
         self.per_axis(axis, 24, 25).into()
     }
 
-    /// 007.3 SMZ: cuts decelerate to the speed 030 at their end points; otherwise they blend
-    /// into the next one.
+    /// 007.3 SMZ: whether cuts decelerate to the speed 030 at their end points; otherwise they
+    /// blend into the next one.
     pub(crate) fn has_exact_corners(&self) -> bool {
         self.bit(7, 3)
     }
@@ -284,7 +285,7 @@ impl ControlParameters {
         self.value(28).into()
     }
 
-    /// 175.4 THDACC: exponential acceleration in threads; otherwise linear.
+    /// 175.4 THDACC: whether acceleration in threads is exponential; otherwise linear.
     pub(crate) fn is_thread_exponential(&self) -> bool {
         self.bit(175, 4)
     }
@@ -300,12 +301,12 @@ impl ControlParameters {
         self.value(107).into()
     }
 
-    /// 175.2 SPFD: cuts stop when the spindle stops.
+    /// 175.2 SPFD: whether cuts stop when the spindle stops.
     pub(crate) fn watches_spindle(&self) -> bool {
         self.bit(175, 2)
     }
 
-    /// 175.6 SAR: cuts wait until the spindle has reached its speed.
+    /// 175.6 SAR: whether cuts wait until the spindle has reached its speed.
     pub(crate) fn awaits_speed(&self) -> bool {
         self.bit(175, 6)
     }
@@ -362,13 +363,13 @@ impl ControlParameters {
         self.value(71).clamp(16, 4080).unsigned_abs()
     }
 
-    /// 011.2 ZNIK = 1: one press of an axis key executes a whole reference return.
+    /// 011.2 ZNIK: whether one press of an axis key starts a whole reference return.
     pub(crate) fn are_zero_keys_latched(&self) -> bool {
         self.bit(11, 2)
     }
 
-    /// The time of a timer of the ladder, ms. Parameter 065 counts units of 256 ms (manual,
-    /// appendix 1).
+    /// The duration of a timer of the PLC, ms, from the parameter `number`. 065 counts units
+    /// of 256 ms (manual, appendix 1).
     pub fn timer_ms(&self, number: u16) -> i32 {
         let value = self.value(number);
         if number == parameter::GEAR_TIME_1 {
@@ -378,7 +379,7 @@ impl ControlParameters {
         }
     }
 
-    /// 084: tool stations; 0 without a turret.
+    /// 084: number of stations of the tool post; 0 without a turret.
     pub fn station_count(&self) -> u8 {
         self.value(84).clamp(0, 32) as u8
     }
@@ -388,8 +389,8 @@ impl ControlParameters {
         f64::from(self.per_axis(axis, 34, 35)) * self.least_increment_mm()
     }
 
-    /// 011.7 BDEC: backlash is compensated with acceleration (method B); otherwise at a
-    /// constant frequency (A).
+    /// 011.7 BDEC: whether backlash is compensated with acceleration (method B); otherwise at
+    /// a constant frequency (A).
     pub(crate) fn is_backlash_accelerated(&self) -> bool {
         self.bit(11, 7)
     }
@@ -402,8 +403,8 @@ impl ControlParameters {
         frequency * 1000.0 / eighth
     }
 
-    /// 006.0 ZMX, 006.1 ZMZ: the reference return and the first backlash are in the negative
-    /// direction.
+    /// 006.0 ZMX, 006.1 ZMZ: whether the reference return and the first backlash are in the
+    /// negative direction.
     pub fn is_reference_negative(&self, axis: Axis) -> bool {
         self.bit(
             6,
@@ -414,12 +415,12 @@ impl ControlParameters {
         )
     }
 
-    /// 003.5: the control compensates pitch errors (option).
+    /// 003.5: whether the control compensates pitch errors (option).
     pub fn is_pitch_compensated(&self) -> bool {
         self.bit(3, 5)
     }
 
-    /// 013.2–013.0 PML: factor of the pitch error table.
+    /// 013.2–013.0 PML: factor by which the values of the pitch error table are multiplied.
     pub fn pitch_factor(&self) -> i32 {
         match self.value(13) & 0b111 {
             code @ 0..4 => 1 << code,
@@ -432,8 +433,8 @@ impl ControlParameters {
         self.per_axis(axis, 98, 99).clamp(0, 255) as u8
     }
 
-    /// 090, 094 of X, 091, 095 of Z: lowest and highest active point of the pitch error
-    /// table. All points are active if the highest is not above the lowest.
+    /// 090, 094 for X, 091, 095 for Z: numbers of the active points of the pitch error table.
+    /// All points are active if the highest is not above the lowest.
     pub fn pitch_points(&self, axis: Axis) -> RangeInclusive<usize> {
         let point = |number: i32| number.clamp(0, 255) as usize;
         let lowest = point(self.per_axis(axis, 90, 91));

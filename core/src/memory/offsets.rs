@@ -16,17 +16,17 @@ const LIMIT_MM: f64 = 9999.999;
 /// One row of the offset page.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ToolOffset {
-    /// X, mm: a diameter, or a radius with 004.4 ORC = 1.
+    /// Offset in X, mm: a diameter, or a radius with 004.4 ORC = 1.
     pub x: f64,
-    /// Z, mm, along the slide.
+    /// Offset in Z, mm.
     pub z: f64,
     /// Nose radius, mm.
     pub r: f64,
-    /// Direction of the imaginary tool nose, 0–9.
+    /// Number of the direction of the imaginary tool tip, 0 to 9.
     pub t: u8,
 }
 
-/// The offset table. Row 000 is zero, or the shift of the work coordinates.
+/// The table of tool offsets. Row 000 is zero, or the shift of the work coordinates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "Vec<ToolOffset>", try_from = "Vec<ToolOffset>")]
 pub struct Offsets {
@@ -42,7 +42,7 @@ impl Default for Offsets {
 }
 
 impl Offsets {
-    /// A row; zero for numbers beyond 032.
+    /// The row `number`; zero for numbers above 032.
     pub fn get(&self, number: u8) -> ToolOffset {
         self.rows
             .get(usize::from(number))
@@ -50,10 +50,10 @@ impl Offsets {
             .unwrap_or_default()
     }
 
-    /// Changes a row. Values are rounded to 0.001 mm.
+    /// Writes the row `number`. Lengths are rounded to 0.001 mm.
     ///
     /// # Errors
-    /// 030 for 000 and numbers beyond 032, 043 for a value out of range.
+    /// 030 for 000 and numbers above 032, 043 for a value out of range.
     pub fn set(&mut self, number: u8, offset: ToolOffset) -> Result<(), Alarm> {
         let row = match self.rows.get_mut(usize::from(number)) {
             Some(row) if number > 0 => row,
@@ -66,7 +66,7 @@ impl Offsets {
         Ok(())
     }
 
-    /// Changes row 000, the shift of the work coordinates (012.6 WSFT).
+    /// Writes row 000, the shift of the work coordinates (012.6 WSFT).
     ///
     /// # Errors
     /// 043 for a value out of range.
@@ -77,8 +77,8 @@ impl Offsets {
         Ok(())
     }
 
-    /// The offset as a displacement of the slide (X as a radius), mm. With 012.6 WSFT = 1 it
-    /// includes the work shift.
+    /// The displacement of the slide (X as a radius) by the offset `number`, mm. With 012.6
+    /// WSFT = 1 it includes the work shift.
     pub fn slide_displacement(&self, number: u8, parameters: &ControlParameters) -> Point {
         let own = self.row_displacement(number, parameters);
         if parameters.has_work_shift() && number > 0 {
@@ -109,7 +109,7 @@ impl Offsets {
         }
     }
 
-    /// All rows with their numbers.
+    /// All rows with their numbers, from 000.
     pub fn iter(&self) -> impl Iterator<Item = (u8, &ToolOffset)> {
         (0..).zip(&self.rows)
     }

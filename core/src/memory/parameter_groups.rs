@@ -9,28 +9,28 @@ use super::parameter_table::{ParameterRow, parameter_row};
 
 const TABLE: &str = include_str!("../../../assets/tables/parameter-groups.tsv");
 
-/// The function of a group of parameters.
+/// A group of parameters that serve the same function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ParameterGroup {
-    /// Axes, their drives, gear and directions.
+    /// The axes: their drives, gear ratios and directions.
     Axes,
-    /// Speeds and accelerations.
+    /// Speeds and accelerations of the axes.
     Speeds,
     /// Protection of machine and operator: limits, switches, door.
     Safety,
-    /// Spindle, gears, encoder.
+    /// Spindle, its gears and its encoder.
     Spindle,
     /// Tool post, offsets, nose radius.
     Tools,
-    /// Threads.
+    /// Cutting of threads.
     Threads,
-    /// Codes and cycles in programs.
+    /// G and M codes and cycles in programs.
     Codes,
-    /// Backlash.
+    /// Compensation of backlash.
     Backlash,
-    /// Pitch errors.
+    /// Compensation of pitch errors.
     Pitch,
-    /// Machine zero.
+    /// Machine zero and reference return.
     Zero,
     /// Chuck, tailstock, lubrication, M codes, inputs.
     Auxiliary,
@@ -40,12 +40,12 @@ pub enum ParameterGroup {
     Serial,
     /// State of the control after power-on.
     PowerOn,
-    /// Numbers without a function.
+    /// Parameter numbers without a function.
     Reserved,
 }
 
 impl ParameterGroup {
-    /// All groups, in the order of the table.
+    /// All groups, in the order of `parameter-groups.tsv`.
     pub const ALL: [Self; 15] = [
         Self::Axes,
         Self::Speeds,
@@ -64,7 +64,7 @@ impl ParameterGroup {
         Self::Reserved,
     ];
 
-    /// First field of the group's row in the table.
+    /// The first field of the group's row in `parameter-groups.tsv`.
     const fn table_key(self) -> &'static str {
         match self {
             Self::Axes => "axes",
@@ -106,7 +106,7 @@ impl ParameterGroup {
         }
     }
 
-    /// Data parameters and bits of state parameters in the group, by number.
+    /// The data parameters and bits of state parameters in this group, by number.
     pub fn rows(self) -> &'static [&'static ParameterRow] {
         static GROUPS: LazyLock<Vec<(&str, Vec<&'static ParameterRow>)>> = LazyLock::new(|| {
             let lines = TABLE.lines().skip(1);
@@ -123,7 +123,7 @@ impl ParameterGroup {
     }
 }
 
-/// Parses a member such as `022` or `004.3`.
+/// Parses a parameter such as `022` or a bit such as `004.3`; `None` if it does not exist.
 fn parse_member(written: &str) -> Option<&'static ParameterRow> {
     match written.split_once('.') {
         Some((number, bit)) => parameter_row(number.parse().ok()?, Some(bit.parse().ok()?)),

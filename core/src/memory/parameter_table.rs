@@ -10,22 +10,22 @@ const TABLE: &str = include_str!("../../../assets/tables/parameters.tsv");
 /// The highest parameter number.
 pub(crate) const LAST_PARAMETER: u16 = 185;
 
-/// The electronic disks that hold sets of parameter values (manual III-2.1.10).
+/// An electronic disk: a stored set of parameter values (manual III-2.1.10).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ElectronicDisk {
     /// Factory values of the manufacturer; read-only.
     N0,
-    /// The user's values; as delivered equal to N0.
+    /// Values saved by the user; as delivered equal to N0.
     N1,
-    /// For servo drives.
+    /// Values for servo drives.
     N2,
-    /// For stepper drives.
+    /// Values for stepper drives.
     N3,
-    /// For both kinds of drives.
+    /// Values for both kinds of drives.
     N4,
 }
 
-/// When a changed value takes effect.
+/// When a changed parameter takes effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EffectiveTime {
     /// At the next use of the value.
@@ -35,14 +35,14 @@ pub enum EffectiveTime {
         /// Whether the change raises alarm 000.
         alarm: bool,
     },
-    /// For a state parameter: each bit has its own row.
+    /// Differs from bit to bit of a state parameter: see the rows of its bits.
     PerBit,
 }
 
 /// The allowed values of a parameter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ParameterRange {
-    /// From the least to the greatest value.
+    /// All values from the least (first) to the greatest (second).
     Span(i32, i32),
     /// Only these values.
     List(Vec<i32>),
@@ -73,35 +73,36 @@ impl core::fmt::Display for ParameterRange {
     }
 }
 
-/// A row of the table: a data parameter, a whole state parameter, or one of its bits.
+/// A row of the parameter table: a data parameter, a whole state parameter, or one of its
+/// bits.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ParameterRow {
     /// Parameter number.
     pub number: u16,
-    /// Bit, for the bits of state parameters.
+    /// Bit number, 0 to 7, for a bit of a state parameter; `None` for a whole parameter.
     pub bit: Option<u8>,
-    /// Whether it is a whole state parameter, shown as eight binary digits.
+    /// Whether the row is a whole state parameter, shown as eight binary digits.
     pub state: bool,
-    /// Abbreviation on the screen; empty if it has none.
+    /// Abbreviation on the parameter page; empty without one.
     pub symbol: &'static str,
-    /// Unit; empty if it has none.
+    /// Unit of the value; empty without one.
     pub unit: &'static str,
-    /// Allowed values.
+    /// Allowed values of the parameter.
     pub range: ParameterRange,
     /// Factory values on the disks N0 (and N1), N2, N3, N4.
     pub factory: [i32; 4],
     /// When a change takes effect.
     pub effective: EffectiveTime,
-    /// Meaning in English.
+    /// Meaning of the parameter, in English.
     pub meaning_en: &'static str,
-    /// Text on the parameter page, in Chinese.
+    /// Meaning as shown on the parameter page, in Chinese.
     pub meaning_zh: &'static str,
-    /// The function that uses it.
+    /// The function of the control that uses the parameter.
     pub used_by: &'static str,
 }
 
 impl ParameterRow {
-    /// The factory value on a disk.
+    /// The factory value of this parameter on an electronic disk.
     pub const fn factory_value(&self, disk: ElectronicDisk) -> i32 {
         match disk {
             ElectronicDisk::N0 | ElectronicDisk::N1 => self.factory[0],
@@ -112,7 +113,7 @@ impl ParameterRow {
     }
 }
 
-/// All rows by number. A whole state parameter is before its bits, and these are in the
+/// All rows by parameter number. A whole state parameter is before its bits, which are in the
 /// order 7 to 0.
 pub fn parameter_rows() -> &'static [ParameterRow] {
     static ROWS: LazyLock<Vec<ParameterRow>> =
@@ -120,7 +121,8 @@ pub fn parameter_rows() -> &'static [ParameterRow] {
     &ROWS
 }
 
-/// The row of a whole parameter or of one of its bits; `None` if it does not exist.
+/// The row of a whole parameter (`bit` is `None`) or of one of its bits; `None` if it does not
+/// exist.
 pub fn parameter_row(number: u16, bit: Option<u8>) -> Option<&'static ParameterRow> {
     let rows = parameter_rows();
     let first = rows.partition_point(|row| row.number < number);

@@ -13,7 +13,8 @@ use crate::model::{ModelId, ModelRecord};
 
 const PARAMETER_COUNT: usize = LAST_PARAMETER as usize + 1;
 
-/// State parameters 001–014, 164, 168, 172–185 and data parameters 015–124.
+/// The values of the state parameters 001–014, 164, 168, 172–185 and of the data parameters
+/// 015–124.
 ///
 /// The caller first checks whether writing is allowed (parameter switch, mode, level); these
 /// methods check only numbers and ranges.
@@ -30,7 +31,7 @@ pub enum ParameterError {
     Unknown {
         /// Parameter number.
         number: u16,
-        /// Bit number if a bit was addressed.
+        /// Bit number; `None` if a whole parameter was addressed.
         bit: Option<u8>,
     },
     /// The value is outside its range.
@@ -45,7 +46,7 @@ pub enum ParameterError {
 }
 
 impl ParameterError {
-    /// The text for the operator.
+    /// The message that explains to the operator why the value was not written.
     pub fn message(&self) -> Message {
         match self {
             Self::Unknown { number, bit: None } => say::parameter_unknown(number),
@@ -83,7 +84,7 @@ impl Default for ControlParameters {
 }
 
 impl ControlParameters {
-    /// The factory values of an electronic disk (manual, appendix 2).
+    /// The factory values on an electronic disk (manual, appendix 2).
     pub fn factory(disk: ElectronicDisk) -> Self {
         let mut values = vec![0; PARAMETER_COUNT];
         for row in parameter_table::parameter_rows()
@@ -97,27 +98,27 @@ impl ControlParameters {
         Self { values }
     }
 
-    /// The value of a parameter, of a state parameter as a byte. It is 0 for a number that
-    /// does not exist.
+    /// The value of a parameter; of a state parameter its eight bits as a byte. 0 for a number
+    /// that does not exist.
     #[inline]
     pub fn value(&self, number: u16) -> i32 {
         self.values.get(usize::from(number)).copied().unwrap_or(0)
     }
 
-    /// The value of a state parameter as a byte.
+    /// The eight bits of a state parameter.
     #[inline]
     pub fn byte(&self, number: u16) -> u8 {
         self.value(number) as u8
     }
 
-    /// One bit of a state parameter; `false` for a bit above 7.
+    /// A bit of a state parameter, 0 to 7; `false` for a higher bit number.
     #[inline]
     pub fn bit(&self, number: u16, bit: u8) -> bool {
         bit < 8 && self.value(number) >> bit & 1 != 0
     }
 
-    /// Writes a parameter. A negative interval of pitch errors is stored as a positive
-    /// one (manual III-10.5).
+    /// Writes a parameter. A negative interval of the pitch error table is stored as a
+    /// positive one (manual III-10.5).
     ///
     /// # Errors
     /// An unknown number, or a value out of range (alarm 043).
@@ -125,7 +126,7 @@ impl ControlParameters {
         self.set_within(number, value, None)
     }
 
-    /// Writes a parameter of another control model, which may have its own ranges.
+    /// Writes a parameter of the control model `record`, which may have special ranges.
     ///
     /// # Errors
     /// As [`Self::set`].
@@ -138,7 +139,7 @@ impl ControlParameters {
         self.set_within(number, value, record.parameter_range(number))
     }
 
-    /// Takes over the delivered values in which a control model differs.
+    /// Writes the delivered values in which a control model differs from the GSK980TD.
     pub fn apply_delivered_values(&mut self, record: &ModelRecord) {
         for (number, value) in &record.delivered {
             self.write_unchecked(*number, *value);
@@ -190,7 +191,7 @@ impl ControlParameters {
         Ok(())
     }
 
-    /// Writes one bit of a state parameter; unused bits too.
+    /// Writes one bit of a state parameter, which may be an unused bit.
     ///
     /// # Errors
     /// A number that is not a state parameter, or a bit above 7.
@@ -214,7 +215,7 @@ impl ControlParameters {
         }
     }
 
-    /// Whether the change from `before` to these values needs a power cycle (alarm 000).
+    /// Whether a value differs from `before` that needs a power cycle to change (alarm 000).
     pub(crate) fn needs_power_cycle(&self, before: &Self) -> bool {
         parameter_table::parameter_rows().iter().any(|row| {
             row.effective == EffectiveTime::AtPowerOn { alarm: true }
@@ -225,7 +226,8 @@ impl ControlParameters {
         })
     }
 
-    /// These values, except those whose change raises alarm 000: they remain as at power-on.
+    /// A copy of these values in which those that take effect at power-on with alarm 000 are
+    /// as `at_power_on`.
     #[must_use]
     pub(crate) fn active_values(&self, at_power_on: &Self) -> Self {
         let mut in_force = self.clone();
@@ -261,7 +263,7 @@ impl From<ControlParameters> for BTreeMap<u16, i32> {
     }
 }
 
-/// Missing numbers have their factory values.
+/// Takes over stored values. A number that is missing gets its factory value.
 impl TryFrom<BTreeMap<u16, i32>> for ControlParameters {
     type Error = ParameterError;
 

@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::{Axis, PerAxis};
 
-/// Greatest absolute value of a point, µm.
+/// Greatest absolute value of a point of the table, in 0.001 mm.
 const LARGEST_ERROR: i16 = 255;
 
-/// Errors of the lead screws in 0.001 mm, before the factor 013. A point that is not listed
-/// is 0. Point 0 may have a value, but no interval belongs to it.
+/// Errors of the lead screws at up to 256 points per axis, in 0.001 mm, before multiplication
+/// by the factor 013. A missing point is 0. No interval belongs to point 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(
     try_from = "PerAxis<BTreeMap<u8, i16>>",
@@ -22,17 +22,17 @@ pub struct PitchTable {
     points: PerAxis<BTreeMap<u8, i16>>,
 }
 
-/// The error for a value beyond ±255.
+/// The error of writing a value beyond ±255 to the pitch error table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PitchError {
-    /// Number of the point.
+    /// Number of the point in the table.
     pub point: u8,
     /// The refused value.
     pub value: i16,
 }
 
 impl PitchError {
-    /// The text for the operator.
+    /// The message that explains to the operator why the value was not written.
     pub fn message(&self) -> Message {
         say::pitch_error_out_of_range(self.point, self.value, LARGEST_ERROR)
     }
@@ -53,12 +53,13 @@ impl From<PitchError> for crate::alarm::Alarm {
 }
 
 impl PitchTable {
-    /// The value of a point, in 0.001 mm before the factor 013.
+    /// The value of a point of an axis, in 0.001 mm, before multiplication by the factor 013.
     pub fn value(&self, axis: Axis, point: u8) -> i16 {
         self.points.get(axis).get(&point).copied().unwrap_or(0)
     }
 
-    /// Writes a point, in 0.001 mm before the factor 013.
+    /// Writes the value of a point of an axis, in 0.001 mm, before multiplication by the
+    /// factor 013.
     ///
     /// # Errors
     /// A value beyond ±255 (alarm 043).

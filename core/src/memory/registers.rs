@@ -10,19 +10,19 @@
 use chrono::{DateTime, Datelike, Timelike};
 use serde::{Deserialize, Serialize};
 
-/// Resolution of the timer, ms.
+/// Step in which the timer #3001 counts, ms.
 const TIMER_STEP_MS: i64 = 16;
-/// The timer wraps to 0 at this value, ms.
+/// The timer #3001 wraps to 0 at this value, ms.
 const TIMER_PERIOD_MS: i64 = 65_536;
 
-/// 2000-01-01 00:00:00: a clock that was never set.
+/// Time of a clock that was never set, 2000-01-01 00:00:00, in seconds since 1970.
 const UNSET_CLOCK_SECONDS: i64 = 946_684_800;
 
-/// Local date and time of day.
+/// A local date and time of day, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct DayTime {
-    /// Local time in seconds since the beginning of 1970.
+    /// Local time in seconds since 1970-01-01 00:00:00.
     seconds: i64,
 }
 
@@ -35,12 +35,12 @@ impl Default for DayTime {
 }
 
 impl DayTime {
-    /// From local seconds since the beginning of 1970.
+    /// Creates a date and time from local seconds since 1970-01-01 00:00:00.
     pub const fn from_seconds(seconds: i64) -> Self {
         Self { seconds }
     }
 
-    /// Parses `1993-03-28 15:34:56`; `None` for an invalid text.
+    /// Parses a text like `1993-03-28 15:34:56`; `None` if it is invalid.
     pub fn from_text(text: &str) -> Option<Self> {
         let (date, time) = text.trim().split_once([' ', 'T'])?;
         let parse_triple = |text: &str, by| {
@@ -58,7 +58,7 @@ impl DayTime {
         Some(Self::from_seconds(moment.and_utc().timestamp()))
     }
 
-    /// Date as YYYYMMDD and time as hhmmss, `ms` milliseconds later.
+    /// The date as the number YYYYMMDD and the time as hhmmss, `ms` milliseconds later.
     fn digits(self, ms: u64) -> (u32, u32) {
         let seconds = self.seconds.saturating_add((ms / 1000) as i64);
         let moment = DateTime::from_timestamp(seconds, 0).unwrap_or_default();
@@ -68,23 +68,23 @@ impl DayTime {
     }
 }
 
-/// Functions that a program has switched off until its end or RESET.
+/// Functions of the control that a program has switched off until its end or RESET.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SwitchedOff {
-    /// #3003 and #3004 as written.
+    /// The values of #3003 and #3004; each set bit switches a function off.
     bits: (u8, u8),
 }
 
 impl SwitchedOff {
-    /// Greatest values of #3003 and #3004.
+    /// Greatest values of #3003 and #3004, with all their bits set.
     pub(crate) const GREATEST: (u8, u8) = (3, 7);
 
-    /// #3003.
+    /// The value of #3003: bit 0 single block, bit 1 waiting for FIN.
     pub(crate) const fn stop_bits(self) -> u8 {
         self.bits.0
     }
 
-    /// #3004.
+    /// The value of #3004: bit 0 feed hold, bit 1 feed override, bit 2 exact stop.
     pub(crate) const fn motion_bits(self) -> u8 {
         self.bits.1
     }
@@ -97,45 +97,45 @@ impl SwitchedOff {
         self.bits.1 = bits & Self::GREATEST.1;
     }
 
-    /// Single block does not stop the program.
+    /// Whether single block does not stop the program.
     pub(crate) const fn is_single_block_off(self) -> bool {
         self.bits.0 & 1 != 0
     }
 
-    /// The next block does not wait for the completion of M, S and T.
+    /// Whether the next block does not wait for the completion of M, S and T.
     pub(crate) const fn is_completion_wait_off(self) -> bool {
         self.bits.0 & 2 != 0
     }
 
-    /// Feed hold does not stop motion.
+    /// Whether feed hold does not stop motion.
     pub(crate) const fn is_feed_hold_off(self) -> bool {
         self.bits.1 & 1 != 0
     }
 
-    /// The feed override is fixed at 100 %.
+    /// Whether the feed override is fixed at 100 %.
     pub(crate) const fn is_feed_override_off(self) -> bool {
         self.bits.1 & 2 != 0
     }
 
-    /// Cuts blend into each other without an exact stop.
+    /// Whether cuts blend into each other without an exact stop.
     pub(crate) const fn is_exact_stop_off(self) -> bool {
         self.bits.1 & 4 != 0
     }
 }
 
-/// Registers of macro B while the power is on.
+/// Registers of macro B that are lost at power-off: timer, clock, switched-off functions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Registers {
-    /// Local time of power-on.
+    /// Local date and time of power-on.
     day_time: DayTime,
-    /// Time at which the timer was 0, ms after power-on.
+    /// Time, ms after power-on, at which the timer #3001 was 0.
     timer_from: i64,
     /// Functions that programs have switched off.
     pub(crate) off: SwitchedOff,
 }
 
 impl Registers {
-    /// The registers after power-on at a local time.
+    /// The registers at power-on, which happens at the local time `day_time`.
     pub const fn new(day_time: DayTime) -> Self {
         Self {
             day_time,
@@ -144,31 +144,31 @@ impl Registers {
         }
     }
 
-    /// Greatest value of the timer, ms.
+    /// Greatest value of the timer #3001, ms.
     pub const TIMER_GREATEST: i64 = TIMER_PERIOD_MS - 1;
 
-    /// Value of the timer, ms, `now` ms after power-on; it counts in steps of 16 ms.
+    /// Value of the timer #3001, ms, at `now` ms after power-on; it counts in steps of 16 ms.
     pub const fn timer(&self, now: u64) -> i64 {
         let since = (now as i64 - self.timer_from) / TIMER_STEP_MS * TIMER_STEP_MS;
         since.rem_euclid(TIMER_PERIOD_MS)
     }
 
-    /// Sets the timer to `ms`, `now` ms after power-on.
+    /// Sets the timer #3001 to `ms` at `now` ms after power-on.
     pub const fn set_timer(&mut self, ms: i64, now: u64) {
         self.timer_from = now as i64 - ms / TIMER_STEP_MS * TIMER_STEP_MS;
     }
 
-    /// The date, YYYYMMDD, `now` ms after power-on.
+    /// The local date as the number YYYYMMDD, at `now` ms after power-on.
     pub fn date(&self, now: u64) -> u32 {
         self.day_time.digits(now).0
     }
 
-    /// The time of day, hhmmss, `now` ms after power-on.
+    /// The local time of day as the number hhmmss, at `now` ms after power-on.
     pub fn time_of_day(&self, now: u64) -> u32 {
         self.day_time.digits(now).1
     }
 
-    /// Local date and time, `now` ms after power-on.
+    /// Local date and time at `now` ms after power-on.
     pub(crate) const fn day_time(&self, now: u64) -> DayTime {
         DayTime::from_seconds(self.day_time.seconds.saturating_add((now / 1000) as i64))
     }

@@ -8,57 +8,58 @@ use super::parameters::ControlParameters;
 use crate::alarm::{Alarm, number};
 use crate::mode::OperatingMode;
 
-/// Programs from this number need more than the operator's level.
+/// Programs from this number on need more rights than the operator's level has.
 const PROTECTED_FROM: u16 = 9000;
 
-/// The state that the rights depend on.
+/// The state of the control that decides who may write what.
 #[derive(Clone, Copy, Debug)]
 pub struct Rights<'a> {
-    /// The active parameters.
+    /// The active values of the parameters.
     pub parameters: &'a ControlParameters,
-    /// The active operation level.
+    /// The operation level that is active.
     pub level: OperationLevel,
-    /// The operating mode.
+    /// The operating mode that is active.
     pub mode: OperatingMode,
-    /// A program or an MDI block is running or held.
+    /// Whether a program or an MDI block is running or held.
     pub operating: bool,
-    /// A block is running.
+    /// Whether a block is running.
     pub running: bool,
-    /// An axis moves.
+    /// Whether an axis moves.
     pub moving: bool,
-    /// An alarm is active.
+    /// Whether an alarm is active.
     pub alarm: bool,
-    /// The emergency stop is pressed.
+    /// Whether the emergency stop is pressed.
     pub emergency_stop: bool,
-    /// 参数开关: the parameter switch is on.
+    /// 参数开关: whether the parameter switch is on.
     pub parameter_switch: bool,
-    /// 程序开关: the program switch is on.
+    /// 程序开关: whether the program switch is on.
     pub program_switch: bool,
-    /// The machine protects the memory (KEY1, G46.3).
+    /// Whether the machine locks the memory (signal KEY1, G46.3).
     pub protected: bool,
 }
 
 /// The reason why a write is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WriteRefusal {
-    /// Another operating mode is needed.
+    /// The operation needs another operating mode.
     Mode,
-    /// A program is running or held, or an axis moves.
+    /// A program is running or held, or an axis is moving.
     Running,
-    /// An alarm is active, and 012.3 EAL = 0.
+    /// An alarm is active, and 012.3 EAL = 0 forbids editing meanwhile.
     Alarm,
     /// The parameter switch (参数开关) is off.
     ParameterSwitch,
     /// The program switch (程序开关) is off.
     ProgramSwitch,
-    /// The operation level is too low.
+    /// The operation level has too few rights.
     Level,
     /// 172.1, 172.2 or the signal KEY1 locks the data, or 012.4 hides the program.
     Locked,
 }
 
 impl WriteRefusal {
-    /// The alarm of a refused program operation; only [`Self::Level`] has one.
+    /// The alarm of a refused operation on a program; `None` for all reasons but
+    /// [`Self::Level`].
     pub fn alarm(self) -> Option<Alarm> {
         (self == Self::Level)
             .then(|| Alarm::new(number::PROGRAM_NUMBER).with_detail(say::level_too_low()))
@@ -69,8 +70,8 @@ const fn require(allowed: bool, refusal: WriteRefusal) -> Result<(), WriteRefusa
     if allowed { Ok(()) } else { Err(refusal) }
 }
 
-/// The level that may send and receive a program through the serial port: above O9000 the
-/// machine builder's.
+/// The level needed to send or receive the program `number` through the serial port: above
+/// O9000 the machine builder's.
 const fn serial_level(number: u16) -> OperationLevel {
     if number <= PROTECTED_FROM {
         OperationLevel::OPERATOR
@@ -99,15 +100,15 @@ impl Rights<'_> {
         )
     }
 
-    /// Whether 012.4 PRG9 hides a program.
+    /// Whether 012.4 PRG9 hides the program `program`.
     pub fn is_hidden(&self, program: u16) -> bool {
         self.parameters.are_upper_programs_hidden() && program >= PROTECTED_FROM
     }
 
-    /// Checks editing, creating, deleting, renaming or copying a program.
+    /// Checks whether the program `number` may be edited, created, deleted, renamed or copied.
     ///
     /// # Errors
-    /// The first unmet condition.
+    /// The reason of the first unmet condition.
     pub fn check_program_edit(&self, number: u16) -> Result<(), WriteRefusal> {
         require(self.mode.edits(), WriteRefusal::Mode)?;
         require(!self.running, WriteRefusal::Running)?;
@@ -118,10 +119,11 @@ impl Rights<'_> {
         self.check_program_store(number)
     }
 
-    /// Checks storing text that was typed while editing was allowed.
+    /// Checks whether text of the program `number`, typed while editing was allowed, may be
+    /// stored.
     ///
     /// # Errors
-    /// The first unmet condition.
+    /// The reason of the first unmet condition.
     pub fn check_program_store(&self, number: u16) -> Result<(), WriteRefusal> {
         require(self.program_switch, WriteRefusal::ProgramSwitch)?;
         let locked =
@@ -139,10 +141,11 @@ impl Rights<'_> {
         require(!self.operating, WriteRefusal::Running)
     }
 
-    /// Checks sending a program through the serial port (manual III-9.8.2).
+    /// Checks whether the operator may send the program `number` through the serial port
+    /// (manual III-9.8.2).
     ///
     /// # Errors
-    /// The first unmet condition.
+    /// The reason of the first unmet condition.
     pub fn check_send_program(&self, number: u16) -> Result<(), WriteRefusal> {
         self.require_send()?;
         require(self.program_switch, WriteRefusal::ProgramSwitch)?;
@@ -150,21 +153,22 @@ impl Rights<'_> {
         self.require_level(serial_level(number))
     }
 
-    /// Checks sending parameters, offsets or the pitch table.
+    /// Checks whether the operator may send parameters, offsets or the pitch table through the
+    /// serial port.
     ///
     /// # Errors
-    /// The first unmet condition.
+    /// The reason of the first unmet condition.
     pub fn check_send_data(&self) -> Result<(), WriteRefusal> {
         self.require_send()?;
         require(self.parameter_switch, WriteRefusal::ParameterSwitch)?;
         self.require_level(OperationLevel::WORKSHOP)
     }
 
-    /// Checks sending a program that the partner on the serial port requests: in any mode,
-    /// at standstill (manual III-9.5, III-9.8.2).
+    /// Checks whether the control may send the program `number` because the other end of the
+    /// serial port requests it: in any mode, at standstill (manual III-9.5, III-9.8.2).
     ///
     /// # Errors
-    /// The first unmet condition.
+    /// The reason of the first unmet condition.
     pub fn check_fetch_program(&self, number: u16) -> Result<(), WriteRefusal> {
         self.require_standstill()?;
         require(self.program_switch, WriteRefusal::ProgramSwitch)?;
@@ -172,10 +176,11 @@ impl Rights<'_> {
         self.require_level(serial_level(number))
     }
 
-    /// Checks sending parameters, offsets or the pitch table that the partner requests.
+    /// Checks whether the control may send parameters, offsets or the pitch table because the
+    /// other end of the serial port requests them.
     ///
     /// # Errors
-    /// The first unmet condition.
+    /// The reason of the first unmet condition.
     pub fn check_fetch_data(&self) -> Result<(), WriteRefusal> {
         self.require_standstill()?;
         require(self.parameter_switch, WriteRefusal::ParameterSwitch)?;
@@ -187,10 +192,10 @@ impl Rights<'_> {
         require(!self.protected, WriteRefusal::Locked)
     }
 
-    /// Checks receiving a program through the serial port.
+    /// Checks whether the program `number` may be received through the serial port.
     ///
     /// # Errors
-    /// The first unmet condition.
+    /// The reason of the first unmet condition.
     pub fn check_receive_program(&self, number: u16) -> Result<(), WriteRefusal> {
         self.require_receive()?;
         require(self.program_switch, WriteRefusal::ProgramSwitch)?;
@@ -199,10 +204,11 @@ impl Rights<'_> {
         self.require_level(serial_level(number))
     }
 
-    /// Checks receiving parameters, offsets or the pitch table through the serial port.
+    /// Checks whether parameters, offsets or the pitch table may be received through the
+    /// serial port.
     ///
     /// # Errors
-    /// The first unmet condition.
+    /// The reason of the first unmet condition.
     pub fn check_receive_data(&self) -> Result<(), WriteRefusal> {
         self.require_receive()?;
         require(self.parameter_switch, WriteRefusal::ParameterSwitch)?;
@@ -213,29 +219,29 @@ impl Rights<'_> {
         self.require_level(OperationLevel::WORKSHOP)
     }
 
-    /// Checks writing tool offsets.
+    /// Checks whether tool offsets may be written.
     ///
     /// # Errors
-    /// The first unmet condition.
+    /// The reason of the first unmet condition.
     pub fn check_offsets(&self) -> Result<(), WriteRefusal> {
         require(!self.protected, WriteRefusal::Locked)?;
         self.require_level(OperationLevel::OPERATOR)
     }
 
-    /// Checks writing macro variables.
+    /// Checks whether macro variables may be written.
     ///
     /// # Errors
-    /// The first unmet condition.
+    /// The reason of the first unmet condition.
     pub fn check_variables(&self) -> Result<(), WriteRefusal> {
         self.require_mdi()?;
         require(!self.operating, WriteRefusal::Running)?;
         self.require_level(OperationLevel::OPERATOR)
     }
 
-    /// Checks writing rows of the setting page.
+    /// Checks whether rows of the setting page may be written.
     ///
     /// # Errors
-    /// The first unmet condition.
+    /// The reason of the first unmet condition.
     pub fn check_settings(&self) -> Result<(), WriteRefusal> {
         self.require_mdi()?;
         self.require_standstill()?;
@@ -243,10 +249,10 @@ impl Rights<'_> {
         self.require_level(OperationLevel::WORKSHOP)
     }
 
-    /// Checks operating the parameter switch (参数开关).
+    /// Checks whether the parameter switch (参数开关) may be switched.
     ///
     /// # Errors
-    /// The first unmet condition.
+    /// The reason of the first unmet condition.
     pub fn check_parameter_switch(&self) -> Result<(), WriteRefusal> {
         require(!self.operating, WriteRefusal::Running)?;
         require(
@@ -256,10 +262,10 @@ impl Rights<'_> {
         self.require_level(OperationLevel::WORKSHOP)
     }
 
-    /// Checks operating the program switch (程序开关).
+    /// Checks whether the program switch (程序开关) may be switched.
     ///
     /// # Errors
-    /// The first unmet condition.
+    /// The reason of the first unmet condition.
     pub fn check_program_switch(&self) -> Result<(), WriteRefusal> {
         require(!self.operating, WriteRefusal::Running)?;
         require(
@@ -269,10 +275,10 @@ impl Rights<'_> {
         self.require_level(OperationLevel::OPERATOR)
     }
 
-    /// Checks writing parameters and the pitch table.
+    /// Checks whether parameters and the pitch table may be written.
     ///
     /// # Errors
-    /// The first unmet condition.
+    /// The reason of the first unmet condition.
     pub fn check_parameters(&self) -> Result<(), WriteRefusal> {
         self.require_mdi_or_emergency_stop()?;
         self.require_standstill()?;
@@ -282,10 +288,10 @@ impl Rights<'_> {
         self.require_level(OperationLevel::WORKSHOP)
     }
 
-    /// Checks loading and saving the electronic disks.
+    /// Checks whether the electronic disks may be loaded and saved.
     ///
     /// # Errors
-    /// The first unmet condition.
+    /// The reason of the first unmet condition.
     pub fn check_disks(&self) -> Result<(), WriteRefusal> {
         self.require_mdi_or_emergency_stop()?;
         self.require_standstill()?;
@@ -294,11 +300,11 @@ impl Rights<'_> {
         self.require_level(OperationLevel::WORKSHOP)
     }
 
-    /// Checks writing 坐标选择 of the graphic, presets of the PLC, and the tool in position
-    /// (DGN.075).
+    /// Checks whether 坐标选择 (the axes) of the graphic, presets of the PLC, and the tool in
+    /// position (DGN.075) may be written.
     ///
     /// # Errors
-    /// The first unmet condition.
+    /// The reason of the first unmet condition.
     pub fn check_machine_data(&self) -> Result<(), WriteRefusal> {
         self.require_mdi()?;
         require(self.parameter_switch, WriteRefusal::ParameterSwitch)?;
@@ -306,11 +312,11 @@ impl Rights<'_> {
         self.require_level(OperationLevel::WORKSHOP)
     }
 
-    /// Checks loading a ladder with its messages, comments and initial data (manual PLC-III
-    /// 6.1).
+    /// Checks whether a ladder with its messages, comments and initial data may be loaded
+    /// (manual PLC-III 6.1).
     ///
     /// # Errors
-    /// The first unmet condition.
+    /// The reason of the first unmet condition.
     pub fn check_ladder(&self) -> Result<(), WriteRefusal> {
         require(self.mode == OperatingMode::Edit, WriteRefusal::Mode)?;
         self.require_standstill()?;
@@ -319,10 +325,10 @@ impl Rights<'_> {
         self.require_level(OperationLevel::WORKSHOP)
     }
 
-    /// Checks opening the password page.
+    /// Checks whether the password page may be opened.
     ///
     /// # Errors
-    /// The first unmet condition.
+    /// The reason of the first unmet condition.
     pub fn check_password(&self) -> Result<(), WriteRefusal> {
         require(!self.operating, WriteRefusal::Running)
     }

@@ -1,7 +1,6 @@
 use super::*;
 use crate::memory::Authority;
 
-/// A state in which everything is allowed: EDIT for programs, MDI for other data.
 fn all_allowed(parameters: &ControlParameters, mode: OperatingMode) -> Rights<'_> {
     Rights {
         parameters,

@@ -5,30 +5,30 @@ use serde::{Deserialize, Serialize};
 /// A row of the setting page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SettingRow {
-    /// 奇偶校检: stored, without effect on this control.
+    /// 奇偶校检 (parity check): stored, without effect on this control.
     Parity,
-    /// ISO 代码: character code of program transfer.
+    /// ISO 代码: whether programs are transferred in ISO code.
     Iso,
-    /// 英制编程: programs are in inches.
+    /// 英制编程: whether programs are in inches.
     Inch,
-    /// 自动序号: the editor numbers blocks while they are typed.
+    /// 自动序号: whether the editor numbers blocks while they are typed.
     Numbering,
 }
 
-/// The settings, kept over power-off.
+/// The values of the setting page and the option of macro B, kept over power-off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ControlSettings {
-    /// 奇偶校检 (parity check): without effect on this control.
+    /// 奇偶校检 (parity check): stored, without effect on this control.
     pub parity: bool,
-    /// ISO 代码: programs are transferred in ISO code, otherwise in EIA.
+    /// ISO 代码: whether programs are transferred in ISO code; otherwise in EIA code.
     pub iso: bool,
-    /// 英制编程: programs are in inches, otherwise in mm.
+    /// 英制编程: whether programs are in inches; otherwise in mm.
     pub inch: bool,
-    /// 自动序号: the editor numbers blocks while they are typed.
+    /// 自动序号: whether the editor numbers blocks while they are typed.
     pub numbering: bool,
-    /// Option of macro B: programs may use formulas, jumps, loops and calls with arguments.
-    /// No row of the page shows it.
+    /// Option of macro B: whether programs may use formulas, jumps, loops and calls with
+    /// arguments. No row of the page shows this option.
     #[serde(skip_serializing_if = "is_off")]
     pub macro_b: bool,
 }
@@ -54,7 +54,7 @@ impl Default for ControlSettings {
 }
 
 impl ControlSettings {
-    /// Whether a row is on.
+    /// Whether the setting of a row of the page is on.
     pub const fn get(&self, setting: SettingRow) -> bool {
         match setting {
             SettingRow::Parity => self.parity,
@@ -64,7 +64,7 @@ impl ControlSettings {
         }
     }
 
-    /// Switches a row on or off.
+    /// Switches the setting of a row of the page on or off.
     pub const fn set(&mut self, setting: SettingRow, on: bool) {
         match setting {
             SettingRow::Parity => self.parity = on,

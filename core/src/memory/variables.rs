@@ -9,18 +9,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::alarm::{Alarm, number};
 
-/// First number and count of the two groups of macro A.
+/// First number, and how many numbers follow, of the two groups of variables of macro A.
 const MACRO_A_GROUPS: [(u16, usize); 2] = [(200, 32), (500, 16)];
 const MACRO_A_COUNT: usize = 48;
 
-/// Real variables that are kept over power-off, and those that are not.
+/// Numbers of the real variables that are kept over power-off; the next ones are not.
 const RETAINED_NUMBERS: core::ops::RangeInclusive<u16> = 500..=999;
 const VOLATILE_NUMBERS: core::ops::RangeInclusive<u16> = 100..=199;
-/// Variables of the Huaxing lathes, which are not kept either.
+/// Numbers of the variables of Huaxing lathes, which are not kept over power-off.
 const HUAXING_NUMBERS: core::ops::RangeInclusive<u16> = 1..=99;
 
-/// The common variables. All programs share them. They are kept over power-off, except #100
-/// to #199. A variable without a value is zero, or null if only macro B has it.
+/// The common variables of macro A and macro B, which all programs share. They are kept over
+/// power-off, except #100 to #199. A variable without a value is zero, or null if only macro B
+/// has it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "BTreeMap<u16, Stored>", try_from = "BTreeMap<u16, Stored>")]
 pub struct Variables {
@@ -29,7 +30,7 @@ pub struct Variables {
     reals: BTreeMap<u16, f64>,
 }
 
-/// A value in its stored form.
+/// The value of a variable as serialized.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(untagged)]
 enum Stored {
@@ -47,9 +48,9 @@ impl Default for Variables {
 }
 
 impl Variables {
-    /// Least integer value, −2³².
+    /// Least value of an integer variable, −2³².
     pub const LEAST: i64 = -(1 << 32);
-    /// Greatest integer value, 2³² − 1.
+    /// Greatest value of an integer variable, 2³² − 1.
     pub const GREATEST: i64 = (1 << 32) - 1;
     /// Greatest absolute value of a real variable.
     pub const GREATEST_REAL: f64 = 1e47;
@@ -66,12 +67,12 @@ impl Variables {
             .flat_map(|(first, count)| (first..).take(count))
     }
 
-    /// The integer value of a variable; `None` if macro A has no such variable.
+    /// The value of a variable of macro A; `None` if macro A has no such variable.
     pub fn get(&self, number: u16) -> Option<i64> {
         self.values.get(value_index(number)?).copied()
     }
 
-    /// Sets an integer variable.
+    /// Sets a variable of macro A.
     ///
     /// # Errors
     /// 115 for an invalid number, 111 for a value beyond −2³² to 2³² − 1.
@@ -96,8 +97,8 @@ impl Variables {
             || Self::has_integer(number)
     }
 
-    /// The numbers that the page lists where programs use macro B: the local variables #1 to
-    /// #33, and all common ones.
+    /// The numbers that the variable page lists if programs use macro B: the local variables
+    /// #1 to #33 and all common ones.
     pub fn numbers_of_macro_b() -> impl Iterator<Item = u16> {
         let (first, count) = MACRO_A_GROUPS[0];
         let of_both = (first..).take(count);
@@ -112,12 +113,12 @@ impl Variables {
         HUAXING_NUMBERS
     }
 
-    /// The value of a variable of the Huaxing lathes; `None`: null.
+    /// The value of a variable of the Huaxing lathes; `None` is the value null.
     pub(crate) fn huaxing_value(&self, number: u16) -> Option<f64> {
         self.reals.get(&number).copied()
     }
 
-    /// Sets a variable of the Huaxing lathes; `None`: null.
+    /// Sets a variable of the Huaxing lathes; `None` is the value null.
     ///
     /// # Errors
     /// 111 for a value that formulas cannot yield.
@@ -133,13 +134,14 @@ impl Variables {
         Ok(())
     }
 
-    /// The value that macro B reads; `None`: null.
+    /// The value of a variable as macro B reads it; `None` is the value null.
     pub fn real_value(&self, number: u16) -> Option<f64> {
         let real = self.reals.get(&number).copied();
         real.or_else(|| self.get(number).map(|whole| whole as f64))
     }
 
-    /// Sets a variable to the value of a formula. Null becomes 0 for a variable of macro A.
+    /// Sets a variable to the result of a formula; `None` is null, which a variable of macro A
+    /// stores as 0.
     ///
     /// # Errors
     /// 115 for an invalid number. 111 for a value that macro A could not read, and for one
@@ -164,7 +166,8 @@ impl Variables {
         Ok(())
     }
 
-    /// Checks a real value for a variable, which may be a local one.
+    /// Returns `value` if a variable can store it. `number`, in the alarm, may be a local
+    /// variable.
     ///
     /// # Errors
     /// 111 for NaN and for a value that formulas cannot yield.
@@ -176,7 +179,7 @@ impl Variables {
         Err(Alarm::new(number::MACRO_RANGE).with_detail(detail))
     }
 
-    /// Clears the variables that are not kept over power-off.
+    /// Removes the values that are not kept over power-off.
     pub fn power_on(&mut self) {
         self.reals.retain(|number, _| {
             !VOLATILE_NUMBERS.contains(number) && !HUAXING_NUMBERS.contains(number)

@@ -4,42 +4,44 @@
 
 use serde::Deserialize;
 
-/// The conventions of a model.
+/// How a control model reads the words of a program.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Conventions {
-    /// Whether X is a diameter or a travel.
+    /// Whether X measures a diameter or the travel of the slide.
     pub x: XMeasure,
-    /// The notation of increments.
+    /// How a program writes increments: by letters, by a code, or both.
     pub increments: Increments,
-    /// The plane of arcs and radius compensation after power-on.
+    /// The plane of arcs and radius compensation that is active after power-on.
     pub plane: WorkPlane,
-    /// The meaning of a T word.
+    /// Whether a T word selects tool and offset, or the tool only.
     pub tool: ToolForm,
-    /// The macro language of programs.
+    /// The macro language that programs may use.
     pub macros: MacroForm,
-    /// The feed after power-on, mm/min; `None`: a cut needs F.
+    /// The feed that is active after power-on, mm/min; `None` if a cut needs an F word.
     pub first_feed: Option<u32>,
-    /// Limit of the cutting feed as delivered, mm/min.
+    /// Greatest cutting feed as delivered, mm/min.
     pub greatest_feed: u32,
-    /// Whether an S word beside the code that sets coordinates limits the spindle speed.
+    /// Whether an S word in the block of the code that sets coordinates limits the spindle
+    /// speed.
     #[serde(default)]
     pub limits_speed_by_coordinates: bool,
-    /// Whether the L word is the repeat count of M98.
+    /// Whether the repeat count of M98 is its L word.
     #[serde(default)]
     pub counts_calls_by_l: bool,
-    /// Modal groups: the G codes of a list cancel each other. All other G codes act only in
-    /// their own block.
+    /// Modal groups of G codes; the codes of a group cancel each other. A G code in no group
+    /// acts only in its block.
     pub groups: Vec<Vec<u8>>,
 }
 
 impl Conventions {
-    /// Index of the modal group of a G code; `None` for a code that acts only in its block.
+    /// Index in `groups` of the modal group of a G code; `None` for a code that acts only in
+    /// its block.
     pub fn group(&self, code: u8) -> Option<usize> {
         self.groups.iter().position(|group| group.contains(&code))
     }
 }
 
-/// The quantity that X measures.
+/// What X values of a program measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum XMeasure {
     /// A diameter: the slide travels half of it.
@@ -48,48 +50,49 @@ pub enum XMeasure {
     Distance,
 }
 
-/// The notation of increments.
+/// How a program marks a coordinate as an increment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum Increments {
-    /// The letters U and W.
+    /// By the letters U and W instead of X and Z.
     Letters,
-    /// The modal code G91.
+    /// By the modal code G91.
     Codes,
-    /// Both notations.
+    /// By the letters U and W, or by G91.
     Both,
 }
 
-/// The plane of arcs and radius compensation.
+/// The plane in which arcs and radius compensation act.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum WorkPlane {
-    /// X and Y.
+    /// The plane of X and Y.
     Xy,
-    /// Z and X.
+    /// The plane of Z and X.
     Zx,
 }
 
-/// The meaning of a T word.
+/// What the digits of a T word select.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum ToolForm {
-    /// Tool and offset. The value is the total number of digits; each has half of them.
+    /// Tool and offset. The payload is the number of digits of the word; each has half of
+    /// them.
     ToolAndOffset(u8),
-    /// The tool only; the offsets are H and D words.
+    /// The tool only; H and D words select the offsets.
     Tool,
 }
 
-/// The macro language of a model.
+/// The macro language of a control model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum MacroForm {
-    /// Macro A: G65 H with integers.
+    /// Macro A: operations G65 H with integers.
     A,
-    /// Macro B: formulas and statements.
+    /// Macro B: formulas, jumps, loops and calls with arguments.
     B,
-    /// Only formulas, with the variables #1 to #99.
+    /// Formulas and assignments only, with the variables #1 to #99.
     Formulas,
 }
 
 impl WorkPlane {
-    /// The axes of the plane, in the order that defines the positive direction of rotation.
+    /// The letters of the axes, in the order that defines the positive direction of rotation.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Xy => "XY",

@@ -16,27 +16,27 @@ use serde::Deserialize;
 
 use super::{ControlModel, code_calls};
 
-/// The calls of macro B, G65 to G67.
+/// The G codes of macro B that call programs or cancel calls, G65 to G67.
 const CALLS: core::ops::RangeInclusive<u16> = 65..=67;
 /// The greatest program number.
 const LAST_PROGRAM: i64 = 9999;
 
-/// The parameters that assign subprograms to a range of M codes.
+/// Which parameters assign subprograms to a range of M codes.
 #[derive(Clone, Debug, Deserialize)]
 pub(crate) struct CallRange {
-    /// Number of the parameter: the first M code.
+    /// Number of the parameter that has the first M code of the range.
     first: u16,
-    /// Number of the parameter: the program that the first code calls.
+    /// Number of the parameter that has the program number that the first code calls.
     program: u16,
-    /// Number of the parameter: the number of codes; 0: none.
+    /// Number of the parameter that has the number of codes in the range; 0 for no codes.
     count: u16,
-    /// M codes within the range that keep their function.
+    /// M codes that keep their function even if they are within the range.
     reserved: Vec<i64>,
 }
 
 impl ControlModel {
-    /// The subprogram that an M code calls through a range of codes; `None` if it calls
-    /// none.
+    /// The number of the subprogram that the M code `code` calls because it is in a range of
+    /// calling codes; `None` if it is not.
     pub fn m_subprogram(&self, code: i64) -> Option<i64> {
         let range = self.record().m_calls.as_ref()?;
         let value = |number| i64::from(self.parameter(number));
@@ -47,19 +47,19 @@ impl ControlModel {
         calls.then_some(program + index)
     }
 
-    /// Whether an M code calls the program with its own number as a macro.
+    /// Whether the M code `code` calls the program whose number it is, as a macro.
     pub fn is_macro_m_code(&self, code: i64) -> bool {
         let macros = self.record().m_macros;
         macros.is_some_and(|(first, last)| (first..=last).contains(&code))
     }
 
-    /// Whether a parameter assigns a program to any G code.
+    /// Whether a parameter assigns a program to at least one G code.
     pub fn has_g_calls(&self) -> bool {
         let mut parameters = code_calls::FIRST_G_PARAMETER..code_calls::FIRST_G_PARAMETER + 10;
         parameters.any(|number| self.parameter(number) != 0)
     }
 
-    /// Whether each T word calls a program.
+    /// Whether each T word calls a program, because of a parameter.
     pub(crate) fn has_t_calls(&self) -> bool {
         match self.id().is_mill() {
             true => self.parameter(code_calls::MILL_T_PARAMETER) >> code_calls::MILL_T_BIT & 1 == 1,
@@ -67,8 +67,9 @@ impl ControlModel {
         }
     }
 
-    /// The program that a G, M or T word calls; `None` if it calls none. The result ignores
-    /// that a code may be an ordinary one within a running call.
+    /// The number of the program that a G, M or T word with the number `code` calls; `None` if
+    /// it calls none. The result ignores that within a running call the code may be an
+    /// ordinary one.
     pub fn called_program(&self, letter: u8, code: i64) -> Option<u16> {
         let number = u16::try_from(code).ok()?;
         let nth = |parameters: core::ops::Range<u16>, program: u16| {

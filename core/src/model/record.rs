@@ -11,173 +11,179 @@ use super::program_calls::CallRange;
 use super::{GCode, MCode, ModelId};
 use crate::units::Axis;
 
-/// G codes have two digits.
+/// Number of possible G codes: they have two digits.
 const G_CODES: usize = 100;
 
-/// The data of a control model.
+/// What distinguishes a control model: its codes, conventions, ranges and parameters.
 #[derive(Clone, Debug, Deserialize)]
 pub struct ModelRecord {
-    /// The model of this record.
+    /// The model that this record describes.
     #[serde(skip)]
     id: ModelId,
     /// An example of a program name, such as `O0001`.
     #[serde(default = "four_digits")]
     pub program_name: String,
-    /// The letter before the numbers of its alarms.
+    /// The letter before the numbers of the model's alarms; `None` without a letter.
     #[serde(default)]
     pub alarm_letter: Option<char>,
-    /// The lowest step of the rapid override, %; `None`: F0.
+    /// The lowest step of the rapid override, %; `None` if it is F0.
     #[serde(default)]
     pub(crate) least_rapid_override: Option<u8>,
-    /// Number of digits of a T word; tool and offset have half of them each.
+    /// Number of digits of a T word; tool and offset number have half of them each.
     #[serde(default = "four")]
     pub(crate) tool_digits: u8,
-    /// A tool offset shifts the coordinates in every block; the slides do not move.
+    /// Whether a tool offset shifts the coordinates in every block, without moving the slides.
     #[serde(default)]
     pub(crate) offsets_by_shift: bool,
-    /// An N word after a G code is a block, a subprogram or a count, not a sequence number.
+    /// Whether an N word after a G code is a block, a subprogram or a count instead of a
+    /// sequence number.
     #[serde(default)]
     pub(crate) n_after_g: bool,
-    /// Whether the model has its own variables #1 to #99, with formulas and assignments but
+    /// Whether the model has separate variables #1 to #99, with formulas and assignments but
     /// no other statements.
     #[serde(default)]
     pub own_variables: bool,
-    /// Number of the contact of input 0.
+    /// Contact of the model's input 0, counted in bits of the X area from X0.0 (16 is X2.0).
     #[serde(default)]
     pub(crate) first_input: u8,
-    /// The effect of an input's rising edge in manual modes.
+    /// What a rising edge of an input does in manual modes, by the number of the input.
     #[serde(default)]
     pub(crate) edges: BTreeMap<u8, EdgeAction>,
-    /// Inputs that are also contacts of the machine.
+    /// Inputs, by number, that also act as a contact of the machine.
     #[serde(default)]
     pub(crate) wires: BTreeMap<u8, WiredContact>,
-    /// Outputs of the ladder with M codes that act when the output changes, from any cause.
+    /// Outputs of the ladder whose changes, from any cause, switch outputs of the model as M
+    /// codes do.
     #[serde(default)]
     pub(crate) followers: Vec<OutputFollower>,
-    /// Number of the output of the spindle brake.
+    /// Number of the model's output that follows the spindle brake; `None` without one.
     #[serde(default)]
     pub(crate) brake_output: Option<u8>,
-    /// Whether the operator teaches points on the graphic page.
+    /// Whether the operator can teach points on the graphic page.
     #[serde(default)]
     pub teaches: bool,
-    /// The greatest sequence number of a block.
+    /// The greatest sequence number (N) of a block.
     #[serde(default = "last_of_four_digits")]
     pub(crate) last_sequence: u32,
-    /// The greatest program number in the model's own words (`%P99`, G20, G22).
+    /// The greatest program number in `%P99`, G20 and G22 of the model.
     #[serde(default = "last_of_four_digits_short")]
     pub(crate) last_program: u16,
-    /// Least and greatest numbers of words whose range differs from the GSK980TD.
+    /// Least and greatest number of words, by letter, whose range differs from the GSK980TD.
     #[serde(default)]
     pub(crate) word_limits: BTreeMap<char, (i64, i64)>,
-    /// Least and greatest time of G04, ms.
+    /// Least and greatest time of G04, ms; `None` if they are those of the GSK980TD.
     #[serde(default)]
     pub(crate) dwell_limits: Option<(i64, i64)>,
-    /// Delivered values of control parameters where they differ from the GSK980TD.
+    /// Delivered values of control parameters, by number, that differ from the GSK980TD.
     #[serde(default)]
     pub(crate) delivered: BTreeMap<u16, i32>,
-    /// Ranges of control parameters where they differ from the GSK980TD.
+    /// Least and greatest values of control parameters, by number, that differ from the
+    /// GSK980TD.
     #[serde(default)]
     ranges: BTreeMap<u16, (i32, i32)>,
-    /// The greatest coordinate, 0.001 mm.
+    /// The greatest absolute coordinate in a program, in 0.001 mm.
     #[serde(default = "ten_metres")]
     pub(crate) greatest_coordinate: i64,
-    /// Letters that are addresses in addition to those of the GSK980TD.
+    /// Letters that are addresses of the model but not of the GSK980TD.
     #[serde(default)]
     addresses: String,
-    /// Letters that only macro calls accept, as arguments.
+    /// Letters that are accepted only as arguments of macro calls.
     #[serde(default)]
     argument_addresses: String,
-    /// The meaning of words and codes besides the effect of each code.
+    /// How the model reads words and codes, besides the effect of each code.
     pub conventions: Conventions,
-    /// The meanings of its G codes, by number.
+    /// The meanings of the model's G codes, by number.
     pub g: BTreeMap<u8, GCode>,
-    /// The G codes whose effect the manual of the model does not specify.
+    /// The G codes whose effect was decided here because the manual of the model does not give
+    /// it.
     #[serde(default)]
     pub g_decided: Vec<u8>,
-    /// First and last M code of the range that is passed to the ladder where the model does
-    /// not define a code.
+    /// First and last M code of a range whose codes, if the model does not define them, are
+    /// passed to the ladder; `None` without such a range.
     #[serde(default)]
     pub ladder_m: Option<(u8, u8)>,
-    /// A range of M codes that calls subprograms according to parameters.
+    /// A range of M codes that call subprograms, set by parameters; `None` without one.
     #[serde(default)]
     pub(crate) m_calls: Option<CallRange>,
-    /// First and last M code that calls the program with its own number as a macro.
+    /// First and last M code that calls the program with the same number as a macro; `None`
+    /// without such codes.
     #[serde(default)]
     pub(crate) m_macros: Option<(i64, i64)>,
-    /// The functions of its M codes, by number.
+    /// The functions of the model's M codes, by number.
     pub m: BTreeMap<u8, MFunction>,
-    /// The M codes whose effect the manual of the model does not specify.
+    /// The M codes whose effect was decided here because the manual of the model does not give
+    /// it.
     #[serde(default)]
     pub m_decided: Vec<u8>,
-    /// Parameters that only this model has, by number.
+    /// Parameters that only this model has, by number of the parameter.
     #[serde(default)]
     pub parameters: BTreeMap<u16, ModelParameter>,
-    /// The G codes in an array, for fast access.
+    /// The meanings of `g` in an array, for fast access by number.
     #[serde(skip)]
     g_table: Vec<Option<GCode>>,
 }
 
-/// The effect of a rising edge of an input in a manual mode.
+/// What a rising edge of an input does in a manual mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub(crate) enum EdgeAction {
-    /// Executes one of two M codes in turn.
+    /// Executes the two M codes in turn, one at each edge.
     Toggles(u8, u8),
-    /// Executes an M code.
+    /// Executes the M code at each edge.
     Does(u8),
 }
 
 /// The contact of the machine that an input of a model is wired to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub(crate) enum WiredContact {
-    /// An emergency stop button.
+    /// The emergency-stop button.
     EmergencyStop,
-    /// A limit switch.
+    /// The limit switch at an end of an axis.
     Limit(Axis, AxisEnd),
-    /// A deceleration switch.
+    /// The deceleration switch of an axis.
     Deceleration(Axis),
 }
 
-/// An end of an axis.
+/// An end of the travel of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub(crate) enum AxisEnd {
-    /// The positive one.
+    /// The end in the positive direction.
     Plus,
-    /// The negative one.
+    /// The end in the negative direction.
     Minus,
 }
 
-/// An output of the ladder whose changes execute M codes of a model.
+/// An output of the ladder whose changes switch outputs of the model as M codes do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub(crate) struct OutputFollower {
-    /// The output of the ladder.
+    /// The output of the ladder whose changes count.
     pub(crate) output: LadderOutput,
-    /// The M code that is executed when the output switches on.
+    /// The M code whose outputs are switched when `output` switches on.
     pub(crate) on: u8,
-    /// The M code that is executed when the output switches off.
+    /// The M code whose outputs are switched when `output` switches off.
     pub(crate) off: u8,
 }
 
 /// An output of the standard ladder, by its function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub(crate) enum LadderOutput {
-    /// Coolant, as after M08.
+    /// Output that switches the coolant on, as after M08.
     Coolant,
-    /// Spindle forward, as after M03.
+    /// Output that turns the spindle forward, as after M03.
     SpindleForward,
-    /// Spindle reverse, as after M04.
+    /// Output that turns the spindle in reverse, as after M04.
     SpindleReverse,
 }
 
-/// The function of an M code.
+/// What an M code of a model does, and which outputs it switches.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 pub struct MFunction {
-    /// The meaning of the code.
+    /// What the code does for the control.
     #[serde(rename = "does")]
     pub meaning: MCode,
-    /// Numbers of the outputs that the code switches on.
+    /// Numbers of the model's outputs that the code switches on.
     #[serde(default)]
     pub on: Vec<u8>,
-    /// Numbers of the outputs that the code switches off.
+    /// Numbers of the model's outputs that the code switches off.
     #[serde(default)]
     pub off: Vec<u8>,
 }
@@ -185,13 +191,13 @@ pub struct MFunction {
 /// A parameter that only one model has.
 #[derive(Clone, Debug, Deserialize)]
 pub struct ModelParameter {
-    /// Name in both languages.
+    /// Name of the parameter in English and Chinese.
     name: BilingualName,
-    /// Unit of the value.
+    /// Unit of the value; empty without one.
     pub unit: String,
-    /// Least and greatest value.
+    /// Least and greatest value of the parameter.
     pub range: (i32, i32),
-    /// The value as delivered.
+    /// The value of the parameter as delivered.
     pub delivered: i32,
 }
 
@@ -222,7 +228,7 @@ fn four_digits() -> String {
 }
 
 impl ModelParameter {
-    /// The name of the parameter in a language.
+    /// The name of the parameter in the language `language`.
     pub fn name(&self, language: Language) -> &str {
         match language {
             Language::Zh => &self.name.zh,
@@ -232,7 +238,7 @@ impl ModelParameter {
 }
 
 impl ModelRecord {
-    /// The record of a model.
+    /// The record of the model `id`, read at the first call.
     pub(super) fn for_model(id: ModelId) -> &'static Self {
         // Each record is read at its first use: a run normally has one model.
         static RECORDS: [LazyLock<ModelRecord>; 4] = [
@@ -244,62 +250,63 @@ impl ModelRecord {
         &RECORDS[id as usize]
     }
 
-    /// The name of the model.
+    /// The name of the model for the operator.
     pub const fn name(&self) -> &'static str {
         self.id.name()
     }
 
-    /// The meaning of a G code; `None` if the model does not have it.
+    /// The meaning of the G code `number`; `None` if the model has no such code.
     #[inline]
     pub fn g_code(&self, number: i64) -> Option<GCode> {
         let index = usize::try_from(number).ok()?;
         self.g_table.get(index).copied().flatten()
     }
 
-    /// Least and greatest value of a control parameter; `None` if they are those of the
-    /// GSK980TD.
+    /// Least and greatest value of the control parameter `number`; `None` if they are those of
+    /// the GSK980TD.
     pub fn parameter_range(&self, number: u16) -> Option<(i32, i32)> {
         self.ranges.get(&number).copied()
     }
 
-    /// The number of the G code with a meaning; `None` if the model has none.
+    /// The number of the first G code with this meaning; `None` if the model has no such code.
     pub fn g_number(&self, meaning: GCode) -> Option<u8> {
         let mut codes = self.g.iter();
         codes.find_map(|(number, it)| (*it == meaning).then_some(*number))
     }
 
-    /// The function of an M code; `None` if the model does not have it.
+    /// The function of the M code `number`; `None` if the model has no such code.
     pub fn m_function(&self, number: u8) -> Option<&MFunction> {
         self.m.get(&number)
     }
 
-    /// Whether a letter is an address that the GSK980TD does not have.
+    /// Whether `letter` is an address of this model but not of the GSK980TD.
     pub(crate) fn has_address(&self, letter: u8) -> bool {
         self.addresses.bytes().any(|it| it == letter)
     }
 
-    /// Whether a letter is an address outside macro calls.
+    /// Whether `letter` is an address in blocks other than macro calls.
     pub fn is_address(&self, letter: u8) -> bool {
         let of_lathe = matches!(letter, b'F'..=b'U' | b'W' | b'X' | b'Z');
         (of_lathe || self.has_address(letter)) && !self.is_argument_only(letter)
     }
 
-    /// Whether a letter is accepted only as an argument of macros.
+    /// Whether `letter` is accepted only as an argument of macro calls.
     pub fn is_argument_only(&self, letter: u8) -> bool {
         self.argument_addresses.bytes().any(|it| it == letter)
     }
 
-    /// Least and greatest number of a word; `None` if they are those of the GSK980TD.
+    /// Least and greatest number of the words with the address `letter`; `None` if they are
+    /// those of the GSK980TD.
     pub fn word_limits(&self, letter: u8) -> Option<(i64, i64)> {
         self.word_limits.get(&char::from(letter)).copied()
     }
 
-    /// The greatest coordinate, mm.
+    /// The greatest absolute coordinate in a program, mm.
     pub fn greatest_coordinate_mm(&self) -> f64 {
         self.greatest_coordinate as f64 / 1000.0
     }
 
-    /// Whether the model has a code that returns to the start position of the run.
+    /// Whether a G code of the model returns to the position where the run started.
     pub(crate) fn returns_to_start(&self) -> bool {
         matches!(
             self.g_code(76),

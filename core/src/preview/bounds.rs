@@ -6,9 +6,9 @@ use crate::units::Point;
 /// The smallest axis-parallel box around a path, mm; X as a radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathBounds {
-    /// Least X and least Z.
+    /// Least X and least Z of the path, mm.
     pub least: Point,
-    /// Greatest X and greatest Z.
+    /// Greatest X and greatest Z of the path, mm.
     pub greatest: Point,
 }
 
@@ -20,8 +20,8 @@ impl PathBounds {
         }
     }
 
-    /// Extends a box by a move, including the bulge of an arc. `None` becomes the box of the
-    /// move.
+    /// Extends `bounds` by a move, including the bulge of an arc; if it is `None`, sets it to
+    /// the box of the move.
     pub fn extend_by_move(bounds: &mut Option<Self>, executed: &ExecutedMove) {
         extend_bounds(bounds, executed);
     }
@@ -37,7 +37,7 @@ impl PathBounds {
     }
 }
 
-/// Extends a box by a move.
+/// Extends `bounds` by a move; see [`PathBounds::extend_by_move`].
 pub(super) fn extend_bounds(bounds: &mut Option<PathBounds>, executed: &ExecutedMove) {
     let bounds = bounds.get_or_insert(PathBounds::from_point(executed.from));
     bounds.extend_to(executed.from);
@@ -68,14 +68,14 @@ pub(super) fn extend_bounds(bounds: &mut Option<PathBounds>, executed: &Executed
 
 const FULL_TURN: f64 = 4.0;
 
-/// The counter-clockwise angle from one direction to another, in quarter turns; a full turn
-/// if they are equal.
+/// The counter-clockwise angle from one direction to another, in quarter turns; 4 (a full
+/// turn) if they are equal.
 fn sweep_quarters(from: Point, to: Point) -> f64 {
     let angle = normalize_angle(quarter_turns(to) - quarter_turns(from));
     if angle == 0.0 { FULL_TURN } else { angle }
 }
 
-/// A difference of directions, normalized to less than a full turn.
+/// Brings a difference of two directions, in quarter turns, into the range from 0 to 4.
 fn normalize_angle(angle: f64) -> f64 {
     match angle {
         _ if angle < 0.0 => angle + FULL_TURN,
@@ -84,8 +84,8 @@ fn normalize_angle(angle: f64) -> f64 {
     }
 }
 
-/// The direction as a number that grows with the angle from +Z by one per quarter turn. It
-/// is cheaper than the angle.
+/// Converts a direction to a number that grows with the angle from +Z, by one per quarter
+/// turn. This is cheaper than computing the angle.
 fn quarter_turns(direction: Point) -> f64 {
     let size = direction.x.abs() + direction.z.abs();
     if size == 0.0 {

@@ -10,7 +10,7 @@ use crate::command::{ControlCommand, ProgramId, SourcePosition};
 use crate::interpreter::{BlockRemark, IgnoredWord, Interpreter, WordAdvice};
 use crate::units::Feed;
 
-/// A lower feed per minute was probably meant per revolution, mm/min.
+/// Feed per minute, mm/min, below which the program probably means a feed per revolution.
 const LEAST_FEED_MM_PER_MIN: f64 = 1.0;
 
 /// A kind of probable mistake.
@@ -24,43 +24,46 @@ pub enum CautionKind {
     NoOffset,
     /// G28 while the position of the work on the machine is unknown.
     MachineZero,
-    /// The program does not end where its first G50 sets the tool. X (diameter or radius, as
-    /// the program has it) and Z, mm.
+    /// The program does not end where its first G50 sets the tool. X is a diameter or radius,
+    /// as in the program; all values in mm.
     EndElsewhere {
-        /// Position that G50 sets, X and Z.
+        /// Position that G50 sets, X and Z, mm.
         set: (f64, f64),
-        /// Position at the end in the same coordinates, X and Z.
+        /// Position at the end, in the coordinates of that G50, X and Z, mm.
         end: (f64, f64),
     },
-    /// A word that no code of its block uses.
+    /// A word that no code of its block uses; the payload describes it.
     IgnoredWord(Box<IgnoredWord>),
-    /// A block after a `;` at the beginning of its line.
+    /// A block follows a `;` at the beginning of its line, which other languages use for a
+    /// comment.
     AfterSemicolon,
-    /// Text after the `%` at the end of the program.
+    /// Text follows the `%` at the end of the program; the control does not read it.
     AfterEnd,
-    /// A `:` instead of the O in the name of a program with this number.
+    /// The name of the program begins with `:` instead of O; the payload is the program
+    /// number.
     ColonName(u16),
 }
 
-/// Greatest number of listed cautions of one kind.
+/// Greatest number of cautions of one kind in the list.
 const MAX_CAUTIONS_PER_KIND: usize = 50;
 
-/// A probable mistake and its block.
+/// A probable mistake in a program, with its block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Caution {
     /// The kind of mistake.
     pub kind: CautionKind,
-    /// Its block; for most kinds the first one with such a mistake.
+    /// The block with the mistake; for most kinds the first such block.
     pub source: SourcePosition,
 }
 
 impl Caution {
-    /// The sentence for the operator, with the line.
+    /// The message about the mistake for the operator, with the line number.
     pub fn message_with_line(&self) -> Message {
         say::in_line(self.source.line, self.kind.message())
     }
 
-    /// First and last column of the word, in characters from 1; `None`: the whole line.
+    /// First and last column of the ignored word, in characters from 1; `None` if the caution
+    /// is about the whole line.
     pub fn columns(&self) -> Option<(u32, u32)> {
         match &self.kind {
             CautionKind::IgnoredWord(word) => Some(word.columns),
@@ -70,7 +73,7 @@ impl Caution {
 }
 
 impl CautionKind {
-    /// A stable identifier for tools that sort findings.
+    /// A stable identifier of the kind, e.g. `slow-feed`, for tools that sort findings.
     pub const fn id(&self) -> &'static str {
         match self {
             Self::SlowFeed => "slow-feed",
@@ -85,7 +88,7 @@ impl CautionKind {
         }
     }
 
-    /// The text for the operator, without the line.
+    /// The message about the mistake for the operator, without the line number.
     pub fn message(&self) -> Message {
         match self {
             Self::SlowFeed => say::caution_feed_slow(),
@@ -103,7 +106,7 @@ impl CautionKind {
     }
 }
 
-/// The text about a word without effect, with the correct notation if it is known.
+/// The message about a word without effect, with the correct notation if it is known.
 fn ignored_word_message(word: &IgnoredWord) -> Message {
     let text = &word.text;
     let rule = match &word.code {
@@ -125,7 +128,7 @@ fn ignored_word_message(word: &IgnoredWord) -> Message {
 }
 
 impl PreviewRun<'_> {
-    /// Lists what the interpreter has remarked about a block.
+    /// Adds cautions for what the interpreter has remarked about a block.
     pub(super) fn take_remarks(&mut self, interpreter: &mut Interpreter) {
         for (remark, source) in interpreter.take_remarks() {
             let slip = match remark {
@@ -136,7 +139,7 @@ impl PreviewRun<'_> {
         }
     }
 
-    /// Checks the text of the program itself.
+    /// Adds cautions about the text of a program: `:` in its name, and text after its end.
     pub(super) fn check_text(&mut self, program: ProgramId) {
         let Some(text) = self.programs.get(program) else {
             return;
@@ -155,7 +158,7 @@ impl PreviewRun<'_> {
         }
     }
 
-    /// Checks a cut before it is executed.
+    /// Adds cautions about a cut before it is executed: slow feed, stopped spindle, no offset.
     pub(super) fn check_cut(&mut self, command: &ControlCommand, feed: Option<Feed>) {
         let source = command.source;
         let feed_facts = ProgramFacts::MOTION
@@ -187,7 +190,7 @@ impl PreviewRun<'_> {
         }
     }
 
-    /// Lists a caution at each of its blocks.
+    /// Adds a caution at each block with the mistake, not only at the first one.
     fn add_each_caution(&mut self, slip: CautionKind, source: SourcePosition) {
         let caution = Caution { kind: slip, source };
         let cautions = &mut self.preview.cautions;

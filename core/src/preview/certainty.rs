@@ -5,24 +5,24 @@ use super::line_words::{WrittenWord, has_letter, numbers_of};
 use crate::alarm::number;
 use crate::command::{Action, ControlCommand};
 
-/// Facts about the state of the program at a block, one bit each.
+/// Set of facts about the state of the program at a block, one bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct ProgramFacts(u16);
 
 impl ProgramFacts {
     pub(super) const NONE: Self = Self(0);
-    /// Position of the tool in X and in Z.
+    /// Position of the tool in X; the next one in Z.
     pub(super) const X: Self = Self(1);
     pub(super) const Z: Self = Self(2);
-    /// The active code of group 01.
+    /// The active G code of group 01.
     pub(super) const MOTION: Self = Self(4);
-    /// The value of F, and its unit (G98, G99).
+    /// The value of F; the next one its unit (G98, G99).
     pub(super) const FEED: Self = Self(8);
     pub(super) const FEED_UNIT: Self = Self(16);
-    /// Direction of the spindle, and its speed.
+    /// Direction of the spindle; the next one its speed.
     pub(super) const SPINDLE_DIRECTION: Self = Self(32);
     pub(super) const SPINDLE_SPEED: Self = Self(64);
-    /// Tool and offset numbers.
+    /// Active tool number and offset number.
     pub(super) const TOOL: Self = Self(128);
     /// Data that the first block of a cycle stores for the second.
     pub(super) const CYCLE: Self = Self(256);
@@ -48,8 +48,8 @@ impl ProgramFacts {
         facts.fold(Self::NONE, Self::union)
     }
 
-    /// The facts that words define for their own block and the later ones, even if they are
-    /// wrong. `before` is the code of group 01 before the block.
+    /// The facts that the words of a block define for this block and later ones, even if the
+    /// words are wrong. `before` is the code of group 01 before the block.
     pub(super) fn defined_by(words: &[WrittenWord], before: u8) -> Self {
         let thread = is_thread(words, before);
         Self::union_all(words.iter().map(|word| match word {
@@ -65,7 +65,7 @@ impl ProgramFacts {
         }))
     }
 
-    /// The facts that are unknown after a refused block with these words.
+    /// The facts that are uncertain after a refused block with the words `words`.
     pub(super) fn uncertain_after(words: &[WrittenWord]) -> Self {
         Self::union_all(words.iter().map(|word| match word {
             (b'X' | b'U', _) => Self::X,
@@ -85,8 +85,8 @@ impl ProgramFacts {
         }))
     }
 
-    /// The facts that an executed command defines: a move along a contour ends where its
-    /// block says, and G50 sets the position of the tool.
+    /// The position facts that an executed command makes certain: a move along a contour ends
+    /// where its block specifies, and G50 sets the position of the tool.
     pub(super) fn confirmed_by(command: &ControlCommand, words: &[WrittenWord]) -> Self {
         let plain = |code| matches!(code, Some(0..=3 | 40..=42 | 96..=99));
         let axes_if = |names: bool, axes| if names { axes } else { Self::NONE };
@@ -103,8 +103,8 @@ impl ProgramFacts {
         ))
     }
 
-    /// The facts that an alarm depends on besides the words of its block. `thread`: a thread
-    /// raises it.
+    /// The facts, besides the words of its block, on which an alarm depends. `thread` is
+    /// whether the block cuts a thread.
     pub(super) const fn required_by(alarm: u16, thread: bool) -> Self {
         match alarm {
             number::BAD_VALUE
@@ -141,7 +141,8 @@ impl ProgramFacts {
     }
 }
 
-/// Whether a block cuts a thread, so that its F is a lead.
+/// Whether a block cuts a thread, so that its F is a lead. `before` is the code of group 01
+/// before the block.
 pub(super) fn is_thread(words: &[WrittenWord], before: u8) -> bool {
     let mut codes = numbers_of(words, b'G').flatten();
     let motion = codes.clone().rfind(|code| is_motion(*code));

@@ -4,20 +4,19 @@ use crate::command::SpindleCommand;
 use crate::memory::parameter;
 use crate::setup::Setup;
 
-/// Time since the start of the program, including functions that run in parallel with
-/// motion.
+/// The machine time of a preview, including functions that run in parallel with motion.
 pub(super) struct PreviewClock {
     now_s: f64,
-    /// Time at which the M function in parallel with the motion of the block is finished, s.
+    /// Time at which the M function that runs in parallel with motion is finished, s.
     busy_until: f64,
     m_function_s: f64,
     s_function_s: f64,
-    /// Duration of a change to gears 1 and 2, and to gears 3 and 4, s.
+    /// Duration of a change to gear 1 or 2, and to gear 3 or 4, s.
     gear_change_s: [f64; 2],
     turret: TurretTimes,
 }
 
-/// Durations of tool changes.
+/// The turret: its station and the durations of a tool change, s.
 struct TurretTimes {
     stations: u8,
     station: u8,
@@ -63,29 +62,32 @@ impl PreviewClock {
         self.now_s += seconds;
     }
 
-    /// Starts an M function: its time 080 runs in parallel with the rest of its block.
+    /// Starts an M function. It takes the time of parameter 080, in parallel with the rest of
+    /// its block.
     pub(super) const fn start_m_function(&mut self) {
         self.busy_until = self.now_s + self.m_function_s;
     }
 
-    /// Adds a gear change, during which motion waits.
+    /// Advances the clock by a change to `gear` (1 to 4); motion waits meanwhile.
     pub(super) fn change_gear(&mut self, gear: u8) {
         self.now_s += self.gear_change_s[usize::from(gear > 2)];
     }
 
-    /// The duration 080 of an M function, s.
+    /// The duration of an M function, parameter 080, s.
     pub(super) const fn m_function_s(&self) -> f64 {
         self.m_function_s
     }
 
-    /// Adds the time 081 of a stepped speed. Motion does not wait for the analog spindle.
+    /// Advances the clock by the time of a stepped speed, parameter 081. Motion does not wait
+    /// for an analog spindle.
     pub(super) const fn add_speed_time(&mut self, command: &SpindleCommand) {
         if let SpindleCommand::Step(_) = command {
             self.now_s += self.s_function_s;
         }
     }
 
-    /// Adds a tool change: the turret turns forward station by station, then clamps.
+    /// Advances the clock by a change to the tool `tool`: the turret turns forward station by
+    /// station, then clamps.
     pub(super) fn change_tool(&mut self, tool: u8) {
         let turret = &mut self.turret;
         if turret.stations == 0 || tool == turret.station || tool > turret.stations {
@@ -99,7 +101,8 @@ impl PreviewClock {
         self.now_s = self.now_s.max(self.busy_until);
     }
 
-    /// Ends a block: functions in parallel with the motion must be finished too.
+    /// Ends a block: advances the clock until the M function in parallel with motion is
+    /// finished.
     pub(super) const fn end_block(&mut self) {
         self.now_s = self.now_s.max(self.busy_until);
     }

@@ -85,7 +85,7 @@ impl PreviewRun<'_> {
         Ok(None)
     }
 
-    /// Executes a rapid, a line or an arc.
+    /// Executes a rapid, a line or an arc, or returns its alarm.
     #[inline]
     fn execute_path_move(&mut self, command: &ControlCommand) -> Result<(), Alarm> {
         match &command.action {
@@ -124,7 +124,8 @@ impl PreviewRun<'_> {
         Ok(())
     }
 
-    /// Counts a finished part. Returns the end of the preview; `None` for other actions.
+    /// Counts a finished part at an action that ends the program, and returns the kind of end;
+    /// `None` for other actions.
     fn end_part(&mut self, action: &Action) -> Option<PreviewEnd> {
         match action {
             Action::Repeat => {
@@ -149,8 +150,8 @@ impl PreviewRun<'_> {
         }
     }
 
-    /// Adds the deceleration of the last thread, unless the next thread continues it in
-    /// phase.
+    /// Advances the clock by the deceleration of the last thread, unless `next` is a thread
+    /// that continues it in phase.
     fn add_owed_deceleration(&mut self, next: &Action) {
         let owed = core::mem::take(&mut self.owed_deceleration_s);
         let in_phase = matches!(
@@ -165,8 +166,8 @@ impl PreviewRun<'_> {
         }
     }
 
-    /// Changes the coordinate frame. The relative coordinates do not change with the work
-    /// zero, unless `relative_follows` is set; an offset shifts them like the absolute ones.
+    /// Sets the coordinate frame. A new work zero does not change the relative coordinates,
+    /// unless `relative_follows` is set; a tool offset shifts them like the absolute ones.
     fn change_frame(&mut self, frame: Frame, relative_follows: bool) {
         let before = self.preview.frame;
         self.preview.frame = frame;
@@ -183,8 +184,8 @@ impl PreviewRun<'_> {
     }
 }
 
-/// Whether a spindle that starts in the block of this action may still be stopped: a thread
-/// starts in parallel with the M code of its block.
+/// Whether the spindle that an M code of the same block starts may still be stopped at this
+/// action: a thread starts in parallel with the M code.
 const fn can_spindle_be_stopped(action: &Action) -> bool {
     matches!(
         action,

@@ -28,20 +28,20 @@ use crate::program::{Syntax, parse_block};
 /// Greatest number of alarms that are listed after the first one.
 pub const MAX_FURTHER_ALARMS: usize = 20;
 
-/// Greatest number of refused blocks: a loop may reach the same one forever.
+/// Greatest number of refused blocks in a search: a loop may reach the same block forever.
 const MAX_REFUSED_BLOCKS: u32 = 1000;
 
-/// Further errors of a program that ends with an alarm.
+/// Further alarms of a program that ends with an alarm.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FurtherAlarms {
-    /// Alarms after the first one: one per line and [`MAX_FURTHER_ALARMS`] at most.
+    /// Alarms after the first one: one per line, and at most [`MAX_FURTHER_ALARMS`].
     pub alarms: Vec<Alarm>,
-    /// The block after which no further errors were searched; `None`: the program was
-    /// searched to its end.
+    /// Position of the block at which the search ended early; `None` if it reached the end of
+    /// the program.
     pub ends_at: Option<SourcePosition>,
 }
 
-/// Bytes of a line that are searched for words: a line may contain a whole program.
+/// Number of bytes of a line that are searched for words: a line may contain a whole program.
 const MAX_LINE_BYTES: usize = 4096;
 
 /// The stage at which an alarm was raised.
@@ -53,17 +53,18 @@ pub(super) enum AlarmStage {
     Executing,
 }
 
-/// State of the search after the first alarm.
+/// State of the search for alarms after the first one.
 #[derive(Debug, Default)]
 pub(super) struct AlarmSearch {
     uncertain_facts: ProgramFacts,
-    /// The first alarm and the listed ones.
+    /// The first alarm, followed by the further ones.
     alarms: Vec<Alarm>,
     refused_blocks: u32,
 }
 
 impl PreviewRun<'_> {
-    /// Continues after the alarm that ended the program.
+    /// Continues the preview after the alarm `first` and collects further alarms until the
+    /// program ends, cannot be followed, or `should_continue` returns `false`.
     pub(super) fn search_further_alarms(
         &mut self,
         first: (Alarm, AlarmStage),
@@ -94,7 +95,8 @@ impl PreviewRun<'_> {
         }
     }
 
-    /// Lists an alarm if it is new. Returns whether the program can be followed after it.
+    /// Adds an alarm to the list if it is new. Returns whether the blocks after it can still
+    /// be followed.
     fn record_alarm(
         &mut self,
         alarm: Alarm,
@@ -147,7 +149,7 @@ impl PreviewRun<'_> {
         true
     }
 
-    /// Makes the facts certain that a command after an alarm defines.
+    /// Makes the facts certain that a command after an alarm defines again.
     pub(super) fn settle_uncertainty(&mut self, command: &ControlCommand) {
         let is_certain = |search: &AlarmSearch| search.uncertain_facts == ProgramFacts::NONE;
         if self.alarm_search.as_ref().is_none_or(is_certain) {
@@ -170,7 +172,7 @@ impl PreviewRun<'_> {
         }
     }
 
-    /// Whether facts are certain; before the first alarm they always are.
+    /// Whether none of `facts` is uncertain; always `true` before the first alarm.
     pub(super) fn is_certain(&self, facts: ProgramFacts) -> bool {
         let doubt = self
             .alarm_search
@@ -179,7 +181,7 @@ impl PreviewRun<'_> {
         !doubt.is_some_and(|doubt| doubt.intersects(facts))
     }
 
-    /// The text of a line, as far as it is searched for words.
+    /// The first [`MAX_LINE_BYTES`] bytes of the line of a block.
     pub(super) fn line_text(&self, source: SourcePosition) -> &str {
         let program = self.programs.get(source.program);
         let line = program.map_or("", |program| program.line(source.line));
@@ -188,7 +190,7 @@ impl PreviewRun<'_> {
 }
 
 impl AlarmSearch {
-    /// Whether an alarm is new and does not depend on uncertain facts.
+    /// Whether an alarm is not listed yet and depends on no uncertain fact.
     fn is_new_alarm(&self, alarm: &Alarm, required_facts: ProgramFacts) -> bool {
         let detail = alarm.detail.as_ref();
         let profile = detail.filter(|detail| detail.id() == Id::InProfile);
@@ -207,7 +209,7 @@ impl AlarmSearch {
     }
 }
 
-/// The facts that are unknown after a refused block.
+/// The facts that are uncertain after a block was refused with the alarm `alarm`.
 fn facts_lost_with_block(alarm: u16, words: &[WrittenWord], modal: &ModalState) -> ProgramFacts {
     let missing = match alarm {
         11 if is_thread(words, modal.motion) => ProgramFacts::LEAD,
@@ -247,17 +249,18 @@ fn is_branch(
         || groups::is_control_flow_alarm(alarm) && !has_no_profile(alarm, words)
 }
 
-/// Whether the alarm is about the text of a block and has a column.
+/// Whether the detail of an alarm gives a column, so that the text of the block is wrong.
 fn has_column(detail: &Message) -> bool {
     detail.id() == Id::AtColumn
 }
 
-/// For the encoder lines each thread raises the same alarm.
+/// Whether the alarm is about a parameter (encoder lines), so that each thread raises it
+/// again.
 const fn is_parameter_alarm(alarm: u16) -> bool {
     alarm == number::ENCODER_LINES
 }
 
-/// 062 of G74 to G76, which have no profile.
+/// Whether the alarm is 062 of a G74, G75 or G76, cycles that have no profile.
 fn has_no_profile(alarm: u16, words: &[WrittenWord]) -> bool {
     alarm == number::CYCLE_DATA && numbers_of(words, b'G').any(|code| matches!(code, Some(74..=76)))
 }

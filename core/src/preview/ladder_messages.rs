@@ -5,7 +5,7 @@ use super::spindle::SpindleRotation;
 use crate::alarm::{Alarm, number};
 use crate::setup::{MachineLadder, Setup};
 
-/// The equipment for which the ladder of a setup has messages.
+/// What decides which messages the ladder can raise: the ladder itself and the equipment.
 pub(super) struct LadderMessages {
     ladder: MachineLadder,
     chuck: bool,
@@ -21,7 +21,8 @@ impl LadderMessages {
         }
     }
 
-    /// The message that an M code raises at a direction of the spindle.
+    /// Fails with the alarm that the ladder raises for an M code at the spindle direction
+    /// `spindle`.
     pub(super) fn check_m_code(&self, code: u8, spindle: SpindleRotation) -> Result<(), Alarm> {
         let turns = spindle != SpindleRotation::Stopped;
         let number = match code {
@@ -39,7 +40,7 @@ impl LadderMessages {
         }
     }
 
-    /// Whether the ladder has a message with the text of the alarm table.
+    /// Whether the ladder has a message with this number and the text of the alarm table.
     fn has_message(&self, number: u16) -> bool {
         let ladder = self.ladder.compiled();
         let mut messages = ladder.messages().iter();

@@ -1,9 +1,10 @@
 //! Splits a line into words as written, even if they do not form a valid block.
 
-/// A word: its letter, and its number if that is an integer.
+/// A word as written: its letter in upper case, and its number; `None` if it is not an
+/// integer.
 pub(super) type WrittenWord = (u8, Option<u32>);
 
-/// The words of a line, without comments.
+/// Splits a line into its words, valid or not, without comments.
 pub(super) fn split_line(line: &str) -> Vec<WrittenWord> {
     let mut words: Vec<(u8, String)> = Vec::new();
     let mut comment = false;
@@ -34,12 +35,13 @@ pub(super) fn is_one_block(line: &str) -> bool {
     !line.strip_suffix(';').unwrap_or(line).contains([';', '*'])
 }
 
-/// Whether the words include a letter.
+/// Whether one of the words has the letter `letter`.
 pub(super) fn has_letter(words: &[WrittenWord], letter: u8) -> bool {
     words.iter().any(|(written, _)| *written == letter)
 }
 
-/// The numbers of all words with a letter; `None` for a number that is not an integer.
+/// The numbers of all words with the letter `letter`, in order; `None` for a number that is
+/// not an integer.
 pub(super) fn numbers_of(
     words: &[WrittenWord],
     letter: u8,
@@ -50,7 +52,7 @@ pub(super) fn numbers_of(
         .map(|(_, number)| *number)
 }
 
-/// Replaces a full-width character by the ASCII one, as the control reads it.
+/// Converts a full-width character to the ASCII one, as the control reads it.
 fn ascii_character(character: char) -> char {
     match u32::from(character) {
         wide @ 0xFF01..=0xFF5E => char::from_u32(wide - 0xFEE0).unwrap_or(character),

@@ -7,7 +7,7 @@ use crate::motion::{move_duration, path_length, top_speed};
 use crate::operation::{check_encoder, check_gear_speed};
 use crate::units::{Feed, Point};
 
-/// The end of the last move as reported: the next one begins there.
+/// The end of the last reported move; the next move begins exactly there.
 #[derive(Clone, Copy)]
 pub(super) struct ReportedEnd {
     machine_position: Point,
@@ -16,7 +16,8 @@ pub(super) struct ReportedEnd {
 }
 
 impl PreviewRun<'_> {
-    /// Executes a rapid or a cut.
+    /// Executes a rapid or a cut to the machine position `to`, mm; fails with the alarm that
+    /// the control would raise.
     pub(super) fn execute_move(
         &mut self,
         command: &ControlCommand,
@@ -110,22 +111,22 @@ impl PreviewRun<'_> {
         Ok(())
     }
 
-    /// Counts a move: its time and its bounds.
+    /// Adds the time, the bounds and the number of a move to the result.
     pub(super) fn count_move(&mut self, executed: &ExecutedMove) {
         bounds::extend_bounds(&mut self.preview.bounds, executed);
         self.clock.advance(executed.duration_s);
         self.preview.moves += 1;
     }
 
-    /// Reports a move. The moves after an alarm are not reported.
+    /// Passes a move to `on_move`, unless an alarm has already ended the program.
     pub(super) fn report_move(&mut self, executed: &ExecutedMove) {
         if self.alarm_search.is_none() {
             (self.on_move)(executed, self.explanation.as_ref());
         }
     }
 
-    /// Reports the cut that waited for the next command. If that is not a cut, the tool
-    /// first decelerates to the end point.
+    /// Reports the cut that waited for the next command. If that command is not a cut, adds
+    /// the time in which the tool decelerates to the end point.
     pub(super) fn report_pending_cut(&mut self, is_followed_by_cut: bool) {
         let Some((mut executed, explanation)) = self.pending_cut.take() else {
             return;
@@ -141,7 +142,7 @@ impl PreviewRun<'_> {
         self.explanation = next;
     }
 
-    /// The conditions during the move of a command.
+    /// The conditions, such as spindle speed and offset, under which a command moves the tool.
     #[inline]
     pub(super) fn conditions(&self, command: &ControlCommand) -> MoveConditions {
         let frame = &self.preview.frame;

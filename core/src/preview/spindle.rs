@@ -25,22 +25,23 @@ enum CommandedSpeed {
     Surface(f64),
 }
 
-/// The commanded state of the spindle.
+/// The state of the spindle as commanded by the program so far.
 pub(super) struct PreviewSpindle {
     rotation: SpindleRotation,
-    /// M03 or M04 that started in parallel with the rest of its block.
+    /// M code (3 or 4) that starts the spindle in parallel with the rest of its block.
     pending: Option<u8>,
-    /// Direction before the last tap.
+    /// Direction before the last tap, which stopped the spindle.
     rotation_before_tap: SpindleRotation,
     speed: CommandedSpeed,
-    /// Speeds of the steps S1 to S4 of the lathe, r/min.
+    /// Speeds of the spindle steps S1 to S4 of the lathe, r/min.
     steps: [f64; 4],
     limit_rpm: Option<f64>,
     lowest_rpm: f64,
-    /// Speed at 10 V in gears 1 to 4 of an analog spindle, r/min; `None`: stepped speeds.
+    /// Speeds at 10 V in gears 1 to 4 of an analog spindle, r/min; `None` for a spindle with
+    /// stepped speeds.
     gear_top_rpm: Option<[f64; 4]>,
     gear: u8,
-    /// M41–M44 engaged the gear; otherwise it is assumed.
+    /// Whether M41–M44 engaged the gear; before that it is assumed.
     engaged: bool,
 }
 
@@ -66,7 +67,7 @@ impl PreviewSpindle {
         }
     }
 
-    /// Executes M41–M44; returns whether the gear changes.
+    /// Engages the gear `gear` (M41–M44); returns whether the gear changes.
     pub(super) const fn change_gear(&mut self, gear: u8) -> bool {
         let changes = !self.engaged || self.gear != gear;
         self.gear = gear;
@@ -87,7 +88,8 @@ impl PreviewSpindle {
         }
     }
 
-    /// Executes an M code in parallel with the rest of its block.
+    /// Executes an M code in parallel with the rest of its block; M03 and M04 wait for
+    /// [`Self::start_pending`].
     pub(super) const fn start_m_in_parallel(&mut self, code: u8) {
         match code {
             3 | 4 => self.pending = Some(code),
@@ -95,20 +97,20 @@ impl PreviewSpindle {
         }
     }
 
-    /// Starts the spindle that a block commanded in parallel with its motion.
+    /// Starts the spindle if an M03 or M04 is waiting.
     pub(super) fn start_pending(&mut self) {
         if let Some(code) = self.pending.take() {
             self.execute_m(code);
         }
     }
 
-    /// Stops the spindle after a tap.
+    /// Stops the spindle after a tap and stores its direction.
     pub(super) const fn stop_for_tap(&mut self) {
         self.rotation_before_tap = self.rotation;
         self.rotation = SpindleRotation::Stopped;
     }
 
-    /// Turns the spindle as before the tap.
+    /// Turns the spindle in the direction that it had before the tap.
     pub(super) const fn restart_after_tap(&mut self) {
         self.rotation = self.rotation_before_tap;
     }
@@ -127,8 +129,8 @@ impl PreviewSpindle {
         }
     }
 
-    /// The speed, r/min, at a radius in mm for G96; 0 while the spindle is stopped. The
-    /// speed of the gear at 10 V limits it.
+    /// The spindle speed, r/min, limited to the speed of the gear at 10 V; 0 while the spindle
+    /// is stopped. Under G96 it depends on `radius`, mm.
     pub(super) fn rpm(&self, radius: f64) -> f64 {
         let commanded = match self.speed {
             _ if self.rotation == SpindleRotation::Stopped => 0.0,
@@ -142,8 +144,8 @@ impl PreviewSpindle {
             .map_or(commanded, |top| commanded.min(top[gear]))
     }
 
-    /// The speed for a feed per revolution, r/min. Under G96 it is that at the middle of the
-    /// cut, which yields the right duration. Alarm 011 is raised while the spindle is
+    /// The spindle speed for a feed per revolution, r/min. Under G96 `radius`, mm, is that at
+    /// the middle of the cut, which yields the right duration. Alarm 011 if the spindle is
     /// stopped.
     pub(super) fn rpm_for_feed(&self, radius: f64) -> Result<f64, Alarm> {
         let rpm = self.rpm(radius);

@@ -13,32 +13,32 @@ use crate::command::{Action, ControlCommand, SourcePosition, Unplaced};
 use crate::setup::Setup;
 use crate::units::{PerAxis, Point};
 
-/// Allowed distance between the end and the position of G50, mm (X as a diameter): a tool
-/// offset that is cancelled at the end causes such a distance.
+/// Distance, mm (X as a diameter), that is allowed between the end of the program and the
+/// position of G50: a tool offset that is cancelled at the end causes it.
 const END_TOLERANCE_MM: f64 = 1.0;
 
-/// The positions that a program assumes.
+/// State of the check of the positions that a program assumes for the tool.
 #[derive(Debug)]
 pub(super) struct StartPositionCheck {
-    /// The position of the work on the machine is known.
+    /// Whether the position of the work on the machine is known.
     is_zero_known: bool,
-    /// G28 went to a machine zero at an unknown position.
+    /// Whether G28 went to a machine zero whose position is unknown.
     has_returned: bool,
     /// Axes that are at such a machine zero, or have only moved by increments since.
     unknown_axes: PerAxis<bool>,
-    /// A block with X or Z has moved the tool.
+    /// Whether a block with X or Z has moved the tool.
     has_moved: bool,
     preset: Option<InitialPreset>,
 }
 
-/// The G50 before the first motion.
+/// The G50 that sets the tool position before the first motion.
 #[derive(Clone, Copy, Debug)]
 struct InitialPreset {
     source: SourcePosition,
-    /// Whether it has an X word, a Z word.
+    /// Whether the G50 has an X word; the next one: a Z word.
     sets_x: bool,
     sets_z: bool,
-    /// Position of the tool in its coordinates, and their zero.
+    /// Position of the tool that the G50 sets, and the work zero that follows from it, mm.
     tool_position: Point,
     zero: Point,
 }
@@ -56,7 +56,8 @@ impl StartPositionCheck {
 }
 
 impl PreviewRun<'_> {
-    /// Records a G50 with coordinates. Increments shift the work on purpose.
+    /// Records a G50 that sets coordinates before the first motion. A G50 with increments only
+    /// is ignored: it shifts the work on purpose.
     pub(super) fn record_preset(&mut self, source: SourcePosition) {
         let frame = self.preview.frame;
         // The current position of the tool has known coordinates from here, wherever it is
@@ -83,7 +84,7 @@ impl PreviewRun<'_> {
         });
     }
 
-    /// Records a commanded move of any length.
+    /// Records that a block has commanded a move, even one without length.
     pub(super) fn record_move(&mut self, source: SourcePosition) {
         if !self.position_check.has_moved {
             let words = split_line(self.line_text(source));
@@ -92,7 +93,7 @@ impl PreviewRun<'_> {
         }
     }
 
-    /// Records a G28 of these axes.
+    /// Records a G28 of the axes `axes`, and adds a caution if the machine zero is unknown.
     pub(super) fn record_return(&mut self, source: SourcePosition, axes: PerAxis<bool>) {
         if !self.position_check.is_zero_known {
             self.position_check.has_returned = true;
@@ -102,13 +103,14 @@ impl PreviewRun<'_> {
         }
     }
 
-    /// Whether a rapid within its block may lead to an unknown machine zero.
+    /// Whether a rapid, which is not the last command of its block, may lead to an unknown
+    /// machine zero.
     pub(super) const fn can_reach_machine_zero(&self, command: &ControlCommand) -> bool {
         !self.position_check.is_zero_known && !command.block_end
     }
 
-    /// Reports a rapid that may have led to a machine zero. The next command determines
-    /// whether it has.
+    /// Reports the rapid that may have led to a machine zero. `next`, the following command,
+    /// determines whether it has.
     pub(super) fn report_return(&mut self, next: Option<&ControlCommand>) {
         let Some((mut executed, explanation)) = self.pending_return.take() else {
             return;
@@ -128,8 +130,8 @@ impl PreviewRun<'_> {
         self.explanation = next;
     }
 
-    /// The axes whose coordinates are unknown during a move. An axis with an absolute word
-    /// is known again after it.
+    /// The axes whose coordinates are unknown before and after a move. An absolute word makes
+    /// an axis known again.
     pub(super) fn update_unplaced(&mut self, source: SourcePosition) -> Unplaced {
         let from = self.position_check.unknown_axes;
         if !from.x && !from.z {
@@ -144,7 +146,7 @@ impl PreviewRun<'_> {
         Unplaced { from, to }
     }
 
-    /// Compares the end position with that of G50.
+    /// Adds a caution if the program does not end at the position that its first G50 sets.
     pub(super) fn check_end_position(&mut self) {
         let so_far = &self.preview;
         let offset = match so_far.end {

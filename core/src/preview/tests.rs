@@ -20,7 +20,7 @@ fn run_preview(setup: &Setup, text: &str) -> (Preview, Vec<ExecutedMove>) {
     (preview, moves)
 }
 
-/// Number and line of all alarms, and the line after which the search ended.
+/// Number and line of each alarm, and the line at which the search ended early.
 fn alarms_with(setup: &Setup, text: &str) -> (Vec<(u16, u32)>, Option<u32>) {
     let (preview, _) = run_preview(setup, text);
     let further = &preview.further;
@@ -214,10 +214,11 @@ fn cautions_after_an_alarm_need_certain_facts() {
     assert_eq!(slips(text), [(CautionKind::SpindleStopped, 3)]);
 }
 
-/// Diameter and Z, mm.
+/// X as a diameter, and Z, mm.
 type PresetPoint = (f64, f64);
 
-/// The line and position of the G50, and the end position, if they differ.
+/// If the program ends elsewhere than its G50 sets: the line of the G50, its position, and the
+/// end position.
 fn end_elsewhere(setup: &Setup, text: &str) -> Option<(u32, PresetPoint, PresetPoint)> {
     let (preview, _) = run_preview(setup, text);
     preview

@@ -11,7 +11,8 @@ use crate::units::{Axis, Feed, Point};
 const M_LATENCY_S: f64 = 0.04;
 
 impl PreviewRun<'_> {
-    /// Executes a thread. On average it waits half a turn for the one-turn signal.
+    /// Executes a thread. The clock includes half a turn, the average wait for the one-turn
+    /// signal.
     pub(super) fn execute_thread(
         &mut self,
         command: &ControlCommand,
@@ -37,7 +38,8 @@ impl PreviewRun<'_> {
         Ok(())
     }
 
-    /// Checks the start of a cycle of threads (alarms 092 and 094).
+    /// Checks the start of a thread cycle. `per_revolution` is the motion per turn, mm. Fails
+    /// with alarm 092 or 094.
     pub(super) fn check_thread_cycle(&self, per_revolution: Point) -> Result<(), Alarm> {
         check_encoder(&self.preview.parameters)?;
         let rpm = self.current_rpm();
@@ -45,14 +47,15 @@ impl PreviewRun<'_> {
         check_thread_speed(per_revolution * rpm, rpm, &self.limits)
     }
 
-    /// Turns the spindle as before, for a further start of G33.
+    /// Turns the spindle in its direction before the last tap, for a further start of G33.
     pub(super) fn restart_spindle(&mut self) {
         self.spindle.restart_after_tap();
         self.clock
             .advance(self.clock.m_function_s().max(self.spindle_settle_s));
     }
 
-    /// Executes a tap: in, the spindle stops and reverses, out, it stops again.
+    /// Executes a tap to `to` with the lead `lead`, mm: in, spindle stop and reversal, out,
+    /// stop.
     pub(super) fn execute_tap(
         &mut self,
         command: &ControlCommand,
@@ -89,7 +92,7 @@ impl PreviewRun<'_> {
         self.spindle.rpm(at.x)
     }
 
-    /// The spindle speed of a thread, r/min (alarms 092 and 094).
+    /// The spindle speed at which a thread is cut, r/min; fails with alarm 092 or 094.
     fn thread_speed(&self, thread: &ThreadMove) -> Result<f64, Alarm> {
         check_encoder(&self.preview.parameters)?;
         let from = self.preview.machine;
@@ -100,7 +103,8 @@ impl PreviewRun<'_> {
         Ok(rpm)
     }
 
-    /// Executes a move that follows the spindle.
+    /// Executes a move to `to` that follows the spindle, with the lead `lead`, mm, and the
+    /// duration `took`, s.
     fn execute_spindle_move(
         &mut self,
         command: &ControlCommand,

@@ -5,14 +5,15 @@
 
 use super::PreviewProgress;
 
-/// Limits of a preview; it stops when it reaches one of them.
+/// Limits of the work of a preview; it stops when it reaches one of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WorkBudget {
-    /// Number of moves.
+    /// Greatest number of moves.
     pub moves: u64,
-    /// Number of blocks read, as [`PreviewProgress::work`] counts them.
+    /// Greatest number of blocks read, as [`PreviewProgress::work`] counts them.
     pub work: u64,
-    /// Number of consecutive commands without a move: loops of calls, jumps and dwells.
+    /// Greatest number of consecutive commands without a move: loops of calls, jumps and
+    /// dwells.
     pub motionless: u64,
 }
 
@@ -24,7 +25,7 @@ impl WorkBudget {
         motionless: 10_000_000,
     };
 
-    /// The limits for a program that is being edited or drawn, with this number of moves.
+    /// The limits for a program that is being edited or drawn, with at most `moves` moves.
     pub const fn interactive(moves: u64) -> Self {
         Self {
             moves,
@@ -33,7 +34,7 @@ impl WorkBudget {
         }
     }
 
-    /// The smaller of two budgets in each limit.
+    /// A budget with the smaller of the two limits in each field.
     #[must_use]
     pub fn min(self, other: Self) -> Self {
         Self {
@@ -43,7 +44,7 @@ impl WorkBudget {
         }
     }
 
-    /// Whether a preview with this progress is within the limits.
+    /// Whether a preview with the progress `progress` is below all limits.
     pub const fn allows(&self, progress: &PreviewProgress) -> bool {
         progress.moves < self.moves
             && progress.work < self.work

@@ -14,14 +14,15 @@ use crate::model::ModelRecord;
 /// Greatest number of words in a block besides N and O; more raise alarm 012.
 pub(crate) const MAX_WORDS: usize = 24;
 
-/// A word: an address letter and a number.
+/// A word of a block: an address letter and a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ProgramWord {
     /// Address as an upper-case letter, e.g. `b'X'`.
     pub address: u8,
     /// The number after the address.
     pub value: WordNumber,
-    /// Byte range in the text of the block: start, and the byte after the end.
+    /// Byte positions of the word in the text of its block, from 0: first byte, and the byte
+    /// after the last one.
     pub span: (u16, u16),
 }
 
@@ -45,7 +46,7 @@ pub struct ProgramBlock {
     pub skip: bool,
     /// Line of the file, from 1; 0 without a file.
     pub line: u32,
-    /// Its macro B statement; `None` if all words have plain numbers.
+    /// The macro B statement of the block; `None` if all words have plain numbers.
     pub(super) statement: Option<Box<MacroStatement>>,
     variables: bool,
     len: u8,
@@ -54,7 +55,7 @@ pub struct ProgramBlock {
     words: [ProgramWord; MAX_WORDS],
 }
 
-/// The stored form of a block.
+/// A block as it is serialized; the derived fields of [`ProgramBlock`] are computed again.
 #[derive(Serialize, Deserialize)]
 struct Plain {
     n: Option<u32>,
@@ -100,7 +101,7 @@ const fn address_bits(addresses: &[u8]) -> u32 {
 }
 
 impl ProgramBlock {
-    /// Empties the block. The remaining entries of `words` have no meaning.
+    /// Empties the block. Old entries of `words` remain and have no meaning.
     pub(super) fn clear(&mut self) {
         self.statement = None;
         (self.n, self.o, self.skip, self.line) = (None, None, false, 0);
@@ -108,19 +109,21 @@ impl ProgramBlock {
         (self.len, self.addresses, self.codes) = (0, 0, 0);
     }
 
-    /// The number of the first variable that a word has instead of a number.
+    /// The number of the first variable that a word has instead of a number; `None` if all
+    /// words have numbers.
     pub(crate) fn first_variable(&self) -> Option<u16> {
         let variable = |word: &ProgramWord| word.value.variable();
         let found = self.words().iter().find_map(variable);
         found.map(|variable| variable.number)
     }
 
-    /// The words in order, without N and O.
+    /// The words in the order of the text, without N and O.
     pub fn words(&self) -> &[ProgramWord] {
         &self.words[..usize::from(self.len)]
     }
 
-    /// Whether the block has no words besides N: then it repeats a cycle of group 01.
+    /// Whether the block has no words besides N and O. Such a block repeats a cycle of group
+    /// 01.
     pub const fn is_empty(&self) -> bool {
         self.len == 0
     }
@@ -136,7 +139,8 @@ impl ProgramBlock {
         statement.filter(|it| !matches!(it, MacroStatement::Words(_)))
     }
 
-    /// The formulas of its words; `None` without macro B.
+    /// The formulas that words of the block refer to; `None` if the block has a macro
+    /// statement, or only words with plain numbers.
     pub(crate) fn formulas(&self) -> Option<&[FormulaCode]> {
         match self.statement.as_deref() {
             Some(MacroStatement::Words(formulas)) => Some(formulas),
@@ -144,22 +148,22 @@ impl ProgramBlock {
         }
     }
 
-    /// Whether the block has a word with an address.
+    /// Whether the block has a word with the address `address`, an upper-case letter.
     pub const fn has(&self, address: u8) -> bool {
         self.addresses & address_bit(address) != 0
     }
 
-    /// Whether the block has a word with any of these addresses.
+    /// Whether the block has a word with any of these address letters.
     pub(crate) const fn has_any(&self, addresses: &[u8]) -> bool {
         self.addresses & address_bits(addresses) != 0
     }
 
-    /// Whether the block has no words with other addresses, and no macro B.
+    /// Whether the block has no words with other address letters, and no macro B.
     pub const fn has_only(&self, addresses: &[u8]) -> bool {
         self.addresses & !address_bits(addresses) == 0 && self.statement.is_none()
     }
 
-    /// The first word with an address; `None` without one.
+    /// The first word with the address `address`; `None` if the block has no such word.
     pub fn word(&self, address: u8) -> Option<&ProgramWord> {
         if !self.has(address) {
             return None;
@@ -167,12 +171,12 @@ impl ProgramBlock {
         self.words().iter().find(|word| word.address == address)
     }
 
-    /// The number of the first word with an address; `None` without one.
+    /// The number of the first word with the address `address`; `None` without such a word.
     pub fn number(&self, address: u8) -> Option<WordNumber> {
         self.word(address).map(|word| word.value)
     }
 
-    /// Whether the block has a G code.
+    /// Whether the block has the G code `code`.
     pub(crate) const fn has_g(&self, code: u8) -> bool {
         code < 100 && self.codes & (1 << code) != 0
     }
@@ -182,7 +186,7 @@ impl ProgramBlock {
         self.codes.count_ones() > 1
     }
 
-    /// The G codes of the block, in order.
+    /// The numbers of the G codes of the block, in the order of the text.
     pub fn g_codes(&self) -> impl Iterator<Item = u8> {
         let words = if self.has(b'G') { self.words() } else { &[] };
         words
@@ -191,7 +195,7 @@ impl ProgramBlock {
             .map(|word| word.value.integer() as u8)
     }
 
-    /// Whether a word still refers to a variable.
+    /// Whether a word refers to a variable that is not resolved yet.
     pub(crate) const fn has_variables(&self) -> bool {
         self.variables
     }
@@ -234,8 +238,9 @@ impl ProgramBlock {
         Ok(self)
     }
 
-    /// Replaces formulas by their values, in order. Lengths become millionths of their unit,
-    /// other values numbers of their address. A word whose formula yields null is removed.
+    /// Replaces the formula of each word by its value; `values` are in the order of
+    /// [`Self::formulas`]. Lengths are rounded to the least input increment, other numbers but
+    /// F to an integer. A word whose formula yields null (`None`) is removed.
     ///
     /// # Errors
     /// 043 for a value out of the range of its address.
@@ -269,7 +274,8 @@ impl ProgramBlock {
         Ok(block)
     }
 
-    /// Changes the numbers of words without checking their ranges.
+    /// Replaces the number of each word by the result of `change` (address, number), without
+    /// checking the range.
     pub(crate) fn map_numbers(&mut self, mut change: impl FnMut(u8, WordNumber) -> WordNumber) {
         for word in &mut self.words[..usize::from(self.len)] {
             word.value = change(word.address, word.value);
@@ -296,7 +302,7 @@ impl ProgramBlock {
         true
     }
 
-    /// Recomputes the data derived from the words and checks their values.
+    /// Recomputes the data derived from the words and checks the ranges of their numbers.
     fn reindex(&mut self, syntax: Syntax) -> Result<(), BlockError> {
         let words = self.words;
         let len = usize::from(self.len);
@@ -373,7 +379,8 @@ impl TryFrom<Plain> for ProgramBlock {
     }
 }
 
-/// Checks all numbers of a block against table 2-1, except references to variables.
+/// Checks the numbers of a block against the ranges of manual table 2-1; references to
+/// variables are not checked. Alarm 043 if a number is out of range.
 pub(super) fn check_values(block: &ProgramBlock, syntax: Syntax) -> Result<(), BlockError> {
     if syntax.model.is_mill() {
         return check_mill_words(block);
@@ -389,12 +396,12 @@ pub(super) fn check_values(block: &ProgramBlock, syntax: Syntax) -> Result<(), B
     }
 }
 
-/// Whether the model has its own ranges of words.
+/// Whether the control model changes the usual ranges of words.
 pub(super) fn narrows_words(syntax: Syntax) -> bool {
     !syntax.model.is_main() && !syntax.model.record().word_limits.is_empty()
 }
 
-/// Checks all numbers of a block of a mill.
+/// Checks the numbers of a block of a mill against their ranges; alarm 043 if one is outside.
 fn check_mill_words(block: &ProgramBlock) -> Result<(), BlockError> {
     for word in block.words() {
         let (low, high) = match word.address {
@@ -414,7 +421,7 @@ fn check_mill_words(block: &ProgramBlock) -> Result<(), BlockError> {
     Ok(())
 }
 
-/// Checks each word against the range that its block allows.
+/// Checks each number against the range that its block allows; alarm 043 if one is outside.
 fn check_each_word(block: &ProgramBlock, syntax: Syntax) -> Result<(), BlockError> {
     let g65 = block.has_g(65);
     let record = syntax.model.record();
@@ -436,12 +443,12 @@ fn check_each_word(block: &ProgramBlock, syntax: Syntax) -> Result<(), BlockErro
     Ok(())
 }
 
-/// Whether a letter is an address of a model.
+/// Whether an upper-case letter is an address of the model that `record` describes.
 pub(super) fn is_address_of_model(letter: u8, record: &ModelRecord) -> bool {
     is_address(letter) || record.has_address(letter)
 }
 
-/// The addresses of table 2-1, and J and L, which thread codes use.
+/// Whether a letter is an address of table 2-1, or J or L, which thread codes use.
 const fn is_address(letter: u8) -> bool {
     matches!(letter, b'F'..=b'U' | b'W' | b'X' | b'Z')
 }
@@ -452,10 +459,10 @@ const COORDINATES: &[u8] = b"XZUWIJKR";
 const MILLIONTHS: i64 = 1_000_000;
 /// Greatest length, 9999.999 mm, in millionths.
 const LARGEST_LENGTH: i64 = 9_999_999_000;
-/// Greatest length on a mill, 99999.999 mm, in millionths. Its angles and scale factors are
-/// below it too.
+/// Greatest length on a mill, 99999.999 mm, in millionths. Angles and scale factors of a mill
+/// are smaller.
 const LARGEST_MILL_LENGTH: i64 = 99_999_999_000;
-/// Greatest dwell, 99999.999 s, in millionths. A negative one raises an alarm when its block
+/// Greatest dwell, 99999.999 s, in millionths. A negative dwell raises an alarm when its block
 /// is executed.
 const LARGEST_DWELL: i64 = 99_999_999_000;
 /// Greatest value of a macro operation, 2³², in millionths.
@@ -495,7 +502,7 @@ pub fn word_limits(address: u8) -> (String, String) {
     (format_limit(low), format_limit(high))
 }
 
-/// Formats a limit as written in a program.
+/// Formats a limit, in millionths, as written in a program.
 fn format_limit(millionths: i64) -> String {
     let text = WordNumber::from_millionths(millionths).to_string();
     text.trim_end_matches('.').to_string()

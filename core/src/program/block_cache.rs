@@ -7,35 +7,34 @@ use super::syntax::{BlockError, Syntax};
 
 /// Number of cached blocks: more than a loop or a short subprogram has.
 const CACHED_BLOCKS: u32 = 64;
-/// Distance between the cache entries of the first blocks of two programs with consecutive
-/// numbers.
+/// Number of cache entries between the first blocks of two programs with consecutive numbers.
 const PROGRAM_DISTANCE: u32 = 29;
 
-/// Parsed blocks, each in an entry that follows from its program and its index. A copy is
-/// empty.
+/// Parsed blocks, each in an entry computed from its program number and its index. Cloning
+/// yields an empty cache.
 #[derive(Debug, Default)]
 pub(crate) struct BlockCache {
     entries: Vec<CachedBlock>,
     work: u64,
 }
 
-/// Bytes of text that count as the work of one block.
+/// Bytes of parsed text that count as the work of reading one block.
 const BYTES_PER_BLOCK: usize = 64;
 
 #[derive(Clone, Debug, Default)]
 struct CachedBlock {
     program: TextIdentity,
-    /// Index of the block; `None` if it was invalid.
+    /// Index of the block in its program, from 0; `None` if the entry has no valid block.
     index: Option<u32>,
     syntax: Syntax,
     block: ProgramBlock,
 }
 
 impl BlockCache {
-    /// Returns a block; words may still refer to variables.
+    /// Returns a block, from the cache or parsed now; its words may still refer to variables.
     ///
     /// # Errors
-    /// As [`Program::parse`].
+    /// As [`Program::parse_with_variables`].
     pub(crate) fn read(
         &mut self,
         program: &Program,
@@ -76,7 +75,7 @@ impl Clone for BlockCache {
     }
 }
 
-/// The content of the cache makes no difference.
+/// Two caches are always equal: their content does not change the result of a read.
 impl PartialEq for BlockCache {
     fn eq(&self, _: &Self) -> bool {
         true

@@ -2,28 +2,28 @@
 
 use super::lexer::Lexer;
 
-/// The words at the beginning of a block: `/`, O and N, the latter two in any order.
+/// The start of a block: the skip mark `/`, the O word and the N word, in this order.
 #[derive(Default)]
 pub(super) struct BlockHead {
     pub(super) o: Option<u16>,
     pub(super) n: Option<u32>,
     /// Whether the block begins with `/`.
     pub(super) skip: bool,
-    /// Byte range of the O word.
+    /// Byte range of the O word in the text of the block; `None` without an O word.
     pub(super) o_span: Option<(usize, usize)>,
-    /// Whether the name begins with `:` instead of O, as on other controls.
+    /// Whether the program name begins with `:` instead of O, as on other controls.
     pub(super) colon: bool,
 }
 
 impl BlockHead {
-    /// Whether a block names a program. For most blocks the first byte rules that out: an N
-    /// word cannot be before a name.
+    /// Whether a block has a program name (O word). For most blocks the first byte rules that
+    /// out, since no other word can be before a name.
     pub(super) fn names_program(text: &str) -> bool {
         let other_word = matches!(text.as_bytes().first(), Some(b'A'..=b'N' | b'P'..=b'Z'));
         !other_word && Self::read(text).o.is_some()
     }
 
-    /// Reads the start of a block.
+    /// Reads `/`, O and N at the start of a block and stops at the first other word.
     pub(super) fn read(text: &str) -> Self {
         let mut head = Self::default();
         let mut lexer = Lexer::new(text);
@@ -58,7 +58,7 @@ impl BlockHead {
 /// The greatest sequence number of any control model.
 const LAST_SEQUENCE: u32 = 99_999;
 
-/// Reads an unsigned number; `None` above `most`.
+/// Reads an unsigned number; `None` without digits or if the number exceeds `most`.
 fn read_number_up_to(lexer: &mut Lexer<'_>, most: u32) -> Option<u32> {
     lexer.skip_blanks().ok()?;
     let mut value = None;

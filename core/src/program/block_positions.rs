@@ -9,7 +9,7 @@
 //! byte line  18  17  21  17 …      its third block: byte + 18 + 17, line + 2
 //! ```
 
-/// Position of a block in the text.
+/// Position of the first byte of a block in the text: byte, and line of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct BlockPosition {
     pub(super) byte: u32,
@@ -23,7 +23,7 @@ const GROUP_SIZE: usize = 16;
 #[derive(Default)]
 pub(super) struct BlockPositions {
     groups: Vec<PositionGroup>,
-    /// The positions in groups that are not close.
+    /// The positions of all blocks in groups that are not close (see the module).
     wide: Vec<BlockPosition>,
     last: Option<BlockPosition>,
     count: usize,
@@ -35,17 +35,18 @@ struct PositionGroup {
     tail: GroupTail,
 }
 
-/// The blocks of a group after the first one.
+/// The positions of the blocks of a group after the first one.
 #[derive(Clone, Copy)]
 enum GroupTail {
-    /// Bytes from block to block; each block is on the next line.
+    /// The group is close: bytes from each block to the next one, which is on the next line.
     Close([u8; GROUP_SIZE - 1]),
-    /// Index in `wide` of the first position of the group.
+    /// The group is not close: index in `wide` of the first position of the group.
     Wide(u32),
 }
 
 impl PositionGroup {
-    /// The position of a block of the group.
+    /// The position of the block with the index `within` (from 0) in the group; `None` if the
+    /// group has no such block.
     #[inline]
     fn position(&self, within: usize, wide: &[BlockPosition]) -> Option<BlockPosition> {
         match &self.tail {
@@ -62,7 +63,7 @@ impl PositionGroup {
 }
 
 impl BlockPositions {
-    /// Number of blocks.
+    /// Number of stored positions, one for each block.
     pub(super) const fn len(&self) -> usize {
         self.count
     }
@@ -103,7 +104,7 @@ impl BlockPositions {
         self.wide.shrink_to_fit();
     }
 
-    /// The position of a block; `None` beyond the last one.
+    /// The position of the block with this index, from 0; `None` after the last block.
     #[inline]
     pub(super) fn get(&self, index: usize) -> Option<BlockPosition> {
         if index >= self.count {
@@ -113,7 +114,7 @@ impl BlockPositions {
         group.position(index % GROUP_SIZE, &self.wide)
     }
 
-    /// The line of a block; `None` beyond the last one.
+    /// The line of the block with this index, from 0; `None` after the last block.
     #[inline]
     pub(super) fn line(&self, index: usize) -> Option<u32> {
         if index >= self.count {
@@ -126,7 +127,7 @@ impl BlockPositions {
         }
     }
 
-    /// All positions in order.
+    /// All positions in the order of the text.
     pub(super) fn iter(&self) -> impl Iterator<Item = BlockPosition> {
         let mut before = None;
         (0..self.count).filter_map(move |index| {
@@ -145,12 +146,13 @@ impl BlockPositions {
         })
     }
 
-    /// The position of the last block.
+    /// The position of the last block; `None` without blocks.
     pub(super) const fn last(&self) -> Option<BlockPosition> {
         self.last
     }
 
-    /// The first block in this line or after it; the number of blocks if there is none.
+    /// Index of the first block in this line or after it; the number of blocks if there is
+    /// none.
     pub(super) fn first_at(&self, line: u32) -> usize {
         let groups = self.groups.partition_point(|group| group.first.line < line);
         // It is in the group before the first group that begins late enough, or is the first

@@ -12,21 +12,21 @@ use crate::alarm::number;
 /// Greatest number of digits of a code that calls a program.
 const MAX_CODE_DIGITS: u8 = 3;
 
-/// A block whose first code calls a program.
+/// A block that begins with a G or M code that calls a program (macro B).
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CodeCall {
-    /// Letter and number of the code.
+    /// Letter and number of the code, e.g. `('M', 98)`.
     pub(crate) code: (char, u16),
-    /// Sequence number (N word).
+    /// Sequence number (N word) of the block; `None` without one.
     pub(crate) n: Option<u32>,
     /// Whether the block begins with the skip mark `/`.
     pub(crate) skip: bool,
-    /// The arguments after the code.
+    /// The call: the program that the code stands for, and the arguments after the code.
     pub(crate) call: MacroCall,
 }
 
-/// The call by the first code of a block; `None` if it calls no program. `program_of`
-/// returns the program that a letter and a number call.
+/// Reads the program call by the first code of a block; `None` if that code calls no program.
+/// `program_of` returns the program number for a letter and a code number.
 ///
 /// # Errors
 /// 114 for an invalid word, 129 for an address that cannot be an argument, such as P.
@@ -66,7 +66,7 @@ pub(super) fn read_code_call(
     }))
 }
 
-/// The number of a code; `None` with a fraction or a variable.
+/// Reads the number of a G or M code; `None` for a fraction, a variable or too many digits.
 fn read_code(lexer: &mut Lexer<'_>) -> Option<u16> {
     skip_blanks(lexer).ok()?;
     let (mut value, mut digits) = (0_u16, 0);
@@ -81,7 +81,8 @@ fn read_code(lexer: &mut Lexer<'_>) -> Option<u16> {
 }
 
 impl BlockHead {
-    /// Moves to the first word after `/` and N. Returns whether there may be one.
+    /// Moves the lexer to the first word after `/` and N. Returns `false` if a comment before
+    /// that word is not closed.
     fn skip_to_word(&self, lexer: &mut Lexer<'_>) -> bool {
         let next = |lexer: &mut Lexer<'_>| lexer.skip_blanks().is_ok();
         if !next(lexer) {

@@ -4,8 +4,8 @@ use super::number::is_length;
 use super::parse::parse_block;
 use super::syntax::Syntax;
 
-/// A typed block with a point after each number that accepts one and has none. An invalid
-/// block and a G65 are returned unchanged.
+/// Appends a decimal point to each number of a typed block that accepts a point and has none.
+/// Returns an invalid block or a G65 block unchanged.
 pub fn append_points(text: &str) -> String {
     let mut pointed = text.to_owned();
     let Ok(block) = parse_block(text, Syntax::default()) else {

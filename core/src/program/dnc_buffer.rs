@@ -12,12 +12,12 @@ use serde::{Deserialize, Serialize};
 use super::block_head::BlockHead;
 use super::program_text::Program;
 
-/// Size of the buffer in characters. It always has enough free size for the blocks of the
-/// look-ahead.
+/// Size of the buffer in characters. The blocks of the look-ahead need less, so that further
+/// text can always arrive.
 const BUFFER_CHARACTERS: usize = 16_384;
 /// Greatest length of a line in characters; a longer one is refused.
 const MAX_LINE_CHARACTERS: usize = 500;
-/// Number of blocks that the window has after the current one, if they have arrived.
+/// Number of blocks that the window keeps ready after the current one, if they have arrived.
 const BLOCKS_AHEAD: u32 = 17;
 /// Number of lines kept before the current one, for the display.
 const LINES_BEFORE: u32 = 8;
@@ -27,10 +27,10 @@ const fn is_tape_control(byte: u8) -> bool {
     matches!(byte, 0 | 0x11..=0x14 | 0x7f)
 }
 
-/// The part of the tape that is arriving.
+/// The part of the punched tape whose characters arrive now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum TapeState {
-    /// The leader before the program.
+    /// The leader, before the first line of the program.
     Leader,
     /// The text of the program.
     Text,
@@ -48,19 +48,19 @@ pub struct LineTooLong {
     pub limit: usize,
 }
 
-/// The part of an arriving program that is still needed.
+/// The part of an arriving program that has not been read yet, and the last lines read.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DncBuffer {
     window: Program,
-    /// Whole lines after those of the window, and the line number of the first.
+    /// Complete lines after the window, and the line number (from 1) of the first of them.
     arrived: String,
     #[serde(rename = "behind")]
     arrived_first_line: u32,
-    /// The line that is arriving, and its number.
+    /// The bytes of the line that is still incomplete, and the number of that line, from 1.
     #[serde(rename = "coming")]
     partial_line: Vec<u8>,
     line: u32,
-    /// The last character was a carriage return.
+    /// Whether the last character was a carriage return: a line feed after it is ignored.
     #[serde(rename = "returned")]
     last_was_return: bool,
     number: Option<u16>,
@@ -83,17 +83,17 @@ impl Default for DncBuffer {
 }
 
 impl DncBuffer {
-    /// The text that can be read. Its lines have the numbers of the whole program.
+    /// The text from which blocks are read. Its lines have the numbers of the whole program.
     pub const fn window(&self) -> &Program {
         &self.window
     }
 
-    /// The program number; `None` until it has arrived.
+    /// The program number (O word); `None` until it has arrived.
     pub const fn number(&self) -> Option<u16> {
         self.number
     }
 
-    /// Number of characters that the buffer accepts now.
+    /// Number of characters that the buffer accepts now; 0 after the end of the program.
     pub fn free_characters(&self) -> usize {
         if self.tape == TapeState::Ended {
             return 0;
@@ -102,21 +102,21 @@ impl DncBuffer {
         BUFFER_CHARACTERS.saturating_sub(kept)
     }
 
-    /// Whether further blocks may follow the last one of the window.
+    /// Whether blocks after the last one of the window have arrived or may still arrive.
     pub fn has_more(&self) -> bool {
         self.tape != TapeState::Ended || !self.arrived.is_empty()
     }
 
-    /// Whether waiting for a block after the last one of the window can succeed. It cannot
-    /// when the buffer is full of lines without a block.
+    /// Whether it makes sense to wait for a block after the last one of the window. `false` if
+    /// the program has ended, or if lines without a block fill the buffer.
     pub(crate) fn can_bring_block(&self) -> bool {
         self.has_more() && (self.free_characters() > 0 || !self.arrived.is_empty())
     }
 
-    /// Accepts a character from the partner.
+    /// Accepts a character from the sender of the program.
     ///
     /// # Errors
-    /// The line is too long.
+    /// [`LineTooLong`] if the line already has 500 characters.
     pub fn receive_byte(&mut self, byte: u8) -> Result<(), LineTooLong> {
         let after_return = core::mem::replace(&mut self.last_was_return, byte == b'\r');
         match byte {
@@ -134,7 +134,7 @@ impl DncBuffer {
         Ok(())
     }
 
-    /// Marks the end of the transfer: the last line needs no line end.
+    /// Marks the end of the transfer. A last line without a line end is complete.
     pub fn finish(&mut self) {
         if !self.partial_line.is_empty() && self.tape != TapeState::Ended {
             self.end_line();
@@ -165,8 +165,9 @@ impl DncBuffer {
         self.arrived.push('\n');
     }
 
-    /// Moves the window forward before the block with this index is read. Drops lines that
-    /// were read and adds lines that have arrived. Returns the number of dropped blocks.
+    /// Moves the window forward before the block with the index `next` (from 0) is read: drops
+    /// lines that were read and adds lines that have arrived. Returns the number of blocks
+    /// dropped from the start of the window.
     pub(crate) fn advance_window(&mut self, next: u32) -> u32 {
         let ahead = self.window.block_count().saturating_sub(next);
         let read_up = ahead == 0 && self.window.text().len() > BUFFER_CHARACTERS / 2;
@@ -186,7 +187,7 @@ impl DncBuffer {
     }
 }
 
-/// Converts a line to text; invalid UTF-8 becomes `?`.
+/// Converts a line to text; if it is not valid UTF-8, each non-ASCII byte becomes `?`.
 fn text_from_bytes(line: Vec<u8>) -> String {
     String::from_utf8(line).unwrap_or_else(|error| {
         let bytes = error.into_bytes();
@@ -195,7 +196,8 @@ fn text_from_bytes(line: Vec<u8>) -> String {
     })
 }
 
-/// Position of the `%` that ends a tape; a `%` in a comment does not.
+/// Byte position of the `%` that ends a tape; `None` without one. A `%` in a comment does not
+/// count.
 fn end_mark_position(text: &str) -> Option<usize> {
     let mut comment = false;
     text.char_indices().find_map(|(at, character)| {
@@ -219,7 +221,6 @@ mod tests {
         }
     }
 
-    /// Reads blocks with their line numbers, as the interpreter does.
     fn read_blocks(inflow: &mut DncBuffer, next: &mut u32) -> Vec<(u32, String)> {
         let mut blocks = Vec::new();
         loop {

@@ -15,38 +15,38 @@ use super::decimal_points::append_points;
 use super::listing::{end_column, without_end_sign};
 use super::program_text::Program;
 
-/// Automatic additions to typed text.
+/// What the editor adds automatically to typed text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Completion {
-    /// 自动序号: each new block begins with a sequence number; the value is the increment.
-    /// `None`: off.
+    /// 自动序号: increment of the sequence numbers that begin new blocks; `None` if blocks get no
+    /// automatic number.
     pub numbering: Option<u16>,
-    /// 013.3 PODI: numbers get a decimal point.
+    /// 013.3 PODI: whether numbers get a decimal point when their block ends.
     pub points: bool,
 }
 
-/// The first automatic sequence number.
+/// The automatic sequence number if no block above the cursor has a sequence number.
 const FIRST_NUMBER: u32 = 10;
-/// The highest sequence number.
+/// The highest automatic sequence number; the editor numbers no block above it.
 const LAST_NUMBER: u32 = 9999;
 
-/// A program that is being edited, with the cursor.
+/// A program that is being edited, and the position of the cursor in it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProgramEditor {
-    /// The program as stored in the program memory.
+    /// The text in the program memory, for comparison with the edited text.
     stored: Program,
     program: Program,
     line: u32,
     column: u32,
     changed: bool,
-    /// The block at the cursor, the last one, has no end yet.
+    /// Whether the block at the cursor, the last one, still lacks its end sign.
     open: bool,
-    /// The open block only has its automatic sequence number.
+    /// Whether the open block only has its automatic sequence number.
     numbered: bool,
 }
 
 impl ProgramEditor {
-    /// Starts editing with the cursor at the beginning of a line.
+    /// Starts editing with the cursor at the beginning of the line `line`, from 1.
     pub fn new(stored: Program, line: u32) -> Self {
         let (first, last) = (stored.first_listed(), stored.last_listed());
         Self {
@@ -60,12 +60,12 @@ impl ProgramEditor {
         }
     }
 
-    /// The edited text.
+    /// The program with the edited text.
     pub const fn program(&self) -> &Program {
         &self.program
     }
 
-    /// The text in the program memory.
+    /// The program as it is stored in the program memory, without the changes.
     pub const fn stored(&self) -> &Program {
         &self.stored
     }
@@ -80,7 +80,8 @@ impl ProgramEditor {
         self.changed
     }
 
-    /// The line of the open block; `None` without one.
+    /// The line, from 1, of the block that still lacks its end sign; `None` without such a
+    /// block.
     pub fn open_line(&self) -> Option<u32> {
         self.open.then_some(self.line)
     }
@@ -98,7 +99,7 @@ impl ProgramEditor {
         end_column(self.program.line(line))
     }
 
-    /// The character before the cursor; `None` at the beginning of a line.
+    /// The character before the cursor in its line; `None` at the beginning of a line.
     pub fn char_before_cursor(&self) -> Option<char> {
         let column = self.column.checked_sub(1)?;
         self.program.line(self.line).chars().nth(column as usize)
@@ -118,8 +119,8 @@ impl ProgramEditor {
         before.fold(false, |inside, c| c == '(' || inside && c != ')')
     }
 
-    /// Whether a letter typed at the cursor continues a statement or a formula of macro B: a
-    /// name, a variable or a bracket is before it in its block.
+    /// Whether a letter typed at the cursor continues a statement or a formula of macro B: in
+    /// the block, a name, a variable or a bracket is before the cursor.
     pub fn is_in_statement(&self) -> bool {
         let line = self.program.line(self.line);
         let before: String = line.chars().take(self.column as usize).collect();
@@ -129,7 +130,7 @@ impl ProgramEditor {
 
     // Changes. Each returns whether it changed the text.
 
-    /// Inserts a character before the cursor.
+    /// Inserts a character before the cursor. Returns whether the text has changed.
     pub fn insert(&mut self, character: char) -> bool {
         if !self.is_editable() {
             return false;
@@ -153,8 +154,8 @@ impl ProgramEditor {
         true
     }
 
-    /// Inserts a character after the one at the cursor and moves the cursor to it. At the
-    /// end of a block it inserts before the sign.
+    /// Inserts a character after the one at the cursor and moves the cursor to it; at the end
+    /// of a block before the end sign. Returns whether the text has changed.
     pub fn insert_after_cursor(&mut self, character: char) -> bool {
         if self.column >= self.end_column_of(self.line) {
             return self.insert(character);
@@ -165,9 +166,8 @@ impl ProgramEditor {
         inserted
     }
 
-    /// Overwrites the character at the cursor. The sign that ends a block is not
-    /// overwritten: the character is inserted before it. With `stay` the cursor does not
-    /// move.
+    /// Overwrites the character at the cursor; before the end sign of a block it inserts
+    /// instead. With `stay` the cursor does not move. Returns whether the text has changed.
     pub fn overwrite(&mut self, character: char, stay: bool) -> bool {
         if self.column >= self.end_column_of(self.line) || !self.is_editable() {
             let inserted = self.insert(character);
@@ -188,7 +188,7 @@ impl ProgramEditor {
         true
     }
 
-    /// Replaces the character before the cursor.
+    /// Replaces the character before the cursor. Returns whether the text has changed.
     pub fn replace_before(&mut self, character: char) -> bool {
         if self.column == 0 || !self.is_editable() {
             return false;
@@ -197,7 +197,8 @@ impl ProgramEditor {
         self.overwrite(character, false)
     }
 
-    /// Ends the block before the cursor.
+    /// Writes the end sign `;` at the cursor, moves to the next line and numbers the block
+    /// there. Returns whether the text has changed.
     pub fn end_block(&mut self, completion: Completion) -> bool {
         if !self.is_editable() {
             return false;
@@ -228,7 +229,8 @@ impl ProgramEditor {
         true
     }
 
-    /// Begins an empty block with the next sequence number, if these are automatic.
+    /// Writes the next sequence number if the cursor is on an empty line and automatic numbers
+    /// are on.
     pub fn number_block(&mut self, completion: Completion) {
         let empty = self.is_on_end_mark() || self.end_column_of(self.line) == 0;
         let Some(number) = completion
@@ -254,8 +256,8 @@ impl ProgramEditor {
         (next <= LAST_NUMBER).then_some(next)
     }
 
-    /// Removes the character before the cursor. At the beginning of a line it removes the
-    /// end of the block above.
+    /// Removes the character before the cursor; at the beginning of a line the end sign of the
+    /// line above. Returns whether the text has changed.
     pub fn backspace(&mut self) -> bool {
         if !self.is_editable() {
             return false;
@@ -286,8 +288,9 @@ impl ProgramEditor {
         true
     }
 
-    /// Removes the character at the cursor. At the end of a block it removes the sign, which
-    /// joins the block to the next one.
+    /// Removes the character at the cursor; at the end of a block the end sign, which joins
+    /// two blocks; on the N of a sequence number the block. Returns whether the text has
+    /// changed.
     pub fn delete(&mut self) -> bool {
         if !self.is_editable() || self.is_on_end_mark() {
             return false;
@@ -312,13 +315,14 @@ impl ProgramEditor {
         true
     }
 
-    /// Whether the cursor is on the N at the beginning of a line.
+    /// Whether the cursor is on the letter N at the beginning of a line.
     fn is_at_block_number(&self) -> bool {
         let (before, after) = self.split_line();
         before.trim().is_empty() && after.starts_with(['N', 'n'])
     }
 
-    /// Removes the block at the cursor.
+    /// Removes the first block of the line with the cursor. Returns `true`: the text has
+    /// changed.
     fn delete_block(&mut self) -> bool {
         let line = self.program.line(self.line);
         let rest = without_end_sign(line)
@@ -331,8 +335,8 @@ impl ProgramEditor {
         true
     }
 
-    /// Removes the text from the cursor to the end of the next block with a sequence number.
-    /// Returns `false` if that block does not exist.
+    /// Removes the text from the cursor to the end of the next block with the sequence number
+    /// `sequence`. Returns `false` if no block from the cursor on has this number.
     pub fn delete_to(&mut self, sequence: u32) -> bool {
         if !self.is_editable() {
             return false;
@@ -364,13 +368,13 @@ impl ProgramEditor {
         true
     }
 
-    /// Ends an open block and returns the text to be stored.
+    /// Writes the end sign of an open block and returns the program to be stored.
     pub fn finish(&mut self) -> &Program {
         self.end_open_block();
         &self.program
     }
 
-    /// Records that the text has been stored in the program memory.
+    /// Records that the program memory has `stored`; it replaces the edited text.
     pub fn mark_saved(&mut self, stored: Program) {
         self.stored = stored.clone();
         self.program = stored;
@@ -379,7 +383,7 @@ impl ProgramEditor {
 
     // Text.
 
-    /// The parts of the line before and from the cursor.
+    /// Splits the line with the cursor into the text before the cursor and the rest.
     fn split_line(&self) -> (String, String) {
         let line = self.program.line(self.line);
         let at = line
@@ -389,7 +393,7 @@ impl ProgramEditor {
         (line[..at].to_owned(), line[at..].to_owned())
     }
 
-    /// Completes `X10.` to `X10.0` when another word follows.
+    /// Completes a number with a trailing point at the cursor, `X10.` to `X10.0`.
     fn complete_point(&mut self) {
         let (before, after) = self.split_line();
         if before.ends_with('.') && !after.starts_with(|c: char| c.is_ascii_digit()) {
@@ -409,7 +413,7 @@ impl ProgramEditor {
         true
     }
 
-    /// Removes an open block without text.
+    /// Removes the empty line of an open block from which all text was deleted.
     fn remove_open_block(&mut self) {
         self.open = false;
         let line = self.line.min(self.program.last_listed());
@@ -419,7 +423,8 @@ impl ProgramEditor {
         (self.line, self.column) = (self.program.last_listed(), 0);
     }
 
-    /// Ends an open block, because the cursor leaves it.
+    /// Writes the end sign of an open block because the cursor leaves it; removes the block if
+    /// it only has its automatic sequence number.
     fn end_open_block(&mut self) {
         if !self.open {
             return;
@@ -434,7 +439,7 @@ impl ProgramEditor {
         }
     }
 
-    /// Replaces the lines from `first` up to, but not including, `end` by text.
+    /// Replaces the lines from `first` (from 1) up to, but not including, `end` by `text`.
     fn replace_lines(&mut self, first: u32, end: u32, text: &str) {
         self.program = self.program.with_lines(first, end, text);
         self.changed = true;

@@ -9,14 +9,14 @@ use super::syntax::Syntax;
 use crate::dialect::{self, with_advice};
 use crate::model::{GCode, ModelRecord};
 
-/// Greatest number of words read; a longer block is refused for its length.
+/// Greatest number of words read from a block; longer blocks get alarm 012 anyway.
 const MAX_WORDS_READ: usize = 40;
-/// Greatest number of stored characters of a number.
+/// Greatest number of characters kept of a word's number.
 const MAX_NUMBER_CHARS: usize = 16;
 /// Greatest number of messages about one block.
 const MAX_MESSAGES: usize = 6;
 
-/// A word as written, valid or not.
+/// A word as written, whether or not the control accepts it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct LooseWord {
     letter: u8,
@@ -24,7 +24,7 @@ struct LooseWord {
 }
 
 impl LooseWord {
-    /// The number of the word; `None` if it is not an integer.
+    /// The number of the word as an integer; `None` if it is not one.
     fn integer_code(&self) -> Option<i64> {
         self.number.parse().ok()
     }
@@ -62,8 +62,8 @@ fn loose_words(text: &str) -> Vec<LooseWord> {
     words
 }
 
-/// The two-block form of a roughing or threading cycle that other controls write in one
-/// block with D as the depth of cut.
+/// A message that shows the two-block form of a roughing or threading cycle that other
+/// controls write in one block with D as the depth of cut; `None` for other blocks.
 pub(super) fn two_block_form(text: &str, syntax: Syntax) -> Option<Message> {
     let words = loose_words(text);
     let record = syntax.model.record();
@@ -117,7 +117,8 @@ fn format_word(word: &LooseWord) -> String {
     format!("{}{}", char::from(word.letter), word.number)
 }
 
-/// Converts a number to mm; without a point it counts units of 0.001 mm.
+/// Converts a number as written to millimetres; without a point it counts units of 0.001 mm.
+/// `None` if the text is not a number.
 fn to_millimetres(number: &str) -> Option<String> {
     if number.contains('.') {
         return Some(number.to_owned());
@@ -132,7 +133,7 @@ fn to_millimetres(number: &str) -> Option<String> {
     )
 }
 
-/// Converts a number to units of 0.001 mm.
+/// Converts a number as written to units of 0.001 mm; `None` if the text is not a number.
 fn to_micrometres(number: &str) -> Option<i64> {
     if !number.contains('.') {
         return number.parse().ok();
@@ -141,9 +142,9 @@ fn to_micrometres(number: &str) -> Option<i64> {
     Some(libm::round(millimetres * 1000.0) as i64)
 }
 
-/// The unknown words of a block, except the one for which the block is refused. That is the
-/// first unknown address, since addresses are read before codes, otherwise the first unknown
-/// code. `has_m` returns whether an M code exists.
+/// Messages about the unknown words of a block, except the one for which the block is already
+/// refused: the first unknown address, otherwise the first unknown code. `has_m` returns
+/// whether an M code exists.
 pub(crate) fn further_foreign_words(
     text: &str,
     record: &ModelRecord,

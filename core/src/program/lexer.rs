@@ -9,7 +9,7 @@ use crate::alarm::number;
 /// The result of [`Lexer::peek`] for a character that the language does not have.
 pub(super) const INVALID_CHARACTER: u8 = 0xFF;
 
-/// A position in a text. It does not allocate and never moves past the end.
+/// A reading position in a program text. It does not allocate and never moves past the end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lexer<'a> {
     bytes: &'a [u8],
@@ -31,18 +31,18 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// The bytes from the position.
+    /// The bytes from the position to the end of the text.
     #[inline]
     pub(super) fn rest(&self) -> &'a [u8] {
         self.bytes.get(self.at..).unwrap_or_default()
     }
 
-    /// The length of the text.
+    /// The length of the text in bytes.
     pub(super) const fn end(&self) -> usize {
         self.bytes.len()
     }
 
-    /// The same text at another byte position.
+    /// A lexer on the same text at the byte position `at`.
     pub(super) const fn moved_to(&self, at: usize) -> Self {
         Self { at, ..*self }
     }
@@ -107,13 +107,13 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Whether the text ends here.
+    /// Whether the position is at the end of the text.
     pub(super) const fn is_at_end(&self) -> bool {
         self.at >= self.bytes.len()
     }
 
-    /// Skips blanks and comments. A comment without `)` in its line is an error: the byte
-    /// position of its `(`.
+    /// Skips blanks and comments. `Err`: a comment lacks its `)` in its line; the payload is
+    /// the byte position of its `(`.
     #[inline]
     pub(super) fn skip_blanks(&mut self) -> Result<(), usize> {
         if self
@@ -133,8 +133,9 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Skips the comment at the position. Characters inside are not converted. A comment
-    /// with a full-width `（` may end with either kind.
+    /// Skips the comment at the position. Characters inside are not converted. A comment that
+    /// begins with a full-width `（` may end with either kind. `Err`: byte position of the `(`
+    /// if the comment has no end in its line.
     pub(super) fn skip_comment(&mut self) -> Result<(), usize> {
         let open = self.at;
         let (_, len) = self.peek();
@@ -161,23 +162,24 @@ impl<'a> Lexer<'a> {
     }
 }
 
-/// A byte position or a count in a block, as words store it; greater values are clamped.
+/// Converts a byte position or a count in a block to `u16`, as words store it; greater values
+/// become `u16::MAX`.
 pub(super) fn clamp_to_u16(at: usize) -> u16 {
     u16::try_from(at).unwrap_or(u16::MAX)
 }
 
-/// Skips blanks and comments.
+/// Skips blanks and comments; a comment that lacks its `)` raises an alarm.
 pub(super) fn skip_blanks(lexer: &mut Lexer<'_>) -> Result<(), BlockError> {
     lexer
         .skip_blanks()
         .map_err(|open| BlockError::at(number::BAD_CHARACTER, open, say::comment_not_closed()))
 }
 
-/// Kind of a byte outside comments: a character that belongs to a word.
+/// Class of a byte outside comments: a character that belongs to a word.
 const WORD_BYTE: u8 = 1;
-/// Kind of a byte: a blank.
+/// Class of a byte outside comments: a blank.
 const BLANK_BYTE: u8 = 2;
-/// Kind of a byte: any other character.
+/// Class of a byte outside comments: any other character.
 const OTHER_BYTE: u8 = 0;
 static BYTE_KINDS: [u8; 256] = {
     let mut kinds = [OTHER_BYTE; 256];

@@ -6,8 +6,8 @@ use super::program_text::Program;
 const MAX_BLANK_LINES: u32 = 1000;
 
 impl Program {
-    /// The first line of the listing. A program from the middle of a file keeps the line
-    /// numbers of the file.
+    /// The number of the first line of the listing, from 1. A program from the middle of a
+    /// file keeps the line numbers of the file.
     pub fn first_listed(&self) -> u32 {
         let mut first = match self.block_count() {
             0 => 1,
@@ -20,14 +20,14 @@ impl Program {
         first
     }
 
-    /// The last line of the listing, which shows the `%`. If the text has none, it is the
-    /// line after the last line that is not empty.
+    /// The number of the last line of the listing, which shows the `%`: the line of the `%`,
+    /// or the line after the last line that is not empty.
     pub fn last_listed(&self) -> u32 {
         let (last, closed) = self.last_line();
         last + u32::from(!closed)
     }
 
-    /// The last line that is not empty, and whether it is the end mark.
+    /// The number of the last line that is not empty, and whether this line is the `%`.
     fn last_line(&self) -> (u32, bool) {
         let first = self.first_listed();
         let mut last = first.saturating_add(self.line_count());
@@ -38,13 +38,14 @@ impl Program {
         (last, last > first && self.line(last).trim() == "%")
     }
 
-    /// The line with the program number, which the editor protects; 0 without one.
+    /// The number of the line with the program name, which the editor protects; 0 without a
+    /// name.
     pub(crate) fn name_line(&self) -> u32 {
         self.name_block().map_or(0, |block| self.block_line(block))
     }
 }
 
-/// A line without the sign that ends its last block.
+/// Removes the end sign (`;` or `*`) and blanks from the end of a line.
 pub fn without_end_sign(line: &str) -> &str {
     let text = line.trim_end();
     if text == "%" {
@@ -53,7 +54,7 @@ pub fn without_end_sign(line: &str) -> &str {
     text.trim_end_matches([';', '*', '；']).trim_end()
 }
 
-/// The column of the sign that ends a line, in characters from 0.
+/// The column of the end sign of a line, in characters from 0; the length without a sign.
 pub(crate) fn end_column(line: &str) -> u32 {
     without_end_sign(line).chars().count() as u32
 }

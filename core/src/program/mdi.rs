@@ -11,17 +11,17 @@ use super::syntax::{BlockError, Syntax};
 use crate::alarm::Alarm;
 use crate::memory::ControlParameters;
 
-/// The words typed so far, in the order of their first entry.
+/// The words typed so far on the MDI page, in the order of their first entry.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MdiBlock {
     words: Vec<(MdiSlot, String)>,
-    /// The words are read as macro B.
+    /// Whether the words are parsed as macro B.
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     macro_b: bool,
 }
 
-/// What a new word replaces: the word with the same address. A G code replaces the one that
-/// it cannot share a block with.
+/// Identifies the word that a new word replaces: the one with the same address, or the G code
+/// with which the new one cannot share a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum MdiSlot {
     Address(u8),
@@ -31,10 +31,10 @@ enum MdiSlot {
 }
 
 impl MdiBlock {
-    /// Accepts one or more words. A word that is typed again replaces the earlier one.
+    /// Adds one or more typed words. A word that is typed again replaces the earlier one.
     ///
     /// # Errors
-    /// The alarm of the syntax; the block is then unchanged.
+    /// The alarm of invalid words; the block is then unchanged.
     pub fn enter(
         &mut self,
         text: &str,
@@ -74,7 +74,7 @@ impl MdiBlock {
         Ok(())
     }
 
-    /// Replaces the block by a statement of macro B.
+    /// Replaces the block by a typed statement of macro B.
     fn enter_statement(&mut self, text: &str, parameters: &ControlParameters) -> Result<(), Alarm> {
         let text = text.trim().trim_end_matches(';').to_ascii_uppercase();
         let syntax = Syntax {
@@ -105,7 +105,7 @@ impl MdiBlock {
         self.words.is_empty()
     }
 
-    /// Parses the block.
+    /// Parses the typed words as one block.
     ///
     /// # Errors
     /// As `parse_block`. It cannot fail after a successful [`Self::enter`] with the same
@@ -119,7 +119,7 @@ impl MdiBlock {
         parse_block(&text, syntax)
     }
 
-    /// The block as text.
+    /// The typed words as the text of one block.
     pub fn text(&self) -> String {
         let mut text = String::new();
         for (_, word) in &self.words {
@@ -136,8 +136,8 @@ impl MdiBlock {
         Program::new(self.text())
     }
 
-    /// The value of a block that only has R, mm: a nose radius, unless the code of group 01
-    /// uses R (manual II-1.3).
+    /// The number of a block that only has R, mm: it sets a nose radius, unless the code of
+    /// group 01 uses R (manual II-1.3). `None` for other blocks.
     pub(crate) fn lone_r(&self, parameters: &ControlParameters) -> Option<f64> {
         let [(MdiSlot::Address(b'R'), _)] = self.words.as_slice() else {
             return None;
@@ -146,7 +146,8 @@ impl MdiBlock {
         r.variable().is_none().then(|| r.mm())
     }
 
-    /// The typed number of an address, without the letter; of several G the last one.
+    /// The number typed after an address letter, as text; of several G codes the last one.
+    /// `None` if the address was not typed.
     pub fn entered_number(&self, address: u8) -> Option<&str> {
         let word = self.words.iter().rev().map(|(_, word)| word.as_str());
         let mut word = word.filter(|word| word.bytes().next() == Some(address));
@@ -154,13 +155,14 @@ impl MdiBlock {
     }
 }
 
-/// Whether a word is G65.
+/// Whether a typed word is the code G65.
 fn is_g65(word: &str) -> bool {
     let code = word.strip_prefix('G').map(str::trim);
     code.and_then(|code| code.parse::<u8>().ok()) == Some(65)
 }
 
-/// Whether a text is a statement of macro B: it begins with a variable, a name or a call.
+/// Whether a text is a statement of macro B: it begins with `#`, with two letters, or with G65
+/// (without H), G66 or G67.
 fn is_statement(text: &str) -> bool {
     let text = text.trim();
     let code = |number: &str| {
@@ -175,7 +177,8 @@ fn is_statement(text: &str) -> bool {
     call || modal || text.starts_with('#') || letters(bytes.next()) && letters(bytes.next())
 }
 
-/// Splits a text before each address letter. Letters in brackets do not begin a word.
+/// Splits a typed text before each address letter, except letters in brackets. Returns each
+/// word with what it replaces.
 fn split_words(text: &str) -> Vec<(MdiSlot, String)> {
     let mut words: Vec<(MdiSlot, String)> = Vec::new();
     let mut depth = 0_i32;
@@ -207,8 +210,8 @@ fn split_words(text: &str) -> Vec<(MdiSlot, String)> {
     words
 }
 
-/// The group of a G code (manual I-3, table 3-7). Groups 00 and 01 cannot share a block, so
-/// they count as one; G20 and G21 have a separate group.
+/// The number of the group of a G code (manual I-3, table 3-7). Groups 00 and 01 cannot share
+/// a block, so that both yield 0; G20 and G21 yield a separate group.
 const fn g_group(code: u8) -> u8 {
     match code {
         96 | 97 => 2,

@@ -4,10 +4,10 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// 1 in the unit of [`WordNumber`].
+/// The number 1 in the unit that [`WordNumber`] stores.
 const MILLIONTHS: i64 = 1_000_000;
 
-/// The notation of a number.
+/// How a number was written in the program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum NumberNotation {
     #[default]
@@ -32,7 +32,7 @@ pub struct WordNumber {
     form: NumberNotation,
 }
 
-/// A reference `#i` or `-#i` instead of a number.
+/// A reference `#i` or `-#i` that a word has instead of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct VariableReference {
     /// The number after `#`; `9nnn` means the variable whose number is the value of `#nnn`
@@ -49,7 +49,7 @@ impl WordNumber {
         form: NumberNotation::Integer,
     };
 
-    /// A number written without a point, with this number of digits.
+    /// The number `value`, written without a point and with `digits` digits.
     pub(crate) const fn from_integer(value: i64, digits: u8) -> Self {
         Self {
             millionths: value.saturating_mul(MILLIONTHS),
@@ -58,7 +58,7 @@ impl WordNumber {
         }
     }
 
-    /// A number written with a point, in millionths.
+    /// A number written with a point, from its value in millionths.
     pub(crate) const fn from_millionths(millionths: i64) -> Self {
         Self {
             millionths,
@@ -67,8 +67,8 @@ impl WordNumber {
         }
     }
 
-    /// The number that a formula yields for a word. A length is rounded to its increment
-    /// `length`, in millionths, a feed is not rounded, other numbers are rounded to an
+    /// The number of a word from the value of its formula. A length is rounded to its
+    /// increment `length`, in millionths; F is not rounded; other numbers are rounded to an
     /// integer. Halves are rounded away from zero.
     pub(super) fn from_value(value: f64, address: u8, length: Option<i64>) -> Self {
         if address == b'F' {
@@ -105,17 +105,17 @@ impl WordNumber {
         })
     }
 
-    /// Exact value in millionths of its unit.
+    /// The exact value, in millionths of the unit of the address (mm, s, mm/min …).
     pub const fn millionths(self) -> i64 {
         self.millionths
     }
 
-    /// Value in thousandths without its fraction: the increments of the control.
+    /// The value in thousandths of the unit of the address; a smaller fraction is dropped.
     pub const fn thousandths(self) -> i64 {
         self.millionths / 1000
     }
 
-    /// The value in the unit of its address.
+    /// The value in the unit of the address (mm, s, mm/min …).
     pub fn value(self) -> f64 {
         self.millionths as f64 / MILLIONTHS as f64
     }
@@ -130,13 +130,13 @@ impl WordNumber {
         self.millionths / MILLIONTHS
     }
 
-    /// Whether it was written with a decimal point.
+    /// Whether the number was written with a decimal point.
     pub const fn has_point(self) -> bool {
         matches!(self.form, NumberNotation::Decimal)
     }
 
-    /// Number of written digits of a number without a point: `T0101` and `T1` have different
-    /// meanings.
+    /// Number of digits written in a number without a point (`T0101` and `T1` have different
+    /// meanings); 0 for other numbers.
     pub const fn digits(self) -> u8 {
         self.digits
     }
@@ -146,7 +146,8 @@ impl WordNumber {
         Self::from_millionths(self.millionths.saturating_mul(254) / 10)
     }
 
-    /// Rounds to the least input increment, in millionths of the unit.
+    /// Rounds to a multiple of `increment`, the least input increment in millionths of the
+    /// unit.
     pub(super) const fn rounded_to_increment(self, increment: i64) -> Self {
         let half = if self.millionths < 0 {
             -increment / 2
@@ -170,7 +171,7 @@ pub(super) const fn is_length(address: u8) -> bool {
 /// from zero, including those that a binary fraction represents too small: 1.2345 yields
 /// 1.235.
 fn round_to_multiple(value: f64, unit: i64) -> i64 {
-    /// How far below a half a value may be.
+    /// Values below a half by less than this (in multiples of `unit`) count as a half.
     const HALF_TOLERANCE: f64 = 1e-7;
     let size = value.abs() * (MILLIONTHS as f64) / unit as f64;
     let units = libm::floor(size + 0.5 + HALF_TOLERANCE) as i64;

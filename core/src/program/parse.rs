@@ -14,8 +14,8 @@ use crate::alarm::number;
 use crate::dialect::{self, with_advice};
 use crate::model::GCode;
 
-/// Parses one block: up to the first `;`, `*`, `%` or line end outside comments. It does not
-/// allocate unless it fails.
+/// Parses one block: the text up to the first `;`, `*`, `%` or line end outside comments. The
+/// parser allocates only if it fails.
 ///
 /// # Errors
 /// The alarm of the syntax: 002, 005, 006, 007, 009, 012, 018, 043, 125; of macro B 114,
@@ -26,7 +26,7 @@ pub(crate) fn parse_block(text: &str, syntax: Syntax) -> Result<ProgramBlock, Bl
     Ok(block)
 }
 
-/// Parses a block into an empty [`ProgramBlock`].
+/// Parses the first block of `text` into `block`, which must be empty.
 pub(super) fn read_block(
     text: &str,
     syntax: Syntax,
@@ -44,8 +44,8 @@ pub(super) fn read_block(
         .map_err(|error| error.with_character_column(text))
 }
 
-/// Reads the words of a block from the position of the lexer. `seen` has the addresses
-/// already read, one bit each.
+/// Reads the words from the position of the lexer to the end of the block. `seen` has one bit
+/// for each address already read.
 fn read_words(
     text: &str,
     mut lexer: Lexer<'_>,
@@ -144,7 +144,7 @@ fn read_words(
     }
 }
 
-/// Reads the skip mark `/` at the start of a block.
+/// Skips the mark `/` at the start of a block and records it in the block.
 #[inline]
 fn read_skip_mark(lexer: &mut Lexer<'_>, block: &mut ProgramBlock) {
     if let (b'/', len) = lexer.peek() {
@@ -153,42 +153,42 @@ fn read_skip_mark(lexer: &mut Lexer<'_>, block: &mut ProgramBlock) {
     }
 }
 
-/// The error of a block with too many words.
+/// Alarm 012 of a block with too many words.
 #[cold]
 fn too_many_words(start: usize) -> BlockError {
     let rule = say::block_words_too_many();
     BlockError::at(number::TOO_MANY_WORDS, start, rule)
 }
 
-/// The error of an address that a G65 block does not read.
+/// The error of an address that a G65 block (macro A) does not accept.
 #[cold]
 fn foreign_macro_address(address: u8, start: usize) -> BlockError {
     let detail = say::macro_address_wrong(char::from(address));
     BlockError::at(number::BAD_IN_MACRO, start, detail)
 }
 
-/// The error of an address that the block already has.
+/// The error of an address that is already in the block.
 #[cold]
 fn repeated_address(address: u8, start: usize) -> BlockError {
     let detail = say::address_twice(char::from(address));
     BlockError::at(number::ADDRESS_TWICE, start, detail)
 }
 
-/// The error of a G65 after other words.
+/// The error of a G65 that is not the first word of its block.
 #[cold]
 fn macro_not_first(start: usize) -> BlockError {
     let detail = say::macro_not_first_in_block();
     BlockError::at(number::BAD_IN_MACRO, start, detail)
 }
 
-/// Whether an N word is after a G code (Huaxing): it is not a sequence number then.
+/// Whether an N word is not a sequence number because a G code is before it (Huaxing).
 #[inline]
 fn is_count_word(address: u8, syntax: Syntax, block: &ProgramBlock) -> bool {
     address == b'N' && block.has(b'G') && syntax.model.record().n_after_g
 }
 
-/// Whether a G code earlier in the block makes a word a length or a factor that otherwise is
-/// an integer (Huaxing): L of G31, D of its threads, P as their lead.
+/// Whether a G code earlier in the block makes the number of `address`, usually an integer, a
+/// length or a factor (Huaxing): L of G31, D of the thread codes, P as their lead.
 #[inline]
 fn has_point_by_code(address: u8, syntax: Syntax, block: &ProgramBlock) -> bool {
     let record = syntax.model.record();
@@ -212,8 +212,8 @@ fn has_point_by_code(address: u8, syntax: Syntax, block: &ProgramBlock) -> bool 
     }
 }
 
-/// Reads an N word after a code of the Huaxing lathes: a block, a subprogram or a count. Up
-/// to two more numbers after points are those of P and L: `G25 N100.140.3` is `N100 P140
+/// Reads an N word after a G code of the Huaxing lathes: the number of a block or subprogram,
+/// or a count. Up to two more numbers after points are P and L: `G25 N100.140.3` is `N100 P140
 /// L3`, `G20 N05.3` is `N05 L3`.
 #[cold]
 fn read_count_words(
@@ -260,7 +260,7 @@ fn read_count_words(
     Ok(())
 }
 
-/// The call of a G code of macro B: G66, G67, and G65 without H.
+/// Reads the macro call after a G code: G65 without H, G66 or G67; `None` for other codes.
 #[cold]
 fn read_macro_call(
     lexer: &mut Lexer<'_>,
@@ -280,7 +280,8 @@ fn read_macro_call(
     })
 }
 
-/// The variable or the formula that a word has instead of a number; `None` for a number.
+/// Reads the variable or formula that a word has instead of a number, and stores the formula
+/// in the block. `None` if the word has a number.
 #[cold]
 fn read_formula(
     lexer: &mut Lexer<'_>,
@@ -318,13 +319,13 @@ fn read_formula(
     })))
 }
 
-/// The error of a macro statement that is not alone in its block after N.
+/// The error of a macro statement that shares its block with words other than N.
 #[cold]
 fn statement_not_alone(at: usize) -> BlockError {
     BlockError::at(number::MIXED_BLOCK, at, say::macro_statement_not_alone())
 }
 
-/// Checks that only comments follow a macro statement.
+/// Checks that only blanks and comments follow a macro statement in its block.
 #[cold]
 fn check_block_end(lexer: &mut Lexer<'_>) -> Result<(), BlockError> {
     skip_blanks(lexer)?;
@@ -339,7 +340,7 @@ fn check_block_end(lexer: &mut Lexer<'_>) -> Result<(), BlockError> {
     }
 }
 
-/// The error of a letter that is not an address of this control.
+/// The error of a letter that is not an address of the control model.
 #[cold]
 fn foreign_address(text: &str, address: u8, start: usize, syntax: Syntax) -> BlockError {
     let rule = say::address_unknown(char::from(address));
@@ -351,13 +352,13 @@ fn foreign_address(text: &str, address: u8, start: usize, syntax: Syntax) -> Blo
     BlockError::at(number::BAD_ADDRESS, start, with_advice(rule, advice))
 }
 
-/// Whether only blanks and further end marks follow the `%` at the position.
+/// Whether only blanks and further end marks follow the `%` at the position of the lexer.
 fn is_blank_after_mark(lexer: &Lexer<'_>) -> bool {
     let mut bytes = lexer.rest().iter();
     bytes.all(|byte| *byte == b'%' || byte.is_ascii_whitespace() || *byte < b' ')
 }
 
-/// The error of a character where a word must begin.
+/// The error of the character `byte`, at byte `at`, where a word must begin.
 #[cold]
 fn misplaced_character(text: &str, at: usize, byte: u8) -> BlockError {
     match byte {
@@ -391,10 +392,11 @@ fn misplaced_character(text: &str, at: usize, byte: u8) -> BlockError {
     }
 }
 
-/// Greatest number of digits in a corrected number.
+/// Greatest number of digits of a word that [`decimal_comma`] corrects.
 const MAX_CORRECTED_DIGITS: usize = 20;
 
-/// The word around a comma between digits, with a point instead of the comma.
+/// The word around a comma that is between digits, with a point instead of the comma; `None`
+/// if the comma is not a decimal comma.
 fn decimal_comma(text: &str, at: usize) -> Option<String> {
     let (before, after) = (text.get(..at)?, text.get(at..)?);
     let comma = after.chars().next()?;
@@ -422,7 +424,7 @@ fn program_number(value: WordNumber, at: usize) -> Result<u16, BlockError> {
     }
 }
 
-/// The sequence number of a block, within the range of the model.
+/// The sequence number of a block; alarm 043 if it exceeds the greatest one of the model.
 fn sequence_number(value: WordNumber, syntax: Syntax, at: usize) -> Result<u32, BlockError> {
     let last = syntax.model.record().last_sequence;
     match u32::try_from(value.integer()) {

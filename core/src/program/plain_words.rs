@@ -7,8 +7,8 @@ use super::number::WordNumber;
 use super::read_number::{LAST_PLACE_MILLIONTHS, append_digits};
 use super::syntax::Syntax;
 
-/// Skips the words at the beginning of a block that have the common form. Returns whether
-/// they are the whole block. The caller reads the rest with
+/// Reads the words at the beginning of a block that have the common form. Returns `true` if
+/// the block has no others; otherwise the caller reads the rest with
 /// [`read_block`](super::parse::read_block).
 pub(super) fn read_plain_words(
     lexer: &mut Lexer<'_>,
@@ -60,7 +60,7 @@ pub(super) fn read_plain_words(
     }
 }
 
-/// The numbers of an address that are in its range because of their number of digits.
+/// Limits on the digits of an address; numbers within them are in the range of the address.
 #[derive(Clone, Copy)]
 struct PlainLimits {
     /// Greatest number of digits before the point.
@@ -71,7 +71,7 @@ struct PlainLimits {
 }
 
 impl PlainLimits {
-    /// No number is accepted.
+    /// Accepts no number: the address does not have the common form.
     const NONE: Self = Self::new(0, 0, false);
 
     const fn new(digits: u8, places: u8, signed: bool) -> Self {
@@ -83,7 +83,7 @@ impl PlainLimits {
     }
 }
 
-/// The limits for the addresses A to Z.
+/// The limits for the addresses A to Z, in alphabetical order.
 static PLAIN_LIMITS: [PlainLimits; 26] = {
     let mut plain = [PlainLimits::NONE; 26];
     let mut letter = 0;
@@ -100,8 +100,8 @@ static PLAIN_LIMITS: [PlainLimits; 26] = {
     plain
 };
 
-/// Reads an ASCII number with few enough digits. Returns it with the rest of the text, which
-/// must not be empty.
+/// Reads an ASCII number within the limits `plain`. Returns the number and the rest of the
+/// text; `None` for another number or if nothing follows the number.
 #[inline]
 fn read_plain_number(
     text: &[u8],

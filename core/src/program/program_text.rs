@@ -32,14 +32,15 @@ pub(super) struct TextIdentity(Weak<SharedText>);
 struct SharedText {
     text: String,
     blocks: BlockPositions,
-    /// Byte after the last block.
+    /// Position of the byte after the last block.
     end_byte: u32,
     first_line: u32,
     lines: u32,
     characters: u32,
     number: Option<u16>,
     full_width: Option<u32>,
-    /// The first line with text after the `%` at the end of the program.
+    /// The first line, of the file, with text after the `%` that ends the program; `None`
+    /// without.
     after_end: Option<u32>,
     /// Whether the program uses macro B; unset until it is first queried.
     macro_b: OnceLock<bool>,
@@ -65,16 +66,17 @@ const fn is_one(line: &u32) -> bool {
     *line == 1
 }
 
-/// Longer texts are truncated so that positions fit 32 bits; files are limited to 256 MB.
+/// Longer texts are truncated to this many bytes, so that positions fit 32 bits. Files are
+/// limited to 256 MB.
 const MAX_BYTES: usize = u32::MAX as usize - 16;
 
 impl Program {
-    /// Indexes a text. A `String` is not copied.
+    /// Creates a program from a text and finds its blocks. A `String` is not copied.
     pub fn new(text: impl Into<String>) -> Self {
         Self::from_line(text.into(), 1)
     }
 
-    /// A program that begins at a later line of its file.
+    /// Creates a program whose text begins at the line `first_line` of its file, from 1.
     fn from_line(mut text: String, first_line: u32) -> Self {
         if text.len() > MAX_BYTES {
             text.truncate(text.floor_char_boundary(MAX_BYTES));
@@ -102,28 +104,29 @@ impl Program {
         }
     }
 
-    /// The identity of the program's text.
+    /// An identity for comparison with [`Self::has_identity`]; it does not keep the text
+    /// alive.
     pub(super) fn identity(&self) -> TextIdentity {
         TextIdentity(Arc::downgrade(&self.shared))
     }
 
-    /// Whether the program has this identity.
+    /// Whether this program shares the text from which `identity` was taken.
     pub(super) fn has_identity(&self, identity: &TextIdentity) -> bool {
         core::ptr::eq(Arc::as_ptr(&self.shared), identity.0.as_ptr())
     }
 
-    /// Number of references to the text.
+    /// Number of clones of the program that share the text.
     #[cfg(test)]
     pub(super) fn text_references(&self) -> usize {
         Arc::strong_count(&self.shared)
     }
 
-    /// The whole text.
+    /// The whole text, including what follows the `%`.
     pub fn text(&self) -> &str {
         &self.shared.text
     }
 
-    /// Number of characters, as counted for the capacity of the memory.
+    /// Number of characters of the text, as counted for the capacity of the program memory.
     pub fn characters(&self) -> usize {
         self.shared.characters as usize
     }
@@ -140,13 +143,14 @@ impl Program {
         self.shared.full_width
     }
 
-    /// The first line with text after the `%` at the end of the program: the control does
-    /// not read it.
+    /// The first line with text after the `%` at the end of the program, which the control
+    /// does not read; `None` without such text.
     pub(crate) fn line_after_end(&self) -> Option<u32> {
         self.shared.after_end
     }
 
-    /// The line and the number of a program name that begins with `:`, as on other controls.
+    /// The line and the number of a program name that begins with `:`, as on other controls;
+    /// `None` if the name does not begin with `:`.
     pub(crate) fn colon_name(&self) -> Option<(u32, u16)> {
         let within = self.shared.blocks.len().min(NAME_SEARCH_BLOCKS);
         (0..within).find_map(|index| {
@@ -162,8 +166,9 @@ impl Program {
         *shared.macro_b.get_or_init(|| uses_macro_b(&shared.text))
     }
 
-    /// The call by the G or M code at the beginning of a block; `None` if it calls no
-    /// program. `program_of` returns the program that a code calls.
+    /// Reads the program call by the G or M code at the beginning of a block; `None` if the
+    /// code calls no program. `program_of` returns the program that a letter and a code number
+    /// call.
     ///
     /// # Errors
     /// 114 for an invalid word, 129 for an address that cannot be an argument.
@@ -175,29 +180,29 @@ impl Program {
         code_call::read_code_call(self.block(index), program_of)
     }
 
-    /// Number of lines of the text.
+    /// Number of lines of the text, including those after the `%`.
     pub fn line_count(&self) -> u32 {
         self.shared.lines
     }
 
-    /// The text of a line of the file, from 1, without its line end; empty for a line
-    /// outside.
+    /// The text of a line without its line end. Lines count in the file, from 1; a line
+    /// outside the program is empty.
     pub fn line(&self, line: u32) -> &str {
         self.shared.line(line)
     }
 
-    /// Number of blocks.
+    /// Number of blocks of the program.
     pub fn block_count(&self) -> u32 {
         self.shared.blocks.len() as u32
     }
 
-    /// The text of a block, from 0, up to the next block.
+    /// The text from the block with this index, from 0, up to the next block.
     pub fn block(&self, index: u32) -> &str {
         self.shared.block(index as usize)
     }
 
-    /// The line of a block in the file; for an index beyond the last block the line after
-    /// it.
+    /// The line in the file, from 1, of the block with this index (from 0); for an index after
+    /// the last block the line after that block.
     pub fn block_line(&self, index: u32) -> u32 {
         let blocks = &self.shared.blocks;
         let after_all = || {
@@ -207,7 +212,7 @@ impl Program {
         blocks.line(index as usize).unwrap_or_else(after_all)
     }
 
-    /// The column of the first character of a block in its line, from 1.
+    /// The column at which a block begins in its line, in characters from 1.
     pub(crate) fn block_column(&self, index: u32) -> u32 {
         self.before_block(index).chars().count() as u32 + 1
     }
@@ -224,7 +229,7 @@ impl Program {
             && self.shared.block(index.saturating_sub(1)).trim() == ";"
     }
 
-    /// The text before a block in its line.
+    /// The text of the line that is before a block.
     #[cold]
     fn before_block(&self, index: u32) -> &str {
         let shared = &self.shared;
@@ -234,17 +239,17 @@ impl Program {
         before.unwrap_or_default()
     }
 
-    /// The first block in this line of the file or after it; [`Self::block_count`] if there
-    /// is none.
+    /// Index of the first block in this line of the file or after it; [`Self::block_count`] if
+    /// there is none.
     pub fn block_from_line(&self, line: u32) -> u32 {
         self.shared.blocks.first_at(line) as u32
     }
 
-    /// Parses a block without variables, except in G65, whose words remain unchanged. An
-    /// index beyond the last block yields an empty block.
+    /// Parses the block with this index (from 0), which may have variables only in G65; G65
+    /// words remain unchanged. An index after the last block yields an empty block.
     ///
     /// # Errors
-    /// As `parse_block`; 115 if a variable takes the place of a number.
+    /// As `parse_block`; 115 if a word has a variable instead of a number.
     pub fn parse(&self, index: u32, syntax: Syntax) -> Result<ProgramBlock, BlockError> {
         let mut block = ProgramBlock::default();
         self.read(index, syntax, &mut block)?;
@@ -276,7 +281,8 @@ impl Program {
         Ok(block)
     }
 
-    /// Parses into an existing block: a block is large to move. Its old content is lost.
+    /// Parses a block into `block`, which avoids moving a large value. Its old content is
+    /// lost.
     ///
     /// # Errors
     /// As `parse_block`.
@@ -305,8 +311,8 @@ impl Program {
             .map_err(|error| self.with_line_column(error, index))
     }
 
-    /// Converts the column of an error to one in the line. Adds a message about a `;` that
-    /// begins a comment in other languages.
+    /// Converts the column of an error from the block to the line. Adds a message if a `;` is
+    /// before the block: other languages begin a comment with it.
     #[cold]
     fn with_line_column(&self, mut error: BlockError, index: u32) -> BlockError {
         error.column = error.column.saturating_add(self.block_column(index) - 1);
@@ -332,15 +338,17 @@ impl Program {
         Err(BlockError::at(number::OUT_OF_RANGE, start, rule))
     }
 
-    /// The line of the first block with this sequence number, in `from_line` or after it.
-    /// Only an N at the beginning of a block counts (manual I-2.1).
+    /// The line of the first block with the sequence number `number`, in the line `from_line`
+    /// or after it; `None` without such a block. Only an N at the beginning of a block counts
+    /// (manual I-2.1).
     pub fn find_sequence(&self, number: u32, from_line: u32) -> Option<u32> {
         let from = self.block_from_line(from_line);
         self.find_sequence_block(number, from..self.block_count())
             .map(|index| self.block_line(index))
     }
 
-    /// The first block with this sequence number within a range of blocks.
+    /// Index of the first block with the sequence number `number` within a range of block
+    /// indexes; `None` without such a block.
     pub(crate) fn find_sequence_block(
         &self,
         number: u32,
@@ -350,7 +358,7 @@ impl Program {
         range.find(|&index| BlockHead::read(self.block(index)).n == Some(number))
     }
 
-    /// The sequence number at the beginning of a block; `None` without one.
+    /// The sequence number (N) at the beginning of a block; `None` without one.
     pub fn sequence(&self, index: u32) -> Option<u32> {
         BlockHead::read(self.block(index)).n
     }
@@ -360,7 +368,7 @@ impl Program {
         BlockHead::read(self.block(index)).skip
     }
 
-    /// The block with the program number; `None` without one.
+    /// Index of the block with the program name (O word); `None` without a name.
     pub(super) fn name_block(&self) -> Option<u32> {
         let within = self.shared.blocks.len().min(NAME_SEARCH_BLOCKS);
         (0..within)
@@ -368,8 +376,8 @@ impl Program {
             .map(|block| block as u32)
     }
 
-    /// The program with the lines from `first` up to, but not including, `end` replaced by
-    /// text. Each new line gets a line end.
+    /// A copy of the program in which `text` replaces the lines from `first` (from 1) up to,
+    /// but not including, `end`. Each new line gets a line end.
     pub(super) fn with_lines(&self, first: u32, end: u32, text: &str) -> Self {
         let shared = &self.shared;
         let (start, stop) = (shared.line_byte(first), shared.line_byte(end.max(first)));
@@ -393,16 +401,16 @@ impl Program {
         Self::from_line(whole, shared.first_line)
     }
 
-    /// The text from a line of the file on, followed by more text. The lines keep their
-    /// numbers.
-    pub(super) fn join_from_line(&self, first: u32, more: &str) -> Self {
+    /// A program that consists of the text from the line `first` on and then `more`. The lines
+    /// keep their numbers.
+    pub(super) fn from_line_with(&self, first: u32, more: &str) -> Self {
         let first = first.max(self.shared.first_line);
         let kept = self.shared.text.get(self.shared.line_byte(first)..);
         let whole = [kept.unwrap_or(""), more].concat();
         Self::from_line(whole, first)
     }
 
-    /// The program under another number: its O word is replaced, or inserted at the
+    /// A copy of the program with another number: replaces the O word, or inserts it at the
     /// beginning.
     #[must_use]
     pub fn renumbered(&self, number: u16) -> Self {
@@ -435,7 +443,8 @@ impl Program {
     }
 }
 
-/// The number of `%P01` at the start of a text (Huaxing), and the byte range of its digits.
+/// The number of `%P01` at the start of a text (Huaxing), and the byte range of its digits;
+/// `None` if the text begins otherwise.
 fn percent_name(text: &str) -> Option<(u16, (usize, usize))> {
     let line = text.lines().next()?;
     let after = line.trim_start().strip_prefix('%')?.trim_start();
@@ -448,7 +457,7 @@ fn percent_name(text: &str) -> Option<(u16, (usize, usize))> {
     Some((number.parse().ok()?, (start, start + count)))
 }
 
-/// Number of blocks in which the O word of a program is searched.
+/// Number of blocks, from the first one, that are searched for the O word of a program.
 const NAME_SEARCH_BLOCKS: usize = 16;
 
 impl PartialEq for Program {
@@ -521,14 +530,15 @@ impl SharedText {
         self.text.get(at..end).unwrap_or("")
     }
 
-    /// The last block in this line or before it.
+    /// Position of the last block in this line or before it; `None` without such a block.
     fn last_block_before(&self, line: u32) -> Option<BlockPosition> {
         let known = self.blocks.first_at(line.saturating_add(1));
         self.blocks.get(known.checked_sub(1)?)
     }
 
-    /// Byte position of the beginning of a line; beyond the end the length of the text. A
-    /// line may contain the whole program: only one block of it is read.
+    /// Byte position of the beginning of a line; the length of the text for a line after the
+    /// end. The search begins at the nearest block, since a line may be as long as the
+    /// program.
     fn line_byte(&self, line: u32) -> usize {
         let first = self.blocks.first_at(line);
         if let Some(place) = self.blocks.get(first)
@@ -549,9 +559,8 @@ impl SharedText {
     }
 }
 
-/// Splits a file with several programs, each with an O word at the beginning of a block.
-/// Lines keep the numbers of the file. The text of a single program is not copied if it is a
-/// `String`.
+/// Splits the text of a file into programs, each of which begins with an O word. Lines keep
+/// their numbers in the file. A `String` with a single program is not copied.
 pub fn split_programs(text: impl Into<String>) -> Vec<Program> {
     let whole = Program::new(text);
     let text = whole

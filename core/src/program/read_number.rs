@@ -7,7 +7,8 @@ use super::number::{VariableReference, WordNumber};
 use super::syntax::{BlockError, Syntax};
 use crate::alarm::number;
 
-/// Reads the number after the address letter at byte `start`.
+/// Reads the number after an address letter, which is at byte `start`. The flags: whether the
+/// block has G65, and whether a G code of the block permits a point.
 pub(super) fn read_number(
     lexer: &mut Lexer<'_>,
     address: u8,
@@ -85,21 +86,21 @@ pub(super) fn read_number(
     )
 }
 
-/// The digits of a number as written.
+/// The digits of a number as written, without its sign.
 struct NumberDigits {
-    /// Byte positions of the first digit and of the point.
+    /// Byte positions of the first digit and of the point; `point` is `None` without a point.
     at: usize,
     point: Option<usize>,
-    /// Value before the point, and its number of digits.
+    /// Value before the point, and how many digits are written before the point.
     whole: i64,
     count: u8,
-    /// Value after the point in millionths, and its number of digits.
+    /// Value after the point in millionths, and how many digits are written after the point.
     fraction: i64,
     places: u8,
 }
 
-/// Reads digits in the most common form: ASCII, and not too many. [`read_any_digits`] reads all
-/// others.
+/// Reads ASCII digits that are few enough not to overflow; `None` for digits that only
+/// [`read_any_digits`] can read.
 #[inline]
 fn read_plain_digits(lexer: &mut Lexer<'_>) -> Option<NumberDigits> {
     /// Greatest number of digits before the point.
@@ -144,7 +145,7 @@ pub(super) fn append_digits(mut value: i64, mut bytes: &[u8]) -> (i64, &[u8]) {
     (value, bytes)
 }
 
-/// Reads digits in any form.
+/// Reads any number of digits, ASCII or full-width, with at most one point.
 #[cold]
 fn read_any_digits(lexer: &mut Lexer<'_>) -> Result<NumberDigits, BlockError> {
     let at = lexer.at;
@@ -184,21 +185,21 @@ fn read_any_digits(lexer: &mut Lexer<'_>) -> Result<NumberDigits, BlockError> {
     Ok(digits)
 }
 
-/// A number of this size is out of every range; it does not grow further.
+/// Values are clamped to this number, which is out of every range of a word.
 pub(super) const CLAMPED_VALUE: i64 = 1_000_000_000_000;
 
-/// Decimal places of a millionth; further ones are dropped.
+/// Number of decimal places that are read, those of a millionth; further ones are dropped.
 const DECIMAL_PLACES: u8 = 6;
 
-/// Value of a 1 in the last place, in millionths, by the number of decimal places.
+/// Value of a 1 in the last written place, in millionths, by the number of decimal places.
 pub(super) const LAST_PLACE_MILLIONTHS: [i64; DECIMAL_PLACES as usize + 1] =
     [1_000_000, 100_000, 10_000, 1000, 100, 10, 1];
 
-/// Greatest number of significant digits of a feed.
+/// Greatest number of significant digits of an F word.
 const MAX_FEED_DIGITS: usize = 7;
 
-/// Number of digits of the last number from a byte position, without leading zeros and
-/// without zeros at the end of a fraction.
+/// Counts the digits of the number that begins at byte `at`, without leading zeros and without
+/// zeros at the end of a fraction.
 fn significant_digits(lexer: &Lexer<'_>, at: usize) -> usize {
     let mut lexer = lexer.moved_to(at);
     let mut significant = 0_usize;
@@ -249,7 +250,7 @@ fn missing_digits(lexer: &Lexer<'_>, name: char, start: usize, marks: bool) -> B
     }
 }
 
-/// Reads `#i` after an address; the lexer is at the `#`.
+/// Reads the reference `#i` after an address; the lexer is at the `#`.
 #[cold]
 fn read_variable(
     lexer: &mut Lexer<'_>,

@@ -14,26 +14,27 @@ use crate::command::ProgramId;
 /// Greatest number of stored programs; one more raises alarm 072 (manual III-8.2).
 pub(crate) const PROGRAM_LIMIT: usize = 193;
 
-/// Greatest number of stored characters; more raise alarm 068.
+/// Greatest number of stored characters of all programs together; more raise alarm 068.
 pub(crate) const CHARACTER_LIMIT: usize = 3_000_000;
 
 /// Valid program numbers.
 pub const PROGRAM_NUMBERS: RangeInclusive<u16> = 0..=9999;
 
-/// Stored programs, the external program, and the selection.
+/// The program memory: stored programs, the external program, and which one is selected.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ProgramMemory {
     stored: BTreeMap<u16, Program>,
     external: Option<Program>,
-    /// The program that arrives through the serial port while it runs.
+    /// The program that arrives through the serial port and runs meanwhile; `None` without
+    /// one.
     #[serde(rename = "inflow")]
     dnc_buffer: Option<DncBuffer>,
     current: Option<ProgramId>,
 }
 
 impl ProgramMemory {
-    /// Stores a program under its O number and replaces an existing one. Selects it if no
-    /// program is selected.
+    /// Stores a program under its O number, replacing an existing one, and returns the number.
+    /// Selects the program if none is selected.
     ///
     /// # Errors
     /// 074 without an O number, 068 and 072 if the memory is full.
@@ -46,7 +47,7 @@ impl ProgramMemory {
         Ok(number)
     }
 
-    /// Stores a received program. It does not replace an existing one.
+    /// Stores a received program and returns its number. Does not replace an existing program.
     ///
     /// # Errors
     /// 073 if the number is in use, and those of [`Self::store`].
@@ -60,19 +61,21 @@ impl ProgramMemory {
         }
     }
 
-    /// Creates a program that only has its name.
+    /// Creates a program with the number `number` that only has its name.
     ///
     /// # Errors
-    /// 110 if it exists, 074 for a number out of range, 068 and 072 if the memory is full.
+    /// 110 if the number is in use, 074 if it is out of range, 068 and 072 if the memory is
+    /// full.
     pub fn create(&mut self, number: u16) -> Result<(), Alarm> {
         self.check_number_free(number)?;
         self.insert_checked(number, Program::new(format!("O{number:04};\n")))
     }
 
-    /// Stores a copy of a program under another number.
+    /// Stores a copy of the program `from` under the number `to`.
     ///
     /// # Errors
-    /// 071 if the original is missing, 110 if the copy exists, 074, 068, 072.
+    /// 071 if `from` is missing, 110 if `to` exists, 074 if `to` is out of range, 068 and 072
+    /// if the memory is full.
     pub fn copy(&mut self, from: u16, to: u16) -> Result<(), Alarm> {
         let program = self
             .stored
@@ -83,8 +86,8 @@ impl ProgramMemory {
         self.insert_checked(to, program)
     }
 
-    /// Stores a copy of the selected program, which may be the external one, under another
-    /// number.
+    /// Stores a copy of the selected program, which may be the external one, under the number
+    /// `to`.
     ///
     /// # Errors
     /// As [`Self::copy`].
@@ -97,10 +100,10 @@ impl ProgramMemory {
         self.insert_checked(to, program)
     }
 
-    /// Replaces the text of a stored program.
+    /// Replaces the text of the stored program `number`.
     ///
     /// # Errors
-    /// 071 if it is missing, 068 if the memory is full.
+    /// 071 if the program is missing, 068 if the memory is full.
     pub fn replace(&mut self, number: u16, program: Program) -> Result<(), Alarm> {
         if !self.stored.contains_key(&number) {
             return Err(missing_program_alarm(number));
@@ -113,7 +116,8 @@ impl ProgramMemory {
         self.insert_checked(number, program)
     }
 
-    /// The content that is kept over power-off: the stored programs and their selection.
+    /// A copy with what is kept over power-off: the stored programs, and which one is
+    /// selected.
     #[must_use]
     pub fn retained(&self) -> Self {
         let is_stored = |id: &ProgramId| matches!(id, ProgramId::Stored(_));
@@ -125,12 +129,12 @@ impl ProgramMemory {
         }
     }
 
-    /// Sets the text under a number while it is being typed: neither checked nor limited.
+    /// Stores an unfinished text while it is being typed, without checks and capacity limits.
     pub fn overlay(&mut self, number: u16, program: Program) {
         self.stored.insert(number, program);
     }
 
-    /// Changes the number of a program; the selection follows it.
+    /// Changes the number of a program from `from` to `to`; it remains selected if it was.
     ///
     /// # Errors
     /// As [`Self::copy`].
@@ -149,10 +153,10 @@ impl ProgramMemory {
         Ok(())
     }
 
-    /// Deletes a program. If it was selected, the next one is selected.
+    /// Deletes a stored program. If it was selected, selects the next one.
     ///
     /// # Errors
-    /// 071 if it is missing.
+    /// 071 if the program is missing.
     pub fn delete(&mut self, number: u16) -> Result<(), Alarm> {
         self.stored
             .remove(&number)
@@ -161,14 +165,14 @@ impl ProgramMemory {
         Ok(())
     }
 
-    /// Deletes all programs with numbers in a range.
+    /// Deletes all stored programs whose numbers are in a range.
     pub fn delete_range(&mut self, numbers: &RangeInclusive<u16>) {
         self.stored.retain(|number, _| !numbers.contains(number));
         self.select_existing();
     }
 
-    /// Opens a program outside the memory and replaces an earlier one. It does not count
-    /// towards the capacity.
+    /// Opens a program outside the memory, e.g. a file, and closes an earlier one. It does not
+    /// count towards the capacity.
     pub fn open_external(&mut self, program: Program) {
         self.external = Some(program);
         self.select_existing();
@@ -184,7 +188,8 @@ impl ProgramMemory {
         self.dnc_buffer.as_ref()
     }
 
-    /// Starts the reception of a program, or ends it with `None`.
+    /// Sets the buffer of a program that arrives through the serial port; `None` ends DNC
+    /// operation.
     pub(crate) fn set_dnc_buffer(&mut self, inflow: Option<DncBuffer>) {
         self.dnc_buffer = inflow;
     }
@@ -193,12 +198,14 @@ impl ProgramMemory {
         self.dnc_buffer.as_mut()
     }
 
-    /// Whether further text of a program may arrive.
+    /// Whether further text of the program `id` may arrive; `false` for all but the DNC
+    /// program.
     pub(crate) fn has_more(&self, id: ProgramId) -> bool {
         id == ProgramId::Dnc && self.dnc_buffer.as_ref().is_some_and(DncBuffer::has_more)
     }
 
-    /// Whether waiting for a block after the last one can succeed.
+    /// Whether it makes sense to wait for a block after the last one of the program `id`;
+    /// `false` for all but the DNC program.
     pub(crate) fn can_bring_block(&self, id: ProgramId) -> bool {
         id == ProgramId::Dnc
             && self
@@ -207,8 +214,7 @@ impl ProgramMemory {
                 .is_some_and(DncBuffer::can_bring_block)
     }
 
-    /// The text of a program; `None` if it is missing. The MDI block is not part of the
-    /// memory.
+    /// The program `id`; `None` if it is missing. The MDI block is not part of the memory.
     pub fn get(&self, id: ProgramId) -> Option<&Program> {
         match id {
             ProgramId::Stored(number) => self.stored.get(&number),
@@ -218,8 +224,8 @@ impl ProgramMemory {
         }
     }
 
-    /// The program that a call names: a stored one, or the external one if it has the
-    /// number.
+    /// The program that a call of `number` runs: the stored one, otherwise the external one if
+    /// it has the number; `None` if it is missing.
     pub(crate) fn find_called(&self, number: u16) -> Option<ProgramId> {
         if self.stored.contains_key(&number) {
             return Some(ProgramId::Stored(number));
@@ -228,7 +234,7 @@ impl ProgramMemory {
         (external.number() == Some(number)).then_some(ProgramId::External)
     }
 
-    /// A stored program by its number; `None` if it is missing.
+    /// The stored program with this number; `None` if it is missing.
     pub fn stored(&self, number: u16) -> Option<&Program> {
         self.stored.get(&number)
     }
@@ -247,7 +253,7 @@ impl ProgramMemory {
         found
     }
 
-    /// Stored programs by ascending number.
+    /// The stored programs with their numbers, by ascending number.
     pub fn iter(&self) -> impl Iterator<Item = (u16, &Program)> {
         self.stored
             .iter()
@@ -264,7 +270,7 @@ impl ProgramMemory {
         PROGRAM_LIMIT.saturating_sub(self.count())
     }
 
-    /// Number of stored characters.
+    /// Number of characters of all stored programs together.
     pub fn characters(&self) -> usize {
         self.stored.values().map(Program::characters).sum()
     }
@@ -307,7 +313,8 @@ impl ProgramMemory {
         Ok(())
     }
 
-    /// Selects the next program if the selected one was removed, otherwise the last one.
+    /// If the selected program was removed, selects the next stored one, otherwise the last
+    /// one, otherwise the external program.
     fn select_existing(&mut self) {
         if self.current.is_some_and(|id| self.get(id).is_some()) {
             return;

@@ -9,26 +9,27 @@ use crate::alarm::{Alarm, number};
 use crate::memory::ControlParameters;
 use crate::model::ModelId;
 
-/// The options of the syntax, from parameters and the program.
+/// The options that decide how a block is parsed, from parameters and the program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Syntax {
-    /// 013 POD: X Z U W R I J K F need a decimal point.
+    /// 013 POD: whether X Z U W R I J K F need a decimal point.
     pub point_required: bool,
-    /// Lengths are in inches, with 0.0001 inch as the least increment.
+    /// Whether lengths are in inches, with 0.0001 inch as the least increment, not 0.001 mm.
     pub inch: bool,
-    /// The program uses macro B, and the control has the option.
+    /// Whether the program uses macro B and the control has this option.
     pub macro_b: bool,
-    /// The control model whose syntax is read.
+    /// The control model whose addresses, codes and ranges apply.
     pub model: ModelId,
 }
 
 impl Syntax {
-    /// The least input increment of a length, in millionths of its unit.
+    /// The least input increment of a length, in millionths of a millimetre or an inch.
     pub(super) const fn increment(self) -> i64 {
         if self.inch { 100 } else { 1000 }
     }
 
-    /// The unit that `ROUND` rounds to in a word: the least increment of its address.
+    /// The increment that `ROUND` rounds to in a word of this address, in the unit of the
+    /// address.
     pub(crate) const fn rounding_unit(self, address: u8) -> f64 {
         match address {
             b'F' => 0.0001,
@@ -37,14 +38,14 @@ impl Syntax {
         }
     }
 
-    /// Whether the numbers of an address are lengths. On a mill Y, A, B, C and Q, the depth
-    /// of a peck, are lengths too.
+    /// Whether the numbers of an address are lengths; on a mill also those of Y, A, B, C and Q
+    /// (the depth of a peck).
     pub(super) const fn is_length(self, address: u8) -> bool {
         is_length(address) || self.model.is_mill() && matches!(address, b'A'..=b'C' | b'Q' | b'Y')
     }
 
-    /// Whether the numbers of an address may have a decimal point. On a mill G may have one
-    /// too, for G54.1.
+    /// Whether the numbers of an address may have a decimal point; on a mill also those of G
+    /// (G54.1).
     pub(super) const fn has_decimal_point(self, address: u8) -> bool {
         self.is_length(address) || address == b'F' || self.model.is_mill() && address == b'G'
     }
@@ -66,19 +67,19 @@ impl From<&ControlParameters> for Syntax {
     }
 }
 
-/// The reason why a text is not a valid block.
+/// The reason why a text is not a valid block, with its position.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BlockError {
-    /// Number of the alarm that it raises.
+    /// Number of the alarm that the block raises.
     pub alarm: u16,
     /// Column in the text of the block, in characters from 1.
     pub column: u32,
-    /// The violated rule, with advice if available.
+    /// Message about the violated rule of the syntax, with advice if available.
     pub detail: Message,
 }
 
 impl BlockError {
-    /// An error at a byte of the text.
+    /// An error at the byte position `byte`, from 0, of the text of a block.
     #[cold]
     pub(super) fn at(alarm: u16, byte: usize, detail: Message) -> Self {
         let column = u32::try_from(byte).unwrap_or(u32::MAX).saturating_add(1);
@@ -93,7 +94,8 @@ impl BlockError {
         Self::at(number::TOO_MANY_WORDS, 0, say::block_words_too_many())
     }
 
-    /// Converts the column from bytes to characters.
+    /// Converts the column from bytes to characters of `text`. Adds a message if a comment
+    /// before the error contains a bracket.
     pub(super) fn with_character_column(mut self, text: &str) -> Self {
         let byte = (self.column - 1) as usize;
         let before = text.char_indices().take_while(|(at, _)| *at < byte).count();
@@ -106,7 +108,7 @@ impl BlockError {
 }
 
 impl BlockError {
-    /// The text for the operator: alarm, column and rule.
+    /// The message about an invalid block for the operator: alarm, column and rule.
     pub fn message(&self) -> Message {
         say::alarm_at_column(self.alarm, self.column, self.detail.clone())
     }
@@ -126,8 +128,8 @@ impl From<BlockError> for Alarm {
     }
 }
 
-/// Whether a comment before a byte contains a bracket: the first `)` ends it, and the text
-/// after that is not a comment.
+/// Whether a comment before a byte contains a `(`: the first `)` ends the comment, and the
+/// text after that is read as words.
 fn has_nested_comment(text: &str, byte: usize) -> bool {
     let before = text.as_bytes().get(..byte).unwrap_or(text.as_bytes());
     let (mut open, mut nested, mut found) = (false, false, false);

@@ -3,33 +3,33 @@
 use super::block_positions::{BlockPosition, BlockPositions};
 use super::lexer::{INVALID_CHARACTER, Lexer};
 
-/// The index of a text, built in one pass.
+/// The index of a program text: where its blocks begin, and what the scan has found.
 #[derive(Default)]
 pub(super) struct TextIndex {
     pub(super) blocks: BlockPositions,
-    /// Byte after the last block.
+    /// Position of the byte after the last block.
     pub(super) end: u32,
-    /// Number of lines.
+    /// Number of lines of the text.
     pub(super) lines: u32,
-    /// The first line with full-width characters outside comments.
+    /// The first line with full-width characters outside comments; `None` without any.
     pub(super) full_width: Option<u32>,
-    /// The first line with text after the `%` at the end of the program.
+    /// The first line with text after the `%` that ends the program; `None` without any.
     pub(super) after_end: Option<u32>,
 }
 
-/// The result of scanning one block.
+/// What a scan from the beginning of a block to its end has found.
 #[derive(Default)]
 struct BlockScan {
     words: bool,
     comment: bool,
     end: BlockEnd,
-    /// Byte position of the end.
+    /// Byte position of the character that ends the block.
     end_at: usize,
 }
 
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
 enum BlockEnd {
-    /// At `;` or `*`.
+    /// The block ends with `;` or `*`.
     Mark,
     Line,
     Percent,
@@ -87,7 +87,7 @@ impl TextIndex {
         self.blocks.shrink_to_fit();
     }
 
-    /// Scans a block to its end and moves past it.
+    /// Scans one block and moves the lexer after its end mark. Records full-width characters.
     #[inline]
     fn scan_block(&mut self, lexer: &mut Lexer<'_>, line: u32) -> BlockScan {
         let mut scan = BlockScan::default();
@@ -125,8 +125,8 @@ impl TextIndex {
     }
 }
 
-/// Whether the `%` here ends the text: it begins its line, or only blanks follow it. Within
-/// a line it is an invalid character, for which its block is refused.
+/// Whether the `%` at the position ends the text: it begins its line, or only blanks follow
+/// it. Within a line, `%` is an invalid character, and its block is refused.
 #[cold]
 fn is_end_mark(lexer: Lexer<'_>) -> bool {
     let bytes = lexer.moved_to(0).rest();
@@ -137,7 +137,8 @@ fn is_end_mark(lexer: Lexer<'_>) -> bool {
     begins_line.is_none_or(|byte| matches!(byte, b'\n' | b'\r')) || after.iter().all(ends)
 }
 
-/// The line of the first text after a byte, other than blanks and end marks.
+/// The line of the first text after the byte `from`, other than blanks and end marks; `None`
+/// without any. `line` is the line of that byte.
 fn line_with_text(text: &str, from: usize, line: u32) -> Option<u32> {
     let rest = text.get(from..)?;
     let mark = |letter: char| letter.is_whitespace() || letter.is_control() || letter == '%';
@@ -153,8 +154,8 @@ fn line_with_text(text: &str, from: usize, line: u32) -> Option<u32> {
     Some(line + lines)
 }
 
-/// Whether a `*` means multiplication: the text before it in the block is a formula of macro
-/// B. Only blocks with a formula have `=` or `[`.
+/// Whether the `*` at byte `end` means multiplication: the block has `=` or `[` before it, as
+/// only formulas of macro B have.
 #[cold]
 fn is_formula(mut lexer: Lexer<'_>, end: usize) -> bool {
     while lexer.at < end {
@@ -168,7 +169,7 @@ fn is_formula(mut lexer: Lexer<'_>, end: usize) -> bool {
     false
 }
 
-/// Number of lines that begin after this byte.
+/// Number of lines that begin after the byte position `at`.
 fn lines_after(text: &str, mut at: usize) -> u32 {
     let mut lines = 0;
     loop {
@@ -181,7 +182,7 @@ fn lines_after(text: &str, mut at: usize) -> u32 {
     }
 }
 
-/// Start of the line that contains this byte.
+/// Byte position of the start of the line that contains the byte `at`.
 pub(super) fn line_start(text: &str, at: usize) -> usize {
     let bytes = text.as_bytes();
     let ends_line = |&index: &usize| {
@@ -190,7 +191,8 @@ pub(super) fn line_start(text: &str, at: usize) -> usize {
     (0..at).rev().find(ends_line).map_or(0, |index| index + 1)
 }
 
-/// End of the line that begins here, and start of the next one.
+/// Byte position of the end of the line that begins at `at`, and of the start of the next
+/// line.
 pub(super) fn line_end(text: &str, at: usize) -> (usize, usize) {
     let bytes = text.as_bytes();
     let rest = bytes.get(at..).unwrap_or(&[]);

@@ -4,14 +4,14 @@ use std::sync::{Arc, LazyLock};
 
 use gsk_plc::{Area, ByteAddress, Ladder, LadderDeclarations, MCode};
 
-/// Source of the standard ladder as an instruction list.
+/// Source of the standard ladder, an instruction list.
 pub const STANDARD_LADDER: &str = include_str!("../../../assets/ladder/standard.il");
 
-/// Source of the standard ladder with keys for DNC and teach-in, as an instruction list.
+/// Source of the standard ladder with keys for DNC and teach-in, an instruction list.
 const DNC_TEACH_LADDER: &str = include_str!("../../../assets/ladder/dnc-teach.il");
 
-/// The ladder that a machine starts with. The standard one is compiled at the first use of
-/// its steps: to check a program, its declarations are enough.
+/// The ladder of a machine. The standard one is compiled only when its steps are needed: to
+/// check a program, its declarations are enough.
 #[derive(Clone, Debug, Default)]
 pub enum MachineLadder {
     /// The built-in standard ladder.
@@ -30,7 +30,7 @@ impl MachineLadder {
         }
     }
 
-    /// Whether it is the built-in standard ladder.
+    /// Whether this is the built-in standard ladder.
     pub const fn is_standard(&self) -> bool {
         matches!(self, Self::Standard)
     }
@@ -43,7 +43,7 @@ impl MachineLadder {
         }
     }
 
-    /// The initial value of a byte of K when the retained memory is empty.
+    /// The initial value of a byte of the K area, used if no retained memory exists.
     pub(crate) fn initial_k(&self, byte: u16) -> u8 {
         let values = match self {
             Self::Standard => &standard_declarations().start_values,
@@ -65,20 +65,20 @@ impl From<Arc<Ladder>> for MachineLadder {
     }
 }
 
-/// The declarations of the standard ladder, read once.
+/// The declarations (M codes, initial values) of the standard ladder, parsed once.
 fn standard_declarations() -> &'static LadderDeclarations {
     static DECLARED: LazyLock<LadderDeclarations> =
         LazyLock::new(|| LadderDeclarations::read(STANDARD_LADDER));
     &DECLARED
 }
 
-/// The standard ladder, compiled once.
+/// The compiled standard ladder; compiled at the first call.
 pub fn standard_ladder() -> Arc<Ladder> {
     static LADDER: LazyLock<Arc<Ladder>> = LazyLock::new(|| compile_builtin(STANDARD_LADDER));
     Arc::clone(&LADDER)
 }
 
-/// The standard ladder with keys for DNC and teach-in, compiled once.
+/// The compiled ladder with keys for DNC and teach-in; compiled at the first call.
 pub fn dnc_teach_ladder() -> Arc<Ladder> {
     static LADDER: LazyLock<Arc<Ladder>> = LazyLock::new(|| compile_builtin(DNC_TEACH_LADDER));
     Arc::clone(&LADDER)

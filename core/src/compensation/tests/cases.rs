@@ -10,18 +10,19 @@ use crate::units::{Diameter, Point};
 const CASES: &str = include_str!("cases.txt");
 const TOLERANCE: f64 = 0.001;
 
-/// One case of the file.
+/// A worked case of `cases.txt`: blocks and the expected moves of the tip.
 struct WorkedCase {
     name: &'static str,
     nose: ToolOffset,
-    /// The text of the blocks.
+    /// The texts of the blocks, in order.
     blocks: Vec<&'static str>,
-    /// Block, target of the tip, centre of an arc.
+    /// Expected moves: index of the block, target of the tip, and the centre if it is an arc,
+    /// mm.
     targets: Vec<(usize, Point, Option<Point>)>,
     alarm: Option<(u16, u32)>,
 }
 
-/// Runs a program with a nose in row 01 from a start position.
+/// Runs a program from the position `start`, with `nose` in row 01 of the offset table.
 pub(super) fn run_with_nose(
     text: &str,
     nose: ToolOffset,
@@ -40,7 +41,8 @@ pub(super) fn run_with_nose(
     (moves, preview)
 }
 
-/// Displacement from the nose centre to its tip, computed independently of the code.
+/// Displacement from the nose centre to its tip, mm, computed independently of the tested
+/// code.
 pub(super) fn tip_vector(nose: &ToolOffset) -> Point {
     let (z, x) = [
         (0, 0),

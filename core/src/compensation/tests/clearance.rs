@@ -11,9 +11,9 @@ use crate::command::{ExecutedMove, MoveKind};
 use crate::memory::ToolOffset;
 use crate::units::Point;
 
-/// How far the nose may cut in, mm.
+/// How far the nose may cut into the surface, mm.
 const TOLERANCE: f64 = 0.001;
-/// Distance of the sampled points on the nose path, mm.
+/// Distance between sampled points on the nose path, mm.
 const STEP: f64 = 0.02;
 
 /// One element of a profile in thousandths of a millimetre, X as a radius.
@@ -21,8 +21,8 @@ const STEP: f64 = 0.02;
 struct ProfileStep {
     dz: i64,
     dx: i64,
-    /// Radius of an arc in excess of half the chord, in thousandths of a millimetre, and
-    /// whether it is clockwise. `None`: a line.
+    /// Radius of an arc minus half its chord, in thousandths of a millimetre, and whether the
+    /// arc is clockwise. `None` for a line.
     arc: Option<(i64, bool)>,
 }
 
@@ -31,7 +31,7 @@ struct ProfileStep {
 pub(super) struct ProfileSurface {
     pub(super) from: Point,
     pub(super) to: Point,
-    /// Centre, and whether the arc is clockwise.
+    /// Centre of an arc, mm, and whether it is clockwise; `None` for a line.
     pub(super) about: Option<(Point, bool)>,
 }
 
@@ -74,7 +74,7 @@ impl ProfileSurface {
     }
 }
 
-/// Sampled points along a move.
+/// Points on a move at a distance of [`STEP`].
 fn points(made: &ExecutedMove) -> Vec<Point> {
     let (from, to) = (made.from, made.to);
     let pieces = |length: f64| (length / STEP).ceil().max(1.0) as usize;
@@ -108,7 +108,8 @@ pub(super) fn mm(thousandths: i64) -> String {
     )
 }
 
-/// Radius in thousandths of a millimetre and centre of an arc of at most half a turn.
+/// Radius, in thousandths of a millimetre, and centre, mm, of an arc of at most half a turn.
+/// `more` is the radius minus half the chord.
 fn arc_circle(from: Point, to: Point, more: i64, clockwise: bool) -> (i64, Point) {
     let chord = (to - from).length();
     let thousandths = (chord * 500.0).ceil() as i64 + more;
@@ -134,7 +135,7 @@ fn is_monotonic(from: Point, to: Point, (more, clockwise): (i64, bool), left: bo
     })
 }
 
-/// A program for the profile from the first point, and its surface.
+/// The text of a program that cuts the profile `steps`, and the surface it cuts.
 fn profile_program(steps: &[ProfileStep], left: bool) -> (String, Vec<ProfileSurface>) {
     let mut text = String::from("T0101 F100\n");
     let (mut x, mut z) = (20_000_i64, 0_i64);
@@ -179,7 +180,7 @@ fn profile_program(steps: &[ProfileStep], left: bool) -> (String, Vec<ProfileSur
 /// The result of running a profile.
 enum ProfileResult {
     Alarm(u16),
-    /// Depth of the nose in the part, mm, and where.
+    /// The nose cuts into the part: depth, mm, and a text with the position.
     Cut(f64, String),
 }
 
@@ -194,7 +195,8 @@ fn run_profile(steps: &[ProfileStep], nose: ToolOffset, left: bool) -> ProfileRe
     ProfileResult::Cut(deep, format!("{position} in\n{text}"))
 }
 
-/// Depth of the nose in the part on the moves of these lines, mm, and where.
+/// How deep the nose cuts into the surface on the moves of the lines `lines`, mm, and a text
+/// with the position.
 pub(super) fn deepest_cut(
     surface: &[ProfileSurface],
     moves: &[ExecutedMove],
@@ -221,7 +223,7 @@ pub(super) fn deepest_cut(
     worst
 }
 
-/// Steps towards the chuck that never come back in Z.
+/// Random profiles towards the chuck that never come back in Z.
 fn steps() -> impl Strategy<Value = Vec<ProfileStep>> {
     let long = (1_000_i64..8_000, -4_000_i64..4_000);
     let short = (0_i64..800, -600_i64..600);

@@ -12,15 +12,16 @@ use super::clearance::{ProfileSurface, deepest_cut, mm};
 use crate::memory::ToolOffset;
 use crate::units::Point;
 
-/// How far the nose may cut in, mm.
+/// How far the nose may cut into the contour, mm.
 const TOLERANCE: f64 = 0.001;
-/// Alarms of the arc itself: its ends are farther apart than its diameter, or its end is too
-/// far from its circle.
+/// Alarms that an arc raises without compensation: its ends are farther apart than its
+/// diameter, or its end is too far from its circle.
 const OWN_LIMITS: [u16; 2] = [13, 48];
-/// The greatest change of radius along an arc, mm; beyond it the centre moves.
+/// The greatest change of radius along an arc, mm, with which the control keeps its centre.
 const FIT: f64 = 0.002;
 
-/// A line of this length, or an arc to this heading: with a radius, or as large as the nose.
+/// An element of a random contour: a line of a length, or an arc that ends in a direction,
+/// with a radius or as large as the nose.
 #[derive(Clone, Copy, Debug)]
 enum ContourStep {
     Line(f64),
@@ -31,7 +32,7 @@ enum ContourStep {
 #[derive(Clone, Copy, Debug)]
 struct ContourElement {
     to: Point,
-    /// Centre from the rounded I and K, whether the arc is clockwise, R.
+    /// Centre of an arc from the rounded I and K, whether the arc is clockwise, and R, mm.
     arc: Option<(Point, bool, f64)>,
 }
 
@@ -39,7 +40,7 @@ fn round_to_grid(value: f64, grid: f64) -> f64 {
     (value / grid).round() * grid
 }
 
-/// Rounds a point to the grid of the axes.
+/// Rounds a point to the least increment of the axes.
 fn round_point(point: Point) -> Point {
     Point::new(
         round_to_grid(point.x, 0.0005),
@@ -47,7 +48,7 @@ fn round_point(point: Point) -> Point {
     )
 }
 
-/// The centre that the control uses for the programmed one.
+/// The centre with which the control runs an arc whose programmed centre is `center`.
 fn used_center(from: Point, to: Point, center: Point) -> Point {
     let radius = (from - center).length();
     let chord = to - from;
@@ -65,7 +66,7 @@ fn used_center(from: Point, to: Point, center: Point) -> Point {
     }
 }
 
-/// The contour with centres on a grid.
+/// The start and the elements of a contour whose centres are on a grid of `grid`, mm.
 fn contour_elements(steps: &[ContourStep], nose: f64, grid: f64) -> (Point, Vec<ContourElement>) {
     let first = Point::new(20.0, 0.0);
     let (mut at, mut heading, mut from) = (first, 0.0_f64, first);
@@ -227,12 +228,13 @@ proptest! {
     }
 }
 
-/// Number of contours; `NOSE_CONTOURS=20000` runs the full test.
+/// Number of random contours: the environment variable `NOSE_CONTOURS`, e.g. 20000 for the
+/// full test.
 fn contour_count() -> usize {
     std::env::var("NOSE_CONTOURS").map_or(300, |count| count.parse().unwrap())
 }
 
-/// The same contours on every run: each one that runs with R runs with rounded centres.
+/// Each contour that runs with R also runs with rounded centres.
 #[test]
 fn contours_with_r_run_with_rounded_centres() {
     let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);

@@ -4,20 +4,21 @@ use super::ProgramEditor;
 use crate::program::block_head::BlockHead;
 
 impl ProgramEditor {
-    /// Moves to the first line.
+    /// Moves the cursor to the first line of the program.
     pub fn move_to_head(&mut self) {
         self.end_open_block();
         (self.line, self.column) = (self.program.first_listed(), 0);
     }
 
-    /// Moves to a line; beyond the ends to the first or last one.
+    /// Moves the cursor to a line, from 1; a line outside the program means its first or last
+    /// one.
     pub fn move_to_line(&mut self, line: u32) {
         self.end_open_block();
         let (first, last) = (self.program.first_listed(), self.program.last_listed());
         (self.line, self.column) = (line.clamp(first, last), 0);
     }
 
-    /// Moves one line up.
+    /// Moves the cursor one line up.
     pub fn move_up(&mut self) {
         if self.line > self.program.first_listed() {
             self.end_open_block();
@@ -26,7 +27,7 @@ impl ProgramEditor {
         }
     }
 
-    /// Moves one line down.
+    /// Moves the cursor one line down.
     pub fn move_down(&mut self) {
         let open = self.open;
         self.end_open_block();
@@ -39,8 +40,8 @@ impl ProgramEditor {
         }
     }
 
-    /// Moves one character to the left; from the beginning of a line to the end of the line
-    /// above.
+    /// Moves the cursor one character to the left; from the beginning of a line to the end of
+    /// the line above.
     pub fn move_left(&mut self) {
         if self.column > 0 {
             self.column -= 1;
@@ -51,8 +52,8 @@ impl ProgramEditor {
         }
     }
 
-    /// Moves one character to the right; from the end of a line to the beginning of the next
-    /// one.
+    /// Moves the cursor one character to the right; from the end of a line to the beginning of
+    /// the next line.
     pub fn move_right(&mut self) {
         if self.column < self.end_column_of(self.line) {
             self.column += 1;
@@ -64,8 +65,8 @@ impl ProgramEditor {
         }
     }
 
-    /// Moves a screen of `rows` lines forward or back. The first screen begins after the
-    /// name, the last one ends at the last line.
+    /// Moves the cursor forward or back by a screen of `rows` lines. The first screen begins
+    /// after the program name, the last screen ends at the last line.
     pub fn turn_page(&mut self, forward: bool, rows: u32) {
         self.end_open_block();
         let (first, last) = (self.program.first_listed(), self.program.last_listed());
@@ -78,8 +79,8 @@ impl ProgramEditor {
         (self.line, self.column) = (line.min(last), 0);
     }
 
-    /// Moves to the next occurrence of a text after or before the cursor. A sequence number
-    /// is found in the whole program. Returns `false` if the text does not occur.
+    /// Moves the cursor to the next occurrence of a text after or before it. A sequence number
+    /// is searched in the whole program. Returns `false` if the text does not occur.
     pub fn move_to_text(&mut self, wanted: &str, forward: bool) -> bool {
         let Some(position) = self.find_position(wanted, forward) else {
             return false;
@@ -122,13 +123,13 @@ impl ProgramEditor {
     }
 }
 
-/// The number in a text such as `N10`; `None` for another text.
+/// The sequence number in a searched text such as `N10`; `None` for another text.
 fn sequence_number(wanted: &str) -> Option<u32> {
     wanted.strip_prefix('N')?.parse().ok()
 }
 
-/// The columns at which a text occurs in a line. A sequence number, with or without leading
-/// zeros, occurs only at the beginning of a block.
+/// The columns, in characters from 0, at which a text occurs in a line. A sequence number,
+/// with or without leading zeros, occurs only at the beginning of a block.
 fn find_columns(line: &str, wanted: &str) -> Vec<u32> {
     if let Some(number) = sequence_number(wanted) {
         let blank = line.chars().take_while(|c| *c == '/' || c.is_whitespace());

@@ -4,14 +4,14 @@ use super::ProgramEditor;
 use crate::units::Axis;
 
 impl ProgramEditor {
-    /// The axis of the word at the cursor, if the cursor is on its letter or directly after
-    /// it.
+    /// The axis whose letter, X or Z, is at the cursor or directly before it; `None`
+    /// otherwise.
     pub fn axis_word(&self) -> Option<Axis> {
         self.axis_letter().map(|(axis, _)| axis)
     }
 
-    /// Replaces the number of the axis word at the cursor and moves the cursor to the end of
-    /// it. Returns `false` without such a word.
+    /// Replaces the number of the axis word at the cursor by `value` and moves the cursor
+    /// after it. Returns `false` if no axis word is at the cursor.
     pub fn teach_axis(&mut self, value: &str) -> bool {
         let Some((_, letter)) = self.axis_letter().filter(|_| self.is_editable()) else {
             return false;
@@ -28,7 +28,8 @@ impl ProgramEditor {
         true
     }
 
-    /// The letter X or Z at or before the cursor, and its column.
+    /// The axis whose letter is at or before the cursor, and the column of that letter, from
+    /// 0.
     fn axis_letter(&self) -> Option<(Axis, u32)> {
         if self.is_in_comment() || self.is_on_end_mark() {
             return None;

@@ -12,23 +12,23 @@ use super::super::lexer::{Lexer, skip_blanks};
 use super::super::syntax::BlockError;
 use crate::alarm::number;
 
-/// Greatest nesting of brackets, including those of functions.
+/// Greatest number of nested brackets, including those of functions.
 const MAX_BRACKET_DEPTH: u8 = 5;
 
-/// One step of a formula. It operates on a stack of values.
+/// One step of a formula in postfix code. It operates on a stack of values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum FormulaStep {
-    /// Pushes a number.
+    /// Pushes this number.
     Number(f64),
-    /// Replaces the number on the stack by the value of the variable with that number.
+    /// Replaces the number on top of the stack by the value of the variable with that number.
     Variable,
-    /// Negates the value on the stack.
+    /// Negates the value on top of the stack.
     Negate,
-    /// Combines two values to one.
+    /// Replaces the two upper values of the stack by the result of an operator.
     Operator(FormulaOperator),
-    /// Replaces one value by another.
+    /// Replaces the value on top of the stack by the result of a function.
     Function(FormulaFunction),
-    /// Computes `ATAN[y]/[x]` from two values.
+    /// Replaces the two upper values y and x of the stack by `ATAN[y]/[x]`.
     ArcTangent,
 }
 
@@ -45,7 +45,7 @@ pub(crate) enum FormulaOperator {
     Xor,
 }
 
-/// A function before a bracket.
+/// A function, whose argument follows in brackets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FormulaFunction {
     Sine,
@@ -56,19 +56,19 @@ pub(crate) enum FormulaFunction {
     Root,
     Absolute,
     Round,
-    /// Rounds towards zero.
+    /// `FIX`: rounds towards zero.
     Fix,
-    /// Rounds away from zero.
+    /// `FUP`: rounds away from zero.
     Up,
     Logarithm,
     Exponential,
-    /// Converts BCD to binary.
+    /// `BIN`: converts BCD to binary.
     Binary,
-    /// Converts binary to BCD.
+    /// `BCD`: converts binary to BCD.
     DecimalCode,
 }
 
-/// The functions by name. The first two letters are sufficient.
+/// The functions with their names. The first two letters of a name are sufficient.
 const FUNCTIONS: [(&str, FormulaFunction); 14] = [
     ("SIN", FormulaFunction::Sine),
     ("COS", FormulaFunction::Cosine),
@@ -89,7 +89,7 @@ const FUNCTIONS: [(&str, FormulaFunction); 14] = [
 /// Greatest number of steps of a formula; a line of the control has far fewer.
 const MAX_STEPS: usize = 1000;
 
-/// A formula in postfix code.
+/// A formula as a list of steps in postfix order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct FormulaCode(Vec<FormulaStep>);
 
@@ -104,7 +104,7 @@ impl FormulaCode {
         Self(vec![FormulaStep::Number(value)])
     }
 
-    /// Reads a formula to its end.
+    /// Reads a formula from the position of the lexer up to the first character after it.
     ///
     /// # Errors
     /// 114 for an invalid formula, 118 for brackets that are nested too deep.
@@ -145,14 +145,15 @@ pub(in crate::program) fn read_word_formula(
     Ok(FormulaCode(reader.steps))
 }
 
-/// The number after a `#`, without moving the lexer; `None` for a formula.
+/// The variable number in the digits at the start of `text`, which follows a `#`; `None`
+/// without digits, as in `#[formula]`.
 pub(in crate::program) fn parse_variable_number(text: &[u8]) -> Option<u32> {
     let digits = text.iter().take_while(|byte| byte.is_ascii_digit()).count();
     let digits = core::str::from_utf8(text.get(..digits)?).ok()?;
     digits.parse().ok()
 }
 
-/// Reads letters as one word of the language, in upper case, and moves past them.
+/// Reads consecutive ASCII letters, in upper case, and moves the lexer after them.
 pub(super) fn read_letters(lexer: &mut Lexer<'_>) -> String {
     let mut letters = String::new();
     while let (byte, len @ 1..) = lexer.peek() {
@@ -165,7 +166,8 @@ pub(super) fn read_letters(lexer: &mut Lexer<'_>) -> String {
     letters
 }
 
-/// Skips one of these names and returns its meaning; `None` if the text has none of them.
+/// Skips the keyword at the position and returns its value from the list `of`; `None`, without
+/// moving, if the text begins with none of them.
 pub(super) fn skip_keyword<T: Copy>(lexer: &mut Lexer<'_>, of: &[(&str, T)]) -> Option<T> {
     let mut ahead = *lexer;
     let (meant, taken) = find_leading_name(&read_letters(&mut ahead), of)?;
@@ -175,13 +177,13 @@ pub(super) fn skip_keyword<T: Copy>(lexer: &mut Lexer<'_>, of: &[(&str, T)]) -> 
     Some(meant)
 }
 
-/// Whether letters are a name or its first two letters.
+/// Whether `letters` are the keyword `name` or its first two letters.
 pub(super) fn is_name(letters: &str, name: &str) -> bool {
     letters == name || (letters.len() == 2 && name.starts_with(letters))
 }
 
-/// The first of these names that letters begin with, and the number of letters it takes: its
-/// full length or two. Only a function may follow directly, as in `ANDABS[#1]`.
+/// The value of the first keyword of `of` with which `letters` begin, and the number of its
+/// letters: all or two. Only a function may follow directly, as in `ANDABS[#1]`.
 fn find_leading_name<'n, T: Copy>(letters: &str, of: &'n [(&'n str, T)]) -> Option<(T, usize)> {
     let fits = |name: &str, taken: usize| {
         let (head, rest) = letters.split_at_checked(taken)?;
@@ -197,7 +199,7 @@ fn is_function(letters: &str) -> bool {
     is_name(letters, "ATAN") || FUNCTIONS.iter().any(|(name, _)| is_name(letters, name))
 }
 
-/// The error of an invalid formula.
+/// Alarm 114 of an invalid formula, at the position of the lexer; `rule` is the violated rule.
 #[cold]
 pub(super) fn formula_error(lexer: &Lexer<'_>, rule: gsk_messages::Message) -> BlockError {
     BlockError::at(number::BAD_OPERATION, lexer.at, rule)
@@ -220,13 +222,13 @@ impl<'l, 't> FormulaReader<'l, 't> {
         }
     }
 
-    /// The next byte after blanks.
+    /// Skips blanks and returns the next byte without skipping it.
     fn peek_byte(&mut self) -> Result<u8, BlockError> {
         skip_blanks(self.lexer)?;
         Ok(self.lexer.peek().0)
     }
 
-    /// Skips this byte if it is the next one.
+    /// Skips the byte `wanted` if it is the next one after blanks; returns whether it was.
     fn skip_byte(&mut self, wanted: u8) -> Result<bool, BlockError> {
         let here = self.peek_byte()? == wanted;
         if here {
@@ -235,7 +237,7 @@ impl<'l, 't> FormulaReader<'l, 't> {
         Ok(here)
     }
 
-    /// The next operator if it is in the list.
+    /// Reads the next operator if it is in the list `of`; otherwise returns `None`.
     fn read_operator(
         &mut self,
         of: &[(&str, FormulaOperator)],
@@ -290,7 +292,7 @@ impl<'l, 't> FormulaReader<'l, 't> {
         read(self)
     }
 
-    /// Reads a number, a variable, a formula in brackets or a function.
+    /// Reads a number, a variable, a formula in brackets or a function call.
     fn read_operand(&mut self) -> ReadResult {
         if self.steps.len() >= MAX_STEPS {
             return Err(formula_error(self.lexer, say::formula_too_long(MAX_STEPS)));

@@ -7,40 +7,40 @@ use super::super::syntax::BlockError;
 use super::expression::{self, FormulaCode, formula_error, is_name, read_letters};
 use crate::alarm::number;
 
-/// The macro B statement of a block.
+/// The macro B statement of a block, or the formulas of its words.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum MacroStatement {
-    /// `#i=formula`.
+    /// `#i=formula`: stores a value in a variable.
     Assign(MacroAssignment),
-    /// `GOTO n`.
+    /// `GOTO n`: jumps to the block with the sequence number that the formula yields.
     Goto(FormulaCode),
-    /// `IF [condition] GOTO n`, `IF [condition] THEN #i=formula`.
+    /// `IF [condition] GOTO n` or `IF [condition] THEN #i=formula`.
     If(MacroCondition, IfAction),
-    /// `WHILE [condition] DO m`; without a condition it repeats forever.
+    /// `WHILE [condition] DO m` with the loop number m; `DO m` (`None`) repeats forever.
     Do(Option<MacroCondition>, u8),
-    /// `END m`.
+    /// `END m`: ends the loop with the number m.
     End(u8),
-    /// `G65 P`.
+    /// `G65 P`: calls a macro program once.
     Call(MacroCall),
-    /// `G66 P`.
+    /// `G66 P`: calls a macro program after each following block with a movement.
     ModalCall(MacroCall),
-    /// `G67`.
+    /// `G67`: cancels the modal call of `G66`.
     CancelModalCall,
-    /// Ordinary words. Words with formulas hold the index of their formula in this list.
+    /// The formulas of ordinary words. A word with a formula stores its index in this list.
     Words(Vec<FormulaCode>),
 }
 
-/// `#i=formula`.
+/// An assignment `#i=formula`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MacroAssignment {
-    /// The formula of the variable number.
+    /// The formula that yields the number of the variable.
     pub(crate) variable: FormulaCode,
     pub(crate) value: FormulaCode,
-    /// The comment after it: the text of an alarm.
+    /// The comment after the assignment; it is the text of an alarm if `#3000` is set.
     pub(crate) comment: String,
 }
 
-/// The consequence of an `IF`.
+/// What an `IF` does if its condition is met.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum IfAction {
     Goto(FormulaCode),
@@ -55,7 +55,7 @@ pub(crate) struct MacroCondition {
     pub(crate) right: FormulaCode,
 }
 
-/// The comparison of two values.
+/// How a condition compares its two values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MacroRelation {
     Equal,
@@ -66,7 +66,8 @@ pub(crate) enum MacroRelation {
     LessOrEqual,
 }
 
-/// The words of a macro call: addresses and values in the order of the text.
+/// The words of a macro call: program, number of runs, and the arguments as address letter and
+/// value in the order of the text.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MacroCall {
     pub(crate) program: Option<FormulaCode>,
@@ -83,7 +84,7 @@ const RELATIONS: [(&str, MacroRelation); 6] = [
     ("LE", MacroRelation::LessOrEqual),
 ];
 
-/// Whether a macro statement begins at the position: a variable, or two consecutive letters.
+/// Whether a macro statement begins at the position: a `#`, or two consecutive letters.
 pub(in crate::program) fn is_statement_start(lexer: &Lexer<'_>) -> bool {
     let (byte, len) = lexer.peek();
     let next = lexer.moved_to(lexer.at + len).peek().0;
@@ -91,7 +92,7 @@ pub(in crate::program) fn is_statement_start(lexer: &Lexer<'_>) -> bool {
 }
 
 impl MacroStatement {
-    /// Reads the statement at the position.
+    /// Reads the statement at the position of the lexer.
     ///
     /// # Errors
     /// 114 for an invalid statement, 118 for brackets that are nested too deep, 126 for an
@@ -125,7 +126,7 @@ impl MacroStatement {
     }
 }
 
-/// Reads the words after G65 and G66.
+/// Reads the words of a macro call after its G or M code.
 ///
 /// # Errors
 /// 114 for an invalid word, 129 for an address that cannot be an argument.
@@ -174,7 +175,7 @@ fn read_assignment(lexer: &mut Lexer<'_>) -> Result<MacroAssignment, BlockError>
     })
 }
 
-/// The last comment before a byte position.
+/// The text of the last comment before the byte position `end`; empty without one.
 fn last_comment(mut lexer: Lexer<'_>, end: usize) -> String {
     let mut last = String::new();
     while lexer.at < end {

@@ -4,8 +4,8 @@ use super::super::lexer::Lexer;
 use super::expression::parse_variable_number;
 use crate::memory::Variables;
 
-/// Whether both languages have a variable: the variables of macro A, direct or indirect, and
-/// the signals of the ladder.
+/// Whether macro A and macro B both have the variable `number`: the variables of macro A,
+/// direct or indirect (9nnn), and the signals of the PLC.
 fn is_shared_variable(number: u32) -> bool {
     let Ok(number) = u16::try_from(number) else {
         return false;
@@ -16,9 +16,8 @@ fn is_shared_variable(number: u32) -> bool {
         || matches!(number, 1000..=1015 | 1032 | 1100..=1115 | 1132 | 1133)
 }
 
-/// Whether a text has a statement, a formula or a variable that only macro B has. In a
-/// program without any of them, a variable in a word counts least increments, as G65 H
-/// stores it.
+/// Whether a text has a statement, a formula or a variable that only macro B has. Without any
+/// of them, a variable in a word counts least increments, as G65 H stores values.
 pub(in crate::program) fn uses_macro_b(text: &str) -> bool {
     let mut lexer = Lexer::new(text);
     let mut before = 0_u8;
@@ -49,7 +48,7 @@ pub(in crate::program) fn uses_macro_b(text: &str) -> bool {
     false
 }
 
-/// Whether a G code is G66, G67, or G65 without H.
+/// Whether the G code at the position is G66, G67, or G65 without H.
 fn is_macro_call(mut lexer: Lexer<'_>) -> bool {
     let mut code = 0_u32;
     while let Some(digit) = lexer.read_digit() {

@@ -23,7 +23,6 @@ fn without_spans(block: &ProgramBlock) -> BlockMeaning {
     }
 }
 
-/// A number in the range of most addresses, as text.
 fn number_text(address: char) -> BoxedStrategy<String> {
     match address {
         'G' => prop::sample::select(vec![0, 1, 2, 3, 4, 28, 32, 50, 71, 76, 92, 97])
@@ -80,14 +79,14 @@ fn messy_text() -> impl Strategy<Value = String> {
     prop::collection::vec(piece, 0..12).prop_map(|pieces| pieces.concat())
 }
 
-/// Lines as an editor counts them.
 fn file_lines(text: &str) -> Vec<String> {
     let text = text.replace("\r\n", "\n").replace('\r', "\n");
     text.lines().map(str::to_string).collect()
 }
 
 proptest! {
-    /// A comment before a block prevents that it is read as plain words.
+    /// A comment before a block makes the general parser read it, not `read_plain_words`: the
+    /// results must be equal.
     #[test]
     fn plain_words_are_read_as_all_others(
         text in prop_oneof![
