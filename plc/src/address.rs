@@ -228,7 +228,7 @@ struct ParsedAddress {
     bit: Option<u8>,
 }
 
-/// Splits a text at the first `mark`, an ASCII character.
+/// Splits a text at the first `mark`, an ASCII character; `None` without one.
 ///
 /// `str::split_once` does the same, but its preparation takes longer than this search in a
 /// short text.

@@ -75,7 +75,7 @@ pub(crate) const RESULT_FLAGS: usize = R + 900;
 #[serde(try_from = "Vec<u8>", into = "Vec<u8>")]
 pub struct PlcMemory {
     bytes: Box<[u8; SIZE]>,
-    /// A write outside X and F has happened since the last
+    /// Whether a write outside X and F has happened since the last
     /// [`PlcMemory::take_changed_length`].
     written: bool,
 }
@@ -273,7 +273,7 @@ impl PlcMemory {
         self.restore_entries(Area::Dt, 0, &retained.dt);
     }
 
-    /// Returns the memory array.
+    /// Returns the memory array, which contains all areas.
     pub(crate) fn bytes(&self) -> &[u8; SIZE] {
         &self.bytes
     }
