@@ -34,7 +34,8 @@ pub struct PulseRates {
 pub enum ThreadCapability {
     /// The board cannot cut threads because of these missing conditions.
     None(MissingForThreads),
-    /// The board measures the spindle, and the axes follow it: all threads are possible.
+    /// The board measures the spindle, and the control lets the axes follow the spindle: all
+    /// threads are possible.
     Followed,
     /// The board synchronizes each pass with the one-turn signal of the spindle: only straight
     /// passes of constant lead are possible.

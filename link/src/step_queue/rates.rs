@@ -83,7 +83,7 @@ impl Rates {
         }
     }
 
-    /// Checks that the board can make a number of pulses in a time, s.
+    /// Checks that the board can make these pulses of X and Z in a time, s.
     pub(super) fn allow(&self, moves: [i64; 2], seconds: f64) -> Result<(), MotionRefused> {
         let counts = moves.map(|count| count.unsigned_abs() as f64);
         let too_fast = |count: f64, rate: f64| count > rate * seconds + 1.0;

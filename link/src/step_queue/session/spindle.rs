@@ -54,12 +54,12 @@ impl Spindle {
         self.has_gap
     }
 
-    /// Restarts the estimate after a reversal.
+    /// Restarts the estimate after a reversal of the spindle.
     pub(super) fn reversed(&mut self) {
         self.estimator.begin_anew();
     }
 
-    /// The turns predicted for a clock.
+    /// Returns the turns predicted for a clock; `None` outside the kept predictions.
     fn shown_at(&self, clock: Ticks) -> Option<f64> {
         let after_clock = self.shown.partition_point(|(end, _)| *end < clock);
         let (to, after) = *self.shown.get(after_clock)?;
