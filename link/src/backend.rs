@@ -259,7 +259,8 @@ pub trait Backend: Positioned + Debug {
         Err(MotionRefused::NotReady)
     }
 
-    /// Sets the state of spindle and coolant that the link switches as soon as it can.
+    /// Sets the wanted state of spindle and coolant; the link switches them as soon as
+    /// possible.
     fn set_outputs(&mut self, outputs: BoardOutputs);
 
     /// Whether the board can switch outputs during motion; otherwise only at standstill.
@@ -270,7 +271,8 @@ pub trait Backend: Positioned + Debug {
     /// Returns the outputs that the board has switched; `None` while a command is in progress.
     fn switched(&self) -> Option<BoardOutputs>;
 
-    /// Takes the commanded position at the end of a tick and sends it to the board in time.
+    /// Takes the commanded position at the end of a tick and sends the motion to the board in
+    /// time.
     ///
     /// # Errors
     /// The state allows no motion, a limit switch is in the way, or the rate is too high;
@@ -364,7 +366,8 @@ pub trait Backend: Positioned + Debug {
         let _ = on;
     }
 
-    /// Takes the next line or block from the collected bytes of one direction and formats
-    /// it as text. `None` if it is incomplete. `outward`: the bytes go to the board.
+    /// Takes the next line or block from the collected bytes of one direction and formats it
+    /// as text; `None` if the line or block is incomplete. `outward`: the bytes go to the
+    /// board.
     fn next_text(&self, outward: bool, collected: &mut Vec<u8>) -> Option<String>;
 }

@@ -5,7 +5,7 @@ use core::time::Duration;
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-/// The properties of a board, as far as it has reported them.
+/// The properties of a board that the board has reported so far.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BoardInfo {
     /// Name and version of the firmware.
@@ -59,7 +59,7 @@ impl Default for ThreadCapability {
     }
 }
 
-/// The conditions for threads that a board does not meet: `true` if one is missing.
+/// The conditions for threads that a board does not meet; a missing condition is `true`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MissingForThreads {
     /// The firmware cannot synchronize a pass with the spindle.
@@ -68,8 +68,8 @@ pub struct MissingForThreads {
     pub proof: bool,
     /// The setting for the encoder pulses ($38) is 0.
     pub encoder: bool,
-    /// The gains of the spindle control loop ($90 to $92) are not 0: the board would
-    /// correct a pass while it cuts.
+    /// The gains of the spindle control loop ($90 to $92) are not 0: the board would correct a
+    /// pass while cutting.
     pub gains: bool,
     /// A work offset in the board is not 0.
     pub offset: bool,
@@ -139,9 +139,9 @@ pub enum SpindleDirection {
     /// The spindle is stopped (M05).
     #[default]
     Stop,
-    /// Forward (M03).
+    /// The spindle turns forward (M03).
     Forward,
-    /// Reverse (M04).
+    /// The spindle turns in reverse (M04).
     Reverse,
 }
 
@@ -171,8 +171,8 @@ pub struct SpindleView {
     /// Greatest difference between recent periods as a fraction of their mean, over 20
     /// turns and 2 s; `None` with fewer turns.
     pub variation: Option<f64>,
-    /// How far a one-turn signal was from the angle that the axes followed, turns, if that
-    /// is too far for a thread. Reported once.
+    /// How far a one-turn signal was from the angle that the axes followed, turns. `None` if
+    /// this is not too far for a thread, or if it was reported before.
     pub deviation: Option<f64>,
     /// Whether the one-turn signal is missing while the axes follow the spindle.
     pub lost: bool,

@@ -82,9 +82,9 @@ pub struct LinkAxis {
     /// Whether the direction is inverted: in a line board by $3, with timed steps in
     /// addition to the `!` of the pin.
     pub invert_direction: bool,
-    /// Step pin.
+    /// Name of the step pin.
     pub step: String,
-    /// Direction pin.
+    /// Name of the direction pin.
     pub dir: String,
     /// Length of a step pulse, µs, 1–255.
     pub step_pulse_us: u32,
@@ -180,7 +180,7 @@ pub struct LinkIo {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LineConfig {
-    /// Homing parameters.
+    /// Parameters of the board's homing.
     pub home: HomeConfig,
     /// Duration of a motion segment, ms, 5–40.
     pub period_ms: u32,
@@ -230,13 +230,13 @@ pub struct LinkConfigError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("{}", self.message())]
 pub enum FaultyLinkConfig {
-    /// A value out of its range.
+    /// The value is outside its range.
     Range {
-        /// The value.
+        /// The invalid value.
         value: u32,
-        /// Least value allowed.
+        /// Least valid value.
         least: u32,
-        /// Greatest value allowed.
+        /// Greatest valid value.
         most: u32,
     },
     /// A required pin is empty.
@@ -249,7 +249,7 @@ pub enum FaultyLinkConfig {
         contact: &'static str,
         /// The signal of the contact, for instance `*ESP`.
         signal: &'static str,
-        /// The path of its setting, for instance `io.estop`.
+        /// The path of the contact's setting, for instance `io.estop`.
         field: &'static str,
     },
     /// A contact has no pin.

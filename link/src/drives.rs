@@ -12,7 +12,7 @@ const ACCELERATION_MARGIN: f64 = 10.0;
 /// The limits of an axis in the board, set so high that the board never limits a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisRates {
-    /// Greatest rate, mm/min.
+    /// Greatest rate of the axis, mm/min.
     pub rate: f64,
     /// Greatest acceleration, mm/s².
     pub acceleration: f64,

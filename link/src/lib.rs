@@ -112,7 +112,7 @@ pub struct Sample {
     pub fine: PerAxis<i64>,
 }
 
-/// Fine units per pulse. A board with timed steps needs them for the time of each pulse.
+/// Number of fine units per pulse. They give a board with timed steps the time of each pulse.
 pub const FINE: i64 = 65_536;
 
 impl Sample {
@@ -181,14 +181,14 @@ pub enum InputCondition {
     Operated,
     /// The input is free.
     Free,
-    /// The input has changed since it was armed: either edge counts.
+    /// The input has changed since the link armed it: either edge counts.
     Changed,
 }
 
 /// An input that the board watches: when its condition is met the board stops both axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AwaitedInput {
-    /// The input; it belongs to an axis.
+    /// The watched input, which belongs to an axis.
     pub input: Input,
     /// The condition that stops the axes.
     pub until: InputCondition,
@@ -238,10 +238,10 @@ pub enum LinkEvent {
         /// Cause of the alarm.
         detail: Message,
     },
-    /// The dictionary of a board with timed steps was read. Pass it to
-    /// [`Backend::add_dictionaries`] at the next opening to save the time of reading it.
+    /// The dictionary of a board with timed steps was read. To save the time of reading it
+    /// again, pass `packed` to [`Backend::add_dictionaries`] at the next opening.
     Learned {
-        /// Processor and firmware version.
+        /// Name of the dictionary: processor and firmware version.
         name: String,
         /// The compressed dictionary, as received.
         packed: Vec<u8>,
@@ -260,7 +260,7 @@ pub struct SettingDifference {
     pub name: String,
     /// The value in the board; `None` if the board does not have the setting.
     pub board: Option<String>,
-    /// The required value.
+    /// The value that the board must have.
     pub wanted: String,
 }
 
@@ -288,21 +288,21 @@ pub enum PassError {
     Standing,
     /// The spindle is too slow: its one-turn signals come after the board's time limit.
     Slow {
-        /// Spindle speed, r/min.
+        /// Current spindle speed, r/min.
         rpm: f64,
-        /// Least spindle speed, r/min.
+        /// Least spindle speed for a pass, r/min.
         least: f64,
     },
     /// The pass is too fast for motors that start without a ramp.
     Fast {
         /// Speed along the pass, mm/min.
         speed: f64,
-        /// Greatest speed, mm/min.
+        /// Greatest speed without a ramp, mm/min.
         most: f64,
     },
     /// The limit switch of this axis is operated.
     Limit(Axis),
-    /// The pass is shorter than its acceleration and deceleration.
+    /// The pass is shorter than the distances of its acceleration and deceleration together.
     Short {
         /// Length of the pass, mm.
         length: f64,

@@ -8,8 +8,8 @@
 use super::MotionRefused;
 use gsk_units::Axis;
 
-/// Distance that an axis may move on a switch of unknown end, mm of the slide. It is also
-/// the distance from a switch at which the link forgets its end.
+/// Distance that an axis may move on a switch of unknown end, mm of the slide. At the same
+/// distance from a switch the link forgets the end of that switch.
 const STEP_LIMIT_MM: f64 = 1.0;
 
 /// The limit switches of X and Z.

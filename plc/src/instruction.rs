@@ -436,7 +436,7 @@ impl Mnemonic {
 /// One operand of a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operand {
-    /// A bit address.
+    /// Address of a bit.
     Bit(BitAddress),
     /// Address of a byte or an entry.
     Byte(ByteAddress),

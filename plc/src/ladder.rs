@@ -34,7 +34,7 @@ pub struct Ladder {
 pub struct Rung<'a> {
     /// Number of the rung, from 1.
     pub number: u32,
-    /// Title (`.NET`) of the network that starts with this rung.
+    /// Title (`.NET`) of the network that starts with this rung; `None` without a title.
     pub title: Option<&'a str>,
     /// Step number of the first instruction, from 0.
     pub step: u32,

@@ -34,8 +34,8 @@ const FIRST_RETAINED_D: usize = 300;
 const NEW_PRESET: i32 = i32::MAX;
 
 /// Signals to the CNC that are inactive at 1: *IT G8.0, *ESP G8.4, *SP G8.5, the limits *+L
-/// G114 and *-L G116. They start at 1, so that a ladder that does not write them does not
-/// stop the machine.
+/// G114 and *-L G116. All start at 1, so that a ladder that does not write them does not stop
+/// the machine.
 const SIGNALS_INACTIVE_AT_1: [(usize, u8); 3] = [(8, 0b0011_0001), (114, 0b1111), (116, 0b1111)];
 
 #[inline]

@@ -55,7 +55,7 @@ pub struct Branch {
 pub struct Network {
     /// Number of the rung, from 1.
     pub number: u32,
-    /// Title (`.NET`) that starts with this rung.
+    /// Title (`.NET`) that starts with this rung; `None` without one.
     pub title: Option<String>,
     /// Index of the rung's first statement in the program, from 0.
     pub first: usize,

@@ -78,7 +78,7 @@ pub(crate) struct ScanState {
     /// Bits that hold a value set by hand.
     #[serde(default)]
     pub forces: Forces,
-    /// Position at which a slot in single-rung steps continues.
+    /// Position at which a slot in single-rung steps continues; `None` between two slots.
     #[serde(default, rename = "place")]
     pub paused_at: Option<ScanPosition>,
 }
@@ -130,7 +130,7 @@ impl Plc {
         &self.ladder
     }
 
-    /// Returns the memory.
+    /// Returns the memory of the PLC with all areas.
     #[must_use]
     pub fn memory(&self) -> &PlcMemory {
         &self.memory

@@ -2,12 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Where the scan stops.
+/// Where a run of the scan stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ScanStop {
     /// At the end of the slot.
     SlotEnd,
-    /// At the end of a rung. Subprograms that it calls are part of it.
+    /// The scan stops at the end of a rung, after the subprograms that the rung calls.
     RungEnd,
 }
 

@@ -18,7 +18,7 @@ pub enum Framing {
     /// Frames. A received plain text that begins with `%` is accepted as well.
     #[default]
     Frames,
-    /// Plain text only.
+    /// Plain text only; frames are not sent.
     Text,
 }
 
@@ -39,8 +39,8 @@ pub struct ControlPort {
 }
 
 impl ControlPort {
-    /// Creates the port for a line of `baud` bits per second. Below [`MIN_FRAME_BAUD`] it uses
-    /// plain text only.
+    /// Creates the port for a line of `baud` bits per second. Below [`MIN_FRAME_BAUD`] the
+    /// port uses plain text only.
     pub fn new(baud: u32, framing: Framing, line_end: TextLineEnd) -> Self {
         let framing = match baud < MIN_FRAME_BAUD {
             true => Framing::Text,

@@ -32,7 +32,7 @@ pub trait FileStore {
     /// The reason for the refusal.
     fn check_put(&mut self, put: &PutRequest) -> Result<(), TransferFault>;
 
-    /// Stores a complete file; on an error nothing of it is stored.
+    /// Stores a complete file; on an error no part of the file is stored.
     ///
     /// # Errors
     /// The reason for the refusal.
@@ -60,7 +60,7 @@ pub trait FileStore {
 /// Transfer status on the LCD (manual III-9.8.3).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PortStatus {
-    /// No transfer.
+    /// No transfer is in progress.
     #[default]
     Idle,
     /// 输入: the control receives a file or a request.

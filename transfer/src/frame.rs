@@ -61,7 +61,7 @@ pub struct RemotePath {
 pub struct PutRequest {
     /// Path at the control.
     pub remote_path: RemotePath,
-    /// Size in bytes.
+    /// Size of the file in bytes.
     pub size: u32,
     /// Whether to replace an existing file of the same name.
     pub overwrite: bool,
@@ -72,7 +72,7 @@ pub struct PutRequest {
 pub enum TransferRequest {
     /// Starts a connection.
     Connect {
-        /// Version of the protocol.
+        /// Version of the frame protocol.
         version: u8,
     },
     /// Ends the connection.
@@ -83,7 +83,7 @@ pub enum TransferRequest {
     Entry {
         /// Name of the file.
         name: FileName,
-        /// Size in bytes.
+        /// Size of the file in bytes.
         size: u32,
     },
     /// Ends the directory.

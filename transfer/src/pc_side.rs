@@ -31,9 +31,9 @@ pub enum PcCommand {
     Delete(RemotePath),
     /// Renames a file at the control.
     Rename {
-        /// Path of the file.
+        /// Path of the file to rename.
         from: RemotePath,
-        /// New name.
+        /// New name of the file.
         to: FileName,
     },
     /// Disconnects from the control.
@@ -43,7 +43,7 @@ pub enum PcCommand {
 /// Result of a command, or a file that the control sends on its own.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TransferOutcome {
-    /// The command is done.
+    /// The control has carried out the command.
     Done,
     /// The control has listed the files of the requested partition.
     Listed(Vec<DirectoryEntry>),

@@ -12,8 +12,8 @@ use crate::wire_time::WireTime;
 const XON: u8 = 0x11;
 /// DC3: the sender must stop.
 const XOFF: u8 = 0x13;
-/// Number of unprocessed characters above which the reader sends XOFF. It sends XON below
-/// [`XON_LEVEL`]. Beyond [`MAX_BACKLOG_CHARS`] the sender ignores XOFF.
+/// Number of unprocessed characters above which the reader sends XOFF. Below [`XON_LEVEL`] the
+/// reader sends XON. Beyond [`MAX_BACKLOG_CHARS`] the sender ignores XOFF.
 const XOFF_LEVEL: usize = 2048;
 const XON_LEVEL: usize = 512;
 const MAX_BACKLOG_CHARS: usize = 65_536;
@@ -21,7 +21,7 @@ const MAX_BACKLOG_CHARS: usize = 65_536;
 const MAX_TEXT_BYTES: usize = 1 << 22;
 /// Pause after which an unfinished text is interrupted.
 const SILENCE_TIMEOUT: PortTime = PortTime::from_secs(15);
-/// Greatest time by which the reader lags the line before it gives up lost time.
+/// Greatest processing time that the reader makes up for after a late call.
 const MAX_CATCH_UP_TIME: PortTime = PortTime::from_millis(100);
 /// Length in characters below which an interrupted text is noise.
 const MIN_TEXT_CHARS: usize = 16;
@@ -299,8 +299,8 @@ pub struct TextWriter {
 }
 
 impl TextWriter {
-    /// Creates the writer for a line of `baud` bits per second. It adds `%` before and after the
-    /// text.
+    /// Creates the writer for a line of `baud` bits per second. The writer adds `%` before and
+    /// after the text.
     ///
     /// # Errors
     /// The first character that is not printable ASCII or a tab, with its line.

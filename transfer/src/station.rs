@@ -71,7 +71,7 @@ pub(crate) struct Station {
     pending: VecDeque<PendingFrame>,
     /// Sequence number of the next frame of the peer; `None` without a connection.
     expected_seq: Option<u8>,
-    /// Sequence number of the request that waits for [`Station::reply`].
+    /// Sequence number of the request that waits for [`Station::reply`]; `None` without one.
     unanswered_seq: Option<u8>,
     recent_replies: VecDeque<(u8, Result<(), TransferFault>)>,
     events: VecDeque<StationEvent>,

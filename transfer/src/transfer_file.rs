@@ -16,14 +16,14 @@ pub(crate) const MAX_FILE_BYTES: u32 = 1 << 24;
 pub struct DirectoryEntry {
     /// Name of the file.
     pub name: FileName,
-    /// Size in bytes.
+    /// Size of the file in bytes.
     pub size: u32,
 }
 
 /// A complete file with its path at the control.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TransferFile {
-    /// Path at the control.
+    /// Path of the file at the control.
     pub remote_path: RemotePath,
     /// Content of the file.
     pub bytes: Vec<u8>,
@@ -34,7 +34,7 @@ pub struct TransferFile {
 /// Progress of a file transfer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TransferProgress {
-    /// Bytes transferred so far.
+    /// Number of bytes transferred so far.
     pub done: usize,
     /// Size of the file in bytes.
     pub total: usize,

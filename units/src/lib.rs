@@ -109,7 +109,7 @@ impl Point {
         Diameter(self.x * 2.0)
     }
 
-    /// Converts to a vector with Z as its first and X as its second component:
+    /// Converts a point to a vector with Z as its first and X as its second component, mm:
     ///
     /// ```text
     ///  X (radius)
@@ -127,7 +127,7 @@ impl Point {
         Self::new(vector.y, vector.x)
     }
 
-    /// Returns the length of the displacement, mm. For a point it is the distance from the
+    /// Returns the length of the displacement, mm. For a point this is the distance from the
     /// origin.
     pub fn length(self) -> f64 {
         self.to_vector().length()
@@ -138,7 +138,7 @@ impl Point {
         self.to_vector().dot(other.to_vector())
     }
 
-    /// Returns the cross product of two displacements, mm². It is positive if `other`
+    /// Returns the cross product of two displacements, mm². The product is positive if `other`
     /// points counter-clockwise of `self`, with Z to the right and X up.
     pub fn cross(self, other: Self) -> f64 {
         self.to_vector().perp_dot(other.to_vector())

@@ -3,7 +3,7 @@
 /// The firmware of a line board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FirmwareFamily {
-    /// Grbl 1.1f and later.
+    /// Grbl, version 1.1f and later.
     #[default]
     Grbl,
     /// grblHAL: selectable report fields, thread passes, homing of single axes.

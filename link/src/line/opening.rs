@@ -21,8 +21,8 @@ const QUIET: Duration = Duration::from_millis(200);
 const GIVE_UP: Duration = Duration::from_secs(5);
 /// Least time in which a board may become quiet after its banner.
 const SETTLE_AFTER_BANNER: Duration = Duration::from_millis(2500);
-/// Time limit for the start of a board that reports it, for instance while it searches a
-/// network.
+/// Time limit for the start of a board that reports its start, for instance while it searches
+/// a network.
 const MAX_START_TIME: Duration = Duration::from_secs(20);
 /// Greatest pause within the answer to a query.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(1);
@@ -34,7 +34,7 @@ const TIMER_SEGMENT: Duration = Duration::from_millis(10);
 const MAX_TIMER_SEGMENTS: u32 = 20;
 /// Soft reset (Ctrl-X), a real-time command.
 const RESET: &str = "\x18";
-/// Assumed receive buffer of FluidNC, which does not report its size, bytes.
+/// Assumed size of the receive buffer of FluidNC, bytes; FluidNC does not report the size.
 const MIN_RECEIVE_BYTES: u16 = 128;
 
 /// The state of the opening.
@@ -477,8 +477,8 @@ impl LineOpening {
         reports.chain(named).collect()
     }
 
-    /// Starts to write the settings that differ, and returns what the link must do. The
-    /// operator has confirmed it.
+    /// Starts to write the settings that differ, after the operator has confirmed the writing.
+    /// Returns what the link must do.
     pub(super) fn write_settings(&mut self, now: HostTime) -> OpeningAction {
         if self.step != OpeningStep::Differs {
             return OpeningAction::Waits;

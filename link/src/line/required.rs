@@ -4,7 +4,7 @@ use super::FirmwareFamily;
 use crate::drives::Drives;
 use crate::{LinkConfig, SettingDifference};
 
-/// Number of the setting for the homing cycle; bit 0 enables it.
+/// Number of the setting for the homing cycle; its bit 0 enables homing.
 const HOMING: u16 = 22;
 /// Value of S at which the analog spindle output is 10 V.
 const FULL_SPEED: f64 = 1000.0;
@@ -19,7 +19,7 @@ const SINGLE: f64 = 1e-7;
 /// A numbered setting and its required value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// The number after `$`.
+    /// Grbl's number of the setting, written after `$`.
     pub number: u16,
     /// The required value, in Grbl's unit.
     pub value: f64,
@@ -52,8 +52,8 @@ impl Setting {
     }
 }
 
-/// A setting that differs, with the line that corrects it. Without a line only the owner
-/// can correct it, in the configuration file of the board.
+/// A setting that differs, with the line that corrects it. Without such a line only the owner
+/// can correct the setting, in the configuration file of the board.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SettingDeviation {
     pub(super) difference: SettingDifference,

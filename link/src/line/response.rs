@@ -38,7 +38,7 @@ pub enum LineResponse {
     Message(String),
     /// Other lines in brackets, and empty lines.
     Information,
-    /// An invalid line.
+    /// An invalid line: noise, or an unknown format.
     Garbage,
 }
 

@@ -30,7 +30,7 @@ pub(super) struct Segments {
     /// Kernel time at the end of the last segment.
     from: RunTime,
     at: PerAxis<Pulses>,
-    /// The newest sample after the end of the last segment.
+    /// The newest sample after the end of the last segment; `None` without one.
     newest: Option<Sample>,
     /// Least duration of the next segment, which ends with its first pulse; 0 for a segment of
     /// usual duration.

@@ -92,7 +92,7 @@ pub(super) struct Reader {
 }
 
 impl Reader {
-    /// Drops an incomplete block.
+    /// Drops the incomplete block at the end of the stream.
     pub(super) fn forget(&mut self) {
         self.bytes.clear();
         self.out_of_step = false;

@@ -39,7 +39,7 @@ pub(super) struct ClockSync {
     /// Nominal clock rate of the board, ticks per second.
     pub(super) rate: f64,
     answers: Vec<Answer>,
-    /// The best of the first answers.
+    /// The best of the first answers; `None` before the first one.
     origin: Option<Answer>,
     /// Host time of a point on the line, s.
     last_host_s: f64,

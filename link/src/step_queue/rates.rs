@@ -29,7 +29,7 @@ const USUAL_STEP_ERROR_US: f64 = 2.0;
 #[derive(Clone, Debug)]
 pub(super) struct Rates {
     pub(super) timing: [Timing; 2],
-    /// Greatest step rates.
+    /// Greatest step rates of the axes, steps per second.
     pub(super) most: PulseRates,
     /// Greatest number of messages per second; `None` without a limit.
     pub(super) messages: Option<u32>,

@@ -35,15 +35,15 @@ const SILENCE: Duration = Duration::from_millis(500);
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct QueuedMessage {
     pub(super) bytes: Vec<u8>,
-    /// Board clock before which the message must arrive.
+    /// Board clock before which the message must arrive; `None` for any time.
     pub(super) due: Option<u64>,
     /// Whether the message belongs to motion and is dropped with it.
     pub(super) motion: bool,
-    /// The axis of a step message, whose first step is at `due`.
+    /// The axis of a step message, whose first step is at `due`; `None` for other messages.
     pub(super) axis: Option<usize>,
     /// Whether the link stops when the message is late. Otherwise a late message is dropped.
     pub(super) vital: bool,
-    /// The kind of a query whose reply must not be an older one.
+    /// The kind of a query whose reply must not be an older one; `None` for other messages.
     pub(super) mark: Option<Mark>,
 }
 
@@ -87,7 +87,7 @@ pub(super) enum Ack {
 /// Board clocks for the check whether a message is in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Times {
-    /// The current clock.
+    /// The current board clock.
     pub(super) now: u64,
     /// The clock at which a message sent now arrives at the latest.
     pub(super) earliest: u64,

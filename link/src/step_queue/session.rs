@@ -60,7 +60,7 @@ enum QueryPurpose {
     Stopped,
 }
 
-/// A pending position query.
+/// A position query that the board has not answered completely.
 #[derive(Clone, Copy, Debug)]
 struct PositionQuery {
     purpose: QueryPurpose,

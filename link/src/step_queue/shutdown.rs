@@ -6,7 +6,7 @@ use gsk_units::alarm;
 /// The cause of a shutdown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ShutdownCause {
-    /// Steps arrived too late.
+    /// Steps arrived at the board too late.
     StepsLate,
     /// A command was damaged on the wire.
     DamagedCommand,

@@ -50,7 +50,7 @@ pub(super) struct IndexPulse {
 struct AngleLine {
     turn: f64,
     clock: f64,
-    /// Turns per tick.
+    /// Slope of the line, turns per tick.
     rate: f64,
 }
 

@@ -65,7 +65,7 @@ pub(super) struct Stretch {
 pub(super) struct Steps {
     timing: Timing,
     due: VecDeque<Due>,
-    /// The newest step added, even if it is compressed already.
+    /// The newest step added, even if it is compressed already; `None` without one.
     newest: Option<Due>,
     /// Board clock of the last compressed step; `None` if the board's step clock must be set.
     last: Option<Ticks>,

@@ -11,8 +11,8 @@ pub(crate) enum ReaderOutput {
     Damaged,
 }
 
-/// Buffers received bytes and finds frames. After a wrong checksum it searches every following
-/// byte for the start of a frame.
+/// Buffers received bytes and finds frames. After a wrong checksum the reader searches every
+/// following byte for the start of a frame.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FrameReader {
     bytes: Vec<u8>,

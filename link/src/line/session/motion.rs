@@ -42,8 +42,8 @@ pub(super) struct LineMotion {
     /// Start points of segments executed recently, with the time at which they counted as
     /// executed.
     past: VecDeque<(HostTime, PerAxis<Pulses>)>,
-    /// When the pending status query was sent. Segments executed since then remain in
-    /// `past`.
+    /// When the pending status query was sent; `None` without one. Segments executed since
+    /// then remain in `past`.
     queried_at: Option<HostTime>,
     /// Position of the last sample taken, in the kernel's pulses.
     pub(super) commanded: PerAxis<Pulses>,

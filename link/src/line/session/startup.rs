@@ -10,12 +10,12 @@ const EXCUSED: Duration = Duration::from_secs(1);
 /// Whether the board has restarted without a command since it was opened.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Start {
-    /// No restart.
+    /// The board has not restarted.
     #[default]
     None,
     /// The board has reported its start; its banner follows and is no further restart.
     Begun,
-    /// The board has restarted. It may be another board or have other settings.
+    /// The board has restarted. The board may now be another one or have other settings.
     Restarted,
 }
 

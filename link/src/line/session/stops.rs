@@ -60,7 +60,7 @@ pub(super) struct Restart {
     quiet_at: Option<HostTime>,
 }
 
-/// A stop in progress.
+/// A stop or restart of the board in progress, and what follows it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LineStop {
     pub(super) halt: Halt,

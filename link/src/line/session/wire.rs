@@ -75,8 +75,8 @@ impl LineWire {
         lines
     }
 
-    /// Takes a byte and returns the line that ends with it, unless it is empty. Characters
-    /// beyond the greatest length are dropped.
+    /// Takes a byte and returns the line that ends with this byte; `None` for an empty or
+    /// incomplete line. Characters beyond the greatest length are dropped.
     pub(super) fn receive(&mut self, byte: u8) -> Option<String> {
         match byte {
             b'\n' | b'\r' => {
@@ -97,7 +97,7 @@ impl LineWire {
         self.line.clear();
     }
 
-    /// Removes and returns the oldest unanswered line.
+    /// Removes and returns the oldest unanswered line; `None` without one.
     pub(super) fn answered(&mut self) -> Option<Unanswered> {
         self.unanswered.pop_front()
     }

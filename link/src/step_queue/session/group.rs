@@ -63,12 +63,12 @@ pub(super) struct Group {
     waits: [Option<Wait>; 2],
     /// Whether the limit switch of X or Z is not watched because it was operated.
     left_out: [bool; 2],
-    /// Levels that end the wait for a change of a pin, of X and of Z. They remain valid across
-    /// a stop by another input.
+    /// Levels that end the wait for a change of a pin, of X and of Z. A level remains valid
+    /// across a stop by another input.
     edges: [Option<i64>; 2],
 }
 
-/// An awaited input.
+/// An input of an axis that the board watches, or will watch once its level is known.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wait {
     pub(super) awaited: AwaitedInput,

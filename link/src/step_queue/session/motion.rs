@@ -118,7 +118,7 @@ enum Alignment {
     None,
     /// The counts were aligned, but steps or drive power may have been lost since.
     Stale,
-    /// The counts are aligned.
+    /// The counts are aligned, and nothing was lost since.
     Exact,
 }
 
@@ -128,7 +128,7 @@ pub(super) struct PulseCounts {
     alignment: Alignment,
     /// The board's count minus the kernel's, pulses.
     offset: PerAxis<i64>,
-    /// The last count that the board has reported.
+    /// The last count that the board has reported; `None` before the first report.
     pub(super) board: Option<PerAxis<Pulses>>,
     /// Commanded position in the last sample, in the kernel's pulses.
     pub(super) commanded: PerAxis<Pulses>,
@@ -176,7 +176,7 @@ impl PulseCounts {
         }
     }
 
-    /// Forgets the alignment.
+    /// Forgets the alignment of the counts.
     pub(super) const fn forget(&mut self) {
         self.alignment = Alignment::None;
     }

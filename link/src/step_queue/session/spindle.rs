@@ -29,9 +29,10 @@ pub(super) struct Spindle {
     estimator: SpindleEstimator,
     /// Clock at the end of each tick and the turns predicted for it, without gaps.
     shown: VecDeque<(Ticks, f64)>,
-    /// Clocks between which the axes have followed the spindle.
+    /// Board clocks between which the axes have followed the spindle; `None` if they have not.
     followed: Option<(Ticks, Ticks)>,
-    /// Greatest error of a prediction that is not reported yet, turns.
+    /// Greatest error of a prediction that is not reported yet, turns; `None` if all were
+    /// good.
     deviation: Option<f64>,
     /// Whether there was a gap between two ticks while the axes follow the spindle: they
     /// lag the predicted angle.

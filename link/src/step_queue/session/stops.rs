@@ -31,7 +31,7 @@ pub(super) enum StopReason {
     Trip(u32),
 }
 
-/// A stop in progress.
+/// A stop in progress: its reason and times.
 #[derive(Clone, Debug)]
 pub(super) struct StepQueueStop {
     reason: StopReason,
