@@ -112,7 +112,8 @@ pub struct Sample {
     pub fine: PerAxis<i64>,
 }
 
-/// Number of fine units per pulse. They give a board with timed steps the time of each pulse.
+/// Number of fine units per pulse. A board with timed steps gets the time of each pulse from
+/// the fine position.
 pub const FINE: i64 = 65_536;
 
 impl Sample {

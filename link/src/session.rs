@@ -41,7 +41,7 @@ impl LinkSession {
         self.now.saturating_sub(moment)
     }
 
-    /// Whether the port is closed or the board is lost. Only the caller can reopen it.
+    /// Whether the port is closed or the board is lost. Only the caller can reopen the port.
     pub(crate) const fn is_closed(&self) -> bool {
         matches!(self.state, LinkState::Off | LinkState::Lost)
     }

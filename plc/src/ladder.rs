@@ -176,7 +176,7 @@ impl Ladder {
         })
     }
 
-    /// Returns the labels in program order, each with the number of the rung that it
+    /// Returns the labels in program order, each with the number of the rung that the label
     /// starts.
     pub fn labels(&self) -> impl Iterator<Item = (u16, u32)> {
         self.statements

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::address::{Area, BitAddress, ByteAddress};
 
-/// X and F are the first areas, so that one copy latches both for level 2.
+/// Index of X in the memory array. X and F are the first areas, so that one copy latches both
+/// for level 2.
 const X: usize = 0;
 const F: usize = X + Area::X.count() as usize;
 /// Distance in bytes from a byte of X or F to its latched copy for level 2.

@@ -50,8 +50,8 @@ pub(crate) struct RungDependencies {
     /// For each operation index, the first rung that starts there or later; last the number
     /// of rungs.
     first_rung_from: Vec<u16>,
-    /// For each rung, the number of rungs with a comparison before it; last the number of
-    /// all.
+    /// For each rung, the number of rungs with a comparison before this rung; last the number
+    /// of all.
     ///
     /// Comparisons also write R900. It is not part of the dependencies, because only the
     /// value of the last comparison remains.

@@ -12,7 +12,7 @@ const SYNC: u8 = 0x7E;
 const SEQUENCE: u8 = 0x10;
 /// Number of different sequence numbers on the wire.
 pub(super) const NUMBERS: u64 = 16;
-/// After these bytes each reader expects a new block, also after an incomplete one.
+/// Bytes after which each reader expects a new block, also within an incomplete block.
 pub(super) const ENDS: [u8; MOST] = [SYNC; MOST];
 
 /// Computes the CRC-16 of the bytes that precede the CRC in a block.

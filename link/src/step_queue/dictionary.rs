@@ -195,7 +195,7 @@ impl Dictionary {
         self.ids.get(command as usize).copied().flatten()
     }
 
-    /// Encodes a command with its arguments; empty if the board does not have it.
+    /// Encodes a command with its arguments; empty if the board does not have the command.
     pub(super) fn message(&self, command: Command, arguments: &[i64]) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(16);
         if let Some(id) = self.id(command) {
@@ -260,7 +260,7 @@ impl Dictionary {
         }
     }
 
-    /// Returns a numeric constant of the board; `None` if the board does not have it.
+    /// Returns a numeric constant of the board; `None` for an unknown constant.
     pub(super) fn constant(&self, name: &str) -> Option<u32> {
         let value = self.constants.get(name)?;
         u32::try_from(value.as_u64()?).ok()

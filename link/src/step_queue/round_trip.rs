@@ -2,9 +2,9 @@
 
 use core::time::Duration;
 
-/// Least retransmission timeout; otherwise it is four round trips.
+/// Least retransmission timeout; above this the timeout is four round trips.
 const LEAST_WAIT: Duration = Duration::from_millis(25);
-/// Greatest retransmission timeout; it doubles after each retransmission.
+/// Greatest retransmission timeout; each retransmission doubles the timeout up to this.
 const MOST_WAIT: Duration = Duration::from_secs(1);
 /// Greatest round trip of a line that does not count as slow.
 pub(super) const USUAL_TRIP: Duration = Duration::from_millis(25);

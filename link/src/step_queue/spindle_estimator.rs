@@ -23,7 +23,7 @@ const LEAST_POINTS: usize = 3;
 const STEADY_TURNS: i64 = 20;
 /// Least time for the variation, s.
 const STEADY_TIME: f64 = 2.0;
-/// Time over which periods are compared, s; a poll is a small share of it.
+/// Time over which periods are compared, s; a poll is a small share of this time.
 const PERIOD_TIME: f64 = 0.1;
 /// Greatest number of turns over which periods are compared.
 const LONGEST_PERIOD: i64 = 10;

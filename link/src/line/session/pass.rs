@@ -71,7 +71,7 @@ struct Turning {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PassTracker {
     pass: Option<Cutting>,
-    /// Reported spindle speed; `None` if the board does not report it.
+    /// Reported spindle speed; `None` if the board reports no speed.
     spindle: Option<Turning>,
 }
 
@@ -140,7 +140,7 @@ impl PassTracker {
 }
 
 impl LineLink {
-    /// Checks the conditions for a pass and sends it to the board.
+    /// Checks the conditions for a pass and sends the pass to the board.
     pub(super) fn begin_pass(&mut self, pass: &ThreadPass) -> Result<(), PassError> {
         let stands = self.stands_in(&[BoardState::Idle])
             && self.session.state == LinkState::Ready

@@ -54,7 +54,7 @@ pub(super) struct Waking {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Restart {
     since: HostTime,
-    /// When Ctrl-X was last sent; it is repeated because it may be lost.
+    /// When Ctrl-X was last sent; the link repeats Ctrl-X because one may be lost.
     sent: HostTime,
     /// Time until which banners of repeated Ctrl-X may arrive; `None` before the first banner.
     quiet_at: Option<HostTime>,
@@ -256,8 +256,8 @@ impl LineLink {
         self.reports.hurry();
     }
 
-    /// Sends the feed hold when FluidNC has answered all lines. A line that it has read but
-    /// not begun at the hold would be executed after the reset.
+    /// Sends the feed hold when FluidNC has answered all lines. A line that FluidNC has read
+    /// but not begun at the hold would be executed after the reset.
     fn watch_draining(&mut self, since: HostTime) {
         if self.wire.is_answered() {
             self.brake();

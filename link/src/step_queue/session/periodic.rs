@@ -26,7 +26,8 @@ const ENABLE_APART: Duration = Duration::from_millis(400);
 /// Time within which missing renewals of an earlier host have their effect.
 const INHERITED: Duration = Duration::from_millis(800);
 
-/// The enable of the drives. The board switches it off when it is not renewed.
+/// The enable of the drives. The board disables the drives when the link does not renew the
+/// enable.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Enable {
     pub(super) on: bool,

@@ -31,8 +31,8 @@ pub(super) struct Spindle {
     shown: VecDeque<(Ticks, f64)>,
     /// Board clocks between which the axes have followed the spindle; `None` if they have not.
     followed: Option<(Ticks, Ticks)>,
-    /// Greatest error of a prediction that is not reported yet, turns; `None` if all were
-    /// good.
+    /// Greatest error of a prediction that is not reported yet, turns; `None` without such an
+    /// error.
     deviation: Option<f64>,
     /// Whether there was a gap between two ticks while the axes follow the spindle: they
     /// lag the predicted angle.
