@@ -17,7 +17,7 @@ use crate::{
 };
 use gsk_units::{Axis, PerAxis, Pulses};
 
-/// A link to one board of either protocol. It dereferences to its [`Backend`].
+/// A link to one board of either protocol. A `Link` dereferences to its [`Backend`].
 #[derive(Clone, Debug)]
 pub enum Link {
     /// A board that reads lines of G code: Grbl, grblHAL, FluidNC.
@@ -27,7 +27,7 @@ pub enum Link {
 }
 
 impl Link {
-    /// Starts the dialogue with a board whose port was just opened.
+    /// Creates the link to a board whose port was just opened, and starts the dialogue.
     pub fn open(config: LinkConfig, drives: &Drives, now: HostTime) -> Self {
         match config.protocol {
             Protocol::Line => Self::Line(Box::new(LineLink::open(config, drives, now))),
@@ -58,23 +58,23 @@ impl DerefMut for Link {
 
 /// A link to a board: takes bytes and time, returns bytes and events.
 ///
-/// Functions that not every board supports have a default body, which refuses.
+/// Functions that not every board supports have a default body, which refuses the request.
 pub trait Backend: Positioned + Debug {
-    /// Adds dictionaries from earlier [`LinkEvent::Learned`] events.
+    /// Adds compressed dictionaries from earlier [`LinkEvent::Learned`] events.
     fn add_dictionaries(&mut self, dictionaries: Vec<Vec<u8>>) {
         // Only boards with timed steps have a dictionary.
         let _ = dictionaries;
     }
 
-    /// The state of the link.
+    /// Returns the state of the connection to the board.
     fn state(&self) -> LinkState {
         self.session().state
     }
 
-    /// What the board has reported about itself.
+    /// Returns what the board has reported about its firmware and its buffers.
     fn board(&self) -> &BoardInfo;
 
-    /// Which threads the board can cut.
+    /// Returns which threads the board can cut, or which conditions are missing.
     fn threads(&self) -> ThreadCapability;
 
     /// Starts a thread pass that the board synchronizes with its spindle.
@@ -86,56 +86,60 @@ pub trait Backend: Positioned + Debug {
         Err(PassError::NotReady)
     }
 
-    /// Pulses per mm of slide travel, X and Z.
+    /// Returns the number of pulses per mm of slide travel, for X and Z.
     fn pulses_per_mm(&self) -> [f64; 2];
 
-    /// The operated switches of the last report.
+    /// Returns the switches that the last report shows as operated.
     fn pins(&self) -> Pins;
 
-    /// The position of the last report, in the kernel's pulses.
+    /// Returns the position of the last report, in the kernel's pulses; `None` without a
+    /// report.
     fn counted(&self) -> Option<PerAxis<Pulses>>;
 
-    /// The time of the first report since which all reports show a standstill.
+    /// Returns the time of the first report since which all reports show a standstill; `None`
+    /// during motion.
     fn standing_since(&self) -> Option<HostTime>;
 
-    /// Counters of the serial traffic.
+    /// Returns the counters of the serial traffic.
     fn traffic(&self) -> Traffic;
 
-    /// The end of the motion that the board has certainly executed.
+    /// Returns the kernel time up to which the board has certainly executed the motion.
     fn executed(&self) -> RunTime;
 
-    /// Duration of the motion that the board may not have executed yet.
+    /// Returns the duration of the motion that the board may not have executed yet.
     fn outstanding(&self) -> Duration;
 
-    /// Duration of motion that the link accepts now without exceeding the lookahead.
+    /// Returns the duration of motion that the link accepts now without exceeding the
+    /// lookahead.
     fn free_lookahead(&self) -> Duration;
 
-    /// The greatest pulse rates of the board.
+    /// Returns the greatest pulse rates of the board.
     fn rates(&self) -> PulseRates;
 
-    /// Returns and clears the events since the last call.
+    /// Removes and returns the events since the last call.
     fn events(&mut self) -> Vec<LinkEvent> {
         core::mem::take(&mut self.session_mut().events)
     }
 
-    /// Bytes to be written to the port.
+    /// Returns the bytes to be written to the port.
     fn tx(&self) -> &[u8];
 
     /// Removes the first `count` bytes of [`tx`](Self::tx): the port has taken them.
     fn consumed(&mut self, count: usize);
 
-    /// Advances the time; call it at least every 5 ms.
+    /// Advances the time and sends what is due; call it at least every 5 ms.
     fn tick(&mut self, now: HostTime);
 
-    /// Takes bytes received from the port.
+    /// Takes bytes that the port received at time `now`.
     fn rx(&mut self, bytes: &[u8], now: HostTime);
 
-    /// Call it after the computer was suspended for longer than the lookahead. A line board
-    /// gets no motion before it has reported its position. A board with timed steps
-    /// notices the gap itself.
+    /// Holds motion back after the computer was suspended for longer than the lookahead: a
+    /// line board gets no motion before it has reported its position. A board with timed steps
+    /// detects the gap, so that its link does nothing here.
     fn stop_after_absence(&mut self) {}
 
-    /// Call it when the port failed, for instance when it was unplugged.
+    /// Handles a failed port, for instance after unplugging: raises an alarm with `cause` and
+    /// enters [`LinkState::Lost`].
     fn lost(&mut self, cause: Message);
 
     /// Queries the count of a board at standstill; [`LinkEvent::Position`] reports the
@@ -145,11 +149,11 @@ pub trait Backend: Positioned + Debug {
         false
     }
 
-    /// Writes the settings that differ; the operator has confirmed it.
+    /// Writes the required values of the differing settings; the operator has confirmed this.
     fn write_settings(&mut self) {}
 
-    /// Sets the position of the slides: after the kernel's reference return, or when the
-    /// operator has confirmed it. The link accepts motion from now on.
+    /// Sets the position of the slides, after the kernel's reference return or after the
+    /// operator has confirmed the position. The link accepts motion from now on.
     ///
     /// # Errors
     /// The board moves, is locked, or has not reported its position.
@@ -161,7 +165,8 @@ pub trait Backend: Positioned + Debug {
         Ok(())
     }
 
-    /// Accepts manual motion without a known position; the state remains locked.
+    /// Accepts manual motion without a known position; the state remains
+    /// [`LinkState::Locked`].
     ///
     /// # Errors
     /// The position is known, or the board moves, is locked, or has not reported its
@@ -179,12 +184,13 @@ pub trait Backend: Positioned + Debug {
     /// spindle and coolant.
     fn close(&mut self);
 
-    /// Bytes that stop motion, spindle and coolant after any earlier bytes. The port guard
-    /// writes them when the main process ends. Empty if nothing needs to be stopped or
+    /// Returns bytes that stop motion, spindle and coolant after any earlier bytes. The port
+    /// guard writes them when the main process ends. Empty if nothing needs to be stopped or
     /// the board is not identified yet.
     fn stop_bytes(&self) -> Vec<u8>;
 
-    /// Whether received bytes contain the answer to [`stop_bytes`](Self::stop_bytes).
+    /// Whether the bytes received afterwards contain the answer to
+    /// [`stop_bytes`](Self::stop_bytes).
     fn has_answered_stop(&self, answered: &[u8]) -> bool {
         let _ = answered;
         false
@@ -211,13 +217,13 @@ pub trait Backend: Positioned + Debug {
         self.session().knows_position()
     }
 
-    /// Why the position is uncertain; `None` if it is known.
+    /// Returns why the position is uncertain; `None` if the position is known.
     fn uncertainty(&self) -> Option<Uncertainty> {
         self.session().uncertainty()
     }
 
-    /// The position by the last count of the board, in the kernel's pulses; `None` if the
-    /// two counts were never aligned.
+    /// Returns the position by the last count of the board, in the kernel's pulses; `None` if
+    /// the counts of board and kernel were never aligned.
     fn last_position(&self) -> Option<PerAxis<Pulses>>;
 
     /// Whether a stop is in progress: the position of the standstill is not known yet.
@@ -253,18 +259,20 @@ pub trait Backend: Positioned + Debug {
         Err(MotionRefused::NotReady)
     }
 
-    /// Sets the wanted state of spindle and coolant.
+    /// Sets the wanted state of spindle and coolant; the link switches them as soon as
+    /// possible.
     fn set_outputs(&mut self, outputs: BoardOutputs);
 
-    /// Whether outputs can switch during motion; otherwise they switch at standstill only.
+    /// Whether the board can switch outputs during motion; otherwise only at standstill.
     fn times_outputs(&self) -> bool {
         false
     }
 
-    /// The outputs that the board has switched; `None` while a command is in progress.
+    /// Returns the outputs that the board has switched; `None` while a command is in progress.
     fn switched(&self) -> Option<BoardOutputs>;
 
-    /// Takes the commanded position at the end of a tick.
+    /// Takes the commanded position at the end of a tick and sends the motion to the board in
+    /// time.
     ///
     /// # Errors
     /// The state allows no motion, a limit switch is in the way, or the rate is too high;
@@ -277,11 +285,11 @@ pub trait Backend: Positioned + Debug {
     /// The rest needs a higher pulse rate than the board has.
     fn finish(&mut self) -> Result<(), MotionRefused>;
 
-    /// Stops the board immediately.
+    /// Stops the board immediately, in the way that `stop` selects.
     fn stop(&mut self, stop: Stop);
 
-    /// Handles RESET: clears faults whose cause is gone and unlocks the board. The position
-    /// remains unknown if it was.
+    /// Handles RESET: clears faults whose cause is gone and unlocks the board. An unknown
+    /// position remains unknown.
     fn reset(&mut self);
 
     /// Arms an input: the board stops the axes when its condition is met, and
@@ -295,7 +303,7 @@ pub trait Backend: Positioned + Debug {
         Err(MotionRefused::NotWired)
     }
 
-    /// The armed input of an axis, if any.
+    /// Returns the armed input of an axis; `None` without one.
     fn awaited(&self, axis: Axis) -> Option<AwaitedInput> {
         let _ = axis;
         None
@@ -328,7 +336,7 @@ pub trait Backend: Positioned + Debug {
         false
     }
 
-    /// Switches an output when the motion up to `at` has been executed.
+    /// Switches an output to `value` (0 or 1, or mV) when the motion up to `at` is executed.
     ///
     /// # Errors
     /// The board is not ready, or has no such output.
@@ -337,7 +345,7 @@ pub trait Backend: Positioned + Debug {
         Err(MotionRefused::NotWired)
     }
 
-    /// Whether an input is operated; `None` if it is not wired or not reported yet.
+    /// Whether an input is operated; `None` if the input is not wired or not reported yet.
     fn input(&self, input: Input) -> Option<bool>;
 
     /// Predicts the spindle in the kernel's next tick; call it once before each tick. With
@@ -358,7 +366,8 @@ pub trait Backend: Positioned + Debug {
         let _ = on;
     }
 
-    /// Takes the next line or block from the collected bytes of one direction and formats
-    /// it as text. `None` if it is incomplete. `outward`: the bytes go to the board.
+    /// Takes the next line or block from the collected bytes of one direction and formats it
+    /// as text; `None` if the line or block is incomplete. `outward`: the bytes go to the
+    /// board.
     fn next_text(&self, outward: bool, collected: &mut Vec<u8>) -> Option<String>;
 }

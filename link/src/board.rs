@@ -5,12 +5,12 @@ use core::time::Duration;
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-/// The properties of a board, as far as it has reported them.
+/// The properties of a board that the board has reported so far.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BoardInfo {
-    /// Firmware and version.
+    /// Name and version of the firmware.
     pub firmware: String,
-    /// Entries of the motion queue.
+    /// Number of entries of the motion queue.
     pub blocks: u16,
     /// Size of the receive buffer, bytes.
     pub receive_bytes: u16,
@@ -25,24 +25,25 @@ pub struct BoardInfo {
 pub struct PulseRates {
     /// Rates of X and of Z.
     pub each: [f64; 2],
-    /// Rate of both axes together.
+    /// Greatest rate of both axes together.
     pub both: f64,
 }
 
 /// Which threads a board can cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ThreadCapability {
-    /// No threads, because of these missing conditions.
+    /// The board cannot cut threads because of these missing conditions.
     None(MissingForThreads),
-    /// All threads: the board measures the spindle, and the control follows it.
+    /// The board measures the spindle, and the control lets the axes follow the spindle: all
+    /// threads are possible.
     Followed,
-    /// Straight passes of constant lead: the board synchronizes each pass with its
-    /// one-turn signal.
+    /// The board synchronizes each pass with the one-turn signal of the spindle: only straight
+    /// passes of constant lead are possible.
     Passes,
 }
 
 impl ThreadCapability {
-    /// The text for the operator: possible threads, or the missing conditions.
+    /// Returns the text for the operator: which threads are possible, or what is missing.
     pub fn text(self) -> Message {
         match self {
             Self::None(lacks) => say::threads_none(lacks.text()),
@@ -58,17 +59,17 @@ impl Default for ThreadCapability {
     }
 }
 
-/// The conditions for threads that a board does not meet.
+/// The conditions for threads that a board does not meet; a missing condition is `true`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MissingForThreads {
-    /// The firmware has no spindle synchronization.
+    /// The firmware cannot synchronize a pass with the spindle.
     pub sync: bool,
-    /// The proof thread has not been cut.
+    /// The owner has not cut the proof thread and measured its lead.
     pub proof: bool,
     /// The setting for the encoder pulses ($38) is 0.
     pub encoder: bool,
-    /// The gains of the spindle control loop ($90 to $92) are not 0: the board would
-    /// correct a pass while it cuts.
+    /// The gains of the spindle control loop ($90 to $92) are not 0: the board would correct a
+    /// pass while cutting.
     pub gains: bool,
     /// A work offset in the board is not 0.
     pub offset: bool,
@@ -77,7 +78,7 @@ pub struct MissingForThreads {
 }
 
 impl MissingForThreads {
-    /// The text for the operator: all missing conditions.
+    /// Returns the text for the operator that lists the missing conditions.
     pub fn text(self) -> Message {
         let lacks = [
             (self.sync, say::lacks_sync()),
@@ -101,24 +102,25 @@ impl MissingForThreads {
 /// The switches that a status report names as operated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Pins {
-    /// Limit switch of X.
+    /// Whether the limit switch of X is operated.
     pub x: bool,
-    /// Limit switch of Z.
+    /// Whether the limit switch of Z is operated.
     pub z: bool,
-    /// Emergency stop input or reset input.
+    /// Whether the emergency stop input or the reset input is operated.
     pub emergency: bool,
-    /// Safety door.
+    /// Whether the safety door is open.
     pub door: bool,
-    /// Probe.
+    /// Whether the probe is operated.
     pub probe: bool,
-    /// Feed hold button.
+    /// Whether the feed hold button is pressed.
     pub hold: bool,
-    /// Cycle start button.
+    /// Whether the cycle start button is pressed.
     pub start: bool,
 }
 
 impl Pins {
-    /// Whether the pin with this letter in Grbl's status report is operated.
+    /// Whether the pin with this letter in Grbl's status report is operated; false for other
+    /// letters.
     pub(super) const fn letter(self, letter: char) -> bool {
         match letter {
             'P' => self.probe,
@@ -137,20 +139,20 @@ pub enum SpindleDirection {
     /// The spindle is stopped (M05).
     #[default]
     Stop,
-    /// Forward (M03).
+    /// The spindle turns forward (M03).
     Forward,
-    /// Reverse (M04).
+    /// The spindle turns in reverse (M04).
     Reverse,
 }
 
 /// The outputs that the board switches for the control.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BoardOutputs {
-    /// Direction of the spindle.
+    /// Commanded direction of the spindle.
     pub spindle: SpindleDirection,
     /// Analog output of the spindle speed, 0 to 10 000 mV.
     pub millivolts: u16,
-    /// Coolant (M08).
+    /// Whether the coolant is on (M08).
     pub coolant: bool,
 }
 
@@ -169,8 +171,8 @@ pub struct SpindleView {
     /// Greatest difference between recent periods as a fraction of their mean, over 20
     /// turns and 2 s; `None` with fewer turns.
     pub variation: Option<f64>,
-    /// How far a one-turn signal was from the angle that the axes followed, turns, if that
-    /// is too far for a thread. Reported once.
+    /// How far a one-turn signal was from the angle that the axes followed, turns. `None` if
+    /// this is not too far for a thread, or if it was reported before.
     pub deviation: Option<f64>,
     /// Whether the one-turn signal is missing while the axes follow the spindle.
     pub lost: bool,
@@ -179,20 +181,20 @@ pub struct SpindleView {
 /// Counters of the serial traffic for the link page. A board reads lines or blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
-    /// Lines or blocks sent.
+    /// Number of lines or blocks sent.
     pub lines: u64,
-    /// Bytes sent.
+    /// Number of bytes sent.
     pub sent: u64,
-    /// Bytes received.
+    /// Number of bytes received.
     pub received: u64,
-    /// Status reports received.
+    /// Number of status reports received.
     pub reports: u64,
-    /// Invalid lines or blocks received.
+    /// Number of invalid lines or blocks received.
     pub garbage: u64,
-    /// Motion segments or step runs sent.
+    /// Number of motion segments or step runs sent.
     pub segments: u64,
-    /// Blocks retransmitted.
+    /// Number of blocks retransmitted.
     pub resent: u64,
-    /// Time from the last query to its answer.
+    /// Time from the last query to its answer; `None` before the first answer.
     pub round_trip: Option<Duration>,
 }

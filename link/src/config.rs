@@ -27,8 +27,8 @@ pub struct LinkConfig {
     pub port: String,
     /// Baud rate, bit/s, 9600–4 000 000.
     pub baud: u32,
-    /// How far the kernel may run ahead of the board, ms, 50–400. It delays each feed
-    /// hold. `None`: 150 for a line board, 100 for timed steps.
+    /// How far the kernel may run ahead of the board, ms, 50–400; each feed hold is delayed by
+    /// this time. `None`: 150 for a line board, 100 for timed steps.
     pub lookahead_ms: Option<u32>,
     /// Greatest speed of the slide at which the reference remains valid after a stop
     /// without deceleration, mm/min.
@@ -82,9 +82,9 @@ pub struct LinkAxis {
     /// Whether the direction is inverted: in a line board by $3, with timed steps in
     /// addition to the `!` of the pin.
     pub invert_direction: bool,
-    /// Step pin.
+    /// Name of the step pin.
     pub step: String,
-    /// Direction pin.
+    /// Name of the direction pin.
     pub dir: String,
     /// Length of a step pulse, µs, 1–255.
     pub step_pulse_us: u32,
@@ -180,7 +180,7 @@ pub struct LinkIo {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LineConfig {
-    /// Homing parameters.
+    /// Parameters of the board's homing.
     pub home: HomeConfig,
     /// Duration of a motion segment, ms, 5–40.
     pub period_ms: u32,
@@ -222,7 +222,7 @@ impl Default for LineConfig {
 pub struct LinkConfigError {
     /// Path of the field, without `link.`.
     pub field: &'static str,
-    /// The error in its value.
+    /// What is wrong with the value of the field.
     pub fault: FaultyLinkConfig,
 }
 
@@ -230,13 +230,13 @@ pub struct LinkConfigError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("{}", self.message())]
 pub enum FaultyLinkConfig {
-    /// A value out of its range.
+    /// The value is outside its range.
     Range {
-        /// The value.
+        /// The invalid value.
         value: u32,
-        /// Least value allowed.
+        /// Least valid value.
         least: u32,
-        /// Greatest value allowed.
+        /// Greatest valid value.
         most: u32,
     },
     /// A required pin is empty.
@@ -249,7 +249,7 @@ pub enum FaultyLinkConfig {
         contact: &'static str,
         /// The signal of the contact, for instance `*ESP`.
         signal: &'static str,
-        /// The path of its setting, for instance `io.estop`.
+        /// The path of the contact's setting, for instance `io.estop`.
         field: &'static str,
     },
     /// A contact has no pin.
@@ -269,7 +269,7 @@ pub enum FaultyLinkConfig {
 }
 
 impl FaultyLinkConfig {
-    /// The text for the operator.
+    /// Returns the message that describes the error and names the valid values.
     pub fn message(&self) -> Message {
         match self {
             Self::Range { value, least, most } => say::link_value_wrong(value, least, most),
@@ -292,22 +292,22 @@ impl FaultyLinkConfig {
 }
 
 impl LinkConfigError {
-    /// The text for the operator, with the path of the field.
+    /// Returns the message with the path of the field and its error.
     pub fn message(&self) -> Message {
         say::machine_field(format_args!("link.{}", self.field), self.fault.message())
     }
 }
 
-/// Greatest coordinate of the control, mm.
+/// Greatest homing position, mm.
 const MAX_HOME_MM: f64 = 9999.999;
 
 impl LinkConfig {
-    /// The contacts of the control that are wired to the board.
+    /// Returns the contacts of the control that are wired to the board.
     pub fn contacts(&self) -> impl Iterator<Item = Input> {
         contacts::wired(&self.inputs).map(|(contact, _)| contact)
     }
 
-    /// How far the kernel may run ahead of the board, the default included.
+    /// Returns how far the kernel may run ahead of the board: `lookahead_ms` or its default.
     pub fn lookahead(&self) -> Duration {
         let default_ms = match self.protocol {
             Protocol::Line => 150,

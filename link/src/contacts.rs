@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::pin::PinName;
 use super::{FaultyLinkConfig, Input};
 
-/// Contacts with a separate setting: address, contact, signal and setting.
+/// Contacts that `inputs` must not name: address, contact, signal and path of their setting.
 const SEPARATE: [((u8, u8), [&str; 3]); 3] = [
     ((0, 3), ["X0.3", "*DECX", "x.dec"]),
     ((0, 5), ["X0.5", "*ESP", "io.estop"]),
@@ -14,15 +14,15 @@ const SEPARATE: [((u8, u8), [&str; 3]); 3] = [
 /// Letters after `Pn:` in a line board's report that may be mapped to a contact.
 const LETTERS: &str = "PDHRSE";
 
-/// Parses X0.0 to X3.7 into byte and bit.
+/// Parses a contact X0.0 to X3.7 into byte and bit; `None` for other texts.
 fn address(text: &str) -> Option<(u8, u8)> {
     let (byte, bit) = text.strip_prefix('X')?.split_once('.')?;
     let (byte, bit) = (byte.parse().ok()?, bit.parse().ok()?);
     (byte <= 3 && bit <= 7).then_some((byte, bit))
 }
 
-/// Checks that each entry names a contact and a pin. With `letters` the board is a line
-/// board, whose pins are letters.
+/// Checks that each entry of `inputs` names a contact and a pin. With `letters` the board is a
+/// line board, whose pins are letters.
 pub(super) fn check(
     inputs: &BTreeMap<String, String>,
     letters: bool,
@@ -53,7 +53,7 @@ pub(super) fn check(
     Ok(())
 }
 
-/// The contacts with their pins, sorted by name.
+/// Returns the contacts with their pins, sorted by name.
 pub(super) fn wired(inputs: &BTreeMap<String, String>) -> impl Iterator<Item = (Input, &str)> {
     inputs.iter().filter_map(|(key, pin)| {
         let (byte, bit) = address(key)?;

@@ -2,7 +2,7 @@
 
 use gsk_units::PerAxis;
 
-/// Ratio of the board's greatest rate to the control's: the board must never limit.
+/// Ratio of the board's greatest rate to the control's: the board must never limit a move.
 const RATE_MARGIN: f64 = 1.2;
 /// Least acceleration of the board, mm/s².
 const LEAST_ACCELERATION: f64 = 2000.0;
@@ -12,7 +12,7 @@ const ACCELERATION_MARGIN: f64 = 10.0;
 /// The limits of an axis in the board, set so high that the board never limits a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisRates {
-    /// Greatest rate, mm/min.
+    /// Greatest rate of the axis, mm/min.
     pub rate: f64,
     /// Greatest acceleration, mm/s².
     pub acceleration: f64,
@@ -37,12 +37,12 @@ impl AxisRates {
 pub struct Drives {
     /// Slide travel of one pulse, mm.
     pub pulse_weight: PerAxis<f64>,
-    /// The limits that the board must allow.
+    /// Limits that each axis must have in the board.
     pub rates: PerAxis<AxisRates>,
 }
 
 impl Drives {
-    /// Pulses per mm of slide travel, X and Z.
+    /// Returns the number of pulses per mm of slide travel, for X and Z.
     pub fn pulses_per_mm(&self) -> [f64; 2] {
         [1.0 / self.pulse_weight.x, 1.0 / self.pulse_weight.z]
     }

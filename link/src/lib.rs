@@ -81,7 +81,7 @@ impl LinkState {
         matches!(self, Self::Ready | Self::Moving)
     }
 
-    /// The English name on the link page.
+    /// Returns the English name of the state, for the link page.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Off => "off",
@@ -112,11 +112,12 @@ pub struct Sample {
     pub fine: PerAxis<i64>,
 }
 
-/// Fine units per pulse. A board with timed steps needs them for the time of each pulse.
+/// Number of fine units per pulse. A board with timed steps gets the time of each pulse from
+/// the fine position.
 pub const FINE: i64 = 65_536;
 
 impl Sample {
-    /// A sample of whole pulses: the pulses of a tick are evenly spaced.
+    /// Creates a sample at whole pulses: the pulses of its tick are evenly spaced.
     pub const fn new(end: RunTime, pulses: PerAxis<Pulses>) -> Self {
         Self {
             end,
@@ -129,9 +130,9 @@ impl Sample {
 /// How the link stops a board immediately.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
-    /// Feed hold, then drop the queued motion. The position is kept.
+    /// Stops the axes, drops the queued motion and keeps the position.
     Flush,
-    /// Dead stop: steps end at once and the position is lost.
+    /// Dead stop: ends all steps at once; the position is lost.
     Kill,
 }
 
@@ -164,7 +165,7 @@ pub enum Input {
 }
 
 impl Input {
-    /// The axis that the input belongs to; `None` for inputs of the whole machine.
+    /// Returns the axis that the input belongs to; `None` for inputs of the whole machine.
     pub const fn axis(self) -> Option<Axis> {
         match self {
             Self::LimitX | Self::DecelerationX | Self::ZeroX => Some(Axis::X),
@@ -181,26 +182,26 @@ pub enum InputCondition {
     Operated,
     /// The input is free.
     Free,
-    /// The input has changed since it was armed: either edge counts.
+    /// The input has changed since the link armed it: either edge counts.
     Changed,
 }
 
 /// An input that the board watches: when its condition is met the board stops both axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AwaitedInput {
-    /// The input; it belongs to an axis.
+    /// The watched input, which belongs to an axis.
     pub input: Input,
     /// The condition that stops the axes.
     pub until: InputCondition,
-    /// Pulses per second of the search. It sets the sampling rate: the board stops before
-    /// the next pulse.
+    /// Speed of the search, pulses per second. This speed determines the sampling rate: the
+    /// board stops before the next pulse.
     pub rate: f64,
 }
 
 /// An output of a board, switched in step with the motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Output {
-    /// Enable of the drives; the link switches it itself.
+    /// Enable of the drives, 0 or 1; only the link switches this output.
     Enable,
     /// Spindle clockwise (M03), 0 or 1.
     SpindleForward,
@@ -215,7 +216,7 @@ pub enum Output {
 /// An event that the link reports to the kernel.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LinkEvent {
-    /// The state of the link changed.
+    /// The link has changed to this state.
     State(LinkState),
     /// The board has executed all motion, and its count agrees with the kernel's.
     Drained,
@@ -227,26 +228,26 @@ pub enum LinkEvent {
     },
     /// The count of the board at standstill, in the kernel's pulses.
     Position(PerAxis<Pulses>),
-    /// The board has finished homing these axes.
+    /// The board has finished homing the axes that are `true`.
     Homed(PerAxis<bool>),
-    /// An awaited input stopped the axes at this position.
+    /// This awaited input stopped the axes at this position, in the kernel's pulses.
     Reached(Input, PerAxis<Pulses>),
     /// An alarm for the operator.
     Alarm {
         /// Number in the alarm table, 601–622.
         number: u16,
-        /// The cause.
+        /// Cause of the alarm.
         detail: Message,
     },
-    /// The dictionary of a board with timed steps was read. Pass it to
-    /// [`Backend::add_dictionaries`] at the next opening to save the time of reading it.
+    /// The dictionary of a board with timed steps was read. To save the time of reading it
+    /// again, pass `packed` to [`Backend::add_dictionaries`] at the next opening.
     Learned {
-        /// Processor and firmware version.
+        /// Name of the dictionary: processor and firmware version.
         name: String,
         /// The compressed dictionary, as received.
         packed: Vec<u8>,
     },
-    /// A setting of the board differs from the required one.
+    /// This setting of the board differs from the required one.
     Differs(SettingDifference),
 }
 
@@ -260,16 +261,16 @@ pub struct SettingDifference {
     pub name: String,
     /// The value in the board; `None` if the board does not have the setting.
     pub board: Option<String>,
-    /// The required value.
+    /// The value that the board must have.
     pub wanted: String,
 }
 
 /// A straight thread pass of constant lead that the board synchronizes with its spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThreadPass {
-    /// The start point: the current position.
+    /// The start point, in the kernel's pulses: the current position.
     pub from: PerAxis<Pulses>,
-    /// The end point.
+    /// The end point, in the kernel's pulses.
     pub end: PerAxis<Pulses>,
     /// Distance along the path per turn of the spindle, mm.
     pub lead: f64,
@@ -288,21 +289,21 @@ pub enum PassError {
     Standing,
     /// The spindle is too slow: its one-turn signals come after the board's time limit.
     Slow {
-        /// Spindle speed, r/min.
+        /// Current spindle speed, r/min.
         rpm: f64,
-        /// Least spindle speed, r/min.
+        /// Least spindle speed for a pass, r/min.
         least: f64,
     },
     /// The pass is too fast for motors that start without a ramp.
     Fast {
         /// Speed along the pass, mm/min.
         speed: f64,
-        /// Greatest speed, mm/min.
+        /// Greatest speed without a ramp, mm/min.
         most: f64,
     },
-    /// The limit switch of an axis is operated.
+    /// The limit switch of this axis is operated.
     Limit(Axis),
-    /// The pass is shorter than its acceleration and deceleration.
+    /// The pass is shorter than the distances of its acceleration and deceleration together.
     Short {
         /// Length of the pass, mm.
         length: f64,
@@ -312,7 +313,8 @@ pub enum PassError {
 }
 
 impl PassError {
-    /// The alarm number, the cause, and for how long the kernel retries before the alarm.
+    /// Returns the alarm number, the cause, and the time for which the kernel retries before
+    /// the alarm.
     pub fn to_alarm(self) -> (u16, Message, Duration) {
         let (number, text, seconds) = match self {
             Self::NotReady => (alarm::LINK_PROTOCOL, say::pass_board_moves(), 20),
@@ -342,21 +344,21 @@ const fn limit_alarm(axis: Axis) -> u16 {
 /// Why the link refuses motion or a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MotionRefused {
-    /// The state of the link does not allow it.
+    /// The link accepts no motion or command in its current state.
     NotReady,
     /// The motion needs more pulses per second than the board can make.
     TooFast,
-    /// The limit switch of the axis is operated, and the motion leads towards its stop.
+    /// The limit switch of this axis is operated, and the motion leads towards its stop.
     TowardLimit(Axis),
-    /// The limit switch of the axis is operated at an unknown end. The axis has moved as
-    /// far as it may before the operator checks its position with RESET.
+    /// The limit switch of this axis is operated at an unknown end. The axis has moved as far
+    /// as it may before the operator checks its position with RESET.
     OnLimit(Axis),
     /// The board has no such input or output.
     NotWired,
 }
 
 impl MotionRefused {
-    /// The alarm number and the cause.
+    /// Returns the alarm number and the cause.
     pub fn to_alarm(self) -> (u16, Message) {
         match self {
             Self::TooFast => (alarm::BOARD_CANNOT, say::board_pulses_too_many()),

@@ -8,8 +8,8 @@
 use super::MotionRefused;
 use gsk_units::Axis;
 
-/// Distance that an axis may move on a switch of unknown end, mm of the slide. It is also
-/// the distance from a switch at which the link forgets its end.
+/// Distance that an axis may move on a switch of unknown end, mm of the slide. At the same
+/// distance from a switch the link forgets the end of that switch.
 const STEP_LIMIT_MM: f64 = 1.0;
 
 /// The limit switches of X and Z.
@@ -18,15 +18,15 @@ pub(super) struct Limits([Limit; 2]);
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Limit {
-    /// `STEP_LIMIT_MM` in pulses.
+    /// [`STEP_LIMIT_MM`] in pulses.
     step_limit: i64,
     operated: bool,
     /// Direction towards the switch, 1 or -1; 0 if unknown.
     direction: i64,
-    /// Pulses. On a switch of unknown end: sum of all motion since the last check by the
-    /// operator. Off a switch: signed distance from it.
+    /// Pulses moved: on a switch of unknown end the sum of all motion since the operator's
+    /// last check, off a switch the signed distance from it.
     moved: i64,
-    /// Direction of the last motion.
+    /// Direction of the last motion on the switch, 1 or -1.
     last: i64,
 }
 
@@ -38,8 +38,8 @@ impl Limits {
         }))
     }
 
-    /// Notes that motion in a direction, 1 or -1, operated a switch; 0 if the direction is
-    /// unknown.
+    /// Stores that motion in a direction, 1 or -1, operated the switch of an axis; 0 if the
+    /// direction is unknown.
     pub(super) const fn hit(&mut self, axis: usize, direction: i64) {
         let limit = &mut self.0[axis];
         limit.operated = true;
@@ -52,8 +52,8 @@ impl Limits {
         };
     }
 
-    /// The direction towards the operated switch of an axis, 0 if unknown; `None` if the
-    /// switch is free.
+    /// Returns the direction towards the operated switch of an axis, 1 or -1, 0 if unknown;
+    /// `None` if the switch is free.
     pub(super) fn operated_direction(&self, axis: usize) -> Option<i64> {
         let limit = &self.0[axis];
         limit.operated.then_some(limit.direction)
@@ -63,12 +63,12 @@ impl Limits {
         self.0[0].operated || self.0[1].operated
     }
 
-    /// Whether the axis is farther from its switch than the step limit.
+    /// Whether the axis is farther from its switch than [`STEP_LIMIT_MM`].
     pub(super) const fn has_left(&self, axis: usize) -> bool {
         !self.0[axis].operated && self.0[axis].direction == 0
     }
 
-    /// Notes that the operator has checked the position of the slides (RESET).
+    /// Allows new motion on operated switches: the operator has checked the position (RESET).
     pub(super) fn confirm_position_checked(&mut self) {
         for limit in &mut self.0 {
             if limit.operated {
@@ -83,8 +83,8 @@ impl Limits {
         self.0[1].direction = 0;
     }
 
-    /// Checks a motion in pulses and counts it if it is allowed. `operated` is the last
-    /// report of both switches.
+    /// Checks a motion of X and Z in pulses, and counts an allowed one. `operated` is the last
+    /// report of both switches, `None` if not reported.
     pub(super) fn allow(
         &mut self,
         moves: [i64; 2],

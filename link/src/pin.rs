@@ -5,7 +5,7 @@
 pub(super) struct PinName<'a> {
     pub(super) pull_up: bool,
     pub(super) inverted: bool,
-    /// The board's name of the pin; empty if it is not wired.
+    /// The board's name of the pin; empty if the pin is not wired.
     pub(super) name: &'a str,
 }
 

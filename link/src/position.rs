@@ -10,10 +10,10 @@ use gsk_units::{PerAxis, Pulses};
 /// The functions of a backend that confirm, invalidate and forget its position. Callers
 /// use [`Backend`](crate::Backend) instead.
 pub trait Positioned {
-    /// The state, time and events of the link.
+    /// Returns state, time and events of the link.
     fn session(&self) -> &LinkSession;
 
-    /// The state, time and events of the link, mutable.
+    /// Returns state, time and events of the link, mutable.
     fn session_mut(&mut self) -> &mut LinkSession;
 
     /// Aligns the board's current count with the kernel's count at time `at`.
@@ -22,12 +22,12 @@ pub trait Positioned {
     /// The board moves, is locked or shut down, or has not reported its position.
     fn align(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), MotionRefused>;
 
-    /// Marks the position as uncertain.
+    /// Marks the position as uncertain for this reason; an earlier reason is kept.
     fn lose_position(&mut self, uncertainty: Uncertainty) {
         self.session_mut().lose_position(uncertainty);
     }
 
-    /// Forgets the alignment of the two counts.
+    /// Forgets the alignment of the board's count with the kernel's.
     fn forget_count(&mut self);
 }
 
@@ -37,9 +37,9 @@ pub enum Uncertainty {
     /// An axis has not made its reference return.
     #[default]
     Unreferenced,
-    /// A dead stop during motion.
+    /// The axes were stopped dead during motion.
     StoppedDead,
-    /// A stop from a speed at which the motors may lose steps.
+    /// The axes were stopped from a speed at which the motors may lose steps.
     TooFast,
     /// The drives have lost power.
     Powerless,
@@ -53,25 +53,26 @@ pub enum Uncertainty {
     Reset,
     /// The board shut down and its count has not been read since.
     ShutDown,
-    /// The board has not answered since.
+    /// The board no longer answers.
     Unheard,
     /// The backlash compensation may be unfinished.
     Play,
 }
 
 impl Uncertainty {
-    /// The reason after an emergency stop of the control: `in_motion` if the axes move.
-    /// The emergency stop chain cuts the power of axes at standstill, too.
+    /// Returns the reason after an emergency stop: `in_motion` if the axes move. The emergency
+    /// stop chain cuts the power of axes at standstill, too.
     pub(crate) const fn killed(moves: bool, in_motion: Self) -> Self {
         if moves { in_motion } else { Self::Powerless }
     }
 
-    /// Whether the board has reported its count of this position.
+    /// Whether the uncertain position is a count of the board; after a shutdown it is an
+    /// estimate.
     pub const fn is_counted(self) -> bool {
         !matches!(self, Self::ShutDown)
     }
 
-    /// The text for the operator.
+    /// Returns the text for the operator that explains why the position is uncertain.
     pub fn text(self) -> Message {
         match self {
             Self::Unreferenced => say::position_unreferenced(),

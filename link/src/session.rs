@@ -9,7 +9,7 @@ use crate::{HostTime, LinkEvent, LinkState, Uncertainty};
 enum Position {
     /// The slides are at the kernel's position.
     Known,
-    /// They may be elsewhere, for this reason.
+    /// The slides may be at another position, for this reason.
     Uncertain(Uncertainty),
 }
 
@@ -25,7 +25,7 @@ pub struct LinkSession {
 }
 
 impl LinkSession {
-    /// The session of a link whose port was just opened.
+    /// Creates the session of a link whose port was just opened.
     pub(crate) const fn new(now: HostTime) -> Self {
         Self {
             state: LinkState::Opening,
@@ -36,12 +36,12 @@ impl LinkSession {
         }
     }
 
-    /// Time since a moment.
+    /// Returns the time from `moment` to the current time.
     pub(crate) const fn since(&self, moment: HostTime) -> HostTime {
         self.now.saturating_sub(moment)
     }
 
-    /// Whether the port is closed or the board is lost. Only the caller can reopen it.
+    /// Whether the port is closed or the board is lost. Only the caller can reopen the port.
     pub(crate) const fn is_closed(&self) -> bool {
         matches!(self.state, LinkState::Off | LinkState::Lost)
     }
@@ -64,7 +64,7 @@ impl LinkSession {
         matches!(self.position, Position::Known)
     }
 
-    /// Why the position is uncertain; `None` if it is known.
+    /// Returns why the position is uncertain; `None` if the position is known.
     pub(crate) const fn uncertainty(&self) -> Option<Uncertainty> {
         match self.position {
             Position::Known => None,
@@ -72,7 +72,7 @@ impl LinkSession {
         }
     }
 
-    /// Notes that the positions of kernel and board agree.
+    /// Marks the position as known: the counts of kernel and board agree.
     pub(crate) const fn confirm_position(&mut self) {
         self.position = Position::Known;
     }
@@ -83,7 +83,7 @@ impl LinkSession {
         self.released = true;
     }
 
-    /// Marks the position as uncertain; an earlier reason is kept.
+    /// Marks the position as uncertain for this reason; an earlier reason is kept.
     pub(crate) const fn lose_position(&mut self, uncertainty: Uncertainty) {
         if self.knows_position() {
             self.position = Position::Uncertain(uncertainty);
@@ -91,7 +91,8 @@ impl LinkSession {
         self.released = false;
     }
 
-    /// The state at standstill when the counts agree.
+    /// Returns the state of a standstill with equal counts: ready, or locked if the position
+    /// is uncertain.
     pub(crate) const fn standing_state(&self) -> LinkState {
         if self.knows_position() {
             LinkState::Ready

@@ -154,7 +154,7 @@ impl fmt::Display for BitAddress {
 /// For a value of two or four bytes it is the address of the lowest byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct ByteAddress {
-    /// The area.
+    /// The area that contains the byte or entry.
     pub area: Area,
     /// Number of the byte or entry in the area, from 0.
     pub byte: u16,
@@ -228,7 +228,7 @@ struct ParsedAddress {
     bit: Option<u8>,
 }
 
-/// Splits a text at the first `mark`, an ASCII character.
+/// Splits a text at the first `mark`, an ASCII character; `None` without one.
 ///
 /// `str::split_once` does the same, but its preparation takes longer than this search in a
 /// short text.

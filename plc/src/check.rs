@@ -21,7 +21,7 @@ const MAX_STACK_DEPTH: u32 = 16;
 /// Maximum nesting depth of subprogram calls.
 pub(crate) const MAX_CALL_DEPTH: usize = 8;
 
-/// The program section of a statement.
+/// The program section that contains a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ProgramSection {
     Level1,

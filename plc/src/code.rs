@@ -6,8 +6,8 @@ use crate::directive::Directives;
 use crate::instruction::{InstructionRole, Mnemonic, Operand, Statement};
 use crate::memory::{LATCH_OFFSET, offset};
 
-/// One operation of the compiled program. It has the index of its statement, so that a
-/// position in the code is a position in the listing.
+/// One operation of the compiled program. An operation and its statement have the same index,
+/// so that a position in the code is a position in the listing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Op {
     Ld(MemoryBit),
@@ -21,11 +21,11 @@ pub(crate) enum Op {
     Out(MemoryBit),
     Set(MemoryBit),
     Rst(MemoryBit),
-    /// Index into [`Code::functions`].
+    /// A function instruction: its index in [`Code::functions`].
     Function(u16),
-    /// Index of the next operation if the jump is taken.
+    /// A jump: the index of the operation that runs next if the jump is taken.
     Jump(u16),
-    /// Index of the first operation of the subprogram.
+    /// A call: the index of the first operation of the subprogram.
     Call(u16),
     Return,
     /// No operation: END1, END2, LBL and SP.
@@ -71,7 +71,7 @@ pub(crate) enum Function {
         at: u16,
         preset: OperandValue,
         output: MemoryBit,
-        /// Index of the previous input state in the scan state.
+        /// Index of the counter's previous input state in the scan state.
         edge: u16,
     },
     Move {
@@ -109,7 +109,7 @@ pub(crate) enum Function {
 pub(crate) struct Code {
     pub ops: Vec<Op>,
     pub functions: Vec<Function>,
-    /// Index of END1; level 1 consists of the operations before it.
+    /// Index of the operation END1; level 1 consists of the operations before it.
     pub end1: usize,
     /// Index after the last operation of each part of level 2; never empty.
     pub part_ends: Vec<usize>,
@@ -289,8 +289,8 @@ fn translate_function(
     Some(function)
 }
 
-/// Resolves an address to its index in the memory array. With `latched`, as in level 2 and
-/// subprograms, X and F resolve to their latched copies.
+/// Resolves a byte address to its index in the memory array; `None` for other operands. With
+/// `latched`, as in level 2 and subprograms, X and F resolve to their latched copies.
 fn resolve_address(operand: Operand, latched: bool) -> Option<u16> {
     let Operand::Byte(address) = operand else {
         return None;

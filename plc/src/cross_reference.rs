@@ -35,7 +35,7 @@ impl Access {
 /// One use of an address by an instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CrossReference {
-    /// Index of the statement in the program.
+    /// Index of the statement in the program, from 0.
     pub statement: usize,
     /// Number of the rung, from 1.
     pub rung: u32,
@@ -56,7 +56,7 @@ struct OperandExtent {
     access: Access,
 }
 
-/// Every CMP writes its result flags to R900: zero, negative and overflow.
+/// The bits of R900 that every CMP writes: its result flags zero, negative and overflow.
 const RESULT_FLAGS_WRITE: OperandExtent = OperandExtent {
     first: ByteAddress::new(Area::R, 900),
     bytes: 1,

@@ -7,8 +7,8 @@ use crate::scan::Plc;
 use crate::scan_position::{ScanPosition, ScanStop};
 
 impl Plc {
-    /// Forces a bit to a value that neither the ladder nor the machine can change, or
-    /// releases it with `None`.
+    /// Forces a bit to a value that neither the ladder nor the machine can change; `None`
+    /// releases the bit.
     ///
     /// Bits outside the areas are ignored. Power-off releases all bits.
     pub fn force(&mut self, bit: BitAddress, value: Option<bool>) {

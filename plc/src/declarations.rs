@@ -13,7 +13,7 @@ pub struct LadderDeclarations {
 }
 
 impl LadderDeclarations {
-    /// Reads the declarations of a ladder text. It ignores errors:
+    /// Reads the declarations of a ladder text. Errors in the text are ignored:
     /// [`Ladder::compile`](crate::Ladder::compile) reports them.
     #[must_use]
     pub fn read(source: &str) -> Self {

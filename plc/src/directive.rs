@@ -71,7 +71,7 @@ pub struct MCode {
 /// The title of the rungs that follow (`.NET`).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NetworkTitle {
-    /// Index of the first statement after the title.
+    /// Index of the first statement after the title, from 0.
     pub statement: usize,
     /// Text of the title.
     pub title: String,
@@ -81,9 +81,9 @@ pub struct NetworkTitle {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Directives {
     pub header: Header,
-    /// `.OPT codb0`: the entries of CODB tables are numbered from 0.
+    /// Whether the entries of CODB tables are numbered from 0 (`.OPT codb0`).
     pub table_from_0: bool,
-    /// `.OPT n1`: level 2 is not divided into parts.
+    /// Whether level 2 is not divided into parts (`.OPT n1`).
     pub undivided: bool,
     pub network_titles: Vec<NetworkTitle>,
     pub comments: Vec<Comment>,

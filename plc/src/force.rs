@@ -23,8 +23,8 @@ impl Forces {
         self.0.is_empty()
     }
 
-    /// Writes the forced values to memory again, after the ladder or the machine may have
-    /// changed them.
+    /// Writes the forced values to memory again, because the ladder or the machine may have
+    /// changed the bits.
     pub fn apply(&self, bytes: &mut [u8; SIZE]) {
         for Force { bit, value } in &self.0 {
             if let Some(at) = offset(bit.byte_address()) {

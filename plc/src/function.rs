@@ -4,13 +4,13 @@ use crate::code::{Function, MemoryBit, OperandValue};
 use crate::memory::{RESULT_FLAGS, SIZE};
 use crate::timer::Timers;
 
-/// Result flags of CMP in R900, shared by the whole program.
+/// Result flag of CMP in R900: both numbers are equal. The whole program shares the flags.
 const RESULT_ZERO: u8 = 1 << 0;
 const RESULT_NEGATIVE: u8 = 1 << 1;
 pub(crate) const RESULT_OVERFLOW: u8 = 1 << 5;
 pub(crate) const RESULT_BITS: u8 = RESULT_ZERO | RESULT_NEGATIVE | RESULT_OVERFLOW;
 
-/// Digits of the ROTB format, `RN0 DIR POS INC`.
+/// Digit RN0 of the ROTB format `RN0 DIR POS INC`: stations are numbered from 1.
 const ROTATE_FROM_1: u8 = 1 << 3;
 const ROTATE_SHORTEST_DIRECTION: u8 = 1 << 2;
 const ROTATE_TO_STATION_BEFORE_TARGET: u8 = 1 << 1;
@@ -113,7 +113,8 @@ pub(crate) fn execute(
     }
 }
 
-/// Runs a CTRC: counts a rising input and clears the counter on its reset.
+/// Runs a CTRC: counts when ACT changes to 1, and restores the start value while the reset bit
+/// is 1.
 #[inline]
 fn count(counter: &Function, act: bool, bytes: &mut MemoryBytes, inputs: &mut [bool]) {
     let Function::Counter {
@@ -146,7 +147,7 @@ fn count(counter: &Function, act: bool, bytes: &mut MemoryBytes, inputs: &mut [b
     }
 }
 
-/// Reads a value of 1, 2 or 4 bytes. Values of 1 and 2 bytes are unsigned, values of 4
+/// Reads an operand of 1, 2 or 4 bytes. Values of 1 and 2 bytes are unsigned, values of 4
 /// bytes are signed.
 fn read(bytes: &MemoryBytes, value: OperandValue, length: u8) -> i32 {
     let at = match value {
@@ -160,7 +161,7 @@ fn read(bytes: &MemoryBytes, value: OperandValue, length: u8) -> i32 {
     }
 }
 
-/// Writes the lowest `length` bytes of `value`.
+/// Writes the lowest `length` bytes of `value` to the memory array at index `at`.
 fn write(bytes: &mut MemoryBytes, at: u16, length: u8, value: i32) {
     let value = value.to_le_bytes();
     let width = usize::from(length).min(value.len());
@@ -210,7 +211,8 @@ fn next_counter_value(value: i32, down: bool, initial: i32, preset: i32) -> (i32
     (next, preset)
 }
 
-/// Returns the result of ROTB and whether the rotation is backwards.
+/// Returns the result of ROTB (a station or a number of steps) and whether the rotation is
+/// backwards.
 fn compute_rotation(format: u8, stations: i32, current: i32, target: i32) -> (i32, bool) {
     let set = |digit: u8| format & digit != 0;
     let base = i64::from(set(ROTATE_FROM_1));

@@ -422,7 +422,8 @@ impl Mnemonic {
         &INSTRUCTIONS[self as usize]
     }
 
-    /// Returns the instruction with this name, in upper or lower case.
+    /// Returns the instruction with this name, in upper or lower case; `None` for an unknown
+    /// name.
     #[must_use]
     pub(crate) fn from_name(name: &str) -> Option<Mnemonic> {
         INSTRUCTIONS
@@ -435,17 +436,17 @@ impl Mnemonic {
 /// One operand of a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operand {
-    /// A bit address.
+    /// Address of a bit.
     Bit(BitAddress),
     /// Address of a byte or an entry.
     Byte(ByteAddress),
     /// A constant number.
     Number(i32),
-    /// Four binary digits; the first digit is bit 3.
+    /// A format of four binary digits; the first digit is bit 3.
     Format(u8),
-    /// Number of a label L.
+    /// Number of a label, 7 for L7.
     Label(u16),
-    /// Number of a subprogram P.
+    /// Number of a subprogram, 7 for P7.
     Subprogram(u16),
 }
 

@@ -34,7 +34,7 @@ pub struct Ladder {
 pub struct Rung<'a> {
     /// Number of the rung, from 1.
     pub number: u32,
-    /// Title (`.NET`) of the network that starts with this rung.
+    /// Title (`.NET`) of the network that starts with this rung; `None` without a title.
     pub title: Option<&'a str>,
     /// Step number of the first instruction, from 0.
     pub step: u32,
@@ -95,13 +95,13 @@ impl Ladder {
         &self.warnings
     }
 
-    /// Returns the steps of the whole program, at most 5000.
+    /// Returns the number of steps of the whole program, at most 5000.
     #[must_use]
     pub fn steps(&self) -> u32 {
         self.steps
     }
 
-    /// Returns the steps of level 1, including END1.
+    /// Returns the number of steps of level 1, including END1.
     #[must_use]
     pub fn level1_steps(&self) -> u32 {
         self.level1_steps
@@ -119,20 +119,20 @@ impl Ladder {
         self.rungs
     }
 
-    /// Returns the messages, in the order of their request bits.
+    /// Returns the messages that the ladder can request, in the order of their request bits.
     #[must_use]
     pub fn messages(&self) -> &[LadderMessage] {
         &self.directives.messages
     }
 
-    /// Returns the names of addresses, in address order. Of duplicates it contains the
-    /// first.
+    /// Returns the names of addresses, in address order. Of several names for one address only
+    /// the first is kept.
     #[must_use]
     pub fn comments(&self) -> &[Comment] {
         &self.directives.comments
     }
 
-    /// Returns the name of one address.
+    /// Returns the name of an address; `None` without one.
     #[must_use]
     pub fn comment(&self, subject: PlcAddress) -> Option<&Comment> {
         let comments = &self.directives.comments;
@@ -176,7 +176,7 @@ impl Ladder {
         })
     }
 
-    /// Returns the labels in program order, each with the number of the rung that it
+    /// Returns the labels in program order, each with the number of the rung that the label
     /// starts.
     pub fn labels(&self) -> impl Iterator<Item = (u16, u32)> {
         self.statements
@@ -187,8 +187,8 @@ impl Ladder {
             })
     }
 
-    /// Returns the title before the statement with index `first`. Of several titles the
-    /// last counts.
+    /// Returns the title directly before the statement with index `first`; `None` without one.
+    /// Of several titles the last counts.
     pub(crate) fn title_at(&self, first: usize) -> Option<&str> {
         let network_titles = &self.directives.network_titles;
         let end = network_titles.partition_point(|network| network.statement <= first);

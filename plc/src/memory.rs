@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::address::{Area, BitAddress, ByteAddress};
 
-/// X and F are the first areas, so that one copy latches both for level 2.
+/// Index of X in the memory array. X and F are the first areas, so that one copy latches both
+/// for level 2.
 const X: usize = 0;
 const F: usize = X + Area::X.count() as usize;
 /// Distance in bytes from a byte of X or F to its latched copy for level 2.
@@ -34,8 +35,8 @@ const FIRST_RETAINED_D: usize = 300;
 const NEW_PRESET: i32 = i32::MAX;
 
 /// Signals to the CNC that are inactive at 1: *IT G8.0, *ESP G8.4, *SP G8.5, the limits *+L
-/// G114 and *-L G116. They start at 1, so that a ladder that does not write them does not
-/// stop the machine.
+/// G114 and *-L G116. All start at 1, so that a ladder that does not write them does not stop
+/// the machine.
 const SIGNALS_INACTIVE_AT_1: [(usize, u8); 3] = [(8, 0b0011_0001), (114, 0b1111), (116, 0b1111)];
 
 #[inline]
@@ -75,7 +76,7 @@ pub(crate) const RESULT_FLAGS: usize = R + 900;
 #[serde(try_from = "Vec<u8>", into = "Vec<u8>")]
 pub struct PlcMemory {
     bytes: Box<[u8; SIZE]>,
-    /// A write outside X and F has happened since the last
+    /// Whether a write outside X and F has happened since the last
     /// [`PlcMemory::take_changed_length`].
     written: bool,
 }
@@ -273,7 +274,7 @@ impl PlcMemory {
         self.restore_entries(Area::Dt, 0, &retained.dt);
     }
 
-    /// Returns the memory array.
+    /// Returns the memory array, which contains all areas.
     pub(crate) fn bytes(&self) -> &[u8; SIZE] {
         &self.bytes
     }

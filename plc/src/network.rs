@@ -22,7 +22,7 @@ pub struct Contact {
     pub bit: BitAddress,
     /// Whether the contact is normally closed, so that it conducts while the bit is 0.
     pub normally_closed: bool,
-    /// Index of its statement in the rung.
+    /// Index of the contact's statement in the rung, from 0.
     pub at: usize,
 }
 
@@ -45,7 +45,8 @@ pub struct Branch {
     /// Whether the member is written as a block, with LD and ANB or ORB. A member of
     /// several contacts is always a block.
     pub block: bool,
-    /// Index of the statement that connects the member to the members before it.
+    /// Index in the rung, from 0, of the statement that connects the member to the members
+    /// before it.
     pub at: usize,
 }
 
@@ -54,9 +55,9 @@ pub struct Branch {
 pub struct Network {
     /// Number of the rung, from 1.
     pub number: u32,
-    /// Title (`.NET`) that starts with this rung.
+    /// Title (`.NET`) that starts with this rung; `None` without one.
     pub title: Option<String>,
-    /// Index of the first statement in the program.
+    /// Index of the rung's first statement in the program, from 0.
     pub first: usize,
     /// The contents of the rung.
     pub body: RungBody,
@@ -69,8 +70,8 @@ pub enum RungBody {
     Structure(Statement),
     /// Contacts with outputs.
     Rung {
-        /// One element. Only a rung without output has several; the compiler warns that it
-        /// has no effect.
+        /// The contacts as one element. Only a rung without output has several elements; the
+        /// compiler warns that such a rung has no effect.
         contacts: Vec<Element>,
         /// Coils and function instructions, all with the same input.
         outputs: Vec<Statement>,
@@ -93,7 +94,8 @@ enum Connection {
 }
 
 impl Element {
-    /// Appends a member. A series within a series stays one series.
+    /// Connects a member in series or in parallel. A series that gets another member in series
+    /// stays one series.
     fn join(self, connection: Connection, member: Branch) -> Element {
         let first = |element| Branch {
             element,
@@ -178,7 +180,8 @@ impl Element {
     }
 }
 
-/// Records the state of an ORB or ANB, which is that of the blocks it connects.
+/// Records the power flow at the ORB or ANB that connects `member`: `live` is the power after
+/// the connected blocks.
 fn set_joint_power(member: &Branch, live: bool, states: &mut [PowerFlow]) {
     let is_joint = member.block || !matches!(member.element, Element::Contact(_));
     if is_joint && let Some(state_slot) = states.get_mut(member.at) {
@@ -238,7 +241,8 @@ impl Network {
             .collect()
     }
 
-    /// Returns the power flow, one state for each statement of the rung. `bit` reads a bit.
+    /// Returns the power flow, one state for each statement of the rung. `bit` returns the
+    /// value of a bit.
     pub fn power_flow(&self, bit: impl Fn(BitAddress) -> bool) -> Vec<PowerFlow> {
         let RungBody::Rung { contacts, outputs } = &self.body else {
             return vec![PowerFlow::default()];
@@ -257,7 +261,8 @@ impl Network {
     }
 }
 
-/// Returns the bit that an output statement writes, if it writes a single bit.
+/// Returns the bit that an output statement writes; `None` if the statement has no such
+/// operand.
 fn written_bit(output: &Statement) -> Option<BitAddress> {
     let kinds = output.mnemonic.row().operands.iter();
     kinds
@@ -325,7 +330,8 @@ impl Ladder {
         })
     }
 
-    /// Returns the ladder diagram of the rung with this number, from 1.
+    /// Returns the ladder diagram of the rung with this number, from 1; `None` without such a
+    /// rung.
     #[must_use]
     pub fn network(&self, number: u32) -> Option<Network> {
         let statements = self.statements();
@@ -343,7 +349,7 @@ impl Ladder {
     /// Returns the source text with the lines of one rung replaced; empty `lines` delete
     /// the rung.
     ///
-    /// Comments and everything outside the rung do not change. The result is not checked.
+    /// Everything outside the lines of the rung stays unchanged. The new text is not checked.
     #[must_use]
     pub fn source_with_rung(&self, number: u32, lines: &str) -> String {
         let statements = self.statements().iter();

@@ -290,7 +290,7 @@ fn check_system_area(token: &str, address: ByteAddress, width: u16) -> Result<()
     Err((Rule::E03, message))
 }
 
-/// Parses the entries after the comma of CODB. All other instructions have none.
+/// Parses the table entries after the comma of a CODB; empty for all other instructions.
 fn parse_table_entries(
     mnemonic: Mnemonic,
     operands: &[Operand],
@@ -324,8 +324,7 @@ fn refuse_table(mnemonic: Mnemonic, table: Option<&str>) -> Result<Vec<i32>, Rul
     }
 }
 
-/// Checks that values have room in their source and target for the length of the
-/// instruction.
+/// Checks that source and target have enough bytes for the length of the instruction.
 fn check_widths(
     mnemonic: Mnemonic,
     operands: &[Operand],

@@ -50,8 +50,8 @@ pub(crate) struct RungDependencies {
     /// For each operation index, the first rung that starts there or later; last the number
     /// of rungs.
     first_rung_from: Vec<u16>,
-    /// For each rung, the number of rungs with a comparison before it; last the number of
-    /// all.
+    /// For each rung, the number of rungs with a comparison before this rung; last the number
+    /// of all.
     ///
     /// Comparisons also write R900. It is not part of the dependencies, because only the
     /// value of the last comparison remains.
@@ -102,7 +102,8 @@ impl RungDependencies {
         self.starts.len().saturating_sub(1)
     }
 
-    /// Returns the indices of the first operation of a rung and of the first after it.
+    /// Returns the indices of the first operation of a rung and of the first operation after
+    /// the rung.
     pub fn operation_range(&self, rung: usize) -> (usize, usize) {
         let at = |rung| self.starts.get(rung).copied().unwrap_or(0);
         (at(rung), at(rung + 1))
@@ -114,14 +115,14 @@ impl RungDependencies {
         rung.map_or(self.rung_count(), usize::from)
     }
 
-    /// Returns the number of rungs with a comparison before a rung.
+    /// Returns the number of rungs with a comparison before the rung with this index.
     pub fn comparison_count_before(&self, rung: usize) -> usize {
         let before = self.comparison_count_before.get(rung);
         before.copied().map_or(self.comparison_count(), usize::from)
     }
 
-    /// Returns the index of a rung among the rungs with a comparison; `None` if it has
-    /// none.
+    /// Returns the index of a rung among the rungs with a comparison; `None` if the rung has
+    /// no comparison.
     pub fn comparison_index(&self, rung: usize) -> Option<usize> {
         let number = self.comparison_count_before(rung);
         (self.comparison_count_before(rung + 1) > number).then_some(number)
@@ -155,7 +156,7 @@ struct RungBytes {
 }
 
 impl RungBytes {
-    /// Adds the bytes of an operation; `None` if it is a jump, call or return.
+    /// Adds the bytes that an operation reads and writes; `None` for a jump, call or return.
     fn add_operation(&mut self, op: Op, functions: &[Function]) -> Option<()> {
         match op {
             Op::Ld(bit)
@@ -247,7 +248,7 @@ impl RungBytes {
     }
 }
 
-/// Returns the bytes of a value of 1, 2 or 4 bytes.
+/// Returns the indices of the bytes of a value with `length` bytes (1, 2 or 4) at index `at`.
 fn byte_range(at: u16, length: u8) -> core::ops::Range<u16> {
     let width = match length {
         1 | 2 => u16::from(length),

@@ -26,13 +26,13 @@ const MAX_SLOT_OPERATIONS: usize = 100_000;
 pub enum PlcFault {
     /// Watchdog: jumps kept one slot running for more than 100000 instructions.
     Watchdog {
-        /// Line of the jump at which the watchdog stopped the scan.
+        /// Line of the jump at which the watchdog stopped the scan, from 1.
         line: u32,
     },
 }
 
 impl PlcFault {
-    /// Returns the message for the operator.
+    /// Returns the message that names the line at which the watchdog stopped the ladder.
     #[must_use]
     pub fn message(&self) -> Message {
         match self {
@@ -65,7 +65,7 @@ pub struct Plc {
 /// State of the scan outside PLC memory.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct ScanState {
-    /// Part of level 2 in the next slot, from 0.
+    /// Part of level 2 that the next slot runs, from 0.
     part: usize,
     /// First operation of level 2 in the next slot after a jump beyond the end of a part.
     #[serde(rename = "resume")]
@@ -78,7 +78,7 @@ pub(crate) struct ScanState {
     /// Bits that hold a value set by hand.
     #[serde(default)]
     pub forces: Forces,
-    /// Position at which a slot in single-rung steps continues.
+    /// Position at which a slot in single-rung steps continues; `None` between two slots.
     #[serde(default, rename = "place")]
     pub paused_at: Option<ScanPosition>,
 }
@@ -130,7 +130,7 @@ impl Plc {
         &self.ladder
     }
 
-    /// Returns the memory.
+    /// Returns the memory of the PLC with all areas.
     #[must_use]
     pub fn memory(&self) -> &PlcMemory {
         &self.memory
@@ -142,7 +142,7 @@ impl Plc {
         &mut self.memory
     }
 
-    /// Returns the fault that has stopped the PLC.
+    /// Returns the fault that has stopped the PLC; `None` while the PLC runs.
     #[must_use]
     pub fn fault(&self) -> Option<PlcFault> {
         self.state.fault
@@ -166,8 +166,8 @@ impl Plc {
     /// Runs one slot of 8 ms: level 1 and one part of level 2. Inputs are latched when a
     /// cycle of level 2 starts.
     ///
-    /// It completes a slot that [`Plc::step_rung`] has started. After a fault it does
-    /// nothing.
+    /// If [`Plc::step_rung`] has started a slot, this function completes that slot. After a
+    /// fault it does nothing.
     pub fn run_slot(&mut self) {
         self.run_until(ScanStop::SlotEnd);
     }
@@ -181,7 +181,7 @@ impl Plc {
         }
     }
 
-    /// Prepares a slot before its first rung.
+    /// Prepares a slot and returns the position of its first rung.
     fn begin_slot(&mut self, code: &Code) -> ScanPosition {
         // A deserialized state may belong to another ladder.
         self.state.part %= code.part_ends.len().max(1);
@@ -267,7 +267,7 @@ impl Plc {
         }
     }
 
-    /// Runs the rungs that may change something. The ladder has no jumps.
+    /// Runs the rungs that may change something, and returns `end`. The ladder has no jumps.
     fn run_active_rungs(
         &mut self,
         ladder: &Ladder,
@@ -332,10 +332,10 @@ impl Plc {
         }
     }
 
-    /// Runs operations from `first` until it reaches or jumps beyond `end`, or until
+    /// Runs operations from `first` until the scan reaches or jumps beyond `end`, or until
     /// `stop`. Returns the index of the next operation.
     ///
-    /// Only with `WATCHED` it applies forced bits and checks for the end of a rung.
+    /// Forced bits are applied and rung ends are checked only with `WATCHED`.
     fn run_operations<const WATCHED: bool>(
         &mut self,
         ladder: &Ladder,
@@ -437,7 +437,8 @@ impl Plc {
     }
 }
 
-/// The fault of a slot with too many operations, the last of them the jump before `at`.
+/// Returns the fault of a slot with too many operations; the last of them is the jump before
+/// `at`.
 #[cold]
 fn watchdog_fault(ladder: &Ladder, at: usize) -> PlcFault {
     let jump = ladder.statements().get(at.saturating_sub(1));

@@ -2,12 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Where the scan stops.
+/// Where a run of the scan stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ScanStop {
     /// At the end of the slot.
     SlotEnd,
-    /// At the end of a rung. Subprograms that it calls are part of it.
+    /// The scan stops at the end of a rung, after the subprograms that the rung calls.
     RungEnd,
 }
 
@@ -16,7 +16,7 @@ pub(crate) enum ScanStop {
 pub(crate) struct ScanPosition {
     /// Whether the scan is in level 1; otherwise it is in the part of level 2.
     pub level1: bool,
-    /// Index of the next operation.
+    /// Index of the operation that runs next.
     #[serde(rename = "at")]
     pub next_op: usize,
     /// Number of operations in this slot so far, for the watchdog.
@@ -24,7 +24,8 @@ pub(crate) struct ScanPosition {
 }
 
 impl ScanPosition {
-    /// Returns the start of a slot. A program without level 1 starts with level 2.
+    /// Returns the start of a slot. `end1` is the index of END1; a program without level 1
+    /// starts with level 2.
     pub const fn first(end1: usize) -> ScanPosition {
         ScanPosition {
             level1: end1 > 0,

@@ -22,17 +22,17 @@ use crate::memory::{RESULT_FLAGS, SIZE};
 use crate::rung_dependencies::RungDependencies;
 use crate::timer::Timers;
 
-/// Rungs in a word of a bit set.
+/// Number of rungs in a word of a bit set.
 const RUNGS_PER_WORD: usize = u64::BITS as usize;
 /// Sizes of the blocks in which memory is compared, bytes: large blocks first, then small
 /// blocks of those that differ.
 const CHUNK_BYTES: usize = 1024;
 const SUBCHUNK_BYTES: usize = 32;
 
-/// The rungs that must run, and the memory contents for which this is known; empty if it is
-/// unknown.
+/// The rungs that must run, and the memory contents for which these rungs are known; empty if
+/// they are unknown.
 ///
-/// It is a cache and not part of the PLC's state: it is not serialized, all values are
+/// This is a cache and not part of the PLC's state: it is not serialized, all values are
 /// equal, and a clone is empty.
 #[derive(Debug, Default)]
 pub(crate) struct SkippableRungs {
@@ -45,7 +45,7 @@ pub(crate) struct SkippableRungs {
     /// Input state (ACT) of each counter after the last run of a rung; empty before the
     /// first.
     counter_inputs: Vec<bool>,
-    /// The current pass.
+    /// Changes of the current pass.
     pass: RungPass,
     /// The result flags that each rung with a comparison wrote in its last run; `None` if
     /// it did not compare.
@@ -56,7 +56,7 @@ pub(crate) struct SkippableRungs {
 #[derive(Debug, Default)]
 struct RungPass {
     timers: Timers,
-    /// The input (ACT) of a counter has changed.
+    /// Whether the input (ACT) of a counter has changed in the pass.
     counter_input_changed: bool,
     /// Changed bytes with their previous values, in the order of the changes.
     changed: Vec<(u16, u8)>,
@@ -83,7 +83,7 @@ impl SkippableRungs {
         self.memory = None;
     }
 
-    /// Returns whether changes of memory are known since the last slot.
+    /// Returns whether the memory at the last slot is known, so that changes can be found.
     pub fn is_tracking(&self) -> bool {
         self.memory.is_some()
     }
@@ -131,8 +131,8 @@ impl SkippableRungs {
         }
     }
 
-    /// Starts a pass through `rungs` and returns whether one of them must run. If so, it
-    /// also wakes the resting rungs.
+    /// Returns false if none of `rungs` must run. Otherwise starts a pass through them and
+    /// wakes the resting rungs.
     pub fn begin_pass(&mut self, rungs: &Range<usize>, timers: Timers) -> bool {
         let awake = |word| self.awake.get(word).copied().unwrap_or(0);
         if rung_masks(rungs).all(|(word, mask)| awake(word) & mask == 0) {
@@ -162,7 +162,8 @@ impl SkippableRungs {
         }
     }
 
-    /// Returns the next awake rung from `rung` to before `end`, and marks it as done.
+    /// Returns the next awake rung from `rung` to before `end`, and marks it as done; `None`
+    /// without one.
     pub fn take_next_awake(&mut self, rung: usize, end: usize) -> Option<usize> {
         let mut word = rung / RUNGS_PER_WORD;
         let mut of_word = self.awake.get(word)? & (u64::MAX << (rung % RUNGS_PER_WORD));
@@ -182,8 +183,8 @@ impl SkippableRungs {
         Some(next)
     }
 
-    /// Records the run of a rung and wakes the rungs, including itself, that use the bytes
-    /// it changed.
+    /// Records the run of a rung and wakes all rungs that use a byte changed by this run,
+    /// including the rung itself.
     pub fn record_run(
         &mut self,
         rung: usize,
@@ -268,7 +269,7 @@ fn rung_masks(rungs: &Range<usize>) -> impl Iterator<Item = (usize, u64)> + use<
     })
 }
 
-/// Moves the bits of these rungs from one set to another.
+/// Moves the bits of these rungs from the bit set `from` to the bit set `to`.
 fn move_rungs(from: &mut [u64], to: &mut [u64], rungs: &Range<usize>) {
     for (word, mask) in rung_masks(rungs) {
         if let (Some(from), Some(to)) = (from.get_mut(word), to.get_mut(word)) {

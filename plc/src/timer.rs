@@ -16,7 +16,8 @@ pub(crate) struct Timers {
 }
 
 impl Timers {
-    /// Records the execution of a TMRB. `runs` is whether its time is still running.
+    /// Records the execution of the TMRB with the number `timer`. `runs`: ACT is 1 and the
+    /// time has not elapsed.
     pub fn record_execution(&mut self, timer: u8, runs: bool) {
         let bit = 1u128 << (timer & 127);
         if runs {
@@ -28,8 +29,8 @@ impl Timers {
         }
     }
 
-    /// Starts a new scan of the timers in `scope`. Timers that a jump skipped in the last
-    /// scan stop and keep their value.
+    /// Starts a new scan of the timers in `scope`, one bit per timer number. Timers that a
+    /// jump skipped in the last scan stop and keep their value.
     pub(crate) fn begin_scan(&mut self, scope: u128) {
         self.running &= !scope | self.executed;
         self.executed &= !scope;

@@ -12,17 +12,17 @@ use crate::transfer_fault::TransferFault;
 use crate::transfer_file::TransferFile;
 use crate::{MIN_FRAME_BAUD, PortTime};
 
-/// Protocol that the control sends with.
+/// The protocol in which the control sends files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Framing {
     /// Frames. A received plain text that begins with `%` is accepted as well.
     #[default]
     Frames,
-    /// Plain text only.
+    /// Plain text only; frames are not sent.
     Text,
 }
 
-/// Serial port of the control.
+/// The serial port of the control: handles frames and plain text on one line.
 #[derive(Clone, Debug)]
 pub struct ControlPort {
     framing: Framing,
@@ -30,7 +30,7 @@ pub struct ControlPort {
     baud: u32,
     frames: ControlSide,
     reader: TextReader,
-    /// XON and XOFF of the text reader.
+    /// XON and XOFF characters of the text reader that wait to be sent.
     flow_control: Vec<u8>,
     writer: Option<(FileName, TextWriter)>,
     /// Programs that wait to be sent as text.
@@ -39,8 +39,8 @@ pub struct ControlPort {
 }
 
 impl ControlPort {
-    /// Creates the port for a line of `baud` bits per second. Below [`MIN_FRAME_BAUD`] it uses
-    /// plain text only.
+    /// Creates the port for a line of `baud` bits per second. Below [`MIN_FRAME_BAUD`] the
+    /// port uses plain text only.
     pub fn new(baud: u32, framing: Framing, line_end: TextLineEnd) -> Self {
         let framing = match baud < MIN_FRAME_BAUD {
             true => Framing::Text,
@@ -59,7 +59,7 @@ impl ControlPort {
         }
     }
 
-    /// Returns the protocol that the control sends with.
+    /// Returns the protocol in which the control sends files.
     pub const fn framing(&self) -> Framing {
         self.framing
     }
@@ -73,7 +73,7 @@ impl ControlPort {
             && !self.reader.is_in_text()
     }
 
-    /// Queues files for sending.
+    /// Queues files for sending in the protocol of [`Self::framing`].
     pub fn send(&mut self, files: Vec<TransferFile>) {
         match self.framing {
             Framing::Frames => self.frames.send(files),
@@ -89,7 +89,7 @@ impl ControlPort {
         self.text_queue.clear();
     }
 
-    /// Takes received bytes.
+    /// Passes bytes that the port received at time `now` to the protocol in use.
     pub fn receive(&mut self, bytes: &[u8], now: PortTime) {
         if let Some((_, writer)) = &mut self.writer {
             writer.receive(bytes);
@@ -116,7 +116,7 @@ impl ControlPort {
         }
     }
 
-    /// Passes waiting bytes to `port`, which returns how many it has taken.
+    /// Passes waiting bytes to the function `port`, which returns the number of bytes taken.
     pub fn write(&mut self, now: PortTime, mut port: impl FnMut(&[u8]) -> usize) {
         self.flow_control.extend(self.reader.take_flow_control());
         if !self.flow_control.is_empty() {
@@ -138,7 +138,7 @@ impl ControlPort {
         }
     }
 
-    /// Returns the oldest event.
+    /// Removes and returns the oldest event; `None` without one.
     pub fn next_event(&mut self) -> Option<ControlEvent> {
         self.events.pop_front().or_else(|| self.frames.next_event())
     }
@@ -168,7 +168,7 @@ impl ControlPort {
         self.advance_writer(now);
     }
 
-    /// Stores the programs of a received text, up to the first that is refused.
+    /// Splits a received text into programs and stores them, up to the first that is refused.
     fn store_programs(&mut self, text: &str, store: &mut dyn FileStore) {
         for program in split_programs(text) {
             let Some(number) = parse_program_number(program) else {
@@ -195,7 +195,7 @@ impl ControlPort {
         }
     }
 
-    /// Completes a sent text and starts the next one.
+    /// Reports a text that is completely sent, and starts the next one.
     fn advance_writer(&mut self, now: PortTime) {
         if let Some((name, writer)) = &self.writer {
             if !writer.is_finished(now) {

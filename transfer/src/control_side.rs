@@ -13,32 +13,32 @@ use crate::transfer_file::{
     DirectoryEntry, IncomingFile, MAX_FILE_BYTES, OutgoingFile, TransferFile,
 };
 
-/// Shortest display time of 输入 after a request.
+/// Least time for which the LCD shows 输入 (input) after a request.
 const STATUS_HOLD_TIME: PortTime = PortTime::from_millis(300);
-/// Bytes without a frame after which the peer uses another rate or protocol.
+/// Number of bytes without a frame after which the peer uses another rate or protocol.
 const MIN_NOISE_BYTES: u64 = 24;
 
 /// The files of the control that the peer can access.
 pub trait FileStore {
-    /// Lists the files of a partition.
+    /// Lists the names and sizes of all files in a partition.
     ///
     /// # Errors
     /// The reason why the partition cannot be listed.
     fn directory(&mut self, partition: Partition) -> Result<Vec<DirectoryEntry>, TransferFault>;
 
-    /// Checks whether the peer may send a file.
+    /// Checks whether the peer may send the announced file.
     ///
     /// # Errors
     /// The reason for the refusal.
     fn check_put(&mut self, put: &PutRequest) -> Result<(), TransferFault>;
 
-    /// Stores a complete file; on an error nothing of it is stored.
+    /// Stores a complete file; on an error no part of the file is stored.
     ///
     /// # Errors
     /// The reason for the refusal.
     fn put(&mut self, file: &TransferFile) -> Result<(), TransferFault>;
 
-    /// Reads a file.
+    /// Returns the content of a file.
     ///
     /// # Errors
     /// The reason why the file cannot be read.
@@ -50,7 +50,7 @@ pub trait FileStore {
     /// The reason for the refusal.
     fn delete(&mut self, path: &RemotePath) -> Result<(), TransferFault>;
 
-    /// Renames a file.
+    /// Gives the file at `from` the name `to`, in the same partition.
     ///
     /// # Errors
     /// The reason for the refusal.
@@ -60,7 +60,7 @@ pub trait FileStore {
 /// Transfer status on the LCD (manual III-9.8.3).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PortStatus {
-    /// No transfer.
+    /// No transfer is in progress.
     #[default]
     Idle,
     /// 输入: the control receives a file or a request.
@@ -72,17 +72,17 @@ pub enum PortStatus {
 /// Result of a transfer at the control.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ControlEvent {
-    /// A received file is stored.
+    /// The peer has sent this file, and the control has stored it.
     Received(FileName),
-    /// A sent file has arrived.
+    /// The control has sent this file, and the peer has received it completely.
     Sent(FileName),
-    /// The peer refuses a file; the remaining files are not sent.
+    /// The peer refuses this file, for this reason; the remaining files are not sent.
     RejectedByPeer(FileName, TransferFault),
-    /// The control refuses a received file.
+    /// The control refuses this file of the peer, for this reason.
     Refused(FileName, TransferFault),
-    /// A program has a character that plain text cannot carry.
+    /// This program has a character that plain text cannot carry.
     InvalidCharacter(FileName, InvalidCharacter),
-    /// Plain text carries only programs, and this file is none.
+    /// Plain text carries only programs, and this file is not a program.
     OnlyPrograms(FileName),
     /// 串口未连接: the peer does not reply, or sends no valid frame.
     NotConnected,
@@ -90,21 +90,22 @@ pub enum ControlEvent {
     Interrupted,
 }
 
-/// Frame protocol at the control.
+/// The control's end of the frame protocol: serves the peer's requests and sends the files of
+/// 输出 (output key).
 #[derive(Clone, Debug)]
 pub struct ControlSide {
     station: Station,
     incoming: Option<IncomingFile>,
     outgoing: Option<OutgoingFile>,
-    /// The peer has requested the outgoing file.
+    /// Whether the peer has requested the outgoing file; otherwise 输出 (output key) sends it.
     is_outgoing_requested: bool,
-    /// Files of 输出 that wait.
+    /// Files of 输出 (output key) that are not announced to the peer yet.
     to_send: VecDeque<TransferFile>,
-    /// The control has already reconnected for the outgoing file.
+    /// Whether the control has reconnected once to send the outgoing file again.
     has_reconnected: bool,
     is_listing: bool,
     receiving_until: PortTime,
-    /// Noise count at the last frame.
+    /// Number of noise bytes at the last received frame.
     noise: u64,
     events: VecDeque<ControlEvent>,
 }
@@ -149,7 +150,7 @@ impl ControlSide {
         }
     }
 
-    /// Aborts all transfers on 复位 (reset). The peer drops its part, too.
+    /// Aborts all transfers on 复位 (reset): drops incoming, outgoing and waiting files.
     pub fn abort(&mut self) {
         self.incoming = None;
         self.outgoing = None;
@@ -158,7 +159,7 @@ impl ControlSide {
         self.station.abort();
     }
 
-    /// Takes received bytes.
+    /// Takes bytes that the port received at time `now`; [`Self::advance`] processes them.
     pub fn receive(&mut self, bytes: &[u8], now: PortTime) {
         self.station.receive(bytes, now);
     }
@@ -168,12 +169,12 @@ impl ControlSide {
         self.station.pending_bytes(now)
     }
 
-    /// Removes bytes that the port has taken.
+    /// Removes the first `count` bytes of [`Self::pending_bytes`]: the port has taken them.
     pub fn mark_sent(&mut self, count: usize) {
         self.station.mark_sent(count);
     }
 
-    /// Returns the oldest event.
+    /// Removes and returns the oldest event; `None` without one.
     pub fn next_event(&mut self) -> Option<ControlEvent> {
         self.events.pop_front()
     }
@@ -232,7 +233,7 @@ impl ControlSide {
         }
     }
 
-    /// Executes a request of the peer.
+    /// Executes a request of the peer and returns the reply.
     fn handle_request(
         &mut self,
         request: TransferRequest,
@@ -309,7 +310,8 @@ impl ControlSide {
         }
     }
 
-    /// The peer connects: an outgoing file starts again from its beginning.
+    /// Handles a connect request: an outgoing file starts again from its beginning. Refuses
+    /// another protocol version.
     fn handle_connect(&mut self, version: u8) -> Result<(), TransferFault> {
         if version != VERSION {
             return Err(TransferFault::Content);
@@ -324,7 +326,7 @@ impl ControlSide {
         Ok(())
     }
 
-    /// The peer disconnects: files of 输出 wait for the next peer.
+    /// Handles the end of the connection: files of 输出 (output key) wait for the next peer.
     fn handle_disconnect(&mut self) {
         self.is_listing = false;
         self.station.disconnect();
@@ -405,7 +407,8 @@ impl ControlSide {
         });
     }
 
-    /// Reports bytes that are no frames while no peer is connected.
+    /// Reports [`ControlEvent::NotConnected`] after [`MIN_NOISE_BYTES`] bytes without a frame
+    /// while no peer is connected.
     fn check_noise(&mut self) {
         let noise = self.station.noise();
         if self.station.is_connected() {

@@ -4,18 +4,18 @@ use core::fmt;
 
 use gsk_messages::{Message, say};
 
-/// Most characters before and after the point.
+/// Greatest number of characters before and after the point.
 const MAX_PART_CHARS: [usize; 2] = [8, 3];
 
-/// A partition of the file memory.
+/// A partition of the control's file memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Partition {
     /// `USER`: programs and data.
     #[default]
     User,
-    /// `USER1`.
+    /// `USER1`: the second partition.
     User1,
-    /// `USER2`.
+    /// `USER2`: the third partition.
     User2,
 }
 
@@ -23,7 +23,7 @@ impl Partition {
     /// All partitions in the order of their codes on the wire.
     pub const ALL: [Self; 3] = [Self::User, Self::User1, Self::User2];
 
-    /// Returns the name of the partition.
+    /// Returns the name of the partition, for instance `USER1`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::User => "USER",
@@ -32,24 +32,24 @@ impl Partition {
         }
     }
 
-    /// Returns the code on the wire.
+    /// Returns the code of the partition in frames, from 0.
     pub(crate) const fn code(self) -> u8 {
         self as u8
     }
 
-    /// Finds the partition of a code.
+    /// Returns the partition with a code in frames; `None` for an unknown code.
     pub(crate) fn from_code(code: u8) -> Option<Self> {
         Self::ALL.get(usize::from(code)).copied()
     }
 }
 
-/// A name that is not allowed at the control.
+/// Error: this file name is not allowed at the control.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct FileNameError(pub String);
 
 impl FileNameError {
-    /// Returns the error as a message.
+    /// Returns the message that the name is a device name of Windows or not a valid file name.
     pub fn message(&self) -> Message {
         match is_device_name(&self.0) {
             true => say::transfer_name_device(&self.0),
@@ -59,7 +59,7 @@ impl FileNameError {
 }
 
 /// Whether Windows takes a file name for a device, whatever its ending: `CON`, `nul.txt`,
-/// `COM1.CNC`. A file of such a name cannot be stored there.
+/// `COM1.CNC`. Windows cannot store a file with such a name.
 pub fn is_device_name(name: &str) -> bool {
     let stem = name.split(['.', ':']).next().unwrap_or(name);
     let stem = stem.trim_end_matches(' ').to_ascii_uppercase();
@@ -82,7 +82,7 @@ pub fn is_device_name(name: &str) -> bool {
 pub struct FileName(String);
 
 impl FileName {
-    /// Checks a name.
+    /// Creates a file name if the control allows `name`.
     ///
     /// # Errors
     /// The name is not a valid 8.3 name, or is a device name of Windows.
@@ -113,7 +113,7 @@ impl FileName {
         is_program.then(|| digits.parse().ok())?
     }
 
-    /// Returns the name as it is written.
+    /// Returns the name, with upper and lower case as it was created.
     pub fn as_str(&self) -> &str {
         &self.0
     }

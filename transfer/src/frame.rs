@@ -20,17 +20,17 @@ use crate::transfer_fault::TransferFault;
 
 pub(crate) use frame_reader::{FrameReader, ReaderOutput};
 
-/// File bytes in one frame (manual V-3.2).
+/// Greatest number of file bytes in one frame (manual V-3.2).
 pub const BLOCK_BYTES: usize = 512;
-/// Version of the protocol.
+/// Version of the frame protocol, part of the connect request.
 pub(crate) const VERSION: u8 = 1;
 
 /// First byte of a frame.
 const START: u8 = 0x01;
-/// Start byte, type, sequence number, length.
+/// Number of bytes before the payload: start byte, type, sequence number and length.
 const HEADER_BYTES: usize = 5;
 const CRC_BYTES: usize = 2;
-/// Largest frame in bytes.
+/// Greatest length of a frame, bytes.
 pub(crate) const MAX_FRAME_BYTES: usize = HEADER_BYTES + BLOCK_BYTES + CRC_BYTES;
 
 const CONNECT: u8 = 0x10;
@@ -56,12 +56,12 @@ pub struct RemotePath {
     pub name: FileName,
 }
 
-/// Announcement of a file.
+/// The announcement of a file that follows in blocks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PutRequest {
     /// Path at the control.
     pub remote_path: RemotePath,
-    /// Size in bytes.
+    /// Size of the file in bytes.
     pub size: u32,
     /// Whether to replace an existing file of the same name.
     pub overwrite: bool,
@@ -72,37 +72,37 @@ pub struct PutRequest {
 pub enum TransferRequest {
     /// Starts a connection.
     Connect {
-        /// Version of the protocol.
+        /// Version of the frame protocol.
         version: u8,
     },
     /// Ends the connection.
     Bye,
-    /// Requests the files of a partition.
+    /// Requests the directory of this partition.
     Directory(Partition),
-    /// One entry of the directory.
+    /// Reports one file of the requested directory.
     Entry {
         /// Name of the file.
         name: FileName,
-        /// Size in bytes.
+        /// Size of the file in bytes.
         size: u32,
     },
-    /// End of the directory.
+    /// Ends the directory.
     End,
-    /// Announces a file.
+    /// Announces a file that follows in blocks.
     Put(PutRequest),
-    /// The next block of the file.
+    /// Contains the next block of the announced file.
     Data(Vec<u8>),
-    /// End of the file.
+    /// Ends the announced file.
     Eof,
-    /// Requests a file.
+    /// Requests the file with this path.
     Get(RemotePath),
-    /// Deletes a file.
+    /// Deletes the file with this path.
     Delete(RemotePath),
     /// Renames a file.
     Rename {
-        /// Path of the file.
+        /// Path of the file to rename.
         from: RemotePath,
-        /// New name.
+        /// New name of the file, in the same partition.
         to: FileName,
     },
 }
@@ -110,23 +110,23 @@ pub enum TransferRequest {
 /// A frame on the wire.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum TransferFrame {
-    /// A request.
+    /// A request with its sequence number.
     Request {
         /// Sequence number of the frame.
         seq: u8,
-        /// The request, or why it cannot be decoded.
+        /// The request, or the reason why it cannot be decoded.
         request: Result<TransferRequest, TransferFault>,
     },
     /// The reply to a request.
     Reply {
         /// Sequence number of the request.
         seq: u8,
-        /// Acknowledged or refused.
+        /// `Ok` if the request is acknowledged, otherwise the reason for its refusal.
         result: Result<(), TransferFault>,
     },
 }
 
-/// CRC-16-CCITT.
+/// Computes the CRC-16-CCITT of bytes, with the initial value FFFF.
 fn compute_crc(bytes: &[u8]) -> u16 {
     bytes.iter().fold(0xFFFF, |crc, &byte| {
         (0..8).fold(crc ^ (u16::from(byte) << 8), |crc, _| match crc & 0x8000 {
@@ -159,7 +159,7 @@ fn encode_frame(type_code: u8, seq: u8, payload: &[u8]) -> Vec<u8> {
 }
 
 impl TransferRequest {
-    /// Encodes the request as a frame.
+    /// Encodes the request as a frame with the sequence number `seq`.
     pub(crate) fn encode(&self, seq: u8) -> Vec<u8> {
         let mut payload = Vec::new();
         let type_code = match self {
@@ -241,7 +241,7 @@ impl TransferRequest {
     }
 }
 
-/// Encodes a reply as a frame.
+/// Encodes the reply to the request with the sequence number `seq` as a frame.
 pub(crate) fn encode_reply(seq: u8, result: Result<(), TransferFault>) -> Vec<u8> {
     match result {
         Ok(()) => encode_frame(ACK, seq, &[seq]),
@@ -269,7 +269,7 @@ impl TransferFrame {
     }
 }
 
-/// The rest of a payload.
+/// The bytes of a payload that are not decoded yet.
 struct Fields<'a>(&'a [u8]);
 
 impl Fields<'_> {

@@ -17,7 +17,7 @@ mod damage;
 
 const STEP_NS: u64 = 1_000_000;
 
-/// A file memory without restrictions.
+/// A file memory of the control without restrictions.
 #[derive(Default)]
 struct Memory {
     files: Vec<(FileName, Vec<u8>)>,
@@ -87,12 +87,12 @@ impl FileStore for Memory {
     }
 }
 
-/// A PC and a control at the ends of a line.
+/// A PC and a control that a line in virtual time connects.
 struct Line {
     pc: PcSide,
     control: ControlPort,
     memory: Memory,
-    /// Towards the control, and towards the PC.
+    /// The wire towards the control, then the wire towards the PC.
     wires: [TwinWire; 2],
     now_ns: u64,
     events: Vec<ControlEvent>,
@@ -131,7 +131,7 @@ impl Line {
         }
     }
 
-    /// Runs one millisecond.
+    /// Advances the virtual time by 1 ms and returns an outcome of the PC, if any.
     fn step(&mut self) -> Option<TransferOutcome> {
         self.now_ns += STEP_NS;
         let (now, now_ns) = (self.now(), self.now_ns);
@@ -169,7 +169,7 @@ impl Line {
         self.outcome()
     }
 
-    /// Runs without expecting an outcome.
+    /// Runs for `ms` milliseconds; panics if the PC reports an outcome.
     fn run_for(&mut self, ms: u64) {
         for _ in 0..ms {
             if let Some(outcome) = self.step() {
@@ -473,7 +473,7 @@ fn text_is_received_beside_frames_and_sent_in_text_mode() {
     );
 }
 
-/// File throughput divided by the rate of the line, in both directions.
+/// Returns the share of the line rate that file bytes reach: to the control, and to the PC.
 fn throughput(baud: u32) -> [f64; 2] {
     let bytes = Random(9).bytes(97 * 1024);
     [

@@ -13,7 +13,7 @@ use crate::transfer_file::{
     DirectoryEntry, IncomingFile, MAX_FILE_BYTES, OutgoingFile, TransferFile, TransferProgress,
 };
 
-/// Bytes without a frame that indicate a wrong rate.
+/// Number of bytes without a frame from which on the rate is wrong.
 const MIN_NOISE_BYTES: u64 = 4;
 
 /// Command from the PC to the control.
@@ -21,19 +21,19 @@ const MIN_NOISE_BYTES: u64 = 4;
 pub enum PcCommand {
     /// Connects to the control.
     Connect,
-    /// Lists the files of a partition.
+    /// Lists the files of this partition.
     Directory(Partition),
     /// Sends a file to the control.
     Put(TransferFile),
-    /// Receives a file from the control.
+    /// Receives the file with this path from the control.
     Get(RemotePath),
-    /// Deletes a file.
+    /// Deletes the file with this path at the control.
     Delete(RemotePath),
-    /// Renames a file.
+    /// Renames a file at the control.
     Rename {
-        /// Path of the file.
+        /// Path of the file to rename.
         from: RemotePath,
-        /// New name.
+        /// New name of the file.
         to: FileName,
     },
     /// Disconnects from the control.
@@ -43,17 +43,17 @@ pub enum PcCommand {
 /// Result of a command, or a file that the control sends on its own.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TransferOutcome {
-    /// The command is done.
+    /// The control has carried out the command.
     Done,
-    /// The files of the partition.
+    /// The control has listed the files of the requested partition.
     Listed(Vec<DirectoryEntry>),
-    /// The received file.
+    /// The control has sent the requested file.
     Got(TransferFile),
-    /// The control refuses the command.
+    /// The control refuses the command, for this reason.
     Refused(TransferFault),
-    /// The control has sent a file without a command.
+    /// The control has sent this file without a command.
     Pushed(TransferFile),
-    /// The connection is lost or was never made. No command is running.
+    /// The connection is lost or was never made, for this reason. No command is running.
     Lost(ConnectionLoss),
 }
 
@@ -61,18 +61,18 @@ pub enum TransferOutcome {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum ConnectionLoss {
-    /// No byte is received.
+    /// The PC receives no byte.
     Silent,
-    /// Bytes are received, but no valid frame.
+    /// The PC receives bytes, but no valid frame.
     Noise,
-    /// The control has replied before and does not any more.
+    /// The control replied before and no longer does.
     Interrupted,
     /// The control has restarted and does not know the connection.
     PeerRestarted,
 }
 
 impl ConnectionLoss {
-    /// Returns the reason as a message.
+    /// Returns the message that tells why the connection is lost.
     pub fn message(self) -> Message {
         match self {
             Self::Silent => say::transfer_loss_silent(),
@@ -83,21 +83,21 @@ impl ConnectionLoss {
     }
 }
 
-/// Current activity.
+/// What the PC waits for.
 #[derive(Clone, Debug)]
 enum Activity {
     /// No command; the control may send files.
     Idle,
-    /// One reply ends the command.
+    /// The PC waits for the one reply that ends the command.
     AwaitingReply,
-    /// Entries follow the reply.
+    /// The PC collects the directory entries that follow the reply.
     Listing(Vec<DirectoryEntry>),
     Sending(OutgoingFile),
-    /// A file is requested.
+    /// The PC waits for the file with this path.
     Getting(RemotePath),
 }
 
-/// Frame protocol at the PC.
+/// The PC's end of the frame protocol: runs one command at a time.
 #[derive(Clone, Debug)]
 pub struct PcSide {
     station: Station,
@@ -117,7 +117,7 @@ impl PcSide {
         }
     }
 
-    /// Starts a command. The result of the previous one must have been taken.
+    /// Starts a command. The caller must have taken the result of the previous one.
     pub fn start(&mut self, command: PcCommand) {
         let send = |station: &mut Station, request| {
             station.send(request);
@@ -150,7 +150,7 @@ impl PcSide {
         matches!(self.activity, Activity::Idle)
     }
 
-    /// Takes received bytes.
+    /// Takes bytes that the port received at time `now`; [`Self::advance`] processes them.
     pub fn receive(&mut self, bytes: &[u8], now: PortTime) {
         self.station.receive(bytes, now);
     }
@@ -160,12 +160,12 @@ impl PcSide {
         self.station.pending_bytes(now)
     }
 
-    /// Removes bytes that the port has taken.
+    /// Removes the first `count` bytes of [`Self::pending_bytes`]: the port has taken them.
     pub fn mark_sent(&mut self, count: usize) {
         self.station.mark_sent(count);
     }
 
-    /// Whether everything is sent and acknowledged.
+    /// Whether all requests are sent and the control has replied to them.
     pub fn is_drained(&self) -> bool {
         self.station.is_drained()
     }
@@ -175,7 +175,7 @@ impl PcSide {
         self.station.retransmissions()
     }
 
-    /// Returns the progress of the current file; `None` without one.
+    /// Returns the progress of the file being sent or received; `None` without one.
     pub fn progress(&self) -> Option<TransferProgress> {
         match (&self.activity, &self.incoming) {
             (Activity::Sending(outgoing), _) => Some(outgoing.progress()),
@@ -184,8 +184,8 @@ impl PcSide {
         }
     }
 
-    /// Processes received frames and timeouts up to `now`. Returns the result of the command, or a
-    /// file that the control has sent.
+    /// Processes received frames and timeouts up to `now`. Returns the result of the command,
+    /// or a file that the control has sent; `None` without one.
     pub fn advance(&mut self, now: PortTime) -> Option<TransferOutcome> {
         while let Some(event) = self.station.next_event(now) {
             match event {
@@ -206,7 +206,7 @@ impl PcSide {
         self.outcomes.pop_front()
     }
 
-    /// Gives up waiting for frames of a control that is silent.
+    /// Ends a reception or a listing when the control has been silent for too long.
     fn check_timeout(&mut self, now: PortTime) {
         let expects_frames = self.incoming.is_some()
             || matches!(self.activity, Activity::Listing(_) | Activity::Getting(_));
@@ -246,7 +246,7 @@ impl PcSide {
         self.finish(TransferOutcome::Lost(loss));
     }
 
-    /// Executes a request of the control.
+    /// Executes a request of the control and returns the reply.
     fn handle_request(&mut self, request: TransferRequest) -> Result<(), TransferFault> {
         match request {
             // A control that has restarted, or another one, is about to send.
@@ -316,7 +316,8 @@ impl PcSide {
         }
     }
 
-    /// Drops an incoming file that contradicts its announcement.
+    /// If `result` is an error, drops the incoming file and ends the command as refused.
+    /// Returns `result`.
     fn drop_incoming_on_error(
         &mut self,
         result: Result<(), TransferFault>,

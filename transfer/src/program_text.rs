@@ -12,29 +12,29 @@ use crate::wire_time::WireTime;
 const XON: u8 = 0x11;
 /// DC3: the sender must stop.
 const XOFF: u8 = 0x13;
-/// Backlog levels, in characters: XOFF is sent above the first, XON below the second. Beyond the
-/// third the sender ignores XOFF.
+/// Number of unprocessed characters above which the reader sends XOFF. Below [`XON_LEVEL`] the
+/// reader sends XON. Beyond [`MAX_BACKLOG_CHARS`] the sender ignores XOFF.
 const XOFF_LEVEL: usize = 2048;
 const XON_LEVEL: usize = 512;
 const MAX_BACKLOG_CHARS: usize = 65_536;
-/// Largest text, more than the program memory holds.
+/// Greatest length of a text, bytes; more than the program memory holds.
 const MAX_TEXT_BYTES: usize = 1 << 22;
-/// Pause after which a text is incomplete.
+/// Pause after which an unfinished text is interrupted.
 const SILENCE_TIMEOUT: PortTime = PortTime::from_secs(15);
-/// Longest time that the reader catches up.
+/// Greatest processing time that the reader makes up for after a late call.
 const MAX_CATCH_UP_TIME: PortTime = PortTime::from_millis(100);
-/// A shorter text before an error is noise.
+/// Length in characters below which an interrupted text is noise.
 const MIN_TEXT_CHARS: usize = 16;
 
-/// Line end of a sent text.
+/// The characters that end each line of a sent text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TextLineEnd {
-    /// CR LF.
+    /// CR LF: carriage return, line feed.
     #[default]
     CrLf,
-    /// LF.
+    /// LF: line feed only.
     Lf,
-    /// CR.
+    /// CR: carriage return only.
     Cr,
     /// LF CR CR, as on punched tape.
     LfCrCr,
@@ -57,31 +57,31 @@ impl TextLineEnd {
 pub struct InvalidCharacter {
     /// Line in the program, from 1.
     pub line: usize,
-    /// The character.
+    /// The character that cannot be sent.
     pub character: char,
 }
 
 impl InvalidCharacter {
-    /// Returns the error as a message.
+    /// Returns the message that names the character and its line.
     pub fn message(&self) -> Message {
         say::in_line(self.line, say::transfer_not_ascii(self.character))
     }
 }
 
-/// Event of a text reader.
+/// A result of [`TextReader::advance`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TextEvent {
     /// The start of a text was received.
     Started,
-    /// A complete text, with `\n` line ends and without `%`.
+    /// A complete text was received; it has `\n` line ends and no `%`.
     Complete(String),
-    /// The received bytes are no text: wrong rate or noise.
+    /// The received bytes are not text: wrong rate or noise.
     Noise,
     /// A text is incomplete: silence, noise, or a sender that ignores XOFF.
     Interrupted,
 }
 
-/// Receives a text at the speed of the line.
+/// Receives a text at the speed of the line and stops the sender with XOFF.
 #[derive(Clone, Debug)]
 pub struct TextReader {
     wire: WireTime,
@@ -89,13 +89,13 @@ pub struct TextReader {
     /// Time up to which received bytes are processed.
     read_until: PortTime,
     last_byte_at: PortTime,
-    /// XOFF was sent.
+    /// Whether XOFF was sent and no XON since.
     is_stopped: bool,
-    /// XON and XOFF to send.
+    /// XON and XOFF characters that wait to be sent.
     flow_control: Vec<u8>,
-    /// Text so far; `None` before its start.
+    /// The text received so far; `None` before its start.
     text: Option<String>,
-    /// Previous character.
+    /// The previous received character.
     previous: u8,
 }
 
@@ -129,7 +129,7 @@ impl TextReader {
         self.text.as_ref().map_or(0, String::len)
     }
 
-    /// Takes received bytes.
+    /// Takes bytes that the port received at time `now`; [`Self::advance`] processes them.
     pub fn receive(&mut self, bytes: &[u8], now: PortTime) {
         if bytes.is_empty() {
             return;
@@ -143,12 +143,12 @@ impl TextReader {
         }
     }
 
-    /// Takes the XON and XOFF characters to send.
+    /// Removes and returns the XON and XOFF characters that wait to be sent.
     pub fn take_flow_control(&mut self) -> Vec<u8> {
         core::mem::take(&mut self.flow_control)
     }
 
-    /// Drops the text and lets the sender continue.
+    /// Drops the text and all unprocessed bytes, and lets the sender continue.
     pub fn reset(&mut self) {
         self.text = None;
         self.previous = 0;
@@ -156,7 +156,7 @@ impl TextReader {
         self.resume_partner();
     }
 
-    /// Processes received bytes up to `now`.
+    /// Processes received bytes up to `now`. Returns the next event; `None` without one.
     pub fn advance(&mut self, now: PortTime) -> Option<TextEvent> {
         if self.backlog.len() > MAX_BACKLOG_CHARS {
             return Some(self.interrupt());
@@ -245,8 +245,9 @@ fn is_text_too_long(text: Option<&String>) -> bool {
     text.is_some_and(|text| text.len() > MAX_TEXT_BYTES)
 }
 
-/// Removes the line end after the first `%` and ends the text with one. Other characters in the
-/// line of that `%` are a leader, unless they are the program number.
+/// Returns a received text without the line end after its first `%`, and with one line end at
+/// its end. Other characters in the line of that `%` are a leader, unless they are the program
+/// number; the line then keeps its `%`.
 fn finish_text(text: &str) -> String {
     let leader = !text.starts_with(['\n', 'O', 'o', ':']);
     let percent = if leader { "%" } else { "" };
@@ -254,7 +255,8 @@ fn finish_text(text: &str) -> String {
     format!("{percent}{text}\n")
 }
 
-/// Parses the program number: the first word after a leader, 0 to 9999.
+/// Returns the program number, 0 to 9999: the first word after empty lines and leaders; `None`
+/// without one.
 pub fn parse_program_number(text: &str) -> Option<u16> {
     let mut lines = text.lines().map(str::trim);
     let first = lines.find(|line| !line.is_empty() && !line.starts_with('%'))?;
@@ -264,7 +266,7 @@ pub fn parse_program_number(text: &str) -> Option<u16> {
     digits.parse().ok().filter(|number| *number <= 9999)
 }
 
-/// Splits a text into programs at the lines that begin with an O number.
+/// Splits a text into programs at the lines that begin with a program number (`O` or `:`).
 pub fn split_programs(text: &str) -> Vec<&str> {
     let mut begins = Vec::new();
     let mut at = 0;
@@ -297,8 +299,8 @@ pub struct TextWriter {
 }
 
 impl TextWriter {
-    /// Creates the writer for a line of `baud` bits per second. It adds `%` before and after the
-    /// text.
+    /// Creates the writer for a line of `baud` bits per second. The writer adds `%` before and
+    /// after the text.
     ///
     /// # Errors
     /// The first character that is not printable ASCII or a tab, with its line.
@@ -339,12 +341,12 @@ impl TextWriter {
         self.bytes.len()
     }
 
-    /// Returns the number of bytes that the port has taken.
+    /// Returns the number of bytes that the port has taken so far.
     pub const fn sent_bytes(&self) -> usize {
         self.sent_bytes
     }
 
-    /// Takes received bytes: XOFF stops sending, XON continues it.
+    /// Takes received bytes: XOFF stops sending, XON continues it. Ignores others.
     pub fn receive(&mut self, bytes: &[u8]) {
         for byte in bytes {
             match byte & 0x7F {
@@ -364,13 +366,13 @@ impl TextWriter {
         &rest[..rest.len().min(self.wire.free_bytes(now))]
     }
 
-    /// Counts bytes that the port has taken.
+    /// Counts the next `count` bytes as sent at time `now`: the port has taken them.
     pub fn mark_sent(&mut self, count: usize, now: PortTime) {
         self.sent_bytes += count;
         self.wire.queue(count, now);
     }
 
-    /// Whether the last bit has left the line.
+    /// Whether the port has taken all bytes and the last bit has left the line by `now`.
     pub fn is_finished(&self, now: PortTime) -> bool {
         self.sent_bytes == self.bytes.len() && self.wire.idle_at() <= now
     }

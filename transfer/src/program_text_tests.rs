@@ -4,7 +4,7 @@ use super::*;
 
 const BAUD: u32 = 9600;
 
-/// Reads bytes without time limits.
+/// Passes bytes to a reader without waiting and returns all its events.
 fn read(bytes: &[u8]) -> Vec<TextEvent> {
     let mut reader = TextReader::new(BAUD);
     let mut events = Vec::new();

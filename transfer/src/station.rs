@@ -17,65 +17,65 @@ use crate::frame::{
 use crate::transfer_fault::TransferFault;
 use crate::wire_time::{PORT_LOOKAHEAD, WireTime};
 
-/// Longest time for a reply.
+/// Time limit for the reply to a frame, without transmission times.
 const REPLY_TIMEOUT: PortTime = PortTime::from_secs(1);
 const MAX_RETRANSMISSIONS: u8 = 5;
-/// Pending blocks of a file or entries of a list.
+/// Greatest number of pending blocks of a file or entries of a directory.
 const WINDOW: usize = 2;
-/// A pause within a frame after which it is incomplete.
+/// Pause after which a partly received frame counts as damaged.
 const FRAME_GAP_TIMEOUT: PortTime = PortTime::from_millis(200);
 /// Shortest time between two requests for a missing frame.
 const NAK_INTERVAL: PortTime = PortTime::from_millis(50);
-/// Replies that are kept for repeated frames.
+/// Number of recent replies that are kept for repeated frames.
 const KEPT_REPLIES: usize = 4;
-/// Sequence numbers of the connect frame and of the first frame after it.
+/// Sequence number of the connect frame.
 const CONNECT_SEQ: u8 = 0;
 const FIRST_SEQ: u8 = 1;
 
-/// Event on the line.
+/// An event that the station reports to its owner.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum StationEvent {
     /// The peer sends a request; the caller must call [`Station::reply`] next.
     Request(TransferRequest),
     /// The peer sends an unknown request; the station has already refused it.
     UnknownRequest,
-    /// The peer replies to a request.
+    /// The peer replies to this request: accepted, or refused for a reason.
     Reply(TransferRequest, Result<(), TransferFault>),
-    /// The peer does not reply any more; all waiting frames are dropped.
+    /// The peer no longer replies; the station has dropped all waiting frames.
     Lost,
 }
 
-/// A frame that waits for its reply.
+/// A sent frame that waits for its reply.
 #[derive(Clone, Debug)]
 struct PendingFrame {
     seq: u8,
     request: TransferRequest,
     retransmission_count: u8,
-    /// Time at which the last bit leaves.
+    /// Time at which the last bit of the frame leaves the line.
     transmitted_at: PortTime,
     /// Time at which the reply is due.
     reply_due_at: PortTime,
-    /// The reply is of no interest any more.
+    /// Whether the reply will be ignored because the transfer was aborted.
     is_abandoned: bool,
 }
 
-/// One end of the line.
+/// One end of a line: sends, receives and retransmits frames.
 #[derive(Clone, Debug)]
 pub(crate) struct Station {
     wire: WireTime,
     reader: FrameReader,
-    /// Bytes for the port.
+    /// Bytes of frames that the port has not taken yet.
     output: Vec<u8>,
     next_seq: u8,
     waiting: VecDeque<TransferRequest>,
     pending: VecDeque<PendingFrame>,
     /// Sequence number of the next frame of the peer; `None` without a connection.
     expected_seq: Option<u8>,
-    /// Sequence number of the request that waits for [`Station::reply`].
+    /// Sequence number of the request that waits for [`Station::reply`]; `None` without one.
     unanswered_seq: Option<u8>,
     recent_replies: VecDeque<(u8, Result<(), TransferFault>)>,
     events: VecDeque<StationEvent>,
-    /// Times of the last received byte and the last received frame.
+    /// Time of the last received byte.
     last_byte_at: PortTime,
     last_frame_at: PortTime,
     last_nak_at: Option<PortTime>,
@@ -108,7 +108,7 @@ impl Station {
         self.waiting.push_back(request);
     }
 
-    /// Drops all frames and starts a new connection.
+    /// Drops all frames and queues a connect request.
     pub(crate) fn connect(&mut self) {
         self.clear_queues();
         self.expected_seq = None;
@@ -116,7 +116,7 @@ impl Station {
         self.send(TransferRequest::Connect { version: VERSION });
     }
 
-    /// Drops all frames and ends the connection.
+    /// Drops all frames and ends the connection; sends nothing.
     pub(crate) fn disconnect(&mut self) {
         self.clear_queues();
         self.expected_seq = None;
@@ -139,22 +139,22 @@ impl Station {
         }
     }
 
-    /// Returns the number of waiting frames.
+    /// Returns the number of requests that are not sent yet.
     pub(crate) fn waiting(&self) -> usize {
         self.waiting.len()
     }
 
-    /// Whether everything is sent and acknowledged.
+    /// Whether the port has taken all bytes and the peer has replied to all requests.
     pub(crate) fn is_drained(&self) -> bool {
         self.waiting.is_empty() && self.pending.is_empty() && self.output.is_empty()
     }
 
-    /// Returns the number of retransmitted frames.
+    /// Returns the number of retransmitted frames so far.
     pub(crate) const fn retransmissions(&self) -> u64 {
         self.retransmissions
     }
 
-    /// Returns the number of bytes that were part of no frame.
+    /// Returns the number of received bytes that were not part of a valid frame.
     pub(crate) const fn noise(&self) -> u64 {
         self.reader.noise()
     }
@@ -165,7 +165,7 @@ impl Station {
         REPLY_TIMEOUT + self.wire.transmission_time(2 * MAX_FRAME_BYTES)
     }
 
-    /// Returns a time longer than the peer waits before it gives up.
+    /// Returns the time without a frame after which the peer has certainly given up.
     pub(crate) fn abandon_after(&self) -> PortTime {
         self.reply_timeout() * (u32::from(MAX_RETRANSMISSIONS) + 2)
     }
@@ -175,12 +175,12 @@ impl Station {
         self.last_frame_at.is_zero()
     }
 
-    /// Returns the time since the last frame.
+    /// Returns the time since the last received frame.
     pub(crate) fn time_since_frame(&self, now: PortTime) -> PortTime {
         now.saturating_sub(self.last_frame_at)
     }
 
-    /// Returns the time since the last byte.
+    /// Returns the time since the last received byte.
     pub(crate) fn time_since_byte(&self, now: PortTime) -> PortTime {
         now.saturating_sub(self.last_byte_at)
     }
@@ -190,12 +190,12 @@ impl Station {
         &self.output[..self.wire.sendable(self.output.len(), now)]
     }
 
-    /// Removes bytes that the port has taken.
+    /// Removes the first `count` bytes of [`Self::pending_bytes`]: the port has taken them.
     pub(crate) fn mark_sent(&mut self, count: usize) {
         self.output.drain(..count.min(self.output.len()));
     }
 
-    /// Takes received bytes.
+    /// Takes bytes that the port received at time `now`.
     pub(crate) fn receive(&mut self, bytes: &[u8], now: PortTime) {
         if !bytes.is_empty() {
             self.last_byte_at = now;
@@ -203,7 +203,8 @@ impl Station {
         }
     }
 
-    /// Returns the next event. A request must be replied to before the next event is read.
+    /// Returns the next event; `None` if none is left. The caller must reply to a request
+    /// before it reads the next event.
     pub(crate) fn next_event(&mut self, now: PortTime) -> Option<StationEvent> {
         self.retransmit_overdue(now);
         loop {
@@ -236,7 +237,7 @@ impl Station {
         None
     }
 
-    /// Replies to the last request.
+    /// Queues the reply to the request that [`Self::next_event`] has returned.
     pub(crate) fn reply(&mut self, result: Result<(), TransferFault>, now: PortTime) {
         let Some(seq) = self.unanswered_seq.take() else {
             return;
@@ -261,7 +262,7 @@ impl Station {
         self.wire.queue(bytes.len(), now)
     }
 
-    /// Sends waiting frames as far as the window allows.
+    /// Sends waiting frames as far as [`WINDOW`] allows.
     pub(crate) fn send_waiting(&mut self, now: PortTime) {
         while let Some(request) = self.waiting.front() {
             let is_block = |request: &TransferRequest| {
@@ -296,7 +297,7 @@ impl Station {
         }
     }
 
-    /// Retransmits the first pending frame and those after it if its reply is overdue.
+    /// Retransmits all pending frames if the reply to the first one is overdue.
     fn retransmit_overdue(&mut self, now: PortTime) {
         if self
             .pending
@@ -307,7 +308,8 @@ impl Station {
         }
     }
 
-    /// Retransmits the pending frames from one on.
+    /// Retransmits the pending frames from index `from` on. After [`MAX_RETRANSMISSIONS`] the
+    /// peer is lost.
     fn retransmit(&mut self, from: usize, now: PortTime) {
         if self.pending[from].retransmission_count >= MAX_RETRANSMISSIONS {
             self.clear_queues();
@@ -399,7 +401,7 @@ impl Station {
         }
     }
 
-    /// The peer connects: sequence numbers start again in both directions.
+    /// Handles a connect request: sequence numbers start again in both directions.
     fn restart_session(&mut self) {
         let is_connect =
             |frame: &PendingFrame| matches!(frame.request, TransferRequest::Connect { .. });
@@ -416,7 +418,7 @@ impl Station {
         self.queue_bytes(&encode_reply(seq, result), now);
     }
 
-    /// Requests the frame that is missing or damaged.
+    /// Requests the expected frame from the peer again, at most once per [`NAK_INTERVAL`].
     fn request_missing_frame(&mut self, now: PortTime) {
         let Some(expected) = self.expected_seq else {
             return;

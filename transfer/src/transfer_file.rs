@@ -5,25 +5,25 @@ use crate::frame::{BLOCK_BYTES, PutRequest, RemotePath, TransferRequest};
 use crate::station::Station;
 use crate::transfer_fault::TransferFault;
 
-/// Blocks to queue in the station, so that the line is never idle.
+/// Number of blocks of a file that wait in the station, so that the line is never idle.
 const MAX_WAITING_BLOCKS: usize = 2;
 
-/// Largest file in bytes. A larger announcement is refused.
+/// Greatest size of a file, bytes. The receiver refuses a larger announcement.
 pub(crate) const MAX_FILE_BYTES: u32 = 1 << 24;
 
-/// An entry of a directory.
+/// A file in the directory of a partition.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DirectoryEntry {
     /// Name of the file.
     pub name: FileName,
-    /// Size in bytes.
+    /// Size of the file in bytes.
     pub size: u32,
 }
 
 /// A complete file with its path at the control.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TransferFile {
-    /// Path at the control.
+    /// Path of the file at the control.
     pub remote_path: RemotePath,
     /// Content of the file.
     pub bytes: Vec<u8>,
@@ -34,13 +34,13 @@ pub struct TransferFile {
 /// Progress of a file transfer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TransferProgress {
-    /// Bytes transferred so far.
+    /// Number of bytes transferred so far.
     pub done: usize,
     /// Size of the file in bytes.
     pub total: usize,
 }
 
-/// A file that is being received.
+/// A file that is being received: its announcement and the bytes so far.
 #[derive(Clone, Debug)]
 pub(crate) struct IncomingFile {
     pub put: PutRequest,
@@ -55,10 +55,10 @@ impl IncomingFile {
         }
     }
 
-    /// Appends the next block.
+    /// Appends the next block of the file.
     ///
     /// # Errors
-    /// `Content`: more bytes than announced.
+    /// [`TransferFault::Content`]: the file has more bytes than announced.
     pub(crate) fn append(&mut self, bytes: &[u8]) -> Result<(), TransferFault> {
         let length = self.bytes.len() + bytes.len();
         if length > self.put.size as usize {
@@ -75,10 +75,10 @@ impl IncomingFile {
         }
     }
 
-    /// Returns the complete file.
+    /// Returns the received file after its last block.
     ///
     /// # Errors
-    /// `Content`: fewer bytes than announced.
+    /// [`TransferFault::Content`]: the file has fewer bytes than announced.
     pub(crate) fn finish(self) -> Result<TransferFile, TransferFault> {
         match self.bytes.len() == self.put.size as usize {
             true => Ok(TransferFile {
@@ -91,21 +91,21 @@ impl IncomingFile {
     }
 }
 
-/// A file that is being sent.
+/// A file that is being sent, with its progress.
 #[derive(Clone, Debug)]
 pub(crate) struct OutgoingFile {
     file: TransferFile,
-    /// The peer has accepted the announcement.
+    /// Whether the peer has accepted the announcement.
     is_accepted: bool,
-    /// Bytes queued in the station.
+    /// Number of bytes of the file that were queued in the station.
     queued_bytes: usize,
-    /// Bytes acknowledged by the peer.
+    /// Number of bytes of the file that the peer has acknowledged.
     acknowledged_bytes: usize,
     is_eof_queued: bool,
 }
 
 impl OutgoingFile {
-    /// Announces a file to the peer.
+    /// Queues the announcement of a file in the station and starts its transfer.
     pub(crate) fn announce(file: TransferFile, station: &mut Station) -> Self {
         station.send(TransferRequest::Put(PutRequest {
             remote_path: file.remote_path.clone(),
@@ -121,7 +121,7 @@ impl OutgoingFile {
         }
     }
 
-    /// Returns the file to announce it again.
+    /// Returns the file, so that the caller can announce it again.
     pub(crate) fn into_file(self) -> TransferFile {
         self.file
     }
@@ -141,7 +141,8 @@ impl OutgoingFile {
         }
     }
 
-    /// Queues the next blocks in the station.
+    /// Queues the next blocks of an accepted file in the station, and the end of the file
+    /// after the last block.
     pub(crate) fn continue_sending(&mut self, station: &mut Station) {
         if !self.is_accepted {
             return;
@@ -159,7 +160,8 @@ impl OutgoingFile {
         }
     }
 
-    /// Processes the reply to a frame of this file; returns the result once the transfer has ended.
+    /// Processes the peer's reply to a frame of this file. Returns the result once the
+    /// transfer has ended; `None` while it continues.
     pub(crate) fn handle_reply(
         &mut self,
         request: &TransferRequest,

@@ -4,15 +4,15 @@ use crate::PortTime;
 
 /// Bits per byte: start bit, 8 data bits, stop bit.
 const BITS_PER_BYTE: u64 = 10;
-/// Bytes are passed to the port this long before the line needs them. The line stays busy while
-/// the caller is between two calls.
+/// Time by which the port gets bytes before the line needs them. The line stays busy while the
+/// caller is between two calls.
 pub(crate) const PORT_LOOKAHEAD: PortTime = PortTime::from_millis(20);
 
 /// Timing of one direction of a serial line.
 #[derive(Clone, Copy, Debug)]
 pub struct WireTime {
     byte_time: PortTime,
-    /// Time at which the last queued byte has left.
+    /// Time at which the last queued byte has left the line.
     idle_at: PortTime,
 }
 
@@ -31,20 +31,20 @@ impl WireTime {
         self.byte_time * u32::try_from(count).unwrap_or(u32::MAX)
     }
 
-    /// Queues bytes and returns the time at which the last one has left.
+    /// Adds `count` bytes to the line and returns the time at which the last one has left.
     pub(crate) fn queue(&mut self, count: usize, now: PortTime) -> PortTime {
         self.idle_at = self.idle_at.max(now) + self.transmission_time(count);
         self.idle_at
     }
 
-    /// Returns how many of the waiting bytes the port may take now.
+    /// Returns how many of `waiting` queued bytes the port may take now.
     pub(crate) fn sendable(&self, waiting: usize, now: PortTime) -> usize {
         let ahead = self.idle_at.saturating_sub(now + PORT_LOOKAHEAD).as_nanos();
         let kept = ahead.div_ceil(self.byte_time.as_nanos().max(1));
         waiting.saturating_sub(usize::try_from(kept).unwrap_or(usize::MAX))
     }
 
-    /// Returns how many bytes may be queued now without exceeding the lookahead.
+    /// Returns how many bytes may be queued now without exceeding [`PORT_LOOKAHEAD`].
     pub(crate) fn free_bytes(&self, now: PortTime) -> usize {
         let free = (now + PORT_LOOKAHEAD)
             .saturating_sub(self.idle_at)
@@ -55,7 +55,7 @@ impl WireTime {
         usize::try_from(bytes).unwrap_or(usize::MAX)
     }
 
-    /// Returns the time at which all queued bytes have left.
+    /// Returns the time at which all queued bytes have left the line.
     pub(crate) const fn idle_at(&self) -> PortTime {
         self.idle_at
     }

@@ -16,17 +16,17 @@ pub fn parse_finite(text: &str) -> Option<f64> {
     text.parse().ok().filter(|value: &f64| value.is_finite())
 }
 
-/// A number of a RON text that is not finite.
+/// A number in a RON text that is NaN, infinite or too large for `f64`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NonFinite {
-    /// Its line, from 1.
+    /// Line of the number in the text, from 1.
     pub line: usize,
-    /// As it is written, at most 20 characters.
+    /// The number as it is written in the text, cut off after 20 characters.
     pub token: String,
 }
 
-/// Finds the first number of a RON text that is not finite. Strings, characters and
-/// comments are passed over.
+/// Finds the first number of a RON text that is not finite; `None` if all are finite. The
+/// search skips strings, characters and comments.
 pub fn find_non_finite(text: &str) -> Option<NonFinite> {
     const LONGEST: usize = 20;
     let bytes = text.as_bytes();
@@ -55,8 +55,8 @@ pub fn find_non_finite(text: &str) -> Option<NonFinite> {
     None
 }
 
-/// A character of a number or an identifier. Bytes of characters beyond ASCII are parts of
-/// identifiers.
+/// Whether a byte belongs to a number or an identifier. Bytes of characters beyond ASCII
+/// belong to identifiers.
 const fn is_word(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte >= 0x80 || matches!(byte, b'_' | b'.' | b'+' | b'-')
 }
@@ -72,13 +72,14 @@ fn is_non_finite(token: &str) -> bool {
     begins && digits.parse().is_ok_and(|value: f64| !value.is_finite())
 }
 
-/// Bytes up to and with an end mark, or all of them.
+/// Returns the number of bytes up to and including the first `end`; all bytes without one.
 fn length_until(text: &[u8], end: &[u8]) -> usize {
     let found = text.windows(end.len()).position(|here| here == end);
     found.map_or(text.len(), |at| at + end.len())
 }
 
-/// A block comment, in which others may nest.
+/// Returns the length in bytes of the block comment at the start of `text`. Block comments may
+/// nest.
 fn block_comment(text: &[u8]) -> usize {
     let (mut at, mut depth) = (2, 1);
     while depth > 0 && at < text.len() {
@@ -119,7 +120,8 @@ fn string(text: &[u8]) -> usize {
     text.len()
 }
 
-/// A character in single quotes; a quote alone is passed over.
+/// Returns the length in bytes of the character in single quotes at the start of `text`; 1 for
+/// a lone quote.
 fn character(text: &[u8]) -> usize {
     match text {
         [_, b'\\', _, ..] => 2 + length_until(&text[3.min(text.len())..], b"'").min(12) + 1,

@@ -109,7 +109,7 @@ impl Point {
         Diameter(self.x * 2.0)
     }
 
-    /// Converts to a vector with Z as its first and X as its second component:
+    /// Converts a point to a vector with Z as its first and X as its second component, mm:
     ///
     /// ```text
     ///  X (radius)
@@ -127,7 +127,7 @@ impl Point {
         Self::new(vector.y, vector.x)
     }
 
-    /// Returns the length of the displacement, mm. For a point it is the distance from the
+    /// Returns the length of the displacement, mm. For a point this is the distance from the
     /// origin.
     pub fn length(self) -> f64 {
         self.to_vector().length()
@@ -138,7 +138,7 @@ impl Point {
         self.to_vector().dot(other.to_vector())
     }
 
-    /// Returns the cross product of two displacements, mm². It is positive if `other`
+    /// Returns the cross product of two displacements, mm². The product is positive if `other`
     /// points counter-clockwise of `self`, with Z to the right and X up.
     pub fn cross(self, other: Self) -> f64 {
         self.to_vector().perp_dot(other.to_vector())
@@ -262,7 +262,7 @@ pub const TICK_MS: u32 = 1;
 /// Duration of one interpolation tick, s of machine time.
 pub const TICK_S: f64 = 0.001;
 
-/// The factor of every percentage from 0 to 255 %.
+/// Table of the factors of the percentages 0 to 255 %: entry 150 is 1.5.
 static PERCENT_FACTORS: [f64; 256] = {
     let mut factors = [0.0; 256];
     let mut percent = 0;
@@ -284,7 +284,8 @@ pub fn percent_to_factor(percent: u8) -> f64 {
 
 /// Returns the smaller of two numbers. Neither may be NaN.
 ///
-/// It compiles to one instruction; `f64::min` needs more because it also handles NaN.
+/// This function compiles to one instruction; `f64::min` needs more because it also handles
+/// NaN.
 #[inline]
 pub const fn min_not_nan(one: f64, other: f64) -> f64 {
     if one < other { one } else { other }
@@ -300,12 +301,13 @@ pub const fn max_not_nan(one: f64, other: f64) -> f64 {
 /// fraction: the addition rounds it to a whole number, half to even, in its lowest bits.
 const ROUNDING_SHIFT: f64 = 6_755_399_441_055_744.0;
 
-/// 2^51, the limit of numbers that [`ROUNDING_SHIFT`] rounds.
+/// 2^51: [`ROUNDING_SHIFT`] rounds only numbers whose absolute value is smaller.
 const MAX_SHIFTABLE: f64 = 2_251_799_813_685_248.0;
 
-/// Rounds a number below [`MAX_SHIFTABLE`] half to even and returns it as `i64` and `f64`.
+/// Rounds a number below [`MAX_SHIFTABLE`] half to even and returns the result as `i64` and as
+/// `f64`.
 ///
-/// It avoids the conversion with `as`, which also checks the range of `i64`.
+/// The addition replaces the conversion with `as`, which also checks the range of `i64`.
 #[inline]
 const fn round_half_to_even(value: f64) -> (i64, f64) {
     let shifted = value + ROUNDING_SHIFT;
@@ -316,7 +318,7 @@ const fn round_half_to_even(value: f64) -> (i64, f64) {
 /// Rounds to the nearest whole number, half away from zero, like `value.round() as i64`.
 /// Numbers outside `i64` saturate; NaN gives 0.
 ///
-/// It needs no library call on processors that have no rounding instruction.
+/// This function needs no library call on processors that have no rounding instruction.
 ///
 /// ```
 /// for value in [0.0, 0.5, 1.5, 2.5, 0.49999999999999994, 2.4, 2.6, 4503599627370494.5, 1e300] {
@@ -343,7 +345,7 @@ pub fn round_to_i64(value: f64) -> i64 {
 /// Rounds down to a whole number, like `value.floor() as i64`. Numbers outside `i64`
 /// saturate; NaN gives 0.
 ///
-/// It needs no library call.
+/// This function needs no library call.
 ///
 /// ```
 /// for value in [0.0, -0.0, 0.5, -0.5, 3.0, -3.0, 1e300, -1e300, f64::NAN] {
@@ -361,7 +363,7 @@ pub fn floor_to_i64(value: f64) -> i64 {
 }
 
 /// Rounds to the nearest whole number, half away from zero, like `value.round()`, and keeps
-/// the sign of zero. It needs no library call.
+/// the sign of zero. This function needs no library call.
 #[inline]
 pub fn round(value: f64) -> f64 {
     // The largest number below 0.5. A value just below a half plus this number stays below

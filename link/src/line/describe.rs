@@ -2,8 +2,8 @@
 
 use super::realtime::{CYCLE_START, FEED_HOLD, SOFT_RESET, STATUS_QUERY};
 
-/// Takes the next complete line from the collected bytes of one direction. Other bytes
-/// than printable ASCII become `\\xNN`.
+/// Takes the next complete line from the collected bytes of one direction; `None` without one.
+/// Other bytes than printable ASCII become `\\xNN`.
 pub(crate) fn next_line(outward: bool, collected: &mut Vec<u8>) -> Option<String> {
     // A real-time character is a line without a line end.
     let acts =

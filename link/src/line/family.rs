@@ -3,7 +3,7 @@
 /// The firmware of a line board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FirmwareFamily {
-    /// Grbl 1.1f and later.
+    /// Grbl, version 1.1f and later.
     #[default]
     Grbl,
     /// grblHAL: selectable report fields, thread passes, homing of single axes.
@@ -15,26 +15,26 @@ pub enum FirmwareFamily {
 /// Why a board has stopped without a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum StopCause {
-    /// A limit switch.
+    /// A limit switch was operated.
     Limit,
-    /// A reset during motion.
+    /// The board was reset during motion.
     Reset,
     /// Homing has failed or was aborted.
     Homing,
-    /// The emergency stop input.
+    /// The emergency stop input was operated.
     EmergencyStop,
     /// The spindle does not turn.
     Spindle,
-    /// A drive fault.
+    /// A drive reports a fault.
     Motor,
-    /// An unexpected or impossible command.
+    /// The board got an unexpected or impossible command.
     Order,
     /// The board is locked.
     Locked,
 }
 
 impl FirmwareFamily {
-    /// The queries of the opening in their order; the first one identifies the board.
+    /// Returns the queries of the opening in their order; the first one identifies the board.
     pub(super) const fn queries(self) -> &'static [&'static str] {
         match self {
             Self::Grbl | Self::GrblHal => &["$I", "$$", "$#", "$G"],
@@ -42,7 +42,7 @@ impl FirmwareFamily {
         }
     }
 
-    /// The cause of `ALARM:number`.
+    /// Returns the cause of `ALARM:number` in this firmware.
     pub(super) const fn cause(self, number: u16) -> StopCause {
         match number {
             1 => StopCause::Limit,
@@ -64,7 +64,7 @@ impl FirmwareFamily {
         }
     }
 
-    /// Whether an alarm is expected after a reset that the link has sent.
+    /// Whether this alarm is expected after a reset that the link has sent.
     pub(super) const fn excuses(self, number: u16) -> bool {
         // Reset during motion; aborted homing; homing required.
         number == 3 || matches!(self, Self::FluidNc) && matches!(number, 6 | 14)

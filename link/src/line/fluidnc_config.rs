@@ -17,22 +17,22 @@ const KINEMATICS: u16 = 1001;
 /// How the value of an item follows from Grbl's setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum ItemKind {
-    /// The same number.
+    /// The item has the same number as the setting.
     Figure,
-    /// `true` unless the number is 0.
+    /// The item is `true` unless the number is 0.
     Switch,
-    /// `false` if the bit of the axis is set.
+    /// The item is `false` if the bit of the axis is set.
     NotBit,
-    /// A pin, with `:low` if the bit of the axis is set.
+    /// The item is a pin, with `:low` if the bit of the axis is set.
     Pin,
-    /// A list of pairs `speed=percent` whose last speed is the number. The list may be
-    /// missing.
+    /// The item is a list of pairs `speed=percent` whose last speed is the number. The list
+    /// may be missing.
     Scale,
-    /// An empty value.
+    /// The item must have an empty value.
     Empty,
-    /// A pin that is not wired.
+    /// The item is a pin that must not be wired.
     Unwired,
-    /// An existing section.
+    /// The item is a section that must exist.
     Section,
 }
 
@@ -40,8 +40,8 @@ enum ItemKind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum EffectTime {
     AtOnce,
-    /// When the board starts. A written value has no effect: at the start the board reads
-    /// its file again.
+    /// The item takes effect when the board starts. Writing it has no effect: at the start the
+    /// board reads its file again.
     AtStart,
 }
 
@@ -91,16 +91,16 @@ const ITEMS: [(u16, &str, ItemKind, EffectTime); 33] = [
 /// from 100 on.
 const AXES: [(&str, u16); 2] = [("x", 0), ("z", 2)];
 
-/// The items that a board has reported.
+/// The items of the configuration that a board has reported.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct FluidNcConfig {
     items: Vec<(String, String)>,
-    /// Names of the sections that enclose the next line.
+    /// Names of the sections that enclose the next line, from the outermost.
     sections: Vec<String>,
 }
 
 impl FluidNcConfig {
-    /// Adds a line of the text; invalid lines are skipped.
+    /// Adds a line of the answer to `$CD`; skips invalid lines.
     pub(super) fn take(&mut self, line: &str) {
         let indented = line.len() - line.trim_start_matches(' ').len();
         let Some((name, value)) = line.trim().split_once(':') else {
@@ -117,7 +117,8 @@ impl FluidNcConfig {
         self.items.push((self.sections.join("/"), value));
     }
 
-    /// The value of an item; empty for a section.
+    /// Returns the value of an item, which is empty for a section; `None` if the item is
+    /// missing.
     pub(super) fn value(&self, path: &str) -> Option<&str> {
         self.find(path).map(|(_, value)| value)
     }
@@ -127,7 +128,7 @@ impl FluidNcConfig {
         Some((&found.0, &found.1))
     }
 
-    /// The items that differ from the required settings.
+    /// Returns the items that differ from the required settings, with their corrections.
     pub(super) fn deviations(&self, settings: &[Setting]) -> Vec<SettingDeviation> {
         let mut deviations = Vec::new();
         for (number, path, kind, acts) in ITEMS {

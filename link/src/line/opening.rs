@@ -13,7 +13,7 @@ use super::reported::{Reported, Unsupported};
 use super::required::{REPORT, RequiredSettings, SettingDeviation, figure};
 use super::response::LineResponse;
 
-/// Time for the banner of a board that resets when its port is opened.
+/// Time in which a board that resets when its port is opened sends its banner.
 const BANNER_WAIT: Duration = Duration::from_millis(2500);
 /// Time without a byte after which the board counts as quiet.
 const QUIET: Duration = Duration::from_millis(200);
@@ -21,8 +21,8 @@ const QUIET: Duration = Duration::from_millis(200);
 const GIVE_UP: Duration = Duration::from_secs(5);
 /// Least time in which a board may become quiet after its banner.
 const SETTLE_AFTER_BANNER: Duration = Duration::from_millis(2500);
-/// Time limit for the start of a board that reports it, for instance while it searches a
-/// network.
+/// Time limit for the start of a board that reports its start, for instance while it searches
+/// a network.
 const MAX_START_TIME: Duration = Duration::from_secs(20);
 /// Greatest pause within the answer to a query.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(1);
@@ -34,7 +34,7 @@ const TIMER_SEGMENT: Duration = Duration::from_millis(10);
 const MAX_TIMER_SEGMENTS: u32 = 20;
 /// Soft reset (Ctrl-X), a real-time command.
 const RESET: &str = "\x18";
-/// Assumed receive buffer of FluidNC, which does not report its size, bytes.
+/// Assumed size of the receive buffer of FluidNC, bytes; FluidNC does not report the size.
 const MIN_RECEIVE_BYTES: u16 = 128;
 
 /// The state of the opening.
@@ -48,24 +48,24 @@ enum OpeningStep {
     Known,
 }
 
-/// The action that the opening requests from the link.
+/// The action that the opening dialogue requests from the link.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum OpeningAction {
-    /// No action.
+    /// The link waits for the board.
     Waits,
     /// Send this line, given without its line end.
     Send(String),
-    /// Send this line; reading of the settings begins.
+    /// Send this line, given without its line end: the first query for the settings.
     Configures(String),
     /// The opening is complete.
     Done,
-    /// Report the settings that differ. They are written on request only.
+    /// Report these settings, which differ. The link writes them only on request.
     Differs(Vec<SettingDifference>),
     /// The opening has failed: alarm number and cause.
     Fails(u16, Message),
 }
 
-/// The dialogue that opens a link.
+/// The dialogue that opens a link, and the properties that the board has reported.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LineOpening {
     step: OpeningStep,
@@ -79,13 +79,14 @@ pub(super) struct LineOpening {
     pub(super) board: BoardInfo,
     /// Whether a work offset in the board is not 0.
     pub(super) offset: bool,
-    /// Time from leaving the queue to execution: the pulse timer of the board takes
+    /// Time from leaving the board's queue to execution: the pulse timer of the board takes
     /// segments of 10 ms in advance.
     pub(super) prepared: Duration,
     /// Whether the board can home a single axis.
     pub(super) alone: bool,
     to_write: Vec<SettingDeviation>,
-    /// Whether the differing settings were written. They are read again then.
+    /// Whether the differing settings were written; afterwards the link reads all settings
+    /// again.
     written: bool,
     /// Whether the board was reset because it did not answer the first query.
     reset: bool,
@@ -112,7 +113,7 @@ impl LineOpening {
         }
     }
 
-    /// An opening that repeats the dialogue on an open port.
+    /// Creates an opening that repeats the dialogue on an open port.
     pub(super) fn again(now: HostTime) -> Self {
         Self {
             step: OpeningStep::Quiet,
@@ -120,17 +121,18 @@ impl LineOpening {
         }
     }
 
-    /// The last reported value of a setting; 0 if missing.
+    /// Returns the last reported value of a numbered setting; 0 if the board did not report
+    /// it.
     pub(super) fn setting(&self, number: u16) -> f64 {
         self.reported.setting(number).unwrap_or_default()
     }
 
-    /// The reported value of a FluidNC item.
+    /// Returns the reported value of a FluidNC item; `None` if the board did not report it.
     fn item(&self, path: &str) -> Option<&str> {
         self.reported.items.value(path)
     }
 
-    /// Takes a line of the text that answers `$CD`.
+    /// Takes a line of the board's answer to `$CD`; other texts are ignored.
     pub(super) fn take_text(&mut self, line: &str) {
         if let OpeningStep::Asking(question) = self.step
             && self.family.queries().get(question) == Some(&"$CD")
@@ -168,18 +170,18 @@ impl LineOpening {
         self.step == OpeningStep::Known
     }
 
-    /// Whether a banner is expected because the port was just opened.
+    /// Whether a banner is expected: the board has not been queried yet.
     pub(super) fn expects_banner(&self) -> bool {
         matches!(self.step, OpeningStep::Greeting | OpeningStep::Quiet)
     }
 
-    /// Notes that bytes were received.
+    /// Stores that bytes were received at time `now`.
     pub(super) fn bytes_received(&mut self, now: HostTime) {
         self.has_received = true;
         self.last_received = now;
     }
 
-    /// Advances the time and checks the time limits.
+    /// Advances the time, checks the time limits and returns what the link must do.
     pub(super) fn tick(&mut self, now: HostTime) -> OpeningAction {
         let waited = now.saturating_sub(self.since);
         let silent = now.saturating_sub(self.last_received.max(self.since));
@@ -235,7 +237,8 @@ impl LineOpening {
         }
     }
 
-    /// The text for a setting that the board did not acknowledge.
+    /// Returns the message that the board did not acknowledge the setting with this index in
+    /// `to_write`.
     fn hangs(&self, index: usize) -> Message {
         let line = self.to_write.get(index).and_then(|one| one.line.as_deref());
         let line = line.unwrap_or("$…");
@@ -261,7 +264,7 @@ impl LineOpening {
         }
     }
 
-    /// Takes a line of the board.
+    /// Takes a line of the board and returns what the link must do.
     pub(super) fn take(
         &mut self,
         answer: &LineResponse,
@@ -408,7 +411,8 @@ impl LineOpening {
         Ok(())
     }
 
-    /// Reads the sizes of the motion queue and the receive buffer.
+    /// Reads the sizes of motion queue and receive buffer. Refuses a board whose sizes are
+    /// missing or too small.
     fn measure(&mut self) -> Result<(), Unsupported> {
         let source = if self.family == FirmwareFamily::FluidNc {
             let blocks = self
@@ -473,7 +477,8 @@ impl LineOpening {
         reports.chain(named).collect()
     }
 
-    /// Writes the settings that differ; the operator has confirmed it.
+    /// Starts to write the settings that differ, after the operator has confirmed the writing.
+    /// Returns what the link must do.
     pub(super) fn write_settings(&mut self, now: HostTime) -> OpeningAction {
         if self.step != OpeningStep::Differs {
             return OpeningAction::Waits;

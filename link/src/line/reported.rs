@@ -11,18 +11,18 @@ use super::fluidnc_config::FluidNcConfig;
 pub(super) enum Unsupported {
     /// The answer to `$I` has no version: too old, or not Grbl.
     NoVersion,
-    /// An unknown firmware, by name.
+    /// The firmware with this name is unknown.
     Firmware(String),
-    /// A Grbl version before 1.1f.
+    /// This Grbl version is older than 1.1f.
     Old(String),
-    /// The board has no X or no Z; the letters of its axes.
+    /// The board has no X or no Z; its axes have these letters.
     Axes(String),
-    /// The sizes of queue and receive buffer are missing or too small; their source.
+    /// The sizes of queue and receive buffer are missing or too small in this source.
     NoSizes(&'static str),
 }
 
 impl Unsupported {
-    /// The text for the operator.
+    /// Returns the message that explains why the board is not supported.
     pub(super) fn message(&self) -> Message {
         match self {
             Self::NoVersion => say::board_version_missing(say::board_is_another()),
@@ -34,20 +34,20 @@ impl Unsupported {
     }
 }
 
-/// The properties that the board has reported.
+/// The properties that the board has reported so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Reported {
     pub(super) version: String,
     pub(super) firmware: Option<String>,
     pub(super) axes: Option<String>,
-    /// Numbered settings, in the order of the reports.
+    /// Number and value of each numbered setting, in the order of the reports.
     pub(super) settings: Vec<(u16, f64)>,
-    /// Named settings of FluidNC.
+    /// Path and value of each named setting of FluidNC.
     pub(super) items: FluidNcConfig,
 }
 
 impl Reported {
-    /// The last reported value of a setting.
+    /// Returns the last reported value of the setting with this number; `None` without one.
     pub(super) fn setting(&self, number: u16) -> Option<f64> {
         let mut newest_first = self.settings.iter().rev();
         newest_first
@@ -55,8 +55,8 @@ impl Reported {
             .map(|(_, value)| *value)
     }
 
-    /// Extracts name and version of FluidNC from a version report like
-    /// `4.0 FluidNC v4.0.4 (esp32-wifi) :`.
+    /// Extracts name and version of FluidNC from a version report like `4.0 FluidNC v4.0.4
+    /// (esp32-wifi) :`; `None` for another firmware.
     pub(super) fn fluidnc(&self) -> Option<&str> {
         let (_, name) = self.version.split_once(' ')?;
         let name = name.split('(').next()?.trim();

@@ -4,11 +4,11 @@ use super::FirmwareFamily;
 use crate::drives::Drives;
 use crate::{LinkConfig, SettingDifference};
 
-/// Setting of the homing cycle; bit 0 enables it.
+/// Number of the setting for the homing cycle; its bit 0 enables homing.
 const HOMING: u16 = 22;
-/// The value of S at 10 V.
+/// Value of S at which the analog spindle output is 10 V.
 const FULL_SPEED: f64 = 1000.0;
-/// Setting of the fields of a status report; grblHAL has a bit for each field.
+/// Number of the setting for the fields of a status report; grblHAL has a bit for each field.
 pub(super) const REPORT: u16 = 10;
 const ALL_FIELDS: f64 = 511.0;
 /// Tolerance for values that the board rounds to three decimals.
@@ -19,14 +19,14 @@ const SINGLE: f64 = 1e-7;
 /// A numbered setting and its required value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// The number after `$`.
+    /// Grbl's number of the setting, written after `$`.
     pub number: u16,
     /// The required value, in Grbl's unit.
     pub value: f64,
 }
 
 impl Setting {
-    /// Adapts the value to a firmware.
+    /// Returns the setting with the value that this firmware needs.
     pub(super) fn adapted_to(self, family: FirmwareFamily) -> Self {
         if self.number == REPORT && family == FirmwareFamily::GrblHal {
             return Self {
@@ -37,7 +37,7 @@ impl Setting {
         self
     }
 
-    /// Whether the value in the board is right.
+    /// Whether the value `board`, read from the board, meets the requirement.
     pub(crate) fn is_met_by(self, board: f64) -> bool {
         if self.number == HOMING {
             // grblHAL has more bits in this setting.
@@ -46,21 +46,21 @@ impl Setting {
         (board - self.value).abs() <= ROUNDING.max(self.value.abs() * SINGLE)
     }
 
-    /// The line that writes the setting.
+    /// Returns the line that writes the setting to the board, for instance `$11=0.020`.
     pub fn line(self) -> String {
         format!("${}={}", self.number, figure(self.value))
     }
 }
 
-/// A setting that differs, with the line that corrects it. Without a line only the owner
-/// can correct it, in the configuration file of the board.
+/// A setting that differs, with the line that corrects it. Without such a line only the owner
+/// can correct the setting, in the configuration file of the board.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SettingDeviation {
     pub(super) difference: SettingDifference,
     pub(super) line: Option<String>,
 }
 
-/// Formats a number for the board.
+/// Formats a number for the board: without decimals or with three.
 pub(super) fn figure(value: f64) -> String {
     if value.fract() == 0.0 {
         format!("{value:.0}")
@@ -69,7 +69,7 @@ pub(super) fn figure(value: f64) -> String {
     }
 }
 
-/// All required settings of a board.
+/// All settings that a board must have.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RequiredSettings {
     /// The settings, sorted by number.

@@ -16,13 +16,13 @@ pub enum LineResponse {
     Alarm(u16),
     /// `<…>`: the answer to `?`.
     StatusReport(StatusReport),
-    /// The banner of a board that has started.
+    /// The banner of a board that has started, as text.
     Banner(String),
     /// The boot message of an ESP32; the banner follows.
     Starts,
-    /// `$N=V`: a line of the answer to `$$`.
+    /// `$N=V`: number and value of a setting, a line of the answer to `$$`.
     Setting(u16, f64),
-    /// `[VER:…]`: the version.
+    /// `[VER:…]`: the version of the firmware.
     Version(String),
     /// `[OPT:…]`: entries of the queue, bytes of the receive buffer.
     Options(u16, u16),
@@ -34,11 +34,11 @@ pub enum LineResponse {
     NewOptions(String),
     /// `[G54:…]`, `[G92:…]`, `[TLO:…]`: whether one of the values is not 0.
     Offset(bool),
-    /// `[MSG:…]`: a message.
+    /// `[MSG:…]`: a message, as text.
     Message(String),
     /// Other lines in brackets, and empty lines.
     Information,
-    /// An invalid line.
+    /// An invalid line: noise, or an unknown format.
     Garbage,
 }
 
@@ -61,7 +61,7 @@ pub enum BoardState {
     Other,
 }
 
-/// A status report.
+/// A status report. A field that the report lacks is `None`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StatusReport {
     /// The state of the board.
@@ -74,12 +74,12 @@ pub struct StatusReport {
     pub feed: Option<f64>,
     /// Measured spindle speed, r/min.
     pub spindle: Option<f64>,
-    /// The operated switches.
+    /// The switches that are operated.
     pub pins: Pins,
 }
 
 impl LineResponse {
-    /// Parses a line without its line end.
+    /// Parses a line of the board, given without its line end.
     pub fn parse(line: &str) -> Self {
         let line = line.trim();
         if line.is_empty() || line.starts_with('>') {

@@ -8,16 +8,16 @@ use gsk_units::{PerAxis, Pulses};
 /// Greatest duration of a standstill at the start of a segment.
 const LONGEST: RunTime = RunTime::from_millis(500);
 
-/// A straight segment of motion.
+/// A straight segment of motion, ready for the board.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct StreamedSegment {
     /// The line for the board, with its line end.
     pub(super) line: String,
     /// Duration of the segment.
     pub(super) duration: RunTime,
-    /// Time of its end.
+    /// Kernel time at the end of the segment.
     pub(super) end: RunTime,
-    /// Position at its end.
+    /// Position at the end of the segment, in the kernel's pulses.
     pub(super) pulses: PerAxis<Pulses>,
 }
 
@@ -27,12 +27,13 @@ pub(super) struct Segments {
     period: RunTime,
     max_rate: f64,
     pulses_per_mm: [f64; 2],
-    /// End of the last segment.
+    /// Kernel time at the end of the last segment.
     from: RunTime,
     at: PerAxis<Pulses>,
-    /// The newest sample after it.
+    /// The newest sample after the end of the last segment; `None` without one.
     newest: Option<Sample>,
-    /// If not 0: the next segment ends with its first pulse and has this duration at least.
+    /// Least duration of the next segment, which ends with its first pulse; 0 for a segment of
+    /// usual duration.
     run_up: RunTime,
 }
 
@@ -49,28 +50,29 @@ impl Segments {
         }
     }
 
-    /// Makes the first pulse of a motion slow. While the board makes it, the board reads the
-    /// next lines into its queue. Otherwise a short pause of the host at the start of a
-    /// motion would leave the board without motion.
+    /// Makes the first pulse of a motion last at least `run_up`. Meanwhile the board reads the
+    /// next lines into its queue. Otherwise a short pause of the host at the start of a motion
+    /// would leave the board without motion.
     pub(super) const fn begin_slowly(&mut self, run_up: RunTime) {
         self.run_up = run_up;
     }
 
-    /// Restarts at a position and time.
+    /// Restarts at a position and a kernel time, and drops the newest sample.
     pub(super) fn begin(&mut self, at: PerAxis<Pulses>, from: RunTime) {
         self.at = at;
         self.from = from;
         self.newest = None;
     }
 
-    /// Duration of the motion that is not in a segment yet.
+    /// Returns the duration of the motion that is not in a segment yet.
     pub(super) fn pending(&self) -> RunTime {
         self.newest
             .filter(|sample| sample.pulses != self.at)
             .map_or(RunTime::ZERO, |sample| sample.end.saturating_sub(self.from))
     }
 
-    /// Takes a sample and returns a segment if one is due.
+    /// Takes a sample and returns a segment if one is due. `offset` is the board's count minus
+    /// the kernel's.
     pub(super) fn push(
         &mut self,
         sample: Sample,
@@ -106,7 +108,8 @@ impl Segments {
         turns(at.x, before.x, now.x) || turns(at.z, before.z, now.z)
     }
 
-    /// Returns the rest as a segment of any duration; the kernel is at standstill.
+    /// Returns the rest of the motion as a segment of any duration; `None` without motion. The
+    /// kernel is at standstill.
     pub(super) fn finish(
         &mut self,
         offset: PerAxis<Pulses>,

@@ -55,7 +55,7 @@ pub struct LineLink {
 }
 
 impl LineLink {
-    /// Starts the dialogue with a board whose port was just opened.
+    /// Creates the link to a board whose port was just opened, and starts the dialogue.
     pub fn open(config: LinkConfig, drives: &Drives, now: HostTime) -> Self {
         let required = RequiredSettings::new(drives, &config);
         let pulses_per_mm = required.pulses_per_mm;
@@ -78,12 +78,12 @@ impl LineLink {
         }
     }
 
-    /// The settings that the board must have.
+    /// Returns the settings that the board must have.
     pub const fn required(&self) -> &RequiredSettings {
         &self.required
     }
 
-    /// The last status report.
+    /// Returns the last status report; `None` before the first one and after a reset.
     pub const fn status(&self) -> Option<StatusReport> {
         self.reports.status
     }
@@ -119,8 +119,7 @@ impl LineLink {
         self.wire.send(line, is_segment, self.session.now);
     }
 
-    /// Notes that all answered segments except the newest `held` have left the board's
-    /// queue.
+    /// Counts all answered segments except the newest `held` as having left the board's queue.
     fn retire(&mut self, held: u16) {
         self.motion
             .retire(held.into(), self.opening.prepared, self.session.now);

@@ -12,10 +12,10 @@ const SYNC: u8 = 0x7E;
 const SEQUENCE: u8 = 0x10;
 /// Number of different sequence numbers on the wire.
 pub(super) const NUMBERS: u64 = 16;
-/// After these bytes each reader expects a new block, also after an incomplete one.
+/// Bytes after which each reader expects a new block, also within an incomplete block.
 pub(super) const ENDS: [u8; MOST] = [SYNC; MOST];
 
-/// CRC-16 of the bytes before it in a block.
+/// Computes the CRC-16 of the bytes that precede the CRC in a block.
 fn crc16(bytes: &[u8]) -> u16 {
     bytes.iter().fold(0xFFFF, |crc: u16, byte| {
         let mut byte = byte ^ crc.to_le_bytes()[0];
@@ -25,7 +25,7 @@ fn crc16(bytes: &[u8]) -> u16 {
     })
 }
 
-/// Encodes a block.
+/// Encodes a block with the low four bits of a sequence number.
 pub(super) fn encode_block(sequence: u64, content: &[u8]) -> Vec<u8> {
     let length = u8::try_from(content.len() + LEAST).unwrap_or(u8::MAX);
     let mut bytes = Vec::with_capacity(content.len() + LEAST);
@@ -49,7 +49,8 @@ pub(super) fn encode_vlq(out: &mut Vec<u8>, value: i64) {
     out.push((value & 0x7F) as u8);
 }
 
-/// Decodes a VLQ from the front of `bytes` to 32 bits, signed or unsigned.
+/// Removes a VLQ from the front of `bytes` and returns 32 bits, signed or unsigned; `None` if
+/// the VLQ is incomplete or too long.
 pub(super) fn decode_vlq(bytes: &mut &[u8]) -> Option<u32> {
     let (&first, mut rest) = bytes.split_first()?;
     let mut value = u32::from(first & 0x7F);
@@ -86,12 +87,12 @@ pub(super) struct Block {
 pub(super) struct Reader {
     bytes: Vec<u8>,
     out_of_step: bool,
-    /// Number of damaged blocks.
+    /// Number of damaged blocks so far.
     pub(super) garbage: u64,
 }
 
 impl Reader {
-    /// Drops an incomplete block.
+    /// Drops the incomplete block at the end of the stream.
     pub(super) fn forget(&mut self) {
         self.bytes.clear();
         self.out_of_step = false;
@@ -101,7 +102,8 @@ impl Reader {
         self.bytes.extend_from_slice(bytes);
     }
 
-    /// Returns the next block. Keeps no more than one incomplete block.
+    /// Removes and returns the next block; `None` without a complete one. Keeps no more than
+    /// one incomplete block.
     pub(super) fn next(&mut self) -> Option<Block> {
         loop {
             if self.out_of_step {

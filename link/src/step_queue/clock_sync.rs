@@ -10,7 +10,7 @@ const KEPT_ANSWERS: usize = 8;
 const FITTED_ANSWERS: usize = 4;
 /// Growth of an answer's uncertainty with its age, s per s.
 const AGE_PENALTY: f64 = 1e-4;
-/// Greatest relative error of a quartz.
+/// Greatest relative error of a quartz clock.
 const MAX_DRIFT: f64 = 300e-6;
 /// Least time span for an estimate of the rate, s.
 const MIN_SPAN_S: f64 = 1.0;
@@ -27,23 +27,23 @@ struct Answer {
 }
 
 impl Answer {
-    /// Possible error of the answer, s.
+    /// Returns the possible error of the answer at the host time `now`, s.
     fn uncertainty(&self, now: f64) -> f64 {
         self.round_trip_s / 2.0 + (now - self.host_s) * AGE_PENALTY
     }
 }
 
-/// A line of board ticks over host time.
+/// Estimate of the board's clock: a line of board ticks over host time.
 #[derive(Clone, Debug)]
 pub(super) struct ClockSync {
     /// Nominal clock rate of the board, ticks per second.
     pub(super) rate: f64,
     answers: Vec<Answer>,
-    /// The best of the first answers.
+    /// The best of the first answers; `None` before the first one.
     origin: Option<Answer>,
     /// Host time of a point on the line, s.
     last_host_s: f64,
-    /// Board clock of that point, ticks.
+    /// Board clock of the point at `last_host_s`, ticks.
     last_clock_ticks: f64,
     /// Slope of the line, ticks per second.
     ticks_per_s: f64,
@@ -70,7 +70,8 @@ impl ClockSync {
         }
     }
 
-    /// Takes an answer with the board's clock. The query was sent at `queried_at`.
+    /// Adds an answer with the board's clock `clock` to the estimate. The query was sent at
+    /// `queried_at`.
     pub(super) fn add_answer(&mut self, queried_at: HostTime, now: HostTime, clock: u64) {
         let (queried_at, now) = (queried_at.as_secs_f64(), now.as_secs_f64());
         let answer = Answer {
@@ -111,7 +112,7 @@ impl ClockSync {
         self.round_trip_s = best.first().map_or(0.0, |answer| answer.round_trip_s);
     }
 
-    /// Distance of an answer from the line, s.
+    /// Returns the distance of an answer from the line, s.
     fn distance_to_line(&self, answer: &Answer) -> f64 {
         let line = self.last_clock_ticks + (answer.host_s - self.last_host_s) * self.ticks_per_s;
         (line - answer.clock_ticks).abs() / self.rate
@@ -127,14 +128,14 @@ impl ClockSync {
         self.answers.len() >= FITTED_ANSWERS && self.spread_s <= MAX_SPREAD_S
     }
 
-    /// The board clock at a host time.
+    /// Returns the board clock at a host time, ticks.
     pub(super) fn at(&self, now: HostTime) -> u64 {
         let elapsed = now.as_secs_f64() - self.last_host_s;
         let ticks = self.last_clock_ticks + elapsed * self.ticks_per_s;
         ticks.max(0.0) as u64
     }
 
-    /// The host time of a board clock.
+    /// Returns the host time at which the board has this clock.
     pub(super) fn moment(&self, clock: u64) -> HostTime {
         let ticks = clock as f64 - self.last_clock_ticks;
         let seconds = self.last_host_s + ticks / self.ticks_per_s;
@@ -151,18 +152,19 @@ impl ClockSync {
         Duration::try_from_secs_f64(ticks as f64 / self.rate).unwrap_or_default()
     }
 
-    /// Takes a report with the low half of the clock at which the board sent it.
+    /// Measures the transmission time of a report, from the low half of the clock at which the
+    /// board sent the report.
     pub(super) fn clock_report(&mut self, now: HostTime, clock: u32) {
         let sent = self.moment(near(clock, self.at(now)));
         self.report_delay = now.saturating_sub(sent);
     }
 
-    /// Transmission time of the last report.
+    /// Returns the transmission time of the last report.
     pub(super) const fn report_delay(&self) -> Duration {
         self.report_delay
     }
 
-    /// The round trip of the best recent answer.
+    /// Returns the round trip of the best recent answer.
     pub(super) fn round_trip(&self) -> Duration {
         Duration::try_from_secs_f64(self.round_trip_s).unwrap_or_default()
     }

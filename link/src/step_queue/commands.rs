@@ -3,13 +3,13 @@
 /// When a board must have a command or reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Requirement {
-    /// In all cases.
+    /// The board must have the command or reply in all cases.
     Always,
-    /// One command of this group is enough.
+    /// The board must have at least one command of this group.
     Restart,
-    /// If the spindle speed output is wired.
+    /// The board must have the command or reply if the spindle speed output is wired.
     Speed,
-    /// If the one-turn signal of the spindle is wired.
+    /// The board must have the command or reply if the spindle's one-turn signal is wired.
     Index,
 }
 
@@ -107,7 +107,7 @@ pub(super) const REPLIES: [(ReplyKind, Requirement, &str); 10] = [
     (ReplyKind::Starting, Requirement::Restart, "starting"),
 ];
 
-/// The kind of a reply.
+/// The kind of a reply of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ReplyKind {
     Identify,
@@ -122,7 +122,7 @@ pub(super) enum ReplyKind {
     Starting,
 }
 
-/// A reply of the board; its numbers are in the order of its text.
+/// A reply of the board; `numbers` are in the order of the reply's text in the dictionary.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Reply {
     pub(super) kind: ReplyKind,

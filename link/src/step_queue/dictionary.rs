@@ -15,7 +15,7 @@ use super::commands::{COMMANDS, Command, REPLIES, Reply, ReplyKind, Requirement}
 pub(super) const LONGEST_PACKED: usize = 1 << 17;
 /// Greatest length of an uncompressed dictionary, bytes.
 const LONGEST: usize = 1 << 20;
-/// Numbers of `identify` and its response; they are the same in all boards.
+/// Number of the command `identify`, the same in all boards.
 const IDENTIFY: i64 = 1;
 const IDENTIFY_RESPONSE: u32 = 0;
 
@@ -40,7 +40,7 @@ pub(super) struct Dictionary {
     pins: BTreeMap<String, u32>,
     texts: BTreeMap<u32, String>,
     constants: BTreeMap<String, Value>,
-    /// Texts of all messages by number: to the board, and from the board.
+    /// Texts of all messages by number: of commands to the board, and of replies from it.
     forms: [BTreeMap<u32, String>; 2],
     pub(super) version: String,
 }
@@ -61,7 +61,7 @@ struct Written {
 }
 
 impl Default for Dictionary {
-    /// The dictionary before the opening: `identify` and its response only.
+    /// Creates the dictionary before the opening: `identify` and its response only.
     fn default() -> Self {
         let ids = COMMANDS
             .iter()
@@ -93,14 +93,14 @@ pub(super) enum DictionaryError {
     Packed,
     /// The text is not the JSON of a dictionary.
     Json(#[from] serde_json::Error),
-    /// A reply has parameters of an unknown type.
+    /// This reply has parameters of an unknown type.
     Reply(String),
-    /// An invalid range of pins.
+    /// The range of pins with this name is invalid.
     Pins(String),
 }
 
 impl DictionaryError {
-    /// The text for the operator.
+    /// Returns the message that explains what is wrong with the dictionary.
     pub(super) fn message(&self) -> Message {
         match self {
             Self::Packed => say::dictionary_packed_wrong(),
@@ -157,8 +157,9 @@ impl Dictionary {
         })
     }
 
-    /// The first required command or reply that is missing. `speed` and `index` tell whether
-    /// the spindle speed and the one-turn signal are wired.
+    /// Returns the text of the first required command or reply that is missing; `None` if all
+    /// exist. `speed` and `index` tell whether the spindle speed and the one-turn signal are
+    /// wired.
     pub(super) fn missing(&self, speed: bool, index: bool) -> Option<&'static str> {
         let wanted = |need: &Requirement| match need {
             Requirement::Always => true,
@@ -194,7 +195,7 @@ impl Dictionary {
         self.ids.get(command as usize).copied().flatten()
     }
 
-    /// Encodes a command with its arguments; empty if the board does not have it.
+    /// Encodes a command with its arguments; empty if the board does not have the command.
     pub(super) fn message(&self, command: Command, arguments: &[i64]) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(16);
         if let Some(id) = self.id(command) {
@@ -206,14 +207,14 @@ impl Dictionary {
         bytes
     }
 
-    /// The text of a message by its number.
+    /// Returns the text of a message by its number; `outward`: the message goes to the board.
     pub(super) fn form(&self, outward: bool, id: u32) -> Option<&str> {
         self.forms[usize::from(!outward)]
             .get(&id)
             .map(String::as_str)
     }
 
-    /// Decodes the replies in the content of a block; `None` if it is invalid.
+    /// Decodes the replies in the content of a block; `None` if the content is invalid.
     pub(super) fn replies(&self, mut content: &[u8]) -> Option<Vec<Reply>> {
         let mut replies = Vec::new();
         while !content.is_empty() {
@@ -246,12 +247,12 @@ impl Dictionary {
         Some(replies)
     }
 
-    /// The number of a pin by its name.
+    /// Returns the number of a pin by its name; `None` for an unknown pin.
     pub(super) fn pin(&self, name: &str) -> Option<u32> {
         self.pins.get(name).copied()
     }
 
-    /// The text of a shutdown reason by its number.
+    /// Returns the text of a shutdown reason by its number; the number for an unknown one.
     pub(super) fn text(&self, id: u32) -> String {
         match self.texts.get(&id) {
             Some(text) => text.clone(),
@@ -259,14 +260,14 @@ impl Dictionary {
         }
     }
 
-    /// A numeric constant of the board.
+    /// Returns a numeric constant of the board; `None` for an unknown constant.
     pub(super) fn constant(&self, name: &str) -> Option<u32> {
         let value = self.constants.get(name)?;
         u32::try_from(value.as_u64()?).ok()
     }
 
-    /// The purpose for which the board reserves a pin, from constants like
-    /// `RESERVE_PINS_serial`.
+    /// Returns the purpose for which the board reserves a pin, from constants like
+    /// `RESERVE_PINS_serial`; `None` for a free pin.
     pub(super) fn reserved(&self, pin: &str) -> Option<&str> {
         self.constants.iter().find_map(|(name, value)| {
             let purpose = name.strip_prefix("RESERVE_PINS_")?;
@@ -276,7 +277,7 @@ impl Dictionary {
         })
     }
 
-    /// The name of the processor; empty if unknown.
+    /// Returns the name of the processor; empty if unknown.
     pub(super) fn processor(&self) -> &str {
         let name = self.constants.get("MCU").and_then(Value::as_str);
         name.unwrap_or_default()
@@ -292,7 +293,7 @@ fn parameters(text: &str) -> Result<Vec<Parameter>, DictionaryError> {
     text.split_whitespace().skip(1).map(kind).collect()
 }
 
-/// Expands the pins of a dictionary; `"PA0": [0, 8]` stands for PA0 to PA7.
+/// Expands the ranges of pins in a dictionary; `"PA0": [0, 8]` stands for PA0 to PA7.
 fn pins(
     written: Option<&BTreeMap<String, Value>>,
 ) -> Result<BTreeMap<String, u32>, DictionaryError> {

@@ -8,7 +8,7 @@ use super::dictionary::Dictionary;
 /// Number of last bytes that are compared. A query requests more: further bytes show that
 /// the dictionary is longer.
 const END: usize = 36;
-/// Greatest number of dictionaries.
+/// Greatest number of dictionaries that are kept.
 const MOST: usize = 16;
 
 /// Known dictionaries, compressed.
@@ -24,14 +24,16 @@ impl DictionaryCache {
         }
     }
 
-    /// The index of the next dictionary, from an index on, that begins with these bytes.
+    /// Returns the index of the next dictionary, from an index on, that begins with these
+    /// bytes; `None` without one.
     pub(super) fn find(&self, from: usize, begin: &[u8]) -> Option<usize> {
         let rest = self.0.iter().enumerate().skip(from);
         let mut rest = rest.filter(|(_, known)| known.starts_with(begin));
         rest.next().map(|(index, _)| index)
     }
 
-    /// The offset of the last bytes of a dictionary, and these bytes.
+    /// Returns the offset of the last [`END`] bytes of a dictionary, and these bytes; `None`
+    /// for an unknown index.
     pub(super) fn end(&self, index: usize) -> Option<(usize, &[u8])> {
         let known = self.0.get(index)?;
         let from = known.len().checked_sub(END)?;

@@ -8,10 +8,10 @@ const BURST: f64 = 60.0;
 /// Number of messages that may arrive in an earlier second than they were sent for.
 const JITTER: f64 = 5.0;
 
-/// A token bucket for messages.
+/// A token bucket that limits the messages per second.
 #[derive(Clone, Debug)]
 pub(super) struct RateLimit {
-    /// Messages per second; `None` without a limit.
+    /// Messages per second, without the burst; `None` without a limit.
     rate: Option<f64>,
     left: f64,
     at: HostTime,
@@ -45,13 +45,13 @@ impl RateLimit {
         self.rate.is_none() || self.left >= 1.0
     }
 
-    /// The time for a number of messages after the burst.
+    /// Returns the time for sending a number of messages after the burst.
     pub(super) fn time_for(&self, messages: f64) -> HostTime {
         let seconds = self.rate.map_or(0.0, |rate| messages / rate);
         HostTime::try_from_secs_f64(seconds).unwrap_or_default()
     }
 
-    /// Whether only few messages may be sent.
+    /// Whether the burst is nearly used up: only few messages may be sent at once.
     pub(super) fn is_short(&self) -> bool {
         self.rate.is_some() && self.left < BURST / 4.0
     }

@@ -29,7 +29,7 @@ const USUAL_STEP_ERROR_US: f64 = 2.0;
 #[derive(Clone, Debug)]
 pub(super) struct Rates {
     pub(super) timing: [Timing; 2],
-    /// Greatest step rates.
+    /// Greatest step rates of the axes, steps per second.
     pub(super) most: PulseRates,
     /// Greatest number of messages per second; `None` without a limit.
     pub(super) messages: Option<u32>,
@@ -83,7 +83,7 @@ impl Rates {
         }
     }
 
-    /// Checks that the board can make a number of pulses in a time, s.
+    /// Checks that the board can make these pulses of X and Z in a time, s.
     pub(super) fn allow(&self, moves: [i64; 2], seconds: f64) -> Result<(), MotionRefused> {
         let counts = moves.map(|count| count.unsigned_abs() as f64);
         let too_fast = |count: f64, rate: f64| count > rate * seconds + 1.0;

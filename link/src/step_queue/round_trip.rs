@@ -2,22 +2,22 @@
 
 use core::time::Duration;
 
-/// Least retransmission timeout; otherwise it is four round trips.
+/// Least retransmission timeout; above this the timeout is four round trips.
 const LEAST_WAIT: Duration = Duration::from_millis(25);
-/// Greatest retransmission timeout; it doubles after each retransmission.
+/// Greatest retransmission timeout; each retransmission doubles the timeout up to this.
 const MOST_WAIT: Duration = Duration::from_secs(1);
 /// Greatest round trip of a line that does not count as slow.
 pub(super) const USUAL_TRIP: Duration = Duration::from_millis(25);
 /// Greatest round trip that the link allows for.
 pub(super) const SLOWEST_TRIP: Duration = Duration::from_millis(200);
 
-/// Recent round trips.
+/// Measured round trips, and the timeout derived from them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RoundTrip {
-    /// Smoothed round trip.
+    /// Smoothed round trip; `None` before the first confirmed block.
     smooth: Option<Duration>,
     last: Duration,
-    /// Retransmission timeout.
+    /// Current retransmission timeout.
     wait: Duration,
 }
 
@@ -38,12 +38,12 @@ impl RoundTrip {
         self.last = trip;
     }
 
-    /// The smoothed round trip; 0 if unknown.
+    /// Returns the smoothed round trip; 0 if unknown.
     pub(super) fn usual(&self) -> Duration {
         self.smooth.unwrap_or_default()
     }
 
-    /// The retransmission timeout.
+    /// Returns the current retransmission timeout.
     pub(super) const fn wait(&self) -> Duration {
         self.wait
     }
@@ -58,13 +58,14 @@ impl RoundTrip {
         self.wait = (self.wait * 2).min(MOST_WAIT);
     }
 
-    /// The round trip of the last confirmed block if it was slow. For a retransmitted block
-    /// it counts from the first transmission: the next block may be lost, too.
+    /// Returns the round trip of the last confirmed block if it was slow; otherwise `None`.
+    /// For a retransmitted block it counts from the first transmission: the next block may be
+    /// lost, too.
     pub(super) fn last_slow(&self) -> Option<Duration> {
         (self.last > USUAL_TRIP).then_some(self.last.min(SLOWEST_TRIP))
     }
 
-    /// How much the smoothed round trip exceeds that of a fast line.
+    /// Returns by how much the smoothed round trip exceeds that of a fast line.
     pub(super) fn slowness(&self) -> Duration {
         self.usual().min(SLOWEST_TRIP).saturating_sub(USUAL_TRIP)
     }

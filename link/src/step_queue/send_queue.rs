@@ -35,20 +35,20 @@ const SILENCE: Duration = Duration::from_millis(500);
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct QueuedMessage {
     pub(super) bytes: Vec<u8>,
-    /// Board clock before which the message must arrive.
+    /// Board clock before which the message must arrive; `None` for any time.
     pub(super) due: Option<u64>,
     /// Whether the message belongs to motion and is dropped with it.
     pub(super) motion: bool,
-    /// The axis of a step message, whose first step is at `due`.
+    /// The axis of a step message, whose first step is at `due`; `None` for other messages.
     pub(super) axis: Option<usize>,
     /// Whether the link stops when the message is late. Otherwise a late message is dropped.
     pub(super) vital: bool,
-    /// The kind of a query whose reply must not be an older one.
+    /// The kind of a query whose reply must not be an older one; `None` for other messages.
     pub(super) mark: Option<Mark>,
 }
 
 impl QueuedMessage {
-    /// A message without requirements.
+    /// Creates a message without delivery requirements.
     pub(super) const fn plain(bytes: Vec<u8>) -> Self {
         Self {
             bytes,
@@ -78,20 +78,21 @@ pub(super) enum Mark {
 /// The acknowledgement in a block of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ack {
-    /// The board expects this sequence number next.
+    /// The board expects the block with this sequence number next.
     Expects(u64),
-    /// An impossible sequence number.
+    /// The board has sent an impossible sequence number.
     Strange,
 }
 
 /// Board clocks for the check whether a message is in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Times {
-    /// The current clock.
+    /// The current board clock.
     pub(super) now: u64,
     /// The clock at which a message sent now arrives at the latest.
     pub(super) earliest: u64,
-    /// The same for a retransmission on a line that does not answer.
+    /// The clock at which a retransmission sent now arrives at the latest, on a line that does
+    /// not answer.
     pub(super) again: u64,
 }
 
@@ -126,7 +127,7 @@ pub(super) struct SendQueue {
     in_flight: VecDeque<Sent>,
     sequence: Sequence,
     round_trip: RoundTrip,
-    /// Whether the board has sent a NAK.
+    /// Whether the board has sent a NAK that is not handled yet.
     nak_received: bool,
     /// Time of the last confirmation.
     progressed: HostTime,
@@ -175,7 +176,7 @@ impl SendQueue {
         };
     }
 
-    /// Sets the receive window of the board; `None` if it is unknown.
+    /// Sets the receive window of the board, bytes; `None` if the board does not report it.
     pub(super) fn set_window(&mut self, bytes: Option<u32>) {
         let bytes = bytes.map_or(USUAL_WINDOW, |bytes| bytes as usize);
         self.window = bytes.clamp(FIRST_WINDOW, 1 << 16);
@@ -191,7 +192,7 @@ impl SendQueue {
         self.waiting.iter().any(|message| message.motion)
     }
 
-    /// Time for sending all waiting messages and `more` further ones.
+    /// Returns the time for sending all waiting messages and `more` further ones.
     pub(super) fn time_for(&self, more: f64) -> Duration {
         let bytes = self.backlog() as f64 + more * USUAL_MESSAGE;
         let windows = bytes / self.window.saturating_sub(KEPT_BYTES).max(1) as f64;
@@ -201,7 +202,7 @@ impl SendQueue {
         by_count.max(by_window)
     }
 
-    /// Extends the timeouts by the duration of a gap in the host.
+    /// Extends the timeouts by `gap`, the time for which the host was suspended.
     pub(super) fn skip_absence(&mut self, gap: Duration) {
         for sent in &mut self.in_flight {
             sent.first += gap;
@@ -213,12 +214,12 @@ impl SendQueue {
         self.is_congested() && self.rate_limit.is_short()
     }
 
-    /// The round trip of the last confirmed block if it was slow.
+    /// Returns the round trip of the last confirmed block if it was slow; otherwise `None`.
     pub(super) fn last_slow_trip(&self) -> Option<Duration> {
         self.round_trip.last_slow()
     }
 
-    /// How much longer than on a fast line a message may take now.
+    /// Returns how much longer than on a fast line a message may take now.
     pub(super) fn slowness_now(&self, now: HostTime) -> Duration {
         let oldest = self.in_flight.front();
         let waits = oldest.map_or(Duration::ZERO, |sent| now.saturating_sub(sent.first));
@@ -232,7 +233,7 @@ impl SendQueue {
             .max(self.round_trip.slowness())
     }
 
-    /// Time of the last confirmation.
+    /// Returns the time of the last confirmation.
     pub(super) const fn progressed(&self) -> HostTime {
         self.progressed
     }
@@ -242,7 +243,7 @@ impl SendQueue {
         self.sequence.is_synced()
     }
 
-    /// The number of queries for the expected sequence number.
+    /// Returns the number of queries for the expected sequence number.
     pub(super) const fn tries(&self) -> u32 {
         self.sequence.tries()
     }
@@ -252,7 +253,7 @@ impl SendQueue {
         self.urgent.is_empty() && self.waiting.is_empty() && self.in_flight.is_empty()
     }
 
-    /// The number of waiting bytes.
+    /// Returns the number of bytes in waiting messages.
     pub(super) fn backlog(&self) -> usize {
         self.waiting.iter().map(|message| message.bytes.len()).sum()
     }
@@ -265,7 +266,7 @@ impl SendQueue {
         self.waiting.push_back(message);
     }
 
-    /// Adds a message before all waiting ones.
+    /// Adds a message before all messages that are not urgent.
     pub(super) fn push_urgent(&mut self, message: QueuedMessage) {
         self.urgent.push_back(message);
     }
@@ -280,8 +281,9 @@ impl SendQueue {
         }
     }
 
-    /// Clocks of the first unconfirmed step of each axis. With `in_last` the last confirmed
-    /// block counts as unconfirmed, because the board may have shut down in it.
+    /// Returns the clock of the first unconfirmed step of each axis; `None` without one. With
+    /// `in_last` the last confirmed block counts as unconfirmed, because the board may have
+    /// shut down in it.
     pub(super) fn first_missing(&self, in_last: bool) -> [Option<u64>; 2] {
         let last = if in_last {
             self.confirmed_steps
@@ -302,7 +304,8 @@ impl SendQueue {
         self.marks[mark as usize] < expects
     }
 
-    /// Takes the sequence number of a block of the board.
+    /// Takes the sequence number of a block of the board and returns what the board
+    /// acknowledges; `None` while the expected number is unknown.
     pub(super) fn block_received(
         &mut self,
         sequence: u8,
@@ -341,7 +344,7 @@ impl SendQueue {
         self.round_trip.reset_wait();
     }
 
-    /// Sends what window, rate limit and timeouts allow.
+    /// Sends the blocks that window, rate limit and timeouts allow.
     pub(super) fn send(&mut self, now: HostTime, times: Option<Times>) -> Result<(), SendError> {
         self.rate_limit.refill(now);
         if !self.is_synced() {
@@ -483,7 +486,7 @@ impl SendQueue {
     }
 }
 
-/// Clocks of the first step of each axis in messages.
+/// Returns the clock of the first step of each axis in messages; `None` without a step.
 fn first_steps<'a>(messages: impl IntoIterator<Item = &'a QueuedMessage>) -> [Option<u64>; 2] {
     let mut first: [Option<u64>; 2] = [None; 2];
     for message in messages {

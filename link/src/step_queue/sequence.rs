@@ -6,7 +6,7 @@ use crate::HostTime;
 
 /// Interval of queries for the number that the board expects.
 const RESYNC_EVERY: Duration = Duration::from_millis(100);
-/// Time of impossible numbers after which the board counts as restarted.
+/// Duration of impossible numbers after which the board counts as restarted.
 const UNEXPECTED: Duration = Duration::from_millis(100);
 
 /// The sequence numbers of a link. The wire carries their low four bits.
@@ -16,18 +16,20 @@ pub(super) struct Sequence {
     next: u64,
     /// Number of the next block that the board expects.
     expected: u64,
-    /// The number in the last empty block of the board.
+    /// The number in the last empty block of the board; `None` before the first one.
     last_empty: Option<u64>,
     /// NAKs below this number are for blocks that were retransmitted already.
     ignored_below: u64,
-    /// Since when the board has sent impossible numbers.
+    /// Since when the board has sent only impossible numbers; `None` if its last number is
+    /// possible.
     unexpected_since: Option<HostTime>,
-    /// Number and time of queries for the expected number; `None` if it is known.
+    /// Number of queries for the expected number, and time of the last one; `None` if the
+    /// expected number is known.
     resync: Option<(u32, HostTime)>,
 }
 
 impl Sequence {
-    /// A sequence whose expected number must be queried.
+    /// Creates a sequence whose expected number must be queried.
     pub(super) fn unknown() -> Self {
         Self {
             resync: Some((0, HostTime::ZERO)),
@@ -40,7 +42,7 @@ impl Sequence {
         self.resync.is_none()
     }
 
-    /// The number of queries for the expected number.
+    /// Returns the number of queries for the expected number; 0 if it is known.
     pub(super) const fn tries(&self) -> u32 {
         match self.resync {
             Some((tries, _)) => tries,
@@ -48,7 +50,7 @@ impl Sequence {
         }
     }
 
-    /// Whether a query for the expected number is due; counts it.
+    /// Whether a query for the expected number is due; counts a due query as sent.
     pub(super) fn is_resync_due(&mut self, now: HostTime) -> bool {
         let tries = self.tries();
         let due = self
@@ -60,7 +62,7 @@ impl Sequence {
         due
     }
 
-    /// Takes the board's answer with the expected number.
+    /// Takes the low four bits of the number that the board expects, from its answer.
     pub(super) fn sync(&mut self, sequence: u8) {
         self.next = 16 + u64::from(sequence);
         self.expected = self.next;
@@ -68,7 +70,7 @@ impl Sequence {
         self.resync = None;
     }
 
-    /// The number of the next block.
+    /// Returns the number of the next block to send.
     pub(super) const fn next(&self) -> u64 {
         self.next
     }
@@ -95,7 +97,7 @@ impl Sequence {
     }
 
     /// Whether an empty block of the board is a NAK for a block that was not retransmitted
-    /// yet.
+    /// yet. `under_way`: blocks are unconfirmed.
     pub(super) fn is_nak(&mut self, expects: u64, under_way: bool) -> bool {
         let complains =
             self.last_empty == Some(expects) && under_way && expects >= self.ignored_below;

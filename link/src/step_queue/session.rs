@@ -50,17 +50,17 @@ const GIVE_UP: Duration = Duration::from_millis(600);
 /// The purpose of a position query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum QueryPurpose {
-    /// The link is being opened.
+    /// Read the count while the link is being opened.
     Opening,
-    /// All motion is executed: compare the counts.
+    /// Compare the counts: all motion is executed.
     Verify,
     /// Compare the counts at standstill; report the position if the kernel requested it.
     Look { requested: bool },
-    /// The axes were stopped.
+    /// Read the position at which the axes were stopped.
     Stopped,
 }
 
-/// A pending position query.
+/// A position query that the board has not answered completely.
 #[derive(Clone, Copy, Debug)]
 struct PositionQuery {
     purpose: QueryPurpose,
@@ -96,7 +96,7 @@ pub struct StepLink {
 }
 
 impl StepLink {
-    /// Starts the dialogue with a board whose port was just opened.
+    /// Creates the link to a board whose port was just opened, and starts the dialogue.
     pub fn open(config: LinkConfig, drives: &Drives, now: HostTime) -> Self {
         let mut link = Self {
             config,
@@ -117,7 +117,8 @@ impl StepLink {
         link
     }
 
-    /// The position of the slides; `None` during motion or if it is uncertain.
+    /// Returns the position of the slides, in the kernel's pulses; `None` during motion or if
+    /// the position is uncertain.
     pub fn position(&self) -> Option<PerAxis<Pulses>> {
         (self.session.knows_position() && !self.motion.is_under_way())
             .then_some(self.motion.count.commanded)
@@ -144,7 +145,8 @@ impl StepLink {
         }
     }
 
-    /// Handles a failed port or a silent board.
+    /// Handles a failed port or a silent board: raises an alarm and enters
+    /// [`LinkState::Lost`].
     pub(super) fn lose_board(&mut self, cause: Message) {
         if self.session.is_closed() {
             return;
@@ -161,7 +163,7 @@ impl StepLink {
         self.session.enter(LinkState::Lost);
     }
 
-    /// Stops the board immediately.
+    /// Stops the board immediately, in the way that `stop` selects.
     pub(super) fn stop_at_once(&mut self, stop: Stop) {
         if !self.is_running() || self.session.state == LinkState::Lost {
             return;
@@ -184,7 +186,8 @@ impl StepLink {
         }
     }
 
-    /// Handles RESET.
+    /// Handles RESET: stops motion, opens a failed link again, or leaves a fault whose cause
+    /// is gone.
     pub(super) fn reset_faults(&mut self) {
         self.motion.limits.confirm_position_checked();
         let still = |input| self.input(input) == Some(true);
@@ -230,7 +233,7 @@ impl StepLink {
         }
     }
 
-    /// The clock at which a message sent now arrives at the latest.
+    /// Returns the clock at which a message sent now arrives at the latest.
     fn earliest(&self) -> u64 {
         // The last slow round trip without the known transmission time of the answer.
         let there = self.wire.send_queue.last_slow_trip();
@@ -244,18 +247,18 @@ impl StepLink {
         LATEST + (self.clock.round_trip() / 2).min(SLOWEST)
     }
 
-    /// How far ahead of execution motion is sent: the lookahead, and on a slow line the
-    /// additional time for a transmission and a retransmission.
+    /// Returns how far ahead of execution motion is sent: the lookahead, and on a slow line
+    /// the additional time for a transmission and a retransmission.
     fn ahead(&self) -> Duration {
         self.config.lookahead() + 2 * self.wire.send_queue.slowness_now(self.session.now)
     }
 
-    /// Time after which an unanswered query is repeated.
+    /// Returns the time after which an unanswered query is repeated.
     fn query_timeout(&self) -> Duration {
         ASK_AGAIN + 2 * self.wire.send_queue.slowness_now(self.session.now)
     }
 
-    /// The earliest clock for a command that must not be late.
+    /// Returns the earliest clock for a command that must not be late.
     fn soon(&self) -> u64 {
         self.clock
             .at(self.session.now + self.ahead() + self.margin())

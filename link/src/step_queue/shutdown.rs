@@ -6,7 +6,7 @@ use gsk_units::alarm;
 /// The cause of a shutdown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ShutdownCause {
-    /// Steps arrived too late.
+    /// Steps arrived at the board too late.
     StepsLate,
     /// A command was damaged on the wire.
     DamagedCommand,
@@ -17,7 +17,7 @@ enum ShutdownCause {
 }
 
 impl ShutdownCause {
-    /// The alarm number and the remedy.
+    /// Returns the alarm number and the remedy.
     fn to_alarm(self) -> (u16, Message) {
         match self {
             Self::StepsLate => (alarm::STEPS_TOO_LATE, say::shutdown_steps_late()),
@@ -47,7 +47,8 @@ const TEXTS: [(&str, ShutdownCause); 9] = [
 /// The text of a shutdown by the link's own emergency stop.
 const OWN_STOP: &str = "Command request";
 
-/// The alarm number and the remedy of a shutdown; `None` if the link has requested it.
+/// Returns the alarm number and the remedy of a shutdown; `None` if the link has requested the
+/// shutdown.
 pub(super) fn alarm(text: &str) -> Option<(u16, Message)> {
     if text == OWN_STOP {
         return None;

@@ -37,13 +37,13 @@ impl Default for Slowdown {
 }
 
 impl Slowdown {
-    /// Expected number of messages for the motion that is not compressed yet.
+    /// Returns the expected number of messages for the motion that is not compressed yet.
     pub(super) fn expected(&self) -> f64 {
         self.density * self.uncompressed
     }
 
-    /// Computes the factor for the next motion of a duration. `need` is the transmission
-    /// time of the waiting messages.
+    /// Returns the factor by which the next motion, of this duration, takes longer in the
+    /// board. `need` is the transmission time of the waiting messages.
     pub(super) fn factor(&mut self, duration: Duration, need: Duration) -> f64 {
         let ms = duration.as_secs_f64() * 1000.0;
         self.uncompressed += ms;
@@ -53,7 +53,7 @@ impl Slowdown {
         self.factor
     }
 
-    /// Notes the number of messages for the motion that was compressed.
+    /// Records the number of messages for the motion that was compressed.
     pub(super) fn compressed(&mut self, messages: u32) {
         if self.uncompressed > 0.0 {
             let weight = self.uncompressed / (self.uncompressed + AVERAGED);

@@ -14,8 +14,8 @@ use super::step_compress::Ticks;
 pub(super) const POLL: f64 = 100e-6;
 /// Number of turns through which the line is fitted.
 const LINE_TURNS: i64 = 4;
-/// If this is longer: time over which the line is fitted, s. A poll is a large share of a
-/// fast turn.
+/// Time over which the line is fitted if [`LINE_TURNS`] take less, s. A poll is a large share
+/// of a fast turn.
 const LINE_TIME: f64 = 0.4;
 /// Least number of index pulses for a line.
 const LEAST_POINTS: usize = 3;
@@ -23,7 +23,7 @@ const LEAST_POINTS: usize = 3;
 const STEADY_TURNS: i64 = 20;
 /// Least time for the variation, s.
 const STEADY_TIME: f64 = 2.0;
-/// Time over which periods are compared, s; a poll is a small share of it.
+/// Time over which periods are compared, s; a poll is a small share of this time.
 const PERIOD_TIME: f64 = 0.1;
 /// Greatest number of turns over which periods are compared.
 const LONGEST_PERIOD: i64 = 10;
@@ -38,7 +38,7 @@ const STANDS: f64 = 4.0;
 /// Time of a turn from which on the spindle counts as stopped, s.
 const SLOWEST: f64 = 10.0;
 
-/// An index pulse: the number of the turn and its clock.
+/// An index pulse: the number of the turn that begins, and the board clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct IndexPulse {
     pub(super) turn: i64,
@@ -50,18 +50,18 @@ pub(super) struct IndexPulse {
 struct AngleLine {
     turn: f64,
     clock: f64,
-    /// Turns per tick.
+    /// Slope of the line, turns per tick.
     rate: f64,
 }
 
-/// The estimate of the spindle.
+/// Estimates angle and speed of the spindle from its index pulses.
 #[derive(Clone, Debug)]
 pub(super) struct SpindleEstimator {
     /// Clock rate of the board, ticks per second.
     rate: f64,
-    /// The last reported count.
+    /// The last count that the board has reported; `None` before the first report.
     reported: Option<u32>,
-    /// The last even count.
+    /// The last even count; `None` before the first one.
     count: Option<u32>,
     /// Clock of the newest edge of either direction.
     alive: Ticks,
@@ -94,7 +94,7 @@ impl SpindleEstimator {
     }
 
     /// Takes a report of the count and the clock of the newest edge. Returns the index pulse
-    /// if it is new.
+    /// that the report shows; `None` if it shows none.
     pub(super) fn counter_report(&mut self, count: u32, clock: u64) -> Option<IndexPulse> {
         if self.reported == Some(count) {
             return None;
@@ -142,7 +142,7 @@ impl SpindleEstimator {
         }
     }
 
-    /// Fits the line through the last turns.
+    /// Returns the line through the last turns; `None` with fewer than two index pulses.
     fn fit_line(&self) -> Option<AngleLine> {
         let newest = *self.index_pulses.back()?;
         let time = self.ticks(LINE_TIME);
@@ -181,8 +181,8 @@ impl SpindleEstimator {
         })
     }
 
-    /// Greatest difference of recent periods as a fraction of their mean, less the error of
-    /// polling. `None` with too few turns.
+    /// Returns the greatest difference of recent periods as a fraction of their mean, less the
+    /// error of polling; `None` with too few turns.
     fn vary(&self) -> Option<f64> {
         let (oldest, newest) = (*self.index_pulses.front()?, *self.index_pulses.back()?);
         let (turns, time) = (newest.turn - oldest.turn, newest.clock - oldest.clock);
@@ -205,7 +205,8 @@ impl SpindleEstimator {
         Some(((most - least - polling) / mean).max(0.0))
     }
 
-    /// Time since the newest edge less the time of a report, in turns of the line.
+    /// Returns the time since the newest edge less the time of a report, in turns of the line;
+    /// `None` without a line.
     fn age(&self, now: Ticks) -> Option<f64> {
         let past = now - self.alive - self.ticks(REPORT);
         Some(past as f64 * self.line?.rate)
@@ -216,7 +217,7 @@ impl SpindleEstimator {
         slow || self.age(now).is_some_and(|age| age > STANDS)
     }
 
-    /// Speed, turns per second; 0 if the spindle is stopped or no speed is known.
+    /// Returns the speed, turns per second; 0 if the spindle is stopped or no speed is known.
     pub(super) fn speed(&self, now: Ticks) -> f64 {
         let (Some(line), Some(age)) = (self.line, self.age(now)) else {
             return 0.0;
@@ -243,13 +244,13 @@ impl SpindleEstimator {
             && self.age(now).is_some_and(|age| age <= UNCERTAIN)
     }
 
-    /// Predicted turns at a clock.
+    /// Returns the predicted turns at a board clock; `None` without a line.
     pub(super) fn at(&self, clock: Ticks) -> Option<f64> {
         let line = self.line?;
         Some(line.turn + (clock as f64 - line.clock) * line.rate)
     }
 
-    /// Turns in a number of ticks.
+    /// Returns the turns in a number of ticks; 0 without a line.
     pub(super) fn in_ticks(&self, ticks: Ticks) -> f64 {
         self.line.map_or(0.0, |line| ticks as f64 * line.rate)
     }

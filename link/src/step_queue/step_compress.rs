@@ -2,7 +2,7 @@
 //! `interval, count, add`. The k-th step of a run is `interval·k + add·k(k−1)/2` after the
 //! last step before the run.
 
-/// Ticks of the board clock.
+/// A time or a duration on the board clock, ticks.
 pub(super) type Ticks = i64;
 
 /// Greatest number of steps in a run.
@@ -30,7 +30,7 @@ impl StepRun {
 pub(super) struct Tolerance {
     /// Greatest time error of a step.
     pub(super) max_error: Ticks,
-    /// If this is more: the interval before the step, divided by this number.
+    /// If set: a step may also err by the interval before it, divided by this number.
     pub(super) error_divisor: Option<Ticks>,
     /// Least interval between two steps.
     pub(super) min_interval: Ticks,
@@ -82,7 +82,7 @@ pub(super) fn longest_run(last: Ticks, due: &[Ticks], tolerance: Tolerance) -> O
     Some(best)
 }
 
-/// Finds the longest run with a given change of the interval.
+/// Finds the longest run in which the interval changes by `add` from step to step.
 fn longest_run_with_add(
     last: Ticks,
     due: &[Ticks],
@@ -135,7 +135,7 @@ mod tests {
         min_first_interval: 500,
     };
 
-    /// Compresses all, checks every step, and counts the runs.
+    /// Compresses all steps, checks each of them, and returns the number of runs.
     fn compressed(due: &[Ticks], tolerance: Tolerance) -> usize {
         let (mut last, mut done, mut runs) = (0, 0, 0);
         while done < due.len() {

@@ -21,19 +21,19 @@ struct Due {
 /// The commands for a run of steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct QueuedStepRun {
-    /// The value to which the step clock is set before the run, if any.
+    /// The value to which the board's step clock is set before the run; `None` to keep it.
     pub(super) from: Option<Ticks>,
-    /// The direction that is set before the run, if any.
+    /// The direction that is set before the run, `true` for positive; `None` to keep it.
     pub(super) up: Option<bool>,
     pub(super) run: StepRun,
-    /// Clock of the first step.
+    /// Board clock of the first step.
     pub(super) first: Ticks,
-    /// Clock of the last step.
+    /// Board clock of the last step.
     pub(super) last: Ticks,
 }
 
 impl QueuedStepRun {
-    /// The number of messages.
+    /// Returns the number of messages that the run needs.
     pub(super) fn messages(&self) -> u32 {
         1 + u32::from(self.from.is_some()) + u32::from(self.up.is_some())
     }
@@ -44,11 +44,11 @@ impl QueuedStepRun {
 pub(super) struct Timing {
     /// Clock rate, ticks per second.
     pub(super) rate: f64,
-    /// Greatest time error of a step.
+    /// Greatest time error of a step, ticks.
     pub(super) max_error: Ticks,
-    /// Least interval between two steps.
+    /// Least interval between two steps, ticks.
     pub(super) min_interval: Ticks,
-    /// Least interval between two steps of different directions.
+    /// Least interval between two steps of different directions, ticks.
     pub(super) reversal: Ticks,
 }
 
@@ -60,18 +60,18 @@ pub(super) struct Stretch {
     pub(super) fine: [i64; 2],
 }
 
-/// The due steps of an axis.
+/// The due steps of an axis, and the last step that was compressed.
 #[derive(Clone, Debug)]
 pub(super) struct Steps {
     timing: Timing,
     due: VecDeque<Due>,
-    /// The newest due step.
+    /// The newest step added, even if it is compressed already; `None` without one.
     newest: Option<Due>,
-    /// Clock of the last compressed step; `None` if the board's step clock must be set.
+    /// Board clock of the last compressed step; `None` if the board's step clock must be set.
     last: Option<Ticks>,
-    /// The last direction sent to the board.
+    /// The last direction sent to the board, `true` for positive; `None` before the first one.
     up: Option<bool>,
-    /// Time error of the last compressed step.
+    /// Time error of the last compressed step, ticks.
     last_error: Ticks,
 }
 
@@ -96,7 +96,8 @@ impl Steps {
         self.due.is_empty()
     }
 
-    /// The time of the first step that is not compressed yet.
+    /// Returns the board clock of the first step that is not compressed yet; `None` without
+    /// one.
     pub(super) fn first(&self) -> Option<Ticks> {
         self.due.front().map(|due| due.at)
     }
@@ -141,8 +142,8 @@ impl Steps {
         }
     }
 
-    /// Compresses all due steps into runs. `now` is the board's clock or slightly earlier.
-    /// Steps may have `coarse` times the usual time error.
+    /// Compresses all due steps into runs and appends these to `entries`. `now` is the board's
+    /// clock or slightly earlier. Steps may have `coarse` times the usual time error.
     pub(super) fn compress(&mut self, now: Ticks, coarse: Ticks, entries: &mut Vec<QueuedStepRun>) {
         let due: Vec<Due> = self.due.drain(..).collect();
         for same in due.chunk_by(|a, b| a.up == b.up) {
@@ -209,7 +210,7 @@ mod tests {
     };
 
     /// Follows a path in pulses with samples of a millisecond. Compares each step of each run
-    /// with its due time, and counts the steps.
+    /// with its due time, and returns the number of steps.
     fn follow(path: &[f64], timing: Timing, flush: usize) -> u64 {
         let mut steps = Steps::new(timing);
         let ms = (timing.rate / 1000.0) as Ticks;
@@ -263,7 +264,8 @@ mod tests {
         made
     }
 
-    /// A path from parts of target speed, duration and acceleration, in pulses and ms.
+    /// Returns a path in pulses, one position per ms. Each part has its target speed,
+    /// pulses/ms, its duration, ms, and its acceleration, pulses/ms².
     fn trapezoids(parts: &[(f64, usize, f64)]) -> Vec<f64> {
         let (mut path, mut speed) = (vec![0.0], 0.0_f64);
         let mut place = 0.0;

@@ -43,11 +43,11 @@ pub(super) struct Wiring {
     pub(super) switches: Vec<Switch>,
     pub(super) outputs: Vec<OutputPin>,
     pub(super) index: Option<i64>,
-    /// Value of the full spindle voltage.
+    /// Value of the speed output that gives the full spindle voltage.
     pub(super) full: u32,
     /// The configuration messages without `finalize_config`.
     pub(super) messages: Vec<Vec<u8>>,
-    /// CRC of the configuration: identifies it in the board.
+    /// CRC by which the link recognizes the configuration in the board.
     pub(super) crc: u32,
 }
 
@@ -70,7 +70,7 @@ struct Writer<'a> {
 pub(super) enum WiringError {
     /// The board has no pin of this name.
     NoPin { key: String, pin: String },
-    /// The board reserves the pin for a purpose.
+    /// The board reserves the pin for this purpose.
     Reserved {
         key: String,
         pin: String,
@@ -79,7 +79,7 @@ pub(super) enum WiringError {
 }
 
 impl WiringError {
-    /// The text for the operator.
+    /// Returns the message that names the pin and why the board cannot use it.
     pub(super) fn message(&self) -> Message {
         match self {
             Self::NoPin { key, pin } => say::board_pin_missing(key, pin),
@@ -282,7 +282,7 @@ impl Writer<'_> {
     }
 }
 
-/// CRC-32 (IEEE 802.3).
+/// Computes the CRC-32 (IEEE 802.3) of bytes.
 fn crc32(bytes: &[u8]) -> u32 {
     let update = |crc: u32, byte: &u8| {
         (0..8).fold(crc ^ u32::from(*byte), |crc, _| {

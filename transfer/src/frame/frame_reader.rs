@@ -2,23 +2,23 @@
 
 use super::{BLOCK_BYTES, CRC_BYTES, HEADER_BYTES, START, TransferFrame, compute_crc};
 
-/// Next result of the reader.
+/// A result of [`FrameReader::next`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum ReaderOutput {
-    /// A valid frame.
+    /// A valid frame was received.
     Frame(TransferFrame),
-    /// Bytes that are no valid frame.
+    /// Bytes that are not part of a valid frame were discarded.
     Damaged,
 }
 
-/// Buffers received bytes and finds frames. After a wrong checksum it searches every following
-/// byte for the start of a frame.
+/// Buffers received bytes and finds frames. After a wrong checksum the reader searches every
+/// following byte for the start of a frame.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FrameReader {
     bytes: Vec<u8>,
-    /// Bytes were discarded since the last frame.
+    /// Whether bytes were discarded since the last frame.
     has_damage: bool,
-    /// Bytes discarded so far.
+    /// Number of bytes discarded so far.
     noise: u64,
 }
 
@@ -27,7 +27,8 @@ impl FrameReader {
         self.bytes.extend_from_slice(bytes);
     }
 
-    /// Returns the next frame; damage is reported only if no frame follows it.
+    /// Returns the next frame; `None` if more bytes are needed. Damage is reported only if no
+    /// frame follows it.
     pub(crate) fn next(&mut self) -> Option<ReaderOutput> {
         let mut at = 0;
         let found = loop {
@@ -66,16 +67,16 @@ impl FrameReader {
         }
     }
 
-    /// Returns the number of discarded bytes.
+    /// Returns the number of bytes discarded so far.
     pub(crate) const fn noise(&self) -> u64 {
         self.noise
     }
 }
 
-/// Result of a match at the start of the buffer.
+/// Result of matching the start of the buffer with a frame.
 enum FrameStart {
     Frame(TransferFrame, usize),
-    /// More bytes are needed.
+    /// More bytes are needed to decide whether a frame begins.
     Incomplete,
     NoFrame,
 }

@@ -5,7 +5,7 @@ use gsk_twins::wire::Damage;
 
 use super::*;
 
-/// Transfers to damage.
+/// Transfers whose bytes the tests damage.
 #[derive(Clone, Copy, Debug)]
 enum DamagedTransfer {
     Put,
@@ -28,7 +28,7 @@ const TRANSFERS: [DamagedTransfer; 6] = [
 const OLD: &[u8] = b"what stood there before";
 
 impl DamagedTransfer {
-    /// Starts the transfer on a line with `O1.CNC` and `O2.CNC`.
+    /// Starts the transfer; the control has `O1.CNC` and `O2.CNC`.
     fn start(self, line: &mut Line, bytes: &[u8]) {
         match self {
             Self::Put => line.pc.start(PcCommand::Put(file("O1.CNC", bytes, true))),
@@ -43,7 +43,7 @@ impl DamagedTransfer {
         }
     }
 
-    /// Outcome on an undamaged line.
+    /// Returns the outcome of the transfer on an undamaged line.
     fn expected_outcome(self, bytes: &[u8]) -> TransferOutcome {
         let entry = |file_name, size: usize| DirectoryEntry {
             name: name(file_name),
@@ -60,7 +60,8 @@ impl DamagedTransfer {
         }
     }
 
-    /// Checks that the memory is as before or after the transfer; returns whether it is as after.
+    /// Panics unless the memory is as before or after the whole transfer; returns true if it
+    /// is as after it.
     fn check_memory(self, line: &Line, bytes: &[u8]) -> bool {
         let is = |file_name: &str, expected: Option<&[u8]>| {
             line.memory.content(&name(file_name)).map(Vec::as_slice) == expected
@@ -88,7 +89,7 @@ fn connected_line(bytes: &[u8]) -> Line {
     line
 }
 
-/// Number of bytes of a transfer in both directions.
+/// Returns the number of bytes of a transfer on the wire to the control and on that to the PC.
 fn transfer_byte_counts(transfer: DamagedTransfer, bytes: &[u8]) -> [u64; 2] {
     let mut line = connected_line(bytes);
     let before = [0, 1].map(|wire| line.wires[wire].sent_count());

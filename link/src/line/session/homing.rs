@@ -12,12 +12,12 @@ use gsk_units::{Axis, PerAxis, alarm};
 /// Time limit for homing.
 const HOMING_WAIT: Duration = Duration::from_secs(120);
 
-/// Homing in progress.
+/// Homing in progress: its start time and axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Homing {
     since: HostTime,
     axes: PerAxis<bool>,
-    /// The axes that the board has reported as homed.
+    /// The axes that the board has reported as homed so far.
     named: PerAxis<bool>,
 }
 
@@ -59,8 +59,9 @@ impl LineLink {
         Ok(())
     }
 
-    /// An axis on the limit switch of the end opposite to its homing switch. The board
-    /// would take it for the homing switch and move farther towards the stop.
+    /// Returns an axis on the limit switch of the end opposite to its homing switch; `None`
+    /// without one. The board would take it for the homing switch and move farther towards the
+    /// stop.
     fn axis_at_opposite_limit(&self, axes: PerAxis<bool>) -> Option<Axis> {
         [
             (Axis::X, self.config.x.home_negative, self.reports.pins.x),
@@ -74,7 +75,8 @@ impl LineLink {
         })
     }
 
-    /// Handles the board's answer to the homing command.
+    /// Handles the board's answer to the homing command: finished, or refused with this error
+    /// number.
     pub(super) fn homed(&mut self, error: Option<u16>) {
         let Some(homing) = self.homing.take() else {
             return;
@@ -101,7 +103,7 @@ impl LineLink {
         self.session.alarm(alarm::BOARD_ZERO_RETURN, why);
     }
 
-    /// Handles a message: FluidNC reports each axis that it has homed.
+    /// Handles a message of the board: FluidNC reports each axis that it has homed.
     pub(super) fn board_message(&mut self, text: &str) {
         if let (Some(homing), Some(axes)) = (&mut self.homing, text.strip_prefix("Homed:")) {
             homing.named.x |= axes.contains('X') && homing.axes.x;
@@ -117,7 +119,7 @@ impl LineLink {
         }
     }
 
-    /// Aborts homing. `why` is the cause unless the operator aborted it.
+    /// Aborts homing. `why` is the cause for the alarm; `None` if the operator aborted it.
     pub(super) fn give_up_homing(&mut self, why: Option<Message>) {
         if let Some(why) = why {
             self.session.alarm(alarm::BOARD_ZERO_RETURN, why);

@@ -42,20 +42,20 @@ pub(super) struct LineMotion {
     /// Start points of segments executed recently, with the time at which they counted as
     /// executed.
     past: VecDeque<(HostTime, PerAxis<Pulses>)>,
-    /// When the pending status query was sent. Segments executed since then remain in
-    /// `past`.
+    /// When the pending status query was sent; `None` without one. Segments executed since
+    /// then remain in `past`.
     queried_at: Option<HostTime>,
-    /// Kernel pulses of the last sample taken.
+    /// Position of the last sample taken, in the kernel's pulses.
     pub(super) commanded: PerAxis<Pulses>,
-    /// Board pulses minus kernel pulses.
+    /// The board's count minus the kernel's, pulses.
     pub(super) offset: PerAxis<Pulses>,
-    /// End of the motion that the board has certainly executed.
+    /// Kernel time at the end of the motion that the board has certainly executed.
     pub(super) executed: RunTime,
-    /// Position at that time.
+    /// Position at the time `executed`, in the kernel's pulses.
     pub(super) made: PerAxis<Pulses>,
-    /// When the oldest queued segment became the oldest.
+    /// Since when the oldest queued segment has been the oldest.
     pub(super) progressed: HostTime,
-    /// When X and Z last moved, in positive and in negative direction.
+    /// When X and Z last moved: for each axis in positive and in negative direction.
     moved: [[Option<HostTime>; 2]; 2],
     /// Whether the next sample continues from the end of a thread pass.
     pub(super) resumes: bool,
@@ -81,7 +81,7 @@ impl LineMotion {
         }
     }
 
-    /// Aligns the counts of board and kernel.
+    /// Aligns the counts of board and kernel, for a standstill at the kernel time `at`.
     pub(super) fn align(&mut self, kernel: PerAxis<Pulses>, board: PerAxis<Pulses>, at: RunTime) {
         self.offset = PerAxis::new(
             Pulses(board.x.0 - kernel.x.0),
@@ -98,7 +98,7 @@ impl LineMotion {
         self.segments.begin(kernel, self.executed);
     }
 
-    /// Drops all motion.
+    /// Drops all motion that waits, is queued or is in the board's pulse timer.
     pub(super) fn forget(&mut self) {
         self.backlog.clear();
         self.queued.clear();
@@ -120,7 +120,7 @@ impl LineMotion {
         self.moved = [[None; 2]; 2];
     }
 
-    /// Duration of the motion that may not be executed yet.
+    /// Returns the duration of the motion that may not be executed yet.
     pub(super) fn outstanding(&self, now: HostTime) -> Duration {
         let handed: Duration = self.handed.iter().map(|(_, one)| one.duration).sum();
         let last = self.handed.back().map_or(now, |(made_by, _)| *made_by);
@@ -137,7 +137,8 @@ impl LineMotion {
             && self.segments.pending() == RunTime::ZERO
     }
 
-    /// Takes the next waiting segment if its line fits into `free_bytes`.
+    /// Moves the next waiting segment to the board's queue and returns it; `None` if its line
+    /// does not fit into `free_bytes`.
     pub(super) fn next_segment(
         &mut self,
         free_bytes: usize,
@@ -158,7 +159,7 @@ impl LineMotion {
         Some(segment)
     }
 
-    /// Notes the board's answer to the oldest unanswered segment.
+    /// Marks the oldest unanswered segment as answered.
     pub(super) fn segment_answered(&mut self) {
         if let Some(segment) = self.queued.iter_mut().find(|segment| !segment.answered) {
             segment.answered = true;
@@ -184,12 +185,12 @@ impl LineMotion {
         }
     }
 
-    /// Notes that a status query was sent: the report describes the motion from now on.
+    /// Stores when a status query was sent: the report describes the motion from then on.
     pub(super) const fn report_requested(&mut self, now: HostTime) {
         self.queried_at = Some(now);
     }
 
-    /// Notes that the report was received and compared.
+    /// Clears the time of the query: its report was received and compared.
     pub(super) const fn report_received(&mut self) {
         self.queried_at = None;
     }
@@ -229,13 +230,13 @@ impl LineMotion {
         oldest.is_some_and(|segment| waits >= segment.duration + LATE)
     }
 
-    /// The segments in the board that may not be executed yet, the next one first.
+    /// Returns the segments in the board that may not be executed yet, the next one first.
     fn unmade(&self) -> impl Iterator<Item = &Queued> {
         let handed = self.handed.iter().map(|(_, segment)| segment);
         handed.chain(&self.queued)
     }
 
-    /// The directions in which the axes move, 1 or -1; 0 if an axis is at standstill or
+    /// Returns the directions in which X and Z move, 1 or -1; 0 if an axis is at standstill or
     /// reverses now.
     pub(super) fn ways(&self, now: HostTime) -> [i64; 2] {
         let recent = |moved: Option<HostTime>| {
@@ -256,7 +257,7 @@ impl LineMotion {
         seen.map(|[up, down]| i64::from(up) - i64::from(down))
     }
 
-    /// Greatest speed of the motion that is not executed yet, mm/min.
+    /// Returns the greatest speed of the motion that is not executed yet, mm/min.
     pub(super) fn fastest(&self) -> f64 {
         let mut from = self.made;
         let mut fastest = 0.0_f64;
@@ -273,7 +274,7 @@ impl LineMotion {
         fastest
     }
 
-    /// The vector from one position to another, mm of the slide.
+    /// Returns the vector from one position to another, mm of the slide.
     pub(super) fn between(&self, from: PerAxis<Pulses>, to: PerAxis<Pulses>) -> Point {
         let [per_x, per_z] = self.pulses_per_mm;
         Point::new(
@@ -282,7 +283,7 @@ impl LineMotion {
         )
     }
 
-    /// Distance of the board from the commanded path, mm.
+    /// Returns the distance of the board's position from the commanded path, mm.
     pub(super) fn off_path(&self, board: PerAxis<Pulses>) -> f64 {
         let [per_x, per_z] = self.pulses_per_mm;
         let millimetres = |pulses: PerAxis<Pulses>| {
@@ -302,8 +303,7 @@ impl LineMotion {
         nearest
     }
 
-    /// Whether a count equals the commanded position, within the three decimals of a
-    /// report.
+    /// Whether a position equals the commanded one, within the three decimals of a report.
     pub(super) fn agrees(&self, kernel: PerAxis<Pulses>) -> bool {
         let near = |a: Pulses, b: Pulses, per_mm: f64| {
             let rounding = if per_mm > 500.0 {
@@ -317,7 +317,7 @@ impl LineMotion {
         near(kernel.x, self.commanded.x, x) && near(kernel.z, self.commanded.z, z)
     }
 
-    /// Converts the board's count to the kernel's.
+    /// Converts the board's count to the kernel's pulses.
     pub(super) fn to_kernel(&self, board: PerAxis<Pulses>) -> PerAxis<Pulses> {
         PerAxis::new(
             Pulses(board.x.0 - self.offset.x.0),
@@ -325,7 +325,7 @@ impl LineMotion {
         )
     }
 
-    /// The board's count in a report with a position.
+    /// Returns the board's count in a report; `None` for a report without a position.
     pub(super) fn board_count(&self, status: StatusReport) -> Option<PerAxis<Pulses>> {
         let [x, z] = status.position?;
         let [per_x, per_z] = self.pulses_per_mm;
@@ -335,18 +335,18 @@ impl LineMotion {
         ))
     }
 
-    /// The kernel's count in a report with a position.
+    /// Returns the kernel's count in a report; `None` for a report without a position.
     pub(super) fn kernel_count(&self, status: StatusReport) -> Option<PerAxis<Pulses>> {
         self.board_count(status).map(|board| self.to_kernel(board))
     }
 }
 
-/// The directions from one position to another.
+/// Returns the directions of X and Z from one position to another: 1, -1 or 0.
 const fn directions_between(from: PerAxis<Pulses>, to: PerAxis<Pulses>) -> [i64; 2] {
     [(to.x.0 - from.x.0).signum(), (to.z.0 - from.z.0).signum()]
 }
 
-/// Distance of a point from the line between two others.
+/// Returns the distance of the point `at` from the line between `from` and `to`, mm.
 fn distance_to_line(at: Point, from: Point, to: Point) -> f64 {
     let along = to - from;
     let square = along.x * along.x + along.z * along.z;

@@ -19,12 +19,13 @@ impl LineOutputs {
         self.wanted == self.switched
     }
 
-    /// Notes that a starting board has switched all outputs off.
+    /// Stores that all outputs are off, because a starting board switches them off.
     pub(super) fn reset_to_off(&mut self) {
         self.switched = BoardOutputs::default();
     }
 
-    /// The line that switches the wanted outputs; `None` if they are switched already.
+    /// Returns the line that switches the wanted outputs, and counts it as sent; `None` if the
+    /// outputs are switched already.
     fn next_line(&mut self) -> Option<String> {
         if self.are_switched() {
             return None;

@@ -24,7 +24,7 @@ use gsk_units::{Axis, Point, alarm};
 
 /// Time for which the board waits for its one-turn signals; it sends no report meanwhile.
 const INDEX_WAIT: Duration = Duration::from_secs(5);
-/// Allowance for other work of the board.
+/// Time that is added to time limits for other work of the board.
 const MARGIN: Duration = Duration::from_secs(2);
 /// Time limit for a report before the pass has begun.
 const START_TIMEOUT: Duration = INDEX_WAIT.saturating_add(MARGIN);
@@ -36,18 +36,18 @@ const LEAST_RPM: f64 = 30.0;
 const STEADY: f64 = 0.01;
 /// Time for which the spindle speed must be constant.
 const STEADY_FOR: Duration = Duration::from_millis(600);
-/// Relative deviation of the speed at which the board has misread the pass.
+/// Relative deviation of the speed that shows that the board has misread the pass.
 const MISREAD: f64 = 0.1;
-/// A report has the speed of motion this far ahead, s.
+/// Time by which the speed in a report is ahead of the position in it, s.
 const PREPARED: f64 = 0.1;
 /// Tolerance for the spindle speed, which reports round to 1 r/min.
 const ROUNDING_RPM: f64 = 1.5;
 
-/// A pass sent to the board.
+/// A pass that was sent to the board, with its limits.
 #[derive(Clone, Copy, Debug)]
 struct Cutting {
     pass: ThreadPass,
-    /// Time limit for its end.
+    /// Time limit for the end of the pass.
     until: HostTime,
     /// Speed along the pass, mm/min.
     speed: f64,
@@ -57,13 +57,13 @@ struct Cutting {
     begun: bool,
 }
 
-/// The spindle speed that the board has reported recently.
+/// The recently reported spindle speed, constant within its tolerance.
 #[derive(Clone, Copy, Debug)]
 struct Turning {
     since: HostTime,
-    /// Speed at `since`.
+    /// Speed at the time `since`, r/min.
     rpm: f64,
-    /// Last reported speed.
+    /// Last reported speed, r/min.
     latest: f64,
 }
 
@@ -71,12 +71,12 @@ struct Turning {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PassTracker {
     pass: Option<Cutting>,
-    /// `None` if the board does not report the spindle speed.
+    /// Reported spindle speed; `None` if the board reports no speed.
     spindle: Option<Turning>,
 }
 
 impl PassTracker {
-    /// Takes the reported spindle speed, r/min.
+    /// Takes the reported spindle speed, r/min; `None` if a report has no speed.
     fn follow(&mut self, reported: Option<f64>, now: HostTime) {
         self.spindle = reported.map(|rpm| match self.spindle {
             Some(turning) if (rpm - turning.rpm).abs() <= ROUNDING_RPM.max(STEADY * rpm) => {
@@ -93,7 +93,8 @@ impl PassTracker {
         });
     }
 
-    /// The spindle speed, r/min, if it is constant and high enough for a pass.
+    /// Returns the spindle speed, r/min, or why it is not constant or not high enough for a
+    /// pass.
     fn steady_rpm(&self, now: HostTime) -> Result<f64, PassError> {
         let turning = self.spindle.ok_or(PassError::Unseen)?;
         if now.saturating_sub(turning.since) < STEADY_FOR {
@@ -117,19 +118,19 @@ impl PassTracker {
         self.pass.is_some()
     }
 
-    /// Drops the pass.
+    /// Forgets the current pass.
     pub(super) const fn forget(&mut self) {
         self.pass = None;
     }
 
-    /// Extends the time limits by the duration of a suspended host.
+    /// Extends the time limits by `gap`, the time for which the host was suspended.
     pub(super) fn skip_absence(&mut self, gap: Duration) {
         if let Some(cutting) = &mut self.pass {
             cutting.until += gap;
         }
     }
 
-    /// Time limit for a report now; `usual` outside of passes.
+    /// Returns the time limit for a report now; `usual` outside of passes.
     pub(super) const fn report_timeout(&self, usual: Duration) -> Duration {
         match self.pass {
             Some(Cutting { begun: false, .. }) => START_TIMEOUT,
@@ -139,7 +140,7 @@ impl PassTracker {
 }
 
 impl LineLink {
-    /// Sends a pass. The motion must be drained and the spindle speed constant.
+    /// Checks the conditions for a pass and sends the pass to the board.
     pub(super) fn begin_pass(&mut self, pass: &ThreadPass) -> Result<(), PassError> {
         let stands = self.stands_in(&[BoardState::Idle])
             && self.session.state == LinkState::Ready
@@ -189,7 +190,7 @@ impl LineLink {
         Ok(())
     }
 
-    /// Which threads the board can cut.
+    /// Returns which threads the board can cut, or the missing conditions.
     pub(super) fn thread_rights(&self) -> ThreadCapability {
         let sync = self.board().spindle_sync;
         let is_set = |number| self.opening.setting(number) != 0.0;
@@ -207,7 +208,7 @@ impl LineLink {
         ThreadCapability::None(lacks)
     }
 
-    /// The acceleration of the board along a vector, mm/s².
+    /// Returns the acceleration of the board along a vector, mm/s².
     fn acceleration(&self, path: Point) -> f64 {
         let length = path.length().max(1e-9);
         [(Axis::X, 120), (Axis::Z, 122)]
@@ -217,7 +218,7 @@ impl LineLink {
             .max(1e-3)
     }
 
-    /// The `G33` line of a pass; K is the lead along the path.
+    /// Returns the `G33` line of a pass; K is the lead along the path.
     fn pass_line(&self, pass: &ThreadPass) -> String {
         let [per_x, per_z] = self.required.pulses_per_mm;
         let mut line = String::from("G33");
@@ -247,7 +248,7 @@ impl LineLink {
         line
     }
 
-    /// Handles the board's answer to the pass: it is finished or refused.
+    /// Handles the board's answer to the pass: finished, or refused with this error number.
     pub(super) fn pass_answered(&mut self, error: Option<u16>) {
         let Some(cutting) = self.thread.pass.take() else {
             return;
@@ -313,7 +314,7 @@ impl LineLink {
         }
     }
 
-    /// Resets the board during a pass: a dead stop.
+    /// Resets the board during a pass, which is a dead stop: the position becomes uncertain.
     pub(super) fn abandon_pass(&mut self) {
         self.session.lose_position(Uncertainty::StoppedDead);
         self.forget_motion();

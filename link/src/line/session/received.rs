@@ -213,7 +213,7 @@ impl LineLink {
         }
     }
 
-    /// Advances the time. After a gap the time limits are extended by its duration.
+    /// Advances the time. After a gap the time limits are extended by the duration of the gap.
     pub(super) fn advance_time(&mut self, now: HostTime) {
         let gap = now.saturating_sub(self.session.now);
         self.session.now = self.session.now.max(now);

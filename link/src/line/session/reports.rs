@@ -14,18 +14,18 @@ const STEADY: Duration = Duration::from_millis(150);
 /// The position by the board's last count, in the kernel's pulses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum ReportedPosition {
-    /// The counts of board and kernel are not aligned.
+    /// The counts of board and kernel were never aligned.
     Unknown,
-    /// The counts are aligned.
+    /// The position while the counts of board and kernel are aligned.
     Live(PerAxis<Pulses>),
-    /// The board has restarted its count since.
+    /// The last position before the board restarted its count.
     Stale(PerAxis<Pulses>),
 }
 
-/// The reports of the board.
+/// The last status report and the pending query for the next one.
 #[derive(Clone, Debug)]
 pub(super) struct Reports {
-    /// When the pending status query was sent.
+    /// When the pending status query was sent; `None` without one.
     pub(super) queried_at: Option<HostTime>,
     last_query: HostTime,
     /// When the newest answered query was sent.
@@ -53,17 +53,17 @@ impl Reports {
         }
     }
 
-    /// The last reported state.
+    /// Returns the state in the last report; `None` without a report.
     pub(super) fn state(&self) -> Option<BoardState> {
         self.status.map(|status| status.state)
     }
 
-    /// The time of the first report of the current standstill.
+    /// Returns the time of the first report of the current standstill; `None` during motion.
     pub(super) const fn still_since(&self) -> Option<HostTime> {
         self.still_since
     }
 
-    /// Takes a report and returns the round trip if it was queried.
+    /// Stores a report and returns the round trip of its query; `None` if it was not queried.
     pub(super) fn take(&mut self, status: StatusReport, now: HostTime) -> Option<Duration> {
         let queried_at = self.queried_at.take();
         self.answered = queried_at.unwrap_or(self.answered);
@@ -72,7 +72,7 @@ impl Reports {
         queried_at.map(|queried_at| now.saturating_sub(queried_at))
     }
 
-    /// Notes whether the board is at standstill.
+    /// Stores `now` as the begin of a standstill, or clears that time if `state` is not idle.
     pub(super) fn note_standstill(&mut self, state: BoardState, now: HostTime) {
         if state == BoardState::Idle {
             self.still_since.get_or_insert(now);
@@ -81,7 +81,7 @@ impl Reports {
         }
     }
 
-    /// Forgets the reported standstill.
+    /// Clears the time of the reported standstill.
     pub(super) const fn forget_standstill(&mut self) {
         self.still_since = None;
     }
@@ -98,12 +98,12 @@ impl Reports {
         self.still_since = None;
     }
 
-    /// Whether a status query is due.
+    /// Whether a status query is due after `interval`; never while a query is pending.
     pub(super) fn is_due(&self, interval: Duration, now: HostTime) -> bool {
         self.queried_at.is_none() && now.saturating_sub(self.last_query) >= interval
     }
 
-    /// Notes that a status query is sent.
+    /// Stores that a status query is sent at time `now`.
     pub(super) const fn note_query(&mut self, now: HostTime) {
         self.queried_at = Some(now);
         self.last_query = now;
@@ -114,7 +114,7 @@ impl Reports {
         self.last_query = HostTime::ZERO;
     }
 
-    /// Drops a pending query without an answer, so that it is repeated.
+    /// Drops an overdue query, so that the link repeats it.
     pub(super) fn give_up_question(&mut self, now: HostTime) {
         if !self.is_responding(now) {
             self.queried_at = None;
@@ -126,13 +126,14 @@ impl Reports {
         self.answered >= moment
     }
 
-    /// Whether no query is pending for too long.
+    /// Whether no pending query is overdue.
     fn is_responding(&self, now: HostTime) -> bool {
         self.queried_at
             .is_none_or(|queried_at| now.saturating_sub(queried_at) < ANSWER_TIME)
     }
 
-    /// The position by the last count; `None` if the counts were never aligned.
+    /// Returns the position by the last count, in the kernel's pulses; `None` if the counts
+    /// were never aligned.
     pub(super) const fn position(&self) -> Option<PerAxis<Pulses>> {
         match self.count {
             ReportedPosition::Unknown => None,
@@ -140,17 +141,17 @@ impl Reports {
         }
     }
 
-    /// Aligns the counts of board and kernel.
+    /// Stores that the counts of board and kernel are aligned at the position `kernel`.
     pub(super) const fn align(&mut self, kernel: PerAxis<Pulses>) {
         self.count = ReportedPosition::Live(kernel);
     }
 
-    /// Whether the counts are aligned.
+    /// Whether the counts of board and kernel are aligned.
     pub(super) const fn counts(&self) -> bool {
         matches!(self.count, ReportedPosition::Live(_))
     }
 
-    /// Takes the board's count in the kernel's pulses.
+    /// Stores the board's count, converted to the kernel's pulses, if the counts are aligned.
     pub(super) fn count(&mut self, kernel: PerAxis<Pulses>, now: HostTime) {
         if let ReportedPosition::Live(before) = self.count {
             if before != kernel {
@@ -160,14 +161,14 @@ impl Reports {
         }
     }
 
-    /// Keeps the last count of a board that restarts its count.
+    /// Keeps the last position as stale: the board restarts its count.
     pub(super) const fn freeze_count(&mut self) {
         if let ReportedPosition::Live(position) = self.count {
             self.count = ReportedPosition::Stale(position);
         }
     }
 
-    /// Forgets the count.
+    /// Forgets the position and the alignment of the counts.
     pub(super) const fn forget_count(&mut self) {
         self.count = ReportedPosition::Unknown;
     }

@@ -8,13 +8,13 @@ use crate::{LinkEvent, LinkState, MotionRefused, RunTime, Sample, Uncertainty};
 use gsk_messages::say;
 use gsk_units::alarm;
 
-/// Duration of the first pulse of a motion.
+/// Least duration of the segment that makes the first pulse of a motion.
 const RUN_UP: Duration = Duration::from_millis(80);
 /// Duration of a standstill before the count is compared.
 const SETTLED: Duration = Duration::from_millis(50);
 
 impl LineLink {
-    /// Takes the commanded position at the end of a tick.
+    /// Takes the commanded position at the end of a tick, and sends a segment if one is due.
     pub(super) fn take_sample(&mut self, sample: Sample) -> Result<(), MotionRefused> {
         if !self.is_prepared() {
             return Err(MotionRefused::NotReady);
@@ -46,7 +46,7 @@ impl LineLink {
         Ok(())
     }
 
-    /// Sends the rest of the last segment.
+    /// Sends the motion that is not in a segment yet.
     pub(super) fn take_rest(&mut self) -> Result<(), MotionRefused> {
         if !self.is_prepared() {
             return Ok(());

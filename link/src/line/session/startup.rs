@@ -10,23 +10,23 @@ const EXCUSED: Duration = Duration::from_secs(1);
 /// Whether the board has restarted without a command since it was opened.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Start {
-    /// No restart.
+    /// The board has not restarted.
     #[default]
     None,
     /// The board has reported its start; its banner follows and is no further restart.
     Begun,
-    /// The board has restarted. It may be another board or have other settings.
+    /// The board has restarted. The board may now be another one or have other settings.
     Restarted,
 }
 
-/// Restarts of the board, and the action after one.
+/// Whether the board has restarted, until when a banner is expected, and whether to unlock it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Startup {
     start: Start,
-    /// Until this time a banner is expected.
+    /// Time until which a banner is expected.
     excused_until: HostTime,
-    /// Whether the link unlocks the board at its next report: after RESET, or after homing
-    /// of one axis.
+    /// Whether the link unlocks the board at the next report: after RESET, or after homing of
+    /// one axis.
     pub(super) unlocks: bool,
 }
 
@@ -36,12 +36,12 @@ impl Startup {
         self.excused_until = now + EXCUSED;
     }
 
-    /// Notes that the board has reported its start.
+    /// Stores that the board has reported its start and will send its banner.
     pub(super) const fn has_begun(&mut self) {
         self.start = Start::Begun;
     }
 
-    /// Notes a restart without a command.
+    /// Stores that the board has restarted without a command.
     pub(super) fn has_restarted(&mut self) {
         if self.start == Start::None {
             self.start = Start::Restarted;
@@ -63,7 +63,7 @@ impl Startup {
         expected
     }
 
-    /// Notes that the board is reopened and unlocked.
+    /// Forgets the restart and requests the unlocking: the link opens the board again.
     pub(super) const fn begin_anew(&mut self) {
         self.start = Start::None;
         self.unlocks = true;

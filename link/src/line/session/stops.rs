@@ -27,9 +27,9 @@ const RESET_AGAIN: Duration = Duration::from_millis(100);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Halt {
     None,
-    /// The link waits until the board has answered all lines.
+    /// The link waits, since this time, until the board has answered all lines.
     Draining(HostTime),
-    /// `!` was sent; the link waits for the standstill.
+    /// `!` was sent at this time; the link waits for the standstill.
     Braking(HostTime),
     /// Ctrl-X was sent; the link waits for the banner.
     Restarting(Restart),
@@ -44,35 +44,35 @@ pub(super) struct Waking {
     since: HostTime,
     /// Whether the next report answers a query from before the gap.
     stale: bool,
-    /// Whether a line was written in part: the board may hold its first part.
+    /// Whether a line was written in part: the board may hold the beginning of that line.
     cut_off: bool,
-    /// Whether the alarm was raised. A lost board gets another alarm.
+    /// Whether the alarm for the suspended host was raised. A lost board gets another alarm.
     raised: bool,
 }
 
-/// The progress of a restart of the board.
+/// The progress of a restart of the board by Ctrl-X.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Restart {
     since: HostTime,
-    /// When Ctrl-X was last sent; it is repeated because it may be lost.
+    /// When Ctrl-X was last sent; the link repeats Ctrl-X because one may be lost.
     sent: HostTime,
-    /// After the first banner: until when banners of repeated Ctrl-X may arrive.
+    /// Time until which banners of repeated Ctrl-X may arrive; `None` before the first banner.
     quiet_at: Option<HostTime>,
 }
 
-/// A stop in progress.
+/// A stop or restart of the board in progress, and what follows it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LineStop {
     pub(super) halt: Halt,
-    /// Whether the motors may have lost steps.
+    /// Whether the motors may have lost steps in the stop.
     pub(super) too_sudden: bool,
-    /// After a limit alarm: the directions of the axes. The next report names the switch.
-    /// `None` for an axis whose switch was operated before.
+    /// After a limit alarm: the directions in which X and Z moved, until the next report names
+    /// the switch. An axis whose switch was operated before has `None`.
     pub(super) limit: Option<[Option<i64>; 2]>,
 }
 
 impl LineStop {
-    /// No stop.
+    /// Creates the state without a stop.
     pub(super) const fn none() -> Self {
         Self {
             halt: Halt::None,
@@ -91,7 +91,7 @@ impl LineStop {
         matches!(self.halt, Halt::Restarting(_))
     }
 
-    /// Extends the time limits by the duration of a suspended host.
+    /// Extends the time limits by `gap`, the time for which the host was suspended.
     pub(super) fn skip_absence(&mut self, gap: Duration) {
         match &mut self.halt {
             Halt::None => {}
@@ -201,7 +201,8 @@ impl LineLink {
         stale
     }
 
-    /// Handles a report of standstill after the host was suspended.
+    /// Handles a report of standstill after the host was suspended: ends the wait, or resets a
+    /// board that may hold part of a line.
     pub(super) fn stands_after_absence(&mut self) {
         let Halt::Waking(waking) = self.stopping.halt else {
             return;
@@ -255,8 +256,8 @@ impl LineLink {
         self.reports.hurry();
     }
 
-    /// Sends the feed hold when FluidNC has answered all lines. A line that it has read but
-    /// not begun at the hold would be executed after the reset.
+    /// Sends the feed hold when FluidNC has answered all lines. A line that FluidNC has read
+    /// but not begun at the hold would be executed after the reset.
     fn watch_draining(&mut self, since: HostTime) {
         if self.wire.is_answered() {
             self.brake();
@@ -421,7 +422,8 @@ impl LineLink {
         }
     }
 
-    /// Reports which limit switch stopped the board; both if none is operated any more.
+    /// Raises the alarm of the limit switch that stopped the board; of both if none is
+    /// operated any more. `ways` are the directions in which the axes moved.
     pub(super) fn name_limits(&mut self, pins: Pins, ways: [Option<i64>; 2]) {
         for (axis, operated) in [pins.x, pins.z].into_iter().enumerate() {
             if let (true, Some(way)) = (operated, ways[axis]) {
@@ -438,7 +440,8 @@ impl LineLink {
         }
     }
 
-    /// Handles a failed port or a silent board.
+    /// Handles a failed port or a silent board: raises an alarm and enters
+    /// [`LinkState::Lost`].
     pub(super) fn lose_board(&mut self, cause: Message) {
         if self.session.is_closed() {
             return;
@@ -458,7 +461,7 @@ impl LineLink {
         self.enter(LinkState::Lost);
     }
 
-    /// Stops the board immediately.
+    /// Stops the board immediately, in the way that `stop` selects.
     pub(super) fn stop_at_once(&mut self, stop: Stop) {
         if !self.opening.is_done() || self.session.is_closed() {
             return;
@@ -476,7 +479,7 @@ impl LineLink {
         }
     }
 
-    /// Handles RESET.
+    /// Handles RESET: clears faults, unlocks the board, and stops motion or homing.
     pub(super) fn reset_faults(&mut self) {
         self.limits.confirm_position_checked();
         match self.session.state {

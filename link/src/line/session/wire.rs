@@ -11,7 +11,7 @@ use crate::{HostTime, Traffic};
 /// Greatest length of a line from the board, bytes.
 const LINE_BYTES: usize = 512;
 
-/// An unanswered line.
+/// A line that was sent and that the board has not answered yet.
 #[derive(Clone, Debug)]
 pub(super) struct Unanswered {
     bytes: usize,
@@ -19,7 +19,7 @@ pub(super) struct Unanswered {
     pub(super) sent: HostTime,
 }
 
-/// The serial traffic with a line board.
+/// The serial traffic with a line board: bytes to send, and unanswered lines.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LineWire {
     outgoing: Vec<u8>,
@@ -30,7 +30,7 @@ pub(super) struct LineWire {
 }
 
 impl LineWire {
-    /// Sends a line; adds a missing line end.
+    /// Queues a line for the port; adds a missing line end.
     pub(super) fn send(&mut self, line: &str, is_segment: bool, now: HostTime) {
         self.outgoing.extend_from_slice(line.as_bytes());
         let ends = line.ends_with('\n');
@@ -46,12 +46,12 @@ impl LineWire {
         });
     }
 
-    /// Sends a real-time character.
+    /// Queues a real-time character for the port.
     pub(super) fn send_realtime(&mut self, byte: u8) {
         self.outgoing.push(byte);
     }
 
-    /// Bytes to be written to the port.
+    /// Returns the bytes to be written to the port.
     pub(super) fn tx(&self) -> &[u8] {
         &self.outgoing
     }
@@ -63,20 +63,20 @@ impl LineWire {
         self.traffic.sent += count as u64;
     }
 
-    /// Drops all bytes that are not written.
+    /// Drops all bytes that the port has not taken.
     pub(super) fn drop_outgoing(&mut self) {
         self.outgoing.clear();
     }
 
-    /// Drops all bytes that are not written. Returns whether they contain lines.
+    /// Drops all bytes that the port has not taken. Returns whether they contain lines.
     pub(super) fn withdraw(&mut self) -> bool {
         let lines = self.outgoing.iter().any(|byte| *byte != STATUS_QUERY);
         self.outgoing.clear();
         lines
     }
 
-    /// Takes a byte and returns the line that ends with it, unless it is empty. Characters
-    /// beyond the greatest length are dropped.
+    /// Takes a byte and returns the line that ends with this byte; `None` for an empty or
+    /// incomplete line. Characters beyond the greatest length are dropped.
     pub(super) fn receive(&mut self, byte: u8) -> Option<String> {
         match byte {
             b'\n' | b'\r' => {
@@ -92,17 +92,17 @@ impl LineWire {
         }
     }
 
-    /// Drops the incomplete line.
+    /// Drops the incomplete line received so far.
     pub(super) fn drop_partial_line(&mut self) {
         self.line.clear();
     }
 
-    /// Removes and returns the oldest unanswered line.
+    /// Removes and returns the oldest unanswered line; `None` without one.
     pub(super) fn answered(&mut self) -> Option<Unanswered> {
         self.unanswered.pop_front()
     }
 
-    /// The oldest unanswered line.
+    /// Returns the oldest unanswered line; `None` if the board has answered all lines.
     pub(super) fn oldest(&self) -> Option<&Unanswered> {
         self.unanswered.front()
     }
@@ -112,12 +112,13 @@ impl LineWire {
         self.unanswered.is_empty()
     }
 
-    /// Whether all unanswered lines are motion.
+    /// Whether all unanswered lines are motion segments.
     pub(super) fn only_segments(&self) -> bool {
         self.unanswered.iter().all(|line| line.is_segment)
     }
 
-    /// The greatest possible number of characters in the board's receive buffer.
+    /// Returns the greatest possible number of characters in the board's receive buffer: those
+    /// of all unanswered lines.
     pub(super) fn characters(&self) -> usize {
         self.unanswered.iter().map(|line| line.bytes).sum()
     }
@@ -127,7 +128,7 @@ impl LineWire {
         self.unanswered.clear();
     }
 
-    /// Extends the time limits by the duration of a suspended host.
+    /// Extends the time limits by `gap`, the time for which the host was suspended.
     pub(super) fn skip_absence(&mut self, gap: HostTime) {
         for line in &mut self.unanswered {
             line.sent += gap;

@@ -11,19 +11,20 @@ use crate::step_queue::wiring::{Switch, Wiring};
 use crate::{AwaitedInput, HostTime, Input, InputCondition, LinkState, MotionRefused};
 use gsk_units::Axis;
 
-/// Trigger reasons of the group.
+/// Trigger reason of the group: the limit switch of X. The constants below are further
+/// reasons.
 pub(super) const LIMIT_X: u32 = 1;
 pub(super) const LIMIT_Z: u32 = 2;
 pub(super) const EMERGENCY: u32 = 3;
 pub(super) const SILENT_HOST: u32 = 4;
 pub(super) const DRIVES: u32 = 5;
-/// An awaited input of X; the next number is that of Z.
+/// Trigger reason: the awaited input of X. The next number is that of Z.
 pub(super) const REACHED: u32 = 6;
 pub(super) const REACHED_Z: u32 = 7;
 pub(super) const FLUSH: u32 = 9;
 /// Number of consecutive equal samples for an operated switch.
 const SAMPLES: i64 = 4;
-/// Interval of these samples.
+/// Interval of the samples that confirm an operated switch.
 const SAMPLE: Duration = Duration::from_micros(15);
 /// Interval at which the board polls a switch.
 const LOOK: Duration = Duration::from_millis(1);
@@ -44,9 +45,9 @@ enum GroupState {
     /// The group was never armed.
     #[default]
     Unused,
-    /// A trigger stops the axes.
+    /// The group is armed: a trigger will stop the axes.
     Armed,
-    /// The group was triggered.
+    /// The group was triggered and has stopped the axes.
     Triggered,
 }
 
@@ -56,26 +57,26 @@ enum GroupState {
 pub(super) struct Group {
     which: usize,
     state: GroupState,
-    /// Time of the last report.
+    /// Time of the last report of the group.
     reported: HostTime,
-    /// The awaited inputs of X and of Z.
+    /// The awaited inputs of X and of Z; `None` without one.
     waits: [Option<Wait>; 2],
     /// Whether the limit switch of X or Z is not watched because it was operated.
     left_out: [bool; 2],
-    /// Levels of X and Z pins whose change is awaited. They remain valid across a stop by
-    /// another input.
+    /// Levels that end the wait for a change of a pin, of X and of Z. A level remains valid
+    /// across a stop by another input.
     edges: [Option<i64>; 2],
 }
 
-/// An awaited input.
+/// An input of an axis that the board watches, or will watch once its level is known.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wait {
     pub(super) awaited: AwaitedInput,
-    /// When the pending query for its level was sent.
+    /// When the pending query for the pin's level was sent; `None` without a query.
     queried_at: Option<HostTime>,
     /// The level of the pin that stops the axes.
     pub(super) level: i64,
-    /// The clock from which on the board watches the pin.
+    /// The board clock from which on the board watches the pin.
     from: u64,
 }
 
@@ -86,36 +87,36 @@ impl Group {
             .find_map(|(axis, wait)| Some((axis, wait.filter(|wait| wait.awaited.input == input)?)))
     }
 
-    /// Whether a trigger stops the axes.
+    /// Whether the group is armed: a trigger will stop the axes.
     pub(super) const fn is_armed(&self) -> bool {
         matches!(self.state, GroupState::Armed)
     }
 
-    /// The awaited input of an axis.
+    /// Returns the awaited input of an axis; `None` without one.
     pub(super) fn awaited(&self, axis: Axis) -> Option<AwaitedInput> {
         self.waits[axis as usize].map(|wait| wait.awaited)
     }
 
-    /// Whether the board watches the awaited input of an axis at a clock.
+    /// Whether the board watches the awaited input of an axis at the board clock `now`.
     pub(super) fn watches(&self, axis: Axis, now: u64) -> bool {
         self.is_armed()
             && self.waits[axis as usize]
                 .is_some_and(|wait| wait.queried_at.is_none() && now >= wait.from)
     }
 
-    /// The object number of the group.
+    /// Returns Klipper's object number of the group.
     pub(super) const fn oid(&self, wiring: &Wiring) -> i64 {
         wiring.groups[self.which]
     }
 
-    /// The object number of the group while it is armed.
+    /// Returns Klipper's object number of the group while it is armed; otherwise `None`.
     pub(super) fn armed_oid(&self, wiring: Option<&Wiring>) -> Option<i64> {
         wiring
             .filter(|_| self.is_armed())
             .map(|wiring| self.oid(wiring))
     }
 
-    /// Switches to the other group.
+    /// Switches to the other group and marks it as armed.
     fn take_turns(&mut self, now: HostTime) {
         *self = Self {
             which: 1 - self.which,
@@ -126,12 +127,12 @@ impl Group {
         };
     }
 
-    /// Notes a report of the group.
+    /// Stores that the group has sent a report at time `now`.
     pub(super) const fn note_report(&mut self, now: HostTime) {
         self.reported = now;
     }
 
-    /// Notes that the group was triggered.
+    /// Marks the group as triggered.
     pub(super) const fn note_trigger(&mut self) {
         self.state = GroupState::Triggered;
     }
@@ -243,7 +244,7 @@ impl StepLink {
         switches.find(|switch| switch.input == input).copied()
     }
 
-    /// Arms an awaited input.
+    /// Arms an awaited input: the board stops the axes when its condition is met.
     pub(super) fn arm_input(&mut self, awaited: AwaitedInput) -> Result<(), MotionRefused> {
         let (Some(switch), Some(axis)) = (self.switch_at(awaited.input), awaited.input.axis())
         else {
@@ -298,7 +299,7 @@ impl StepLink {
         self.group.edges[axis as usize] = None;
     }
 
-    /// Takes the level of a pin that answers the newest query.
+    /// Takes the level of a pin: the board then waits for a change from this level.
     pub(super) fn level_reply(&mut self, oid: i64, level: i64) {
         for axis in 0..2 {
             let Some(wait) = &mut self.group.waits[axis] else {
@@ -368,7 +369,7 @@ impl StepLink {
     }
 }
 
-/// Whether an awaited input has triggered the group.
+/// Whether the trigger reason is an awaited input.
 pub(super) const fn is_reached(reason: u32) -> bool {
     matches!(reason, REACHED | REACHED_Z)
 }

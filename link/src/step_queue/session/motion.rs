@@ -11,7 +11,7 @@ use crate::step_queue::steps::{QueuedStepRun, Steps};
 use crate::{HostTime, LinkConfig, RunTime};
 use gsk_units::{PerAxis, Pulses};
 
-/// Number of unused slots in the board's queue.
+/// Number of slots in the board's queue that the link leaves unused.
 const SPARE: usize = 32;
 
 /// Steps on their way to the board's queue.
@@ -41,19 +41,20 @@ impl Queue {
         }
     }
 
-    /// Sets the number of slots that the board has reported.
+    /// Sets the number of usable slots from the number of slots that the board has reported.
     pub(super) const fn set_slots(&mut self, slots: u32) {
         self.slots = (slots as usize).saturating_sub(SPARE);
     }
 
-    /// Drops the due steps; the board needs step clocks and directions again.
+    /// Drops the steps that are not compressed; the board then needs step clocks and
+    /// directions again.
     pub(super) fn forget_steps(&mut self) {
         for steps in &mut self.steps {
             steps.forget();
         }
     }
 
-    /// Drops all steps.
+    /// Drops all steps, sent or not.
     fn clear(&mut self) {
         self.forget_steps();
         self.backlog.clear();
@@ -67,7 +68,7 @@ impl Queue {
         !self.backlog.is_empty() || self.steps.iter().any(|steps| !steps.is_empty())
     }
 
-    /// Clock of the last step sent in this motion.
+    /// Returns the clock of the last step sent in this motion; `None` before the first one.
     pub(super) const fn last_step(&self) -> Option<u64> {
         match self.last_step {
             Some(clock) => Some(clock.unsigned_abs()),
@@ -75,18 +76,18 @@ impl Queue {
         }
     }
 
-    /// Clock of the first step that is not compressed yet.
+    /// Returns the clock of the first step that is not compressed yet; `None` without one.
     pub(super) fn first_due(&self) -> Option<u64> {
         let first = self.steps.iter().filter_map(Steps::first).min();
         first.map(Ticks::unsigned_abs)
     }
 
-    /// Removes runs that the board has begun from the queue.
+    /// Removes runs that the board has begun by the clock `now` from its queue.
     pub(super) fn pass(&mut self, now: Ticks) {
         self.queued.retain(|first| *first > now);
     }
 
-    /// Takes the next run if the board's queue has a free slot.
+    /// Takes the next run with its axis; `None` if no run waits or the board's queue is full.
     pub(super) fn next_entry(&mut self) -> Option<(usize, QueuedStepRun)> {
         if self.queued.len() >= self.slots {
             return None;
@@ -98,7 +99,8 @@ impl Queue {
         Some((axis, entry))
     }
 
-    /// Clock of the first step of each axis that is not sent yet.
+    /// Returns the clock of the first step of each axis that is not sent yet; `None` without
+    /// one.
     pub(super) fn first_kept(&self) -> [Option<u64>; 2] {
         [0, 1].map(|axis| {
             let mut waiting = self.backlog.iter().filter(|(of, _)| *of == axis);
@@ -116,19 +118,19 @@ enum Alignment {
     None,
     /// The counts were aligned, but steps or drive power may have been lost since.
     Stale,
-    /// The counts are aligned.
+    /// The counts are aligned, and nothing was lost since.
     Exact,
 }
 
-/// The counts of board and kernel.
+/// The counts of board and kernel, and their alignment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PulseCounts {
     alignment: Alignment,
-    /// Board pulses minus kernel pulses.
+    /// The board's count minus the kernel's, pulses.
     offset: PerAxis<i64>,
-    /// The last count of the board.
+    /// The last count that the board has reported; `None` before the first report.
     pub(super) board: Option<PerAxis<Pulses>>,
-    /// Position of the last sample.
+    /// Commanded position in the last sample, in the kernel's pulses.
     pub(super) commanded: PerAxis<Pulses>,
 }
 
@@ -142,12 +144,13 @@ impl PulseCounts {
         }
     }
 
-    /// The last count of the board in the kernel's pulses.
+    /// Returns the last count of the board in the kernel's pulses; `None` before the first
+    /// report.
     pub(super) fn counted(&self) -> Option<PerAxis<Pulses>> {
         self.board.map(|board| self.to_kernel(board))
     }
 
-    /// Converts a count of the board to the kernel's.
+    /// Converts a count of the board to the kernel's pulses.
     pub(super) const fn to_kernel(self, board: PerAxis<Pulses>) -> PerAxis<Pulses> {
         PerAxis::new(
             Pulses(board.x.0 - self.offset.x),
@@ -155,8 +158,8 @@ impl PulseCounts {
         )
     }
 
-    /// The position at standstill, or the target of moving axes; `None` if the counts were
-    /// never aligned.
+    /// Returns the position at standstill, or the target of moving axes; `None` if the counts
+    /// were never aligned.
     pub(super) fn position(&self) -> Option<PerAxis<Pulses>> {
         (self.alignment != Alignment::None).then_some(self.commanded)
     }
@@ -166,19 +169,20 @@ impl PulseCounts {
         matches!(self.alignment, Alignment::Exact)
     }
 
-    /// Notes that steps may be lost.
+    /// Marks the alignment as stale: steps may be lost.
     pub(super) const fn mark_stale(&mut self) {
         if self.is_exact() {
             self.alignment = Alignment::Stale;
         }
     }
 
-    /// Forgets the alignment.
+    /// Forgets the alignment of the counts.
     pub(super) const fn forget(&mut self) {
         self.alignment = Alignment::None;
     }
 
-    /// Extends the low 32 bits of the board's counts with their high bits.
+    /// Extends the low 32 bits of the board's counts to the full counts nearest to the last
+    /// ones.
     pub(super) fn board_counts(&self, [x, z]: [u32; 2], config: &LinkConfig) -> PerAxis<Pulses> {
         let known = self.board.unwrap_or_default();
         let whole = |low: u32, invert: bool, known: i64| {
@@ -203,7 +207,7 @@ pub(super) struct Stopped {
     pub(super) direction: [i64; 2],
 }
 
-/// Motion handed over.
+/// Motion handed over to the board, with its path, counts and limits.
 #[derive(Clone, Debug)]
 pub(super) struct StepMotion {
     pub(super) rates: Rates,
@@ -230,7 +234,7 @@ impl StepMotion {
         self.queue.steps = self.rates.timing.map(Steps::new);
     }
 
-    /// Forgets the board after a reset or a reopening.
+    /// Drops the motion and the count of a board that was reset or reopened.
     pub(super) fn forget_board(&mut self) {
         self.drop_queued();
         self.count.board = None;
@@ -248,7 +252,7 @@ impl StepMotion {
         self.path.end_motion();
     }
 
-    /// Aligns the counts of kernel and board at standstill.
+    /// Aligns the counts of kernel and board, for a standstill at the kernel time `at`.
     pub(super) fn align(&mut self, kernel: PerAxis<Pulses>, board: PerAxis<Pulses>, at: RunTime) {
         self.count.offset = PerAxis::new(board.x.0 - kernel.x.0, board.z.0 - kernel.z.0);
         self.count.alignment = Alignment::Exact;
@@ -264,14 +268,15 @@ impl StepMotion {
         self.path.stand_at(kernel);
     }
 
-    /// Sets the position at standstill to that of each axis at a clock.
+    /// Sets the position at standstill: that of X at the first clock, that of Z at the second.
     pub(super) fn stand_at_clocks(&mut self, clocks: [Ticks; 2]) {
         if let Some(kernel) = self.path.at(clocks) {
             self.stand_at(kernel);
         }
     }
 
-    /// Finds the position of a stop on the commanded path.
+    /// Finds the position of a stop on the commanded path and sets it as position at
+    /// standstill.
     pub(super) fn stopped_at(
         &mut self,
         board: PerAxis<Pulses>,

@@ -40,7 +40,7 @@ pub(super) enum Phase {
         queried_at: HostTime,
     },
     /// The link queries the configuration. `restarts` counts resets; `config_sent` tells
-    /// whether the configuration was sent; `reason` is why the board shut down after it.
+    /// whether the configuration was sent; `reason` is why the board then shut down.
     Ask {
         queried_at: HostTime,
         restarts: u32,
@@ -58,7 +58,7 @@ pub(super) enum Phase {
     ShutDown { opened: bool },
 }
 
-/// The opening dialogue and its results.
+/// The opening dialogue, and what the board has reported in it.
 #[derive(Clone, Debug)]
 pub(super) struct StepQueueOpening {
     pub(super) phase: Phase,
@@ -91,7 +91,7 @@ impl StepQueueOpening {
         )
     }
 
-    /// Notes that the board is shut down.
+    /// Enters the phase of a board that is shut down.
     pub(super) fn shut_down(&mut self) {
         let opened = self.is_opened();
         self.phase = Phase::ShutDown { opened };
@@ -104,7 +104,7 @@ impl StepQueueOpening {
 }
 
 impl StepLink {
-    /// Starts the opening.
+    /// Starts the opening: forgets the board and queries its sequence number.
     pub(super) fn begin(&mut self) {
         self.opening.phase = Phase::Sync;
         self.opening.opened = self.session.now;
@@ -195,8 +195,8 @@ impl StepLink {
         self.session.enter(LinkState::Fault);
     }
 
-    /// Queries the next part of the dictionary, or the end of the cached dictionary that it
-    /// may equal.
+    /// Queries the next part of the dictionary. If a cached dictionary begins with the same
+    /// bytes, queries the end of the dictionary instead, for comparison.
     fn send_identify(&mut self) {
         if let Phase::Identify { packed, known, .. } = &self.opening.phase {
             let end = known.and_then(|known| self.opening.dictionary_cache.end(known));
@@ -310,8 +310,8 @@ impl StepLink {
         Ok(())
     }
 
-    /// Takes the configuration state of the board: configured, CRC, shut down, size of the
-    /// queue.
+    /// Takes the reported configuration of the board: whether it is configured, its CRC,
+    /// whether it is shut down, and the size of its queue.
     pub(super) fn config_reply(&mut self, [configured, crc, shut_down, queue]: [u32; 4]) {
         if self.is_opened() {
             let ours = self.wiring.as_ref().map(|wiring| wiring.crc);
@@ -360,7 +360,7 @@ impl StepLink {
         }
     }
 
-    /// The text of alarm 603 for a refused configuration, with the reason of the board if
+    /// Returns the text of alarm 603 for a refused configuration, with the board's reason if
     /// known.
     fn not_taken(&self, reason: Option<&str>) -> Message {
         match reason {
@@ -428,7 +428,7 @@ impl StepLink {
         }
     }
 
-    /// Syncs the clock, then queries the position and starts the index counter.
+    /// Syncs the clock; once it is synced, queries the position and starts the index counter.
     fn learn(&mut self) {
         self.query_clock();
         if !self.clock.is_ready() {

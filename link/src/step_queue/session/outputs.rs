@@ -7,9 +7,9 @@ use crate::step_queue::commands::Command;
 use crate::step_queue::wiring::OutputPin;
 use crate::{BoardOutputs, HostTime, LinkState, MotionRefused, Output, RunTime, SpindleDirection};
 
-/// Least interval between two spindle speeds: G96 changes the speed in each tick.
+/// Least interval between two spindle speed commands: G96 changes the speed in each tick.
 const SPEED_EVERY: Duration = Duration::from_millis(20);
-/// Margin for the arrival of an output command.
+/// Additional time for the arrival of an output command.
 const AHEAD: Duration = Duration::from_millis(30);
 /// Full spindle voltage, mV.
 const FULL_MV: i64 = 10_000;
@@ -17,18 +17,18 @@ const FULL_MV: i64 = 10_000;
 /// The wanted outputs and those sent to the board.
 #[derive(Clone, Debug, Default)]
 pub(super) struct StepQueueOutputs {
-    /// The state that the kernel wants.
+    /// The state of the outputs that the kernel wants.
     pub(super) wanted: BoardOutputs,
-    /// The state sent to the board.
+    /// The state of the outputs that was sent to the board.
     pub(super) sent: BoardOutputs,
     /// Motion time and host time of the last spindle speed sent.
     speed_sent: (RunTime, HostTime),
-    /// The last value sent to each pin, and its clock.
+    /// The last value sent to each pin, and the board clock at which it takes effect.
     pins: Vec<(OutputPin, i64, u64)>,
 }
 
 impl StepLink {
-    /// Sends wanted outputs that differ. Returns whether any was sent.
+    /// Sends the wanted outputs that differ from those sent. Returns whether any was sent.
     pub(super) fn send_wanted(&mut self) -> bool {
         let (mut wanted, sent) = (self.periodic.outputs.wanted, self.periodic.outputs.sent);
         if wanted == sent || !self.is_running() || self.session.state == LinkState::Lost {

@@ -62,7 +62,7 @@ impl Path {
         }
     }
 
-    /// Ends the motion.
+    /// Ends the motion: drops its end and marks the path as finished and at rest.
     pub(super) const fn end_motion(&mut self) {
         self.end = None;
         self.finished = true;
@@ -76,7 +76,8 @@ impl Path {
         self.made.clear();
     }
 
-    /// Adds a sample that the board executes between two clocks.
+    /// Adds a sample that the board executes between two clocks. `rests`: the sample has no
+    /// motion.
     pub(super) fn push(&mut self, sample: Sample, from: Ticks, end: Ticks, rests: bool) {
         if self.end != Some(from) {
             // The position where this motion begins.
@@ -102,12 +103,12 @@ impl Path {
         }
     }
 
-    /// Time without motion after the end of the motion.
+    /// Returns the time without motion after the end of the motion.
     pub(super) const fn rest_after_end(&self) -> RunTime {
         self.newest.end.saturating_sub(self.end_run)
     }
 
-    /// Whether the next sample may be late.
+    /// Whether the next sample may be late because the axes are at rest.
     pub(super) const fn is_at_rest(&self) -> bool {
         self.rested || self.finished
     }
@@ -117,7 +118,7 @@ impl Path {
         self.end.is_some() && !(self.rested && self.pieces.is_empty())
     }
 
-    /// Counts samples that end before a clock as executed.
+    /// Counts samples that end at or before the clock `now` as executed.
     pub(super) fn pass(&mut self, now: Ticks) {
         while let Some(piece) = self.pieces.pop_front_if(|piece| piece.clock <= now) {
             self.executed = self.executed.max(piece.sample.end);
@@ -135,7 +136,8 @@ impl Path {
         }
     }
 
-    /// The position of each axis at its clock.
+    /// Returns the position of X at the first clock and of Z at the second; `None` without
+    /// samples.
     pub(super) fn at(&self, clocks: [Ticks; 2]) -> Option<PerAxis<Pulses>> {
         let at = |clock: Ticks| {
             let mut made = self.made.iter().chain(&self.pieces);
@@ -146,13 +148,14 @@ impl Path {
         Some(PerAxis::new(x?.x, z?.z))
     }
 
-    /// The sample that is executed at a kernel time, or the last one before it.
+    /// Returns the sample that is executed at a kernel time, or the last one before it; `None`
+    /// without samples.
     pub(super) fn piece_at(&self, at: RunTime) -> Option<Piece> {
         let piece = self.pieces.partition_point(|piece| piece.sample.end < at);
         self.pieces.get(piece).or(self.pieces.back()).copied()
     }
 
-    /// The samples that the board may have begun by a clock.
+    /// Returns the samples that the board may have begun by the clock `now`.
     fn reached(&self, now: u64) -> Vec<Sample> {
         let begun = self
             .pieces
@@ -162,8 +165,8 @@ impl Path {
         reached.map(|piece| piece.sample).collect()
     }
 
-    /// Finds a position on the path. Returns whether it is on the path, and speed and
-    /// direction there. Without any motion the position must be unchanged.
+    /// Finds a position on the path. Returns whether the position is on the path, and speed
+    /// and direction there. Without any motion the position must be unchanged.
     pub(super) fn locate(
         &mut self,
         kernel: PerAxis<Pulses>,
@@ -199,8 +202,8 @@ impl Path {
     }
 }
 
-/// The direction of an axis at the last sample; 0 without motion or shortly after a
-/// reversal.
+/// Returns the direction of an axis at the last sample, 1 or -1; 0 without motion or shortly
+/// after a reversal.
 fn last_direction(samples: &[Sample], axis: usize) -> i64 {
     let at = |sample: &Sample| [sample.fine.x, sample.fine.z][axis];
     let Some(end) = samples.last().map(at) else {

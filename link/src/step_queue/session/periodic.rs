@@ -26,22 +26,23 @@ const ENABLE_APART: Duration = Duration::from_millis(400);
 /// Time within which missing renewals of an earlier host have their effect.
 const INHERITED: Duration = Duration::from_millis(800);
 
-/// The enable of the drives. The board switches it off when it is not renewed.
+/// The enable of the drives. The board disables the drives when the link does not renew the
+/// enable.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Enable {
     pub(super) on: bool,
-    /// The last value sent.
+    /// Whether the last message has enabled the drives.
     sent: bool,
-    /// The clock of that value.
+    /// The board clock at which the last message takes effect.
     sent_for: u64,
     due: HostTime,
 }
 
-/// The state of the periodic messages.
+/// Due times and states of the periodic messages.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Periodic {
     pub(super) enable: Enable,
-    /// Until this time an earlier host may have caused a shutdown.
+    /// Time until which an earlier host may have caused a shutdown.
     pub(super) inherited_until: HostTime,
     clock_queried_at: Option<HostTime>,
     clock_due: HostTime,

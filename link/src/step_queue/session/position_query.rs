@@ -34,7 +34,7 @@ impl StepLink {
         self.motion.stand_at_clocks(clocks);
     }
 
-    /// Queries the position of the axes.
+    /// Queries the position of the axes for a purpose; replaces a pending query.
     pub(super) fn query_position(&mut self, purpose: QueryPurpose) {
         self.query.pending = Some(PositionQuery {
             purpose,

@@ -16,7 +16,7 @@ use gsk_units::{PerAxis, Pulses, alarm};
 pub(super) const FLUSH_EVERY: Duration = Duration::from_millis(10);
 /// Least slack of steps that wait to be compressed together with later ones.
 const LEAST_SLACK: Duration = Duration::from_millis(45);
-/// Factor of the time error of steps, by their slack.
+/// Factor of the permitted time error of steps, by their slack.
 const COARSER: [(Duration, Ticks); 4] = [
     (Duration::from_millis(70), 1),
     (Duration::from_millis(50), 2),
@@ -32,14 +32,14 @@ const SETTLED: Duration = Duration::from_millis(50);
 pub(super) const MOST_WAITING: usize = 1500;
 
 impl StepLink {
-    /// Greatest clock for the end of motion accepted now: the lookahead and the transmission
-    /// time. A pause of the host up to the lookahead has no effect.
+    /// Returns the greatest clock for the end of motion accepted now: the lookahead and the
+    /// transmission time. A pause of the host up to the lookahead has no effect.
     pub(super) fn farthest(&self) -> Ticks {
         let reach = self.ahead() + self.margin() + FLUSH_EVERY;
         self.clock.at(self.session.now + reach) as Ticks
     }
 
-    /// Takes the commanded position at the end of a tick.
+    /// Takes the commanded position at the end of a tick and adds its steps to the motion.
     pub(super) fn take_sample(&mut self, sample: Sample) -> Result<(), MotionRefused> {
         if !self.is_prepared() {
             return Err(MotionRefused::NotReady);
@@ -115,8 +115,8 @@ impl StepLink {
         Ok(())
     }
 
-    /// Board clocks at the end of the motion and at the end of the time without motion after
-    /// it; `None` without motion.
+    /// Returns the board clocks at the end of the motion and at the end of the time without
+    /// motion after it; `None` without motion.
     fn end_of_rest(&self) -> Option<(Ticks, Ticks)> {
         let end = self.motion.path.end?;
         let rest = self.motion.path.rest_after_end();
@@ -130,7 +130,7 @@ impl StepLink {
         !rests && self.end_of_rest().is_some_and(|(_, rest)| rest < late)
     }
 
-    /// The board clock at which motion accepted now begins.
+    /// Returns the board clock at which motion accepted now begins.
     pub(super) fn next_begin(&self) -> Ticks {
         let begin = self.farthest();
         match self.end_of_rest() {
@@ -140,7 +140,7 @@ impl StepLink {
         }
     }
 
-    /// Sends the rest of the motion; the kernel is at standstill.
+    /// Compresses and sends the rest of the motion; the kernel is at standstill.
     pub(super) fn take_rest(&mut self) -> Result<(), MotionRefused> {
         self.motion.path.finished = true;
         self.compress();
@@ -148,8 +148,8 @@ impl StepLink {
         Ok(())
     }
 
-    /// Time until the first step that is not compressed must be sent, with time for a
-    /// retransmission.
+    /// Returns the time until the first step that is not compressed must be sent, with time
+    /// for a retransmission.
     fn slack(&self) -> Duration {
         let first = self.motion.queue.first_due().unwrap_or_default();
         let slack = self.clock.duration(first.saturating_sub(self.earliest()));
@@ -212,7 +212,8 @@ impl StepLink {
         }
     }
 
-    /// Advances the motion to the current time.
+    /// Advances the motion to the current time: sends due steps, and stops motion that is
+    /// late.
     pub(super) fn advance_motion(&mut self) {
         let now = self.clock.at(self.session.now) as Ticks;
         if self.stopping.is_none() {
@@ -267,7 +268,7 @@ impl StepLink {
             && !self.motion.is_under_way()
     }
 
-    /// Handles the answer to a position query.
+    /// Handles the answer to a position query: `board` is the board's count.
     pub(super) fn position_answered(&mut self, purpose: QueryPurpose, board: PerAxis<Pulses>) {
         match purpose {
             QueryPurpose::Stopped => self.stopped(board),

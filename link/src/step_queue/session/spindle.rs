@@ -29,9 +29,10 @@ pub(super) struct Spindle {
     estimator: SpindleEstimator,
     /// Clock at the end of each tick and the turns predicted for it, without gaps.
     shown: VecDeque<(Ticks, f64)>,
-    /// Clocks between which the axes have followed the spindle.
+    /// Board clocks between which the axes have followed the spindle; `None` if they have not.
     followed: Option<(Ticks, Ticks)>,
-    /// Greatest error of a prediction that is not reported yet, turns.
+    /// Greatest error of a prediction that is not reported yet, turns; `None` without such an
+    /// error.
     deviation: Option<f64>,
     /// Whether there was a gap between two ticks while the axes follow the spindle: they
     /// lag the predicted angle.
@@ -54,12 +55,12 @@ impl Spindle {
         self.has_gap
     }
 
-    /// Restarts the estimate after a reversal.
+    /// Restarts the estimate after a reversal of the spindle.
     pub(super) fn reversed(&mut self) {
         self.estimator.begin_anew();
     }
 
-    /// The turns predicted for a clock.
+    /// Returns the turns predicted for a clock; `None` outside the kept predictions.
     fn shown_at(&self, clock: Ticks) -> Option<f64> {
         let after_clock = self.shown.partition_point(|(end, _)| *end < clock);
         let (to, after) = *self.shown.get(after_clock)?;

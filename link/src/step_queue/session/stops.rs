@@ -19,19 +19,19 @@ use gsk_units::{PerAxis, Pulses, alarm};
 /// Why the axes are being stopped.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum StopReason {
-    /// A flush by the kernel.
+    /// The kernel has requested a flush.
     Flush,
-    /// Motion was late, or could not be sent in time.
+    /// Motion was late, or could not be sent in time; the message is the cause for the alarm.
     Late(Message),
     /// The motion needs more messages than the board accepts.
     TooFine,
-    /// Reports of the group are missing.
+    /// Reports of the stop group are missing.
     GroupSilent,
-    /// The board triggered the group, with this reason.
+    /// The board triggered the stop group, with this trigger reason.
     Trip(u32),
 }
 
-/// A stop in progress.
+/// A stop in progress: its reason and times.
 #[derive(Clone, Debug)]
 pub(super) struct StepQueueStop {
     reason: StopReason,
@@ -42,7 +42,8 @@ pub(super) struct StepQueueStop {
 }
 
 impl StepLink {
-    /// Handles the open emergency stop contact of the board.
+    /// Handles an open emergency stop contact of the board: disables the drives and stops the
+    /// axes.
     pub(super) fn trip(&mut self) {
         self.periodic.enable.on = false;
         if self.takes_motion() || self.session.state == LinkState::Homing {
@@ -53,7 +54,8 @@ impl StepLink {
         }
     }
 
-    /// Takes a report of the stop group.
+    /// Takes a report of the stop group: object number, whether it can trigger, reason and
+    /// clock.
     pub(super) fn trsync_report(&mut self, [oid, can_trigger, reason, clock]: [u32; 4]) {
         if self.group.armed_oid(self.wiring.as_ref()) != Some(i64::from(oid)) {
             return;

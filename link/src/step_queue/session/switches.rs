@@ -22,7 +22,8 @@ struct Round {
 }
 
 impl Round {
-    /// The index of the query that is due now, of `count` queries.
+    /// Returns the index of the query that is due now, of `count` queries; `None` if none is
+    /// due.
     fn turn(&mut self, count: usize, every: Duration, now: HostTime) -> Option<usize> {
         if now < self.due || count == 0 {
             return None;
@@ -68,7 +69,7 @@ impl Switches {
         }
     }
 
-    /// Notes that a pin has reached a level that stopped the axes.
+    /// Stores the level with which a pin has stopped the axes.
     pub(super) fn level_met(&mut self, switch: Switch, level: i64) {
         let levels = self.levels.iter_mut();
         for (_, operated) in levels.filter(|(input, _)| *input == switch.input) {

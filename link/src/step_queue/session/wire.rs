@@ -6,7 +6,7 @@ use crate::step_queue::commands::Command;
 use crate::step_queue::dictionary::Dictionary;
 use crate::step_queue::send_queue::{Mark, QueuedMessage, SendQueue};
 
-/// The serial traffic with a board with timed steps.
+/// The serial traffic with a board with timed steps: dictionary, reader and send queue.
 #[derive(Clone, Debug)]
 pub(super) struct StepQueueWire {
     pub(super) dictionary: Dictionary,
@@ -32,7 +32,7 @@ impl StepQueueWire {
         self.send_queue.begin();
     }
 
-    /// The traffic counters.
+    /// Returns the traffic counters.
     pub(super) const fn traffic(&self) -> Traffic {
         let mut traffic = self.traffic;
         traffic.lines = self.send_queue.blocks;
@@ -41,7 +41,7 @@ impl StepQueueWire {
         traffic
     }
 
-    /// Bytes to be written to the port.
+    /// Returns the bytes to be written to the port.
     pub(super) fn tx(&self) -> &[u8] {
         &self.send_queue.outgoing
     }
@@ -69,8 +69,8 @@ impl StepQueueWire {
         self.send_queue.push_urgent(message);
     }
 
-    /// Sends a command before the waiting messages; it is dropped if it would arrive after
-    /// `due`.
+    /// Sends a command before the waiting messages. The command is dropped if it would arrive
+    /// after the board clock `due`.
     pub(super) fn send_urgent_until(&mut self, command: Command, arguments: &[i64], due: u64) {
         let message = QueuedMessage {
             due: Some(due),
@@ -88,7 +88,7 @@ impl StepQueueWire {
         self.send_queue.push_urgent(message);
     }
 
-    /// Sends a command of the motion that must arrive before `due`.
+    /// Sends a command of the motion that must arrive before the board clock `due`.
     pub(super) fn send_timed(&mut self, command: Command, arguments: &[i64], due: u64) {
         let message = QueuedMessage {
             due: Some(due),
@@ -99,7 +99,7 @@ impl StepQueueWire {
         self.send_queue.push(message);
     }
 
-    /// Sends steps of an axis whose first step is at `due`.
+    /// Sends steps of an axis; the first step is at the board clock `due`.
     pub(super) fn send_steps(&mut self, axis: usize, arguments: &[i64], due: u64) {
         let message = QueuedMessage {
             due: Some(due),
@@ -111,8 +111,8 @@ impl StepQueueWire {
         self.send_queue.push(message);
     }
 
-    /// Sends a command that must arrive before `due` for the axes to move. A stop does not
-    /// drop it.
+    /// Sends a command that must arrive before the board clock `due`, or the link stops the
+    /// axes. A stop does not drop the command.
     pub(super) fn send_vital(
         &mut self,
         command: Command,
