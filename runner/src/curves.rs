@@ -28,9 +28,8 @@ impl RapidRates {
     }
 }
 
-/// The point where a rapid bends. Both axes move at their own rates, at 45° if these are
-/// equal, until the first one arrives; the other one finishes alone. `None` if the path is
-/// straight.
+/// The point where a rapid bends. Both axes move at their rates, at 45° if these are equal,
+/// until the first arrives; the other then finishes alone. `None` if the path is straight.
 pub fn rapid_bend(from: Point, to: Point, rates: RapidRates) -> Option<Point> {
     let distance = to - from;
     let time_x = distance.x.abs() / rates.x.max(1.0);

@@ -40,7 +40,7 @@ pub enum ExecutionError {
 }
 
 impl ExecutionError {
-    /// The text of the error for the user.
+    /// The message for the user why the program cannot be executed.
     pub fn message(self) -> Message {
         match self {
             Self::NoDncKeys => say::dnc_no_way(),
@@ -65,8 +65,8 @@ pub trait ExecutionWatcher {
     /// Called after each tick, `time_ms` after cycle start. `machine` is the position of the
     /// slides in machine coordinates. Returns true to end the run: a tool has hit something.
     fn on_tick(&mut self, time_ms: u64, machine: Point, simulation: &Simulation) -> bool;
-    /// Called when a block begins. `line` counts from 1; `modal` holds the G codes, F and S in
-    /// force.
+    /// Called when a block begins. `line` counts from 1; `modal` holds the G codes, F, S and T
+    /// in force.
     fn on_block(&mut self, line: u32, text: &str, modal: &ModalState);
     /// Called when a pass of a cycle begins, only if [`ExecutionWatcher::wants_explanations`]
     /// is true.
@@ -99,7 +99,7 @@ enum ExecutionEnd {
 }
 
 impl ExecutionEnd {
-    /// The same end in the form that the report stores.
+    /// Converts to the end of a program as the report names it.
     const fn to_run_end(&self) -> report::RunEnd {
         match self {
             Self::M30 => report::RunEnd::M30,

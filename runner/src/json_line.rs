@@ -79,8 +79,8 @@ impl JsonLine {
         self.push_fraction((size % MILLIONTHS_PER_UNIT) as u32);
     }
 
-    /// Appends a fraction, in millionths, as decimal places without trailing zeros, at least
-    /// one.
+    /// Appends a fraction, in millionths, as decimal places: at least one digit, no further
+    /// trailing zeros.
     fn push_fraction(&mut self, millionths: u32) {
         let [a, b] = digit_pair(millionths / 10_000);
         let [c, d] = digit_pair(millionths / 100 % 100);

@@ -46,7 +46,7 @@ pub enum PictureError {
 }
 
 impl PictureError {
-    /// The text of the error for the user.
+    /// The message for the user why the picture cannot be made.
     pub fn message(&self) -> Message {
         match self {
             Self::Memory => say::picture_too_large(),

@@ -227,7 +227,7 @@ pub struct ProgramReport {
 /// Lengths, tools and bounds of the path, from `check_program`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct PathReport {
-    /// Alarms after the first one.
+    /// The alarms that the check found after the first alarm.
     pub more_alarms: Vec<AlarmReport>,
     /// Line after which the check for further alarms stopped, from 1; `None` if it reached the
     /// end.

@@ -9,13 +9,13 @@ use gsk_messages::{Message, say};
 /// What machine time is spent on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TimeUse {
-    /// Rapids move the slides.
+    /// Rapids of the slides.
     Rapid,
-    /// A straight or circular cut.
+    /// Straight and circular cuts.
     Feed,
-    /// A thread with its run-out, or a tap.
+    /// Threads with their run-outs, and taps.
     Thread,
-    /// A dwell (G04).
+    /// Dwells programmed with G04.
     Dwell,
     /// M, S and T functions, tool changes, and other waits of the slides.
     Other,
@@ -52,7 +52,7 @@ impl TimeUse {
         }
     }
 
-    /// The name of this use for the user.
+    /// The name of this use of time for the user, as a message.
     pub fn message(self) -> Message {
         match self {
             Self::Rapid => say::report_kind_rapid(),

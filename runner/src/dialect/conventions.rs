@@ -9,7 +9,7 @@ use super::{DialectBlock, DialectWord};
 /// A difference between two models, other than in G and M codes, that the program meets.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Difference {
-    /// X is a diameter in one model and a distance in the other.
+    /// The models read X differently: one as a diameter, the other as a distance.
     Diameter,
     /// The letter of an increment, U or W: the target model writes increments with G91
     /// instead.
@@ -191,7 +191,7 @@ fn find_range_difference(
 }
 
 impl MetDifference {
-    /// The text of the difference for the user, without its line number.
+    /// The message for the user how the target model differs, without the line number.
     pub(super) fn text(&self, from: &ModelRecord, to: &ModelRecord) -> Message {
         let (here, there) = (&from.conventions, &to.conventions);
         let (code, blocks) = (&self.code, self.blocks);

@@ -42,7 +42,7 @@ pub enum LessonError {
 }
 
 impl LessonError {
-    /// The text of the error for the user, with file and line or step.
+    /// The message for the user why the lesson cannot be used, with file and line or step.
     pub fn message(&self) -> Message {
         match self {
             Self::Syntax { file, line, reason } => {
@@ -295,7 +295,7 @@ fn parse_solution(lines: &[String], location: &LessonLocation<'_>) -> Result<Scr
 }
 
 /// The key presses that enter a character: two presses of a compound key for its second
-/// character. A space needs none.
+/// character, no press for a space. `None` if no key enters the character.
 fn keys_for_character(character: char) -> Option<Vec<Key>> {
     match character {
         ' ' => return Some(Vec::new()),

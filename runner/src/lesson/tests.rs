@@ -256,7 +256,8 @@ fn press_random_keys(
     machine.key(KeyEvent::ReleaseAll);
 }
 
-/// Presses *Show me* until the lesson ends. Returns how often it was pressed.
+/// Presses *Show me* until the lesson ends. Returns the number of presses; `None` if the
+/// lesson does not end.
 fn show_to_the_end(practice: &mut Practice, machine: &mut Emulator) -> Option<usize> {
     let steps = practice.lesson().steps.len();
     for shown in 0..3 * steps {

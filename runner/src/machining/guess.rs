@@ -183,7 +183,8 @@ struct JobGuess<'a> {
 /// there.
 struct StockIntrusion {
     tool: u8,
-    /// Whether the tool passed through it in a rapid; otherwise with a part that does not cut.
+    /// Whether the tool passed through the stock in a rapid; otherwise with a part that does
+    /// not cut.
     rapid: bool,
     region: Region,
     bounds: GridBounds,

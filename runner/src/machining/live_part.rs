@@ -40,7 +40,8 @@ struct TickState {
     spindle_turns: f64,
 }
 
-/// Successive ticks of motion in a straight line under the same conditions, cut as one piece.
+/// Successive ticks of motion on a straight line under the same conditions, which are cut
+/// together.
 #[derive(Clone, Debug)]
 struct PendingCut {
     from: Point,
@@ -129,7 +130,8 @@ impl LivePart {
         &self.machining.findings[first..]
     }
 
-    /// Clamps new stock when the next program starts after the end of one.
+    /// Clamps new stock when the first block of a program starts after another program has
+    /// ended.
     fn change_stock(&mut self, simulation: &Simulation) {
         for event in simulation.cnc.events() {
             match event {

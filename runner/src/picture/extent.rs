@@ -47,12 +47,12 @@ impl PictureSize {
         height: 800,
     };
 
-    /// Width in pixels.
+    /// Width of the picture in pixels.
     pub const fn width(self) -> u32 {
         self.width
     }
 
-    /// Height in pixels.
+    /// Height of the picture in pixels.
     pub const fn height(self) -> u32 {
         self.height
     }
@@ -108,7 +108,7 @@ pub(super) struct PathExtent {
 }
 
 impl PathExtent {
-    /// The bounds of one point.
+    /// Creates the bounds of a path that consists of this point alone.
     pub const fn from_point(point: Point) -> Self {
         Self {
             low: point,

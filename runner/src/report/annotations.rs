@@ -52,7 +52,7 @@ pub struct Annotation {
 }
 
 /// The faults of a program in the order of its report: alarms, collisions, what prevents its
-/// end, probable mistakes.
+/// end, probable mistakes. Their texts are English if `language` is `None`.
 pub fn collect_annotations(report: &ProgramReport, language: Option<Language>) -> Vec<Annotation> {
     let annotation = |level, rule: &str, line: Option<u32>, text| Annotation {
         file: report.file.clone(),

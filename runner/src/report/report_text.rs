@@ -8,7 +8,8 @@ use crate::text_format::{format_time, shorten_line};
 
 impl AlarmReport {
     /// The alarm with its block as text: `P/S 011 … in line 3: N30 G01 X50;`. The detail, and
-    /// in class PLC cause and remedy, follow on indented lines.
+    /// in class PLC cause and remedy, follow on indented lines. English if `language` is
+    /// `None`.
     pub fn sentence(&self, language: Option<Language>) -> String {
         let words = language.unwrap_or(Language::En);
         let mut out = format!("{} {}", self.shown, self.text);
@@ -38,7 +39,7 @@ impl AlarmReport {
 }
 
 impl ProgramReport {
-    /// The report as indented lines of text for the user.
+    /// The report as indented lines of text for the user; English if `language` is `None`.
     pub fn to_text(&self, language: Option<Language>) -> String {
         let words = language.unwrap_or(Language::En);
         let mut lines = vec![format!("{}: {}", self.file, self.end_message().text(words))];

@@ -5,7 +5,7 @@ use glam::Vec3;
 /// A corner of a body, with coordinates in the order Z, X, Y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Vertex {
-    /// Position, mm.
+    /// Position of the corner, mm.
     pub position: Vec3,
     /// Outward direction of the surface at the corner, length 1.
     pub normal: Vec3,

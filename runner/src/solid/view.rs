@@ -95,7 +95,7 @@ pub struct SolidView {
     pub direction: ViewDirection,
     /// Z and X in the middle of the picture, mm.
     pub centre: (f32, f32),
-    /// Pixels per millimetre.
+    /// Scale of the view, pixels per millimetre.
     pub pixels_per_mm: f32,
 }
 

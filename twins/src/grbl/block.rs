@@ -24,9 +24,9 @@ pub(super) struct ParsedBlock {
 /// How a block gives the feed of a cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum CutFeed {
-    /// Speed, mm/s.
+    /// The move has this speed, mm/s.
     Speed(f64),
-    /// Duration of the whole move, s.
+    /// The whole move takes this time, s.
     Duration(f64),
 }
 

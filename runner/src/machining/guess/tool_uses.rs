@@ -44,15 +44,15 @@ impl ToolStep {
 /// The kind of work that a tool seems to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ToolWork {
-    /// It turns, faces or bores.
+    /// The tool turns, faces or bores.
     Turn,
-    /// It cuts grooves into the outside or the inside.
+    /// The tool cuts grooves into the outside or the inside.
     Groove,
-    /// It cuts grooves into a face.
+    /// The tool cuts grooves into a face.
     FaceGroove,
-    /// It cuts threads.
+    /// The tool cuts threads.
     Thread,
-    /// It drills or taps on the spindle axis.
+    /// The tool drills or taps on the spindle axis.
     Drill,
 }
 

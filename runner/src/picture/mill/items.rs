@@ -27,7 +27,7 @@ const FRAME: LinePen = LinePen {
 pub enum PictureItem {
     /// A line in the style of the pen through these points.
     Line(LinePen, Vec<(f64, f64)>),
-    /// A text.
+    /// A text at a point.
     Text {
         /// Reference point of the text, picture units.
         position: (f64, f64),
