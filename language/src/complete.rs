@@ -52,8 +52,8 @@ pub struct CompletionProposal {
 /// Number of lines that are searched upwards for the code in force.
 const MAX_LINES_ABOVE: u32 = 2000;
 
-/// Returns the proposals at a position. `programs` contains the numbers of programs that can be
-/// called.
+/// Returns the proposals at a position. `programs` contains the numbers of programs that can
+/// be called.
 pub fn complete(
     text: &TextDocument,
     structure: &Structure,

@@ -15,7 +15,8 @@ pub fn word_meaning(word: &ParsedWord<'_>) -> Option<Message> {
     }
 }
 
-/// Returns the meaning of a G or M code on a model. `None` if the model does not have the code.
+/// Returns the meaning of a G or M code on a model. `None` if the model does not have the
+/// code.
 pub fn code_meaning(address: char, number: u32, model: ModelId) -> Option<Message> {
     let record = model.record();
     let meaning = match address {

@@ -62,7 +62,8 @@ const fn mill_snippet(code: GCode) -> Option<&'static str> {
     })
 }
 
-/// Returns whether a code is a hole cycle of a mill, which remains in force in the next blocks.
+/// Returns whether a code is a hole cycle of a mill, which remains in force in the next
+/// blocks.
 pub(crate) const fn is_hole_cycle(code: GCode) -> bool {
     matches!(
         code,

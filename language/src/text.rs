@@ -32,7 +32,8 @@ impl TextRange {
         }
     }
 
-    /// Returns whether a position is inside the range or at its end, where a cursor touches it.
+    /// Returns whether a position is inside the range or at its end, where a cursor touches
+    /// it.
     pub const fn touches(&self, at: Position) -> bool {
         self.line == at.line && self.from <= at.byte && at.byte <= self.to
     }
@@ -121,8 +122,8 @@ impl TextDocument {
         (0..self.line_count()).map(|line| (line, self.line(line)))
     }
 
-    /// Returns the byte offset of a position in the text. An invalid position gives the nearest
-    /// offset before it.
+    /// Returns the byte offset of a position in the text. An invalid position gives the
+    /// nearest offset before it.
     pub fn offset(&self, at: Position) -> usize {
         let (start, line) = (self.start(at.line), self.line(at.line));
         let offset = (at.byte as usize).min(line.len());

@@ -40,7 +40,7 @@ pub enum ExecutionError {
 }
 
 impl ExecutionError {
-    /// The message for the user why the program cannot be executed.
+    /// The message that explains why the program cannot be executed.
     pub fn message(self) -> Message {
         match self {
             Self::NoDncKeys => say::dnc_no_way(),
@@ -99,7 +99,7 @@ enum ExecutionEnd {
 }
 
 impl ExecutionEnd {
-    /// Converts to the end of a program as the report names it.
+    /// Converts to the kind of end that the report names.
     const fn to_run_end(&self) -> report::RunEnd {
         match self {
             Self::M30 => report::RunEnd::M30,

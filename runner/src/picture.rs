@@ -46,7 +46,7 @@ pub enum PictureError {
 }
 
 impl PictureError {
-    /// The message for the user why the picture cannot be made.
+    /// The message that explains why the picture cannot be made.
     pub fn message(&self) -> Message {
         match self {
             Self::Memory => say::picture_too_large(),

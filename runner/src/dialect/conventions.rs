@@ -191,7 +191,7 @@ fn find_range_difference(
 }
 
 impl MetDifference {
-    /// The message for the user how the target model differs, without the line number.
+    /// The message that explains how the target model differs, without the line number.
     pub(super) fn text(&self, from: &ModelRecord, to: &ModelRecord) -> Message {
         let (here, there) = (&from.conventions, &to.conventions);
         let (code, blocks) = (&self.code, self.blocks);

@@ -84,7 +84,7 @@ impl CodeMeaning {
 }
 
 impl DialectFinding {
-    /// The message for the user how the target model reads the word, without the line number.
+    /// The message that explains how the target model reads the word, without the line number.
     pub fn text(&self, from: &ModelRecord, to: &ModelRecord) -> Message {
         let code = &self.code;
         let letter = code.get(..1).unwrap_or_default();

@@ -42,7 +42,7 @@ pub enum LessonError {
 }
 
 impl LessonError {
-    /// The message for the user why the lesson cannot be used, with file and line or step.
+    /// The message that explains why the lesson cannot be used, with file and line or step.
     pub fn message(&self) -> Message {
         match self {
             Self::Syntax { file, line, reason } => {

@@ -20,7 +20,8 @@ const SPINDLE_AXIS: LinePen = grey_pen(0x80, &[16.0, 4.0, 3.0, 4.0]);
 /// Maximum number of pieces of a path that is drawn with smooth edges, which takes a second.
 const MAX_SMOOTH_PIECES: usize = 30_000;
 
-/// Draws a toolpath and returns the bytes of the PNG file. `language` is the language of its texts.
+/// Draws a toolpath and returns the bytes of the PNG file. `language` is the language of its
+/// texts.
 pub fn render(drawing: &PathDrawing, language: Language) -> Result<Vec<u8>, PictureError> {
     let layout = PathLayout::new(drawing, language);
     let mut canvas = PictureCanvas::new(drawing.options().size)?;

@@ -14,7 +14,8 @@ use super::number_placement::HEIGHT;
 use super::path_pieces::PathLine;
 use super::pens::{COLLISION_MARK, DIMENSION, LinePen, MARK_ARM};
 
-/// Draws a toolpath and returns the text of the SVG file. `language` is the language of its texts.
+/// Draws a toolpath and returns the text of the SVG file. `language` is the language of its
+/// texts.
 pub fn render(drawing: &PathDrawing, language: Language) -> String {
     let layout = PathLayout::new(drawing, language);
     let mut out = begin_file(drawing.options().size);

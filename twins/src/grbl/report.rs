@@ -95,8 +95,8 @@ impl GrblTwin {
         text
     }
 
-    /// Returns the field `A` of the status report with the letters of the active outputs; empty
-    /// if no output is active.
+    /// Returns the field `A` of the status report with the letters of the active outputs;
+    /// empty if no output is on.
     const fn accessory_field(&self) -> &'static str {
         match (self.spindle_code, self.coolant) {
             (3, true) => "|A:SF",
