@@ -17,42 +17,43 @@ use crate::words::{Span, SpanKind, spans, word_of};
 /// What a completion inserts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CompletionKind {
-    /// A G or M code.
+    /// Inserts a G or M code.
     Code,
-    /// The letter of a word.
+    /// Inserts the letter of a word.
     Letter,
-    /// The number of an existing block or program.
+    /// Inserts the number of an existing block or program.
     Target,
-    /// A tool that the program calls elsewhere.
+    /// Inserts a tool that the program calls elsewhere.
     Tool,
-    /// A statement of macro B.
+    /// Inserts a statement of macro B.
     Statement,
-    /// The blocks of a cycle, with fields to fill in.
+    /// Inserts the blocks of a cycle, with fields to fill in.
     Snippet,
 }
 
-/// A completion proposal.
+/// A proposal to complete the word at the cursor.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CompletionProposal {
     /// The text in the list of proposals.
     pub label: String,
     /// What the proposal inserts.
     pub kind: CompletionKind,
-    /// The meaning in one line.
+    /// The meaning of the inserted text in one line.
     pub detail: String,
-    /// A longer explanation in Markdown, or empty.
+    /// A longer explanation in Markdown; may be empty.
     pub about: String,
-    /// The text that replaces `range`. A snippet has the `${1:…}` form of editors.
+    /// The text that replaces `range`. Fields of a snippet have the form `${1:…}` that editors
+    /// use.
     pub insert: String,
     /// The text that the proposal replaces.
     pub range: TextRange,
 }
 
-/// Lines searched upwards for the code in force.
+/// Number of lines that are searched upwards for the code in force.
 const MAX_LINES_ABOVE: u32 = 2000;
 
-/// Returns the proposals at a position. `programs` contains the numbers of programs that can be
-/// called.
+/// Returns the proposals at a position. `programs` contains the numbers of programs that can
+/// be called.
 pub fn complete(
     text: &TextDocument,
     structure: &Structure,
@@ -111,7 +112,7 @@ pub fn complete(
     site.found
 }
 
-/// The line, block and range that a proposal applies to.
+/// Collects the proposals for a position: its line, its block and the range to replace.
 struct CompletionSite<'a> {
     line: &'a str,
     block: Vec<Span>,
@@ -120,7 +121,7 @@ struct CompletionSite<'a> {
     found: Vec<CompletionProposal>,
 }
 
-/// The spans of the block around a byte of its line.
+/// The spans of the block that contains a byte of its line.
 fn block_at(spans: &[Span], line: &str, byte: usize) -> Vec<Span> {
     let ends = |it: &Span| {
         it.kind == SpanKind::Mark && matches!(line.get(it.range.clone()), Some(";" | "*" | "%"))
@@ -143,7 +144,7 @@ impl CompletionSite<'_> {
         });
     }
 
-    /// Proposes the G or M codes of the model.
+    /// Proposes the G or M codes (`address`) of the model.
     fn propose_codes(&mut self, address: char) {
         let record = self.context.model.record();
         let numbers: Vec<u8> = match address {
@@ -274,7 +275,7 @@ impl CompletionSite<'_> {
         }
     }
 
-    /// Proposes statements of macro B that begin with a letter.
+    /// Proposes the statements of macro B that begin with the letter `first`.
     fn propose_statements(&mut self, first: char) {
         const STATEMENTS: [&str; 4] = [
             "IF [${1:#1 GT 0}] GOTO ${2:10}",
@@ -296,7 +297,8 @@ impl CompletionSite<'_> {
         }
     }
 
-    /// Returns the G code whose words follow: that of the block, or else the motion in force.
+    /// Returns the G code that determines which words can follow: that of the block, else the
+    /// motion in force. `None` if no code is found.
     fn code_in_force(&self, text: &TextDocument, at: Position) -> Option<GCode> {
         let record = self.context.model.record();
         let code = |line: &str, spans: &[Span]| {
@@ -315,7 +317,7 @@ impl CompletionSite<'_> {
     }
 }
 
-/// Whether a code remains in force in the next blocks (group 01).
+/// Whether a G code belongs to group 01, so that it remains in force in the next blocks.
 const fn is_modal(code: GCode) -> bool {
     matches!(
         code,

@@ -26,23 +26,24 @@ pub enum Severity {
 pub struct ProgramFinding {
     /// The program that contains the cause. The analysed text is [`ProgramId::External`].
     pub program: ProgramId,
-    /// The cause, with its line from 1 as elsewhere in the control. `None` if no block is the
-    /// cause.
+    /// The word or block that is the cause, with its line from 1 as elsewhere in the control.
+    /// `None` if no block is the cause.
     pub at: Option<LineSpan>,
-    /// The severity.
+    /// How serious the finding is.
     pub severity: Severity,
     /// The number of the alarm, or the name of the warning.
     pub code: String,
-    /// The message with its cause and remedy.
+    /// The message for the user, with cause and remedy.
     pub text: String,
 }
 
-/// The bounding box of a path.
+/// The bounding box of a path, in work coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Extents {
-    /// Bounds of a lathe path. X is a radius.
+    /// Bounds of a lathe path, mm; X is a radius.
     Lathe(PathBounds),
-    /// Bounds of a mill path in X, Y and Z, with the further axes.
+    /// Bounds of a mill path in X, Y and Z, mm, and the axes of the machine with its further
+    /// ones.
     Mill(gsk_milling::MillBounds, gsk_milling::Axes),
 }
 
@@ -55,9 +56,9 @@ pub struct Analysis {
     pub end: PreviewEnd,
     /// Machine time up to the end of the preview, s.
     pub time_s: f64,
-    /// Part of the machine time with the tool in the material, s.
+    /// Part of the machine time in which a tool is in the material, s.
     pub cutting_s: f64,
-    /// The bounding box of the path, work coordinates, mm.
+    /// The bounding box of the path; `None` without a path.
     pub extents: Option<Extents>,
     /// Tools that the program calls, as T words: `T0101`.
     pub tools: Vec<String>,
@@ -65,8 +66,8 @@ pub struct Analysis {
     pub line_times: LineTimes,
 }
 
-/// Analyses the selected program of a setup, including the blocks after an alarm. Stops early
-/// when `keep_going` returns false.
+/// Analyses the selected program of a set-up, including the blocks after an alarm.
+/// `keep_going` receives the progress and returns false to stop early.
 pub fn analyse(
     setup: &Setup,
     language: Language,
@@ -101,7 +102,8 @@ pub fn analyse(
     }
 }
 
-/// Analyses the selected program of a mill. Stops early when `keep_going` returns false.
+/// Analyses the selected program of a mill. `keep_going` receives the progress and returns
+/// false to stop early.
 pub fn analyse_mill(
     setup: &MillSetup,
     programs: &ProgramMemory,
@@ -140,7 +142,7 @@ pub fn analyse_mill(
     }
 }
 
-/// The warning that the preview reached its limit.
+/// The warning that the preview reached its limit; `None` if it did not.
 fn limit_finding(end: PreviewEnd, language: Language) -> Option<ProgramFinding> {
     (end == PreviewEnd::Limit).then(|| ProgramFinding {
         program: ProgramId::External,
@@ -192,7 +194,8 @@ fn caution_finding(
     )
 }
 
-/// A warning at its block, or at the word in `first_column` (characters from 1).
+/// Creates a warning at the block `source`, or at its word in `first_column` (characters from
+/// 1).
 fn warning(
     code: &str,
     text: String,

@@ -3,7 +3,8 @@
 use crate::structure::Structure;
 use crate::text::{TextDocument, TextRange};
 
-/// Returns the first and last line of each fold, sorted by first line.
+/// Returns the first and last line (from 0) of each part of the text that an editor can fold,
+/// sorted by first line.
 pub fn folds(text: &TextDocument, structure: &Structure) -> Vec<(u32, u32)> {
     let mut folds = Vec::new();
     for (index, part) in structure.parts.iter().enumerate() {
@@ -38,7 +39,8 @@ pub fn folds(text: &TextDocument, structure: &Structure) -> Vec<(u32, u32)> {
     folds
 }
 
-/// The last line with text before line `before`.
+/// The last line that has text between line `from` and line `before`, which is excluded;
+/// `from` if there is none.
 fn last_line(text: &TextDocument, from: u32, before: u32) -> u32 {
     let mut lines = (from..before).rev();
     lines

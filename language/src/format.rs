@@ -15,43 +15,43 @@ use crate::words::{Span, SpanKind, spans};
 /// Which blocks get sequence numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Numbering {
-    /// Keep all numbers.
+    /// Keep all sequence numbers.
     #[default]
     Unchanged,
-    /// Renumber blocks that have a number.
+    /// Renumber the blocks that have a sequence number.
     Present {
-        /// First number.
+        /// First sequence number that the numbering gives.
         start: u16,
-        /// Increment between numbers.
+        /// Difference from one sequence number to the next.
         step: u16,
     },
-    /// Number all blocks.
+    /// Give every block a sequence number.
     All {
-        /// First number.
+        /// First sequence number that the numbering gives.
         start: u16,
-        /// Increment between numbers.
+        /// Difference from one sequence number to the next.
         step: u16,
     },
 }
 
-/// Blanks between words.
+/// How many blanks a line has between its words.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Spacing {
-    /// Keep all blanks.
+    /// Keep all blanks between words.
     Unchanged,
-    /// One blank between words, none at the ends of a line.
+    /// One blank between words and none at the ends of a line.
     #[default]
     One,
-    /// No blanks.
+    /// Remove all blanks between words.
     None,
 }
 
-/// Case of letters.
+/// Case of the letters of words.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Casing {
-    /// Keep the case.
+    /// Keep the case of all letters.
     Unchanged,
-    /// Upper case.
+    /// Convert letters to upper case.
     #[default]
     Upper,
 }
@@ -59,11 +59,11 @@ pub enum Casing {
 /// The options for formatting a program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Style {
-    /// Numbering of blocks.
+    /// Which blocks get sequence numbers.
     pub numbering: Numbering,
-    /// Blanks between words.
+    /// How many blanks are between words.
     pub spacing: Spacing,
-    /// Case of letters.
+    /// Case of the letters of words.
     pub casing: Casing,
 }
 
@@ -72,19 +72,21 @@ pub struct Style {
 pub struct Formatted {
     /// The edits, which do not overlap.
     pub edits: Vec<TextChange>,
-    /// Why the numbers remain unchanged, if renumbering was requested.
+    /// Why the sequence numbers remain unchanged although renumbering was requested; `None`
+    /// otherwise.
     pub refused: Option<Message>,
 }
 
-/// More edits than this are merged into one, because an editor applies each separately.
+/// Number of edits above which they are merged into one, because an editor applies each
+/// separately.
 const MAX_EDITS: usize = 1000;
 
-/// Greatest sequence number.
+/// Greatest sequence number that a block can have.
 const MAX_SEQUENCE_NUMBER: u32 = 9999;
 
-/// Returns the edits that format `lines` of a program. Numbers change only if `lines` covers
-/// the whole program. `outside` lists block numbers that P of M99 in programs of other files
-/// refers to.
+/// Returns the edits that format `lines` of a program. Sequence numbers change only if `lines`
+/// covers the whole program. `outside` lists block numbers that P of M99 in programs of other
+/// files refers to.
 pub fn format(
     text: &TextDocument,
     structure: &Structure,
@@ -124,7 +126,8 @@ pub fn format(
     }
 }
 
-/// Merges many edits into one that spans the first to the last line.
+/// Merges the edits, if they are more than the limit, into one that spans the first to the
+/// last line.
 fn merge_many_edits(text: &TextDocument, edits: Vec<TextChange>) -> Vec<TextChange> {
     let (Some(first), Some(last)) = (edits.first(), edits.last()) else {
         return edits;
@@ -148,7 +151,8 @@ fn merge_many_edits(text: &TextDocument, edits: Vec<TextChange>) -> Vec<TextChan
     }]
 }
 
-/// New numbers: replaced digits, and numbers for blocks without one.
+/// The sequence numbers that a renumbering writes: replaced digits, and numbers for blocks
+/// without one.
 #[derive(Default)]
 struct Numbers {
     /// New digits by line and first byte of the old digits.
@@ -234,8 +238,8 @@ fn renumber(
     Ok(numbers)
 }
 
-/// Digits of a number: those of the first number in the text if it has leading zeros, else 0
-/// for no padding.
+/// The number of digits to which sequence numbers are padded: that of the first number in the
+/// text if it has leading zeros, else 0 for no padding.
 fn number_width(text: &TextDocument, structure: &Structure) -> usize {
     let first = structure.blocks.first().map(|block| &block.digits);
     let digits = first.and_then(|it| text.line(it.line).get(it.from as usize..it.to as usize));
@@ -249,7 +253,7 @@ fn pad_number(number: u32, width: usize) -> String {
     format!("{number:0width$}")
 }
 
-/// The blocks of a line.
+/// Splits the spans of a line into its blocks.
 fn blocks_of<'a>(line: &'a str, spans: &'a [Span]) -> impl Iterator<Item = &'a [Span]> {
     let ends = |it: &Span| is_mark(line, it, &[";", "*", "%"]);
     spans
@@ -262,15 +266,15 @@ fn is_mark(line: &str, span: &Span, marks: &[&str]) -> bool {
     span.kind == SpanKind::Mark && marks.contains(&text)
 }
 
-/// The first byte of the first word of a block, after its skip mark. `None` if the block has no
-/// words.
+/// The first byte, in its line, of the first word of a block, after its skip mark. `None` if
+/// the block has no words.
 fn first_word(block: &[Span]) -> Option<usize> {
     let mut spans = block.iter();
     let word = spans.find(|it| !matches!(it.kind, SpanKind::Comment | SpanKind::Mark))?;
     Some(word.range.start)
 }
 
-/// A line in the style with its new numbers.
+/// Returns the line `index` in the given style and with its new sequence numbers.
 fn rewrite_line(index: u32, line: &str, style: Style, numbers: &Numbers) -> String {
     let mut out = String::with_capacity(line.len() + 8);
     let mut before: Option<(&Span, usize)> = None;
@@ -306,7 +310,7 @@ fn rewrite_line(index: u32, line: &str, style: Style, numbers: &Numbers) -> Stri
     out
 }
 
-/// The separator between two spans.
+/// The blanks to write between two spans.
 fn separator(line: &str, before: &Span, span: &Span, spacing: Spacing) -> &'static str {
     if is_mark(line, span, &[";", "*", "%"]) || is_mark(line, before, &["/"]) {
         return "";
@@ -319,7 +323,7 @@ fn separator(line: &str, before: &Span, span: &Span, spacing: Spacing) -> &'stat
     }
 }
 
-/// Appends a span in the style with its new number.
+/// Appends a span to `out` in the given style and with its new sequence number.
 fn write_span(
     index: u32,
     line: &str,
@@ -361,7 +365,7 @@ fn write_span(
 }
 
 impl Style {
-    /// Whether the style leaves every program unchanged.
+    /// Whether formatting with this style changes no program.
     pub fn is_unchanged(&self) -> bool {
         self.numbering == Numbering::Unchanged
             && self.spacing == Spacing::Unchanged

@@ -14,13 +14,13 @@ use crate::structure::Structure;
 use crate::text::{Position, TextDocument, TextRange};
 use crate::words::{ParsedWord, Span, SpanKind, spans, word_of};
 
-/// Greatest number of program or profile lines shown.
+/// Maximum number of lines of a program or profile that a description shows.
 const MAX_LINES: usize = 16;
 
-/// The description of a word.
+/// The description of the word under the pointer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hover {
-    /// The word.
+    /// Range of the word that is described.
     pub range: TextRange,
     /// The description in Markdown.
     pub markdown: String,
@@ -63,7 +63,8 @@ pub fn hover(
     })
 }
 
-/// The article of a word, or one line with its meaning and range.
+/// The help article of a word, or one line with its meaning and range; `None` if there is
+/// neither.
 fn describe_word(
     line: &str,
     spans: &[Span],
@@ -129,7 +130,7 @@ fn has(line: &str, spans: &[Span], address: char, number: u32) -> bool {
     words.any(|word| word.address == address && word.number() == Some(number))
 }
 
-/// Returns the help topic of a G or M code of a model.
+/// Returns the help topic of a G or M code (`address`) of a model; `None` if it has no topic.
 pub(crate) fn code_topic(model: ModelId, address: char, number: u32) -> Option<&'static Topic> {
     topic_of(model, Subject::Code(&format!("{address}{number:02}")))
 }
@@ -140,7 +141,7 @@ pub(crate) fn value_range(address: char, language: Language) -> String {
     escape_markdown(&say::help_range(format!("{low} … {high}")).text(language))
 }
 
-/// The article of a topic in Markdown, with `meaning` as its heading where that says more.
+/// The help article of a topic in Markdown. `meaning` replaces its heading.
 fn article_markdown(topic: &Topic, meaning: Option<&str>, language: Language) -> String {
     let article = article(topic, language);
     let heading = meaning.unwrap_or(&article.heading);
@@ -205,10 +206,10 @@ pub fn without_markup(markdown: &str) -> String {
     out
 }
 
-/// The marks around program lines.
+/// The line before and after program lines in Markdown.
 const FENCE: &str = "````";
 
-/// Describes the variable under the pointer.
+/// Describes the variable at `byte` of a line in Markdown; `None` if no variable is there.
 fn describe_variable(
     line: &str,
     span: &Span,
@@ -237,7 +238,8 @@ fn describe_variable(
     Some(escape_markdown(&meaning.text(context.language)))
 }
 
-/// Shows the blocks that a word refers to, or the blocks that refer to a numbered block.
+/// Shows the blocks that the word at a position refers to, or the blocks that refer to the
+/// numbered block there, in Markdown. `None` if there is no reference.
 fn describe_reference(
     text: &TextDocument,
     structure: &Structure,

@@ -10,16 +10,17 @@ use crate::diagnose::{Analysis, Extents};
 use crate::structure::{ProfileCycle, Structure};
 use crate::text::TextRange;
 
-/// A summary shown above a line.
+/// A one-line summary that an editor shows above a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Lens {
-    /// The word that the summary belongs to.
+    /// Range of the word that the summary is about.
     pub range: TextRange,
     /// The summary in one line.
     pub text: String,
 }
 
-/// Returns the summaries of an analysed program.
+/// Returns the summaries of an analysed program: of the whole program, its tools and its
+/// cycles.
 pub fn lenses(structure: &Structure, analysis: &Analysis, language: Language) -> Vec<Lens> {
     let mut lenses = Vec::new();
     if let Some(part) = structure.parts.first() {
@@ -48,7 +49,7 @@ pub fn lenses(structure: &Structure, analysis: &Analysis, language: Language) ->
     lenses
 }
 
-/// Time, extents and tools of the program.
+/// The summary of the whole program: time, extents and tools.
 fn program_summary(analysis: &Analysis, language: Language) -> String {
     let time = format_whole_seconds(analysis.time_s);
     let cutting = format_whole_seconds(analysis.cutting_s);
@@ -81,7 +82,8 @@ fn program_summary(analysis: &Analysis, language: Language) -> String {
     parts.join(" | ")
 }
 
-/// The profile of a cycle and its finishing allowance.
+/// The summary of a cycle: its profile and its finishing allowance. `None` if the profile is
+/// not found.
 fn cycle_lens(cycle: &ProfileCycle, structure: &Structure, language: Language) -> Option<Lens> {
     let (p, q) = cycle.profile;
     let line = |number| {

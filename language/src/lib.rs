@@ -58,12 +58,12 @@ pub use text::{Position, TextChange, TextDocument, TextRange};
 use gsk_core::model::ModelId;
 use gsk_messages::Language;
 
-/// The settings that a program is read with.
+/// The settings that determine how a program is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReadingContext {
-    /// The control model.
+    /// The control model that reads the program.
     pub model: ModelId,
-    /// Whether the control accepts macro B.
+    /// Whether the control accepts the statements of macro B.
     pub macro_b: bool,
     /// The language of messages.
     pub language: Language,

@@ -4,18 +4,18 @@ use gsk_core::command::{ProgramId, SourcePosition};
 
 use crate::structure::Structure;
 
-/// Machine time by the lines of a text. Time between two moves counts for the second move. Time
-/// in a subprogram counts for the last executed line of the text.
+/// Machine time by the lines of a text. Time between two moves counts for the second move.
+/// Time in a subprogram counts for the last executed line of the text.
 ///
-/// It does not need a [`Structure`], so that a thread can run the preview while another reads
+/// The times do not need a [`Structure`], so a thread can run the preview while another reads
 /// the structure.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LineTimes {
-    /// Time of each executed line, s.
+    /// Machine time of each line, by its index from 0, s.
     seconds: Vec<f64>,
-    /// Index of the current line.
+    /// Index of the line that was executed last, from 0; `None` before the first.
     current: Option<usize>,
-    /// Machine time already counted, s.
+    /// Machine time up to which all time is counted, s.
     until_s: f64,
 }
 
@@ -32,7 +32,7 @@ impl LineTimes {
         self.advance_to(end_s);
     }
 
-    /// Adds time without a move, up to machine time `time_s`.
+    /// Counts the time without a move up to machine time `time_s`.
     pub(crate) fn advance_to(&mut self, time_s: f64) {
         let passed = time_s - self.until_s;
         if passed <= 0.0 {
@@ -44,8 +44,8 @@ impl LineTimes {
         }
     }
 
-    /// Returns the time from each T word of the text to the next one, s, in the order of
-    /// [`Structure::tools`].
+    /// Returns the machine time from each T word of the text to the next one, s, in the order
+    /// of [`Structure::tools`].
     pub fn by_tool(&self, structure: &Structure) -> Vec<f64> {
         let begins = structure.tools.iter().map(|tool| tool.range.line as usize);
         let ends = begins.clone().skip(1).chain([usize::MAX]);

@@ -12,15 +12,16 @@ const IN_PROFILE: &str = "in_profile";
 /// A range of bytes in a line of a program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LineSpan {
-    /// Line of the file, from 1.
+    /// Line of the program, from 1.
     pub line: u32,
-    /// Bytes of the line.
+    /// Range of bytes in the line.
     pub bytes: Range<usize>,
 }
 
-/// Returns the cause of an alarm: the word at its column if the alarm has one, else its block
-/// without surrounding blanks. An error in a cycle's profile is located in the profile.
-/// `line_of` returns a line of the alarm's program. `None` for an alarm without a source line.
+/// Returns where the cause of an alarm is: the word at its column if the alarm has one, else
+/// its block without surrounding blanks. An error in a cycle's profile is located in the
+/// profile. `line_of` returns a line (from 1) of the alarm's program. `None` for an alarm
+/// without a source line.
 pub fn locate_alarm<'a>(alarm: &Alarm, line_of: impl Fn(u32) -> &'a str) -> Option<LineSpan> {
     let source = alarm.source?;
     let detail = alarm.detail.as_ref();

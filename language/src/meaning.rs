@@ -6,7 +6,7 @@ use gsk_messages::{Message, say};
 use crate::words::ParsedWord;
 
 /// Returns the meaning of a word: of its code if it is a G or M word, else of its address.
-/// `None` if the GSK980TD does not have it.
+/// `None` if the GSK980TD does not have the code or address.
 pub fn word_meaning(word: &ParsedWord<'_>) -> Option<Message> {
     match (word.address, word.number()) {
         ('G', Some(number)) => gsk980td_g_meaning(number),
@@ -15,7 +15,8 @@ pub fn word_meaning(word: &ParsedWord<'_>) -> Option<Message> {
     }
 }
 
-/// Returns the meaning of a G or M code on a model. `None` if the model does not have the code.
+/// Returns the meaning of a G or M code on a model. `None` if the model does not have the
+/// code.
 pub fn code_meaning(address: char, number: u32, model: ModelId) -> Option<Message> {
     let record = model.record();
     let meaning = match address {
@@ -94,7 +95,8 @@ fn gsk980td_m_meaning(number: u32) -> Option<Message> {
     })
 }
 
-/// Returns the meaning of a word by its address on a model.
+/// Returns the meaning of words with this address on a model; `None` if the model does not
+/// have the address.
 pub fn letter_meaning(address: char, model: ModelId) -> Option<Message> {
     if model.is_mill()
         && let Some(meaning) = mill_letter_meaning(address)
@@ -123,7 +125,8 @@ pub fn letter_meaning(address: char, model: ModelId) -> Option<Message> {
     })
 }
 
-/// Words with a different meaning on a mill, or that only a mill has.
+/// The meaning of an address on a mill if it differs from that on a lathe; `None` for other
+/// addresses.
 fn mill_letter_meaning(address: char) -> Option<Message> {
     Some(match address {
         'D' => say::mill_word_d(),

@@ -5,22 +5,23 @@ use std::ops::Range;
 
 use crate::words::{ParsedWord, Span, SpanKind, word_of};
 
-/// The target of a reference.
+/// What a word or statement refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReferenceTarget {
-    /// A block of the same program by its N: P and Q of G70 to G73, P of G65 H80 to H86, GOTO.
+    /// A block of the same program by its sequence number: P and Q of G70 to G73, P of G65 H80
+    /// to H86, GOTO.
     Block(u16),
-    /// P of M99: a block of the calling program by its N, or of this program if it is the main
-    /// program.
+    /// A block of the calling program by its sequence number (P of M99); of this program if it
+    /// is the main program.
     Caller(u16),
-    /// A program by its O: P of M98, of G65 and of G66.
+    /// A program by its number: P of M98, of G65 and of G66.
     Program(u16),
     /// A block of the same program whose number is computed at run time.
     Computed,
 }
 
-/// Returns the target of a word or statement and the bytes of its number. `block` contains the
-/// spans of the block in `line`.
+/// Returns what a word or statement refers to, and the bytes of the number. `block` contains
+/// the spans of the block in `line`. `None` if it refers to nothing.
 pub fn reference_target(
     line: &str,
     block: &[Span],
@@ -63,7 +64,8 @@ pub fn reference_target(
     }
 }
 
-/// The program that P of a call names: its last four digits.
+/// The number of the program that P of a call names: its last four digits. `None` if it is not
+/// a number.
 fn called_program(value: &str) -> Option<u16> {
     let digits = value.len().saturating_sub(4);
     value.get(digits..)?.parse().ok()
@@ -86,7 +88,9 @@ fn program(
     Some((ReferenceTarget::Program(number), from..digits.end))
 }
 
-/// Parses the target block of a jump. A sign only sets where the search starts.
+/// The block that a word names by its sequence number, made by `target`, and the bytes of the
+/// digits. A sign only determines where a search starts. A formula or variable gives
+/// [`ReferenceTarget::Computed`], a number that no block can have gives `None`.
 fn sequence(
     line: &str,
     span: &Span,
@@ -103,7 +107,8 @@ fn sequence(
     }
 }
 
-/// The block that a GOTO in a statement names.
+/// The block that a GOTO in a statement names, and the bytes of its number; `None` without a
+/// GOTO.
 fn goto(line: &str, span: &Span) -> Option<(ReferenceTarget, Range<usize>)> {
     const GOTO: &str = "GOTO";
     let text = line.get(span.range.clone())?;
@@ -119,7 +124,7 @@ fn goto(line: &str, span: &Span) -> Option<(ReferenceTarget, Range<usize>)> {
     }
 }
 
-/// Returns the bytes of the digits at the end of a word, full-width digits included.
+/// Returns the bytes of the digits at the end of a word, including full-width digits.
 pub(crate) fn digits_at_end(line: &str, word: &Range<usize>) -> Range<usize> {
     let text = line.get(word.clone()).unwrap_or("");
     let is_digit = |it: char| crate::words::to_half_width(it).is_ascii_digit();

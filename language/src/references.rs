@@ -6,29 +6,31 @@ use crate::reference_target::ReferenceTarget;
 use crate::structure::{MacroLoop, NumberedBlock, ProgramPart, Structure, WordReference};
 use crate::text::{Position, TextRange};
 
-/// The symbol under the cursor.
+/// What is at the cursor and refers to something or can be referred to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CursorTarget<'a> {
-    /// The number of a block.
+    /// The sequence number of a block.
     Block(&'a NumberedBlock),
     /// A word that refers to a block or program.
     Reference(&'a WordReference),
-    /// The name of a program.
+    /// The name (O word) of a program.
     Program(&'a ProgramPart),
-    /// The begin or end of a loop.
+    /// The beginning or end of a macro loop.
     Loop(&'a MacroLoop),
 }
 
-/// The targets of a reference.
+/// The places that a word refers to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Definition {
-    /// Ranges in the text: numbers of blocks, the name of a program, an end of a loop.
+    /// Ranges in the text: sequence numbers of blocks, the name of a program, or an end of a
+    /// loop.
     pub blocks: Vec<TextRange>,
-    /// The number of a program that the text does not contain.
+    /// The number of the program if the text does not contain it; otherwise `None`.
     pub program: Option<u16>,
 }
 
-/// Returns the symbol at a position, if it refers to something or can be referred to.
+/// Returns what is at a position, if it refers to something or can be referred to; otherwise
+/// `None`.
 pub fn target_at(structure: &Structure, at: Position) -> Option<CursorTarget<'_>> {
     let block = structure.blocks.iter().find(|it| it.word.touches(at));
     let reference = || structure.references.iter().find(|it| it.word.touches(at));
@@ -46,7 +48,7 @@ pub fn target_at(structure: &Structure, at: Position) -> Option<CursorTarget<'_>
         .or_else(|| looped().map(CursorTarget::Loop))
 }
 
-/// Returns the targets of the word at a position.
+/// Returns where the targets of the word at a position are; empty if it refers to nothing.
 pub fn definition(structure: &Structure, at: Position) -> Definition {
     let mut definition = Definition::default();
     match target_at(structure, at) {
@@ -80,9 +82,9 @@ pub fn definition(structure: &Structure, at: Position) -> Definition {
     definition
 }
 
-/// Returns all references to the symbol at a position, or to its target. Also returns the
-/// number if the target is a program, because other files may call it.
-/// `include_declaration` includes the block number or program name.
+/// Returns all references to the block or program at a position, or to the target of the word
+/// there. Also returns the number if the target is a program, because other files may call it.
+/// `include_declaration` includes the sequence number of the block or the name of the program.
 pub fn references(
     structure: &Structure,
     at: Position,
@@ -125,7 +127,7 @@ pub fn references(
     (ranges, program)
 }
 
-/// Returns the references to a block.
+/// Returns the words that refer to a block.
 pub(crate) fn references_to<'a>(
     structure: &'a Structure,
     block: &'a NumberedBlock,

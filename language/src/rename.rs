@@ -8,8 +8,8 @@ use crate::references::{CursorTarget, references_to, target_at};
 use crate::structure::{NumberedBlock, Structure};
 use crate::text::{Position, TextChange, TextDocument, TextRange};
 
-/// Returns the range of the number that a rename at a position would change: of a block, or of
-/// a reference to one.
+/// Returns the range of the number that a rename at a position would change: the number of a
+/// block, or a reference to a block. `None` if neither is there.
 pub fn renamable(structure: &Structure, at: Position) -> Option<TextRange> {
     match target_at(structure, at)? {
         CursorTarget::Block(block) => Some(block.digits.clone()),
@@ -22,8 +22,8 @@ pub fn renamable(structure: &Structure, at: Position) -> Option<TextRange> {
 }
 
 /// Returns the edits that renumber the block at a position, or the block that the word there
-/// refers to, with all references. `outside` lists block numbers that P of M99 in programs of
-/// other files refers to.
+/// refers to, with all references. `name` is the new number. `outside` lists block numbers
+/// that P of M99 in programs of other files refers to.
 ///
 /// # Errors
 ///
@@ -60,7 +60,8 @@ pub fn rename(
         .collect())
 }
 
-/// The block at a position, or the target of the word there.
+/// The block at a position, or the block that the word there refers to. Returns a message if
+/// there is none or more than one.
 fn block_at(structure: &Structure, at: Position) -> Result<&NumberedBlock, Message> {
     match target_at(structure, at) {
         Some(CursorTarget::Block(block)) => Ok(block),
@@ -75,7 +76,7 @@ fn block_at(structure: &Structure, at: Position) -> Result<&NumberedBlock, Messa
     }
 }
 
-/// Parses `N100`, `n 100` or `100`.
+/// Parses a new sequence number: `N100`, `n 100` or `100`; `None` if it is invalid.
 fn new_number(name: &str) -> Option<u16> {
     let name = name.trim().trim_start_matches(['N', 'n']).trim();
     let digits = !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_digit());
@@ -83,7 +84,7 @@ fn new_number(name: &str) -> Option<u16> {
     number.filter(|number| *number <= 9999)
 }
 
-/// Returns a number with as many leading zeros as the number at `range`.
+/// Formats a number with as many digits, by leading zeros, as the number at `range`.
 pub(crate) fn written(number: u16, text: &TextDocument, range: &TextRange) -> String {
     let line = text.line(range.line);
     let before = line
@@ -95,7 +96,7 @@ pub(crate) fn written(number: u16, text: &TextDocument, range: &TextRange) -> St
     }
 }
 
-/// Checks that the text determines the target of every reference.
+/// Checks that the text alone determines the target of every reference.
 ///
 /// # Errors
 ///

@@ -45,7 +45,7 @@ pub(crate) const fn snippet(code: GCode, is_mill: bool) -> Option<&'static str> 
     })
 }
 
-/// The snippets of a mill.
+/// The blocks of a cycle of a mill as an editor snippet; `None` for codes with one word.
 const fn mill_snippet(code: GCode) -> Option<&'static str> {
     Some(match code {
         GCode::HighSpeedPeck => "G73 X${1} Y${2} Z${3:-20.} R${4:2.} Q${5:4.} F${6:100}",
@@ -62,7 +62,8 @@ const fn mill_snippet(code: GCode) -> Option<&'static str> {
     })
 }
 
-/// Returns whether a code is a hole cycle of a mill, which remains in force in the next blocks.
+/// Returns whether a code is a hole cycle of a mill, which remains in force in the next
+/// blocks.
 pub(crate) const fn is_hole_cycle(code: GCode) -> bool {
     matches!(
         code,
@@ -81,7 +82,7 @@ pub(crate) const fn is_hole_cycle(code: GCode) -> bool {
     )
 }
 
-/// Returns the addresses that a code takes besides M, S and T (manual I-3.2).
+/// Returns the addresses that a G code takes besides M, S and T (manual I-3.2).
 pub(crate) const fn letters(code: GCode, is_mill: bool) -> &'static str {
     if !is_mill {
         return lathe_letters(code);
@@ -103,7 +104,7 @@ pub(crate) const fn letters(code: GCode, is_mill: bool) -> &'static str {
     }
 }
 
-/// The addresses of a lathe.
+/// The addresses that a G code of a lathe takes besides M, S and T.
 const fn lathe_letters(code: GCode) -> &'static str {
     match code {
         GCode::Rapid

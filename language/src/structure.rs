@@ -8,53 +8,53 @@ use crate::reference_target::{ReferenceTarget, digits_at_end, reference_target};
 use crate::text::{TextDocument, TextRange};
 use crate::words::{ParsedWord, Span, SpanKind, spans, word_of};
 
-/// A program of the text.
+/// A program of the text, from its O word to the next.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProgramPart {
-    /// Its number, if it has an O word.
+    /// Number of the program; `None` without an O word.
     pub number: Option<u16>,
-    /// The digits of the O word.
+    /// Range of the digits of the O word; `None` without an O word.
     pub name: Option<TextRange>,
-    /// Its first line.
+    /// First line of the program, from 0.
     pub from: u32,
-    /// The line after its last one.
+    /// The line after the last one of the program, from 0.
     pub to: u32,
 }
 
 /// A block with a sequence number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NumberedBlock {
-    /// The sequence number.
+    /// The sequence number of the block.
     pub number: u16,
-    /// The digits of the number.
+    /// Range of the digits of the sequence number.
     pub digits: TextRange,
-    /// The whole N word.
+    /// Range of the whole N word.
     pub word: TextRange,
-    /// Index of the program that contains it.
+    /// Index of the program that contains the block.
     pub part: usize,
 }
 
 /// A word that refers to a block or program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WordReference {
-    /// The target.
+    /// What the word refers to.
     pub target: ReferenceTarget,
-    /// The digits that name the target.
+    /// Range of the digits that name the target.
     pub digits: TextRange,
-    /// The whole word, or the whole statement.
+    /// Range of the whole word, or of the whole statement.
     pub word: TextRange,
-    /// Index of the program that contains it.
+    /// Index of the program that contains the word.
     pub part: usize,
 }
 
-/// A T word.
+/// A T word of the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ToolCall {
-    /// Its digits as written.
+    /// Digits of the T word as written.
     pub value: String,
-    /// The word.
+    /// Range of the T word.
     pub range: TextRange,
-    /// Index of the program that contains it.
+    /// Index of the program that contains the T word.
     pub part: usize,
 }
 
@@ -63,7 +63,7 @@ pub struct ToolCall {
 pub struct Title {
     /// The text between the parentheses.
     pub text: String,
-    /// The comment.
+    /// Range of the comment with its parentheses.
     pub range: TextRange,
 }
 
@@ -72,22 +72,22 @@ pub struct Title {
 pub struct ProfileCycle {
     /// Number of the G code, 70 to 73.
     pub code: u8,
-    /// The G word.
+    /// Range of the G word.
     pub range: TextRange,
     /// The sequence numbers P and Q, the first and last block of the profile.
     pub profile: (u16, u16),
-    /// The finishing allowances U and W as written.
+    /// The finishing allowances U and W as written; `None` for one that is not programmed.
     pub allowances: (Option<String>, Option<String>),
-    /// Index of the program that contains it.
+    /// Index of the program that contains the cycle.
     pub part: usize,
 }
 
 /// A loop of macro B, from DO to its END.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MacroLoop {
-    /// The statement with DO.
+    /// Range of the statement with DO.
     pub begin: TextRange,
-    /// The statement END.
+    /// Range of the statement END.
     pub end: TextRange,
 }
 
@@ -100,33 +100,34 @@ pub struct Structure {
     pub blocks: Vec<NumberedBlock>,
     /// Words that refer to blocks or programs.
     pub references: Vec<WordReference>,
-    /// T words.
+    /// T words in the order of the text.
     pub tools: Vec<ToolCall>,
-    /// Comments alone on their line.
+    /// Comments alone on their line, in the order of the text.
     pub titles: Vec<Title>,
-    /// Cycles with a profile.
+    /// Cycles with a profile (G70 to G73), in the order of the text.
     pub cycles: Vec<ProfileCycle>,
-    /// Loops of macro B.
+    /// Loops of macro B, from DO to END.
     pub loops: Vec<MacroLoop>,
-    /// First line with blocks, and the line after the last one. The control ignores the text
-    /// before the `%` at the start and after the `%` at the end.
+    /// First line with blocks, and the line after the last one, both from 0. The control
+    /// ignores the text before the `%` at the start and after the `%` at the end.
     pub block_lines: (u32, u32),
-    /// Indices of the numbered blocks, sorted by program and number.
+    /// Indices into `blocks`, sorted by program and number.
     sorted_blocks: Vec<usize>,
-    /// For each program, the indices of the programs that call it.
+    /// For each program of `parts`, the indices of the programs that call it.
     callers: Vec<Vec<usize>>,
 }
 
-/// Greatest number of blocks with one number that are read. The control uses the first.
+/// Maximum number of blocks with the same number that are returned. The control uses the
+/// first.
 const MAX_BLOCKS_PER_NUMBER: usize = 20;
 
-/// State of the pass over the lines.
+/// Reads the structure line by line.
 #[derive(Default)]
 struct StructureReader {
     structure: Structure,
-    /// DO statements still without END, with the number of the loop.
+    /// DO statements whose END is not read yet, each with the number of its loop.
     open: Vec<(u16, TextRange)>,
-    /// Whether a block has been read.
+    /// Whether a block has been read already.
     begun: bool,
 }
 
@@ -176,14 +177,15 @@ impl Structure {
         self.callers = callers.map(|it| it.into_iter().collect()).collect();
     }
 
-    /// Returns the index of the program that contains a line.
+    /// Returns the index of the program that contains `line` (from 0).
     pub fn part_at_line(&self, line: u32) -> usize {
         let after = self.parts.partition_point(|part| part.from <= line);
         after.saturating_sub(1)
     }
 
-    /// Returns the blocks that a reference names in this text. The control uses one of them. P
-    /// of M99 can refer to blocks of several callers.
+    /// Returns the blocks of this text that a reference may name; the control uses one of
+    /// them. P of M99 can refer to blocks of several callers. Empty for a reference to a
+    /// program.
     pub fn referenced_blocks(&self, reference: &WordReference) -> Vec<&NumberedBlock> {
         match reference.target {
             ReferenceTarget::Block(number) => self.blocks_in_part(number, reference.part).collect(),
@@ -201,7 +203,7 @@ impl Structure {
         }
     }
 
-    /// Returns the first blocks with a number in a program.
+    /// Returns the blocks with a number in the program `part`, up to a maximum count.
     pub fn blocks_in_part(&self, number: u16, part: usize) -> impl Iterator<Item = &NumberedBlock> {
         let key = |at: &usize| self.blocks.get(*at).map(|it| (it.part, it.number));
         let wanted = Some((part, number));
@@ -213,7 +215,7 @@ impl Structure {
             .filter_map(|at| self.blocks.get(*at))
     }
 
-    /// Returns the indices of the programs that call a program.
+    /// Returns the indices of the programs that call the program `part`.
     pub fn callers(&self, part: usize) -> &[usize] {
         self.callers.get(part).map_or(&[], Vec::as_slice)
     }
@@ -316,7 +318,8 @@ impl StructureReader {
         self.structure.parts.len().saturating_sub(1)
     }
 
-    /// N and O count only at the start of a block, after the skip mark.
+    /// Stores an N or O word. The word counts only at the start of a block, after the skip
+    /// mark.
     fn name(&mut self, index: u32, line: &str, block: &[Span], span: &Span) {
         let mut before = block.iter().take_while(|it| *it != span);
         let is_n = |it: &Span| word_of(line, it).is_some_and(|word| word.address == 'N');

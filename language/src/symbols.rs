@@ -3,12 +3,12 @@
 use crate::structure::Structure;
 use crate::text::{TextDocument, TextRange};
 
-/// The kind of a symbol.
+/// What a symbol of the outline stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SymbolKind {
-    /// A program with its O word.
+    /// A program that begins with an O word.
     Program,
-    /// A T word.
+    /// A T word, which calls a tool.
     Tool,
     /// A block that a word refers to.
     Block,
@@ -21,17 +21,18 @@ pub enum SymbolKind {
 pub struct Symbol {
     /// The displayed name: `O0001`, `T0101`, `N10`, the comment.
     pub name: String,
-    /// The kind.
+    /// What the symbol stands for.
     pub kind: SymbolKind,
     /// The range of the name in the text.
     pub range: TextRange,
-    /// The last line that belongs to it.
+    /// The last line that belongs to the symbol, from 0.
     pub last_line: u32,
-    /// The symbols inside it.
+    /// The symbols within this one.
     pub children: Vec<Symbol>,
 }
 
-/// Returns the outline of a text. The symbols of a program with an O word are its children.
+/// Returns the outline of a text. Symbols within a program that has an O word are the children
+/// of that program.
 pub fn symbols(text: &TextDocument, structure: &Structure) -> Vec<Symbol> {
     let mut all = Vec::new();
     for (index, part) in structure.parts.iter().enumerate() {

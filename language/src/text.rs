@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-/// A position between two characters.
+/// A position in a text between two characters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Position {
-    /// Line, from 0.
+    /// Number of the line, from 0.
     pub line: u32,
     /// Byte of the line, from 0.
     pub byte: u32,
@@ -14,16 +14,16 @@ pub struct Position {
 /// A range of bytes in one line.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct TextRange {
-    /// Line, from 0.
+    /// Number of the line, from 0.
     pub line: u32,
     /// First byte in the line.
     pub from: u32,
-    /// The byte after the last one.
+    /// The byte in the line after the last one of the range.
     pub to: u32,
 }
 
 impl TextRange {
-    /// Creates the range of `bytes` in a line.
+    /// Creates the range of `bytes` in `line`, both from 0.
     pub fn new(line: u32, bytes: &Range<usize>) -> Self {
         Self {
             line,
@@ -32,12 +32,13 @@ impl TextRange {
         }
     }
 
-    /// Returns whether a position is inside the range or at its end, where a cursor touches it.
+    /// Returns whether a position is inside the range or at its end, where a cursor touches
+    /// it.
     pub const fn touches(&self, at: Position) -> bool {
         self.line == at.line && self.from <= at.byte && at.byte <= self.to
     }
 
-    /// Returns the first position and the position after the last byte.
+    /// Returns the position of the first byte and the position after the last byte.
     pub fn start_and_end(&self) -> (Position, Position) {
         let at = |byte| Position {
             line: self.line,
@@ -54,12 +55,12 @@ pub struct TextChange {
     pub from: Position,
     /// End of the replaced text.
     pub to: Position,
-    /// The replacement.
+    /// The text that replaces it.
     pub text: String,
 }
 
 impl TextChange {
-    /// Replaces a range of a line by `text`.
+    /// Creates a change that replaces a range of a line by `text`.
     pub fn replace(range: &TextRange, text: impl Into<String>) -> Self {
         let (from, to) = range.start_and_end();
         Self {
@@ -75,15 +76,15 @@ impl TextChange {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TextDocument {
     text: String,
-    /// First byte of each line. The first entry is 0.
+    /// Offset of the first byte of each line in the text. The first entry is 0.
     starts: Vec<u32>,
 }
 
-/// Longer texts are cut here. Program files end at 256 MB.
+/// Length at which a longer text is cut, bytes. Program files end at 256 MB.
 const MAX_BYTES: usize = u32::MAX as usize - 16;
 
 impl TextDocument {
-    /// Stores a text and finds its lines. Cuts a text over 4 GB.
+    /// Stores a text and finds its lines. A text over 4 GB is cut.
     pub fn new(text: impl Into<String>) -> Self {
         let mut text = text.into();
         if text.len() > MAX_BYTES {
@@ -108,7 +109,8 @@ impl TextDocument {
         to_u32(self.starts.len())
     }
 
-    /// Returns a line without its line end, or an empty text beyond the last line.
+    /// Returns the line with index `line` (from 0) without its line end; empty beyond the last
+    /// line.
     pub fn line(&self, line: u32) -> &str {
         let start = self.start(line);
         let text = self.text.get(start..self.start(line.saturating_add(1)));
@@ -120,15 +122,15 @@ impl TextDocument {
         (0..self.line_count()).map(|line| (line, self.line(line)))
     }
 
-    /// Returns the byte offset of a position in the text. An invalid position gives the nearest
-    /// offset before it.
+    /// Returns the byte offset of a position in the text. An invalid position gives the
+    /// nearest offset before it.
     pub fn offset(&self, at: Position) -> usize {
         let (start, line) = (self.start(at.line), self.line(at.line));
         let offset = (at.byte as usize).min(line.len());
         start + line.floor_char_boundary(offset)
     }
 
-    /// Applies an edit. If `to` is before `from`, only inserts.
+    /// Applies a change to the text. If `to` is before `from`, the change only inserts.
     pub fn apply(&mut self, edit: &TextChange) {
         let from = self.offset(edit.from);
         let to = self.offset(edit.to).max(from);
@@ -152,7 +154,7 @@ impl TextDocument {
         self.starts.extend(moved.map(to_u32));
     }
 
-    /// Applies edits that do not overlap, in any order.
+    /// Applies changes that do not overlap, in any order.
     pub fn apply_all(&mut self, edits: &[TextChange]) {
         let mut order: Vec<&TextChange> = edits.iter().collect();
         order.sort_by_key(|edit| edit.from);
@@ -167,7 +169,7 @@ impl TextDocument {
     }
 }
 
-/// Whether a line begins at a byte, which is not the first.
+/// Whether a line, other than the first, begins at byte `at`.
 fn begins_line(bytes: &[u8], at: usize) -> bool {
     match bytes.get(at - 1) {
         Some(b'\n') => true,

@@ -4,14 +4,14 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// The kind of a span.
+/// What a span of a line is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SpanKind {
     /// An N or O word, which names a block or a program.
     Name,
-    /// A G word.
+    /// A G word with its number.
     Code,
-    /// An M word.
+    /// An M word with its number.
     Function,
     /// An S, T or F word.
     Setting,
@@ -21,7 +21,7 @@ pub enum SpanKind {
     Other,
     /// A statement of macro B, up to the end of its block.
     Statement,
-    /// A comment in parentheses.
+    /// A comment in parentheses, with the parentheses.
     Comment,
     /// End of block, block skip or program mark.
     Mark,
@@ -30,7 +30,7 @@ pub enum SpanKind {
 }
 
 impl SpanKind {
-    /// Returns whether the span is a letter with its number.
+    /// Returns whether the span is a word: a letter with its number.
     pub const fn is_word(self) -> bool {
         !matches!(
             self,
@@ -39,27 +39,27 @@ impl SpanKind {
     }
 }
 
-/// A range of a line with its kind.
+/// A range of a line with what it is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Span {
-    /// Bytes of the line.
+    /// Range of bytes in the line.
     pub range: Range<usize>,
-    /// The kind.
+    /// What the span is.
     pub kind: SpanKind,
 }
 
 /// A word of a program: its address and the text of its number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ParsedWord<'a> {
-    /// The letter in upper case.
+    /// The letter of the word in upper case.
     pub address: char,
-    /// Sign, digits and point in ASCII without blanks. A variable begins with `#`, a formula
-    /// with `[`.
+    /// Number of the word: sign, digits and point in ASCII without blanks. A variable begins
+    /// with `#`, a formula with `[`.
     pub value: Cow<'a, str>,
 }
 
 impl ParsedWord<'_> {
-    /// Returns the number if it is an integer without a sign.
+    /// Returns the number of the word if it is an integer without a sign; otherwise `None`.
     pub fn number(&self) -> Option<u32> {
         let digits = self.value.bytes().all(|byte| byte.is_ascii_digit());
         digits.then(|| self.value.parse().ok())?
@@ -69,7 +69,7 @@ impl ParsedWord<'_> {
 /// The words that begin a statement of macro B.
 const STATEMENTS: [&str; 5] = ["IF", "GOTO", "WHILE", "DO", "END"];
 
-/// Splits a line into spans in order, without the blanks between them.
+/// Splits a line into spans in their order, without the blanks between them.
 pub fn spans(line: &str) -> Vec<Span> {
     let mut spans = Vec::new();
     let mut at = 0;
@@ -104,7 +104,7 @@ pub fn spans(line: &str) -> Vec<Span> {
     spans
 }
 
-/// Returns the word in a span, or `None` if the span is not a word.
+/// Returns the word in a span; `None` if the span is not a word.
 pub fn word_of<'a>(line: &'a str, span: &Span) -> Option<ParsedWord<'a>> {
     let text = line.get(span.range.clone())?;
     let first = text.chars().next()?;
@@ -113,7 +113,7 @@ pub fn word_of<'a>(line: &'a str, span: &Span) -> Option<ParsedWord<'a>> {
     (address.is_ascii_uppercase() && !value.is_empty()).then_some(ParsedWord { address, value })
 }
 
-/// Returns the words of a line.
+/// Returns the words of a line in their order.
 pub fn words(line: &str) -> impl Iterator<Item = ParsedWord<'_>> {
     let spans = spans(line).into_iter();
     spans
@@ -121,7 +121,7 @@ pub fn words(line: &str) -> impl Iterator<Item = ParsedWord<'_>> {
         .filter_map(|span| word_of(line, &span))
 }
 
-/// Whether the control skips a character between words.
+/// Whether the control skips this character between words.
 const fn is_blank(character: char) -> bool {
     matches!(character, ' ' | '\t' | '\u{3000}' | '\u{A0}' | '\u{FEFF}')
 }
@@ -135,7 +135,7 @@ pub(crate) fn to_half_width(character: char) -> char {
     }
 }
 
-/// The text of a number in ASCII without blanks.
+/// Converts the text of a number to ASCII without blanks.
 fn ascii_value(value: &str) -> Cow<'_, str> {
     let is_plain = |byte: u8| byte.is_ascii_graphic();
     if value.bytes().all(is_plain) {
@@ -145,8 +145,8 @@ fn ascii_value(value: &str) -> Cow<'_, str> {
     Cow::Owned(narrowed.filter(|it| !is_blank(*it)).collect())
 }
 
-/// The end of the comment that starts at `at`. A full-width opening parenthesis accepts either
-/// closing parenthesis.
+/// The byte after the comment that starts at byte `at`. A full-width opening parenthesis
+/// accepts either closing parenthesis.
 fn comment_end(line: &str, at: usize) -> usize {
     let wide = line[at..].starts_with('（');
     let close = line[at..].find(|it| it == ')' || wide && it == '）');
@@ -156,7 +156,7 @@ fn comment_end(line: &str, at: usize) -> usize {
     })
 }
 
-/// Whether a statement of macro B starts here.
+/// Whether `rest` begins with a statement of macro B.
 fn begins_statement(rest: &str) -> bool {
     if rest.starts_with('#') {
         return true;
@@ -166,7 +166,7 @@ fn begins_statement(rest: &str) -> bool {
     STATEMENTS.iter().any(|it| word.eq_ignore_ascii_case(it))
 }
 
-/// The end of a statement: the end of its block or the start of a comment.
+/// The byte after the statement at byte `at`: the end of its block or the start of a comment.
 fn statement_end(line: &str, at: usize) -> usize {
     let rest = &line[at..];
     let end = rest
@@ -175,7 +175,7 @@ fn statement_end(line: &str, at: usize) -> usize {
     at + rest[..end].trim_end_matches(is_blank).len()
 }
 
-/// The end and the kind of a word whose letter ends at byte `from`.
+/// The byte after a word whose letter ends at byte `from`, and the kind of the word.
 fn word(line: &str, from: usize, letter: char) -> (usize, SpanKind) {
     let rest = &line[from..];
     let blanks = rest.len() - rest.trim_start_matches(is_blank).len();
@@ -200,8 +200,8 @@ fn word(line: &str, from: usize, letter: char) -> (usize, SpanKind) {
     (from + blanks + length, kind)
 }
 
-/// Bytes of the formula that starts with a bracket. An unclosed formula reaches to the end of
-/// the line.
+/// Length in bytes of the formula that starts with a bracket. An unclosed formula reaches to
+/// the end of the line.
 fn formula_length(text: &str) -> usize {
     let mut depth = 0_u32;
     for (at, byte) in text.bytes().enumerate() {

@@ -19,18 +19,18 @@ pub trait PulseBoard {
 pub trait TerminalOperator {
     /// Discards all input typed so far, so that it does not answer the next question.
     fn discard_input(&self);
-    /// The input since the last call. Does not block.
+    /// What the operator has typed since the last call; returns at once, also without input.
     fn read_answer(&self) -> OperatorAnswer;
 }
 
-/// What the operator typed since the last call.
+/// The operator's input at the terminal since the last query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OperatorAnswer {
-    /// Nothing yet.
+    /// The operator has typed nothing.
     None,
-    /// Enter alone: continue.
+    /// The operator pressed Enter alone: the program continues.
     Enter,
-    /// Any other text.
+    /// The operator typed any other text.
     Other,
     /// The input has ended: no operator is at the terminal.
     EndOfInput,

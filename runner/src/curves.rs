@@ -17,7 +17,8 @@ pub struct RapidRates {
 }
 
 impl RapidRates {
-    /// The rates in the parameters of a control, and whether its model has straight rapids.
+    /// Reads the rapid rates from the parameters of a control, and from its model whether
+    /// rapids are straight.
     pub fn from_memory(memory: &BatteryMemory) -> Self {
         Self {
             x: memory.parameters.rapid_rate(Axis::X),
@@ -27,8 +28,8 @@ impl RapidRates {
     }
 }
 
-/// Where a rapid bends. Both axes move at their own rates, at 45° if these are equal, until
-/// the first one arrives; the other one finishes alone. `None` if the path is straight.
+/// The point where a rapid bends. Both axes move at their rates, at 45° if these are equal,
+/// until the first arrives; the other then finishes alone. `None` if the path is straight.
 pub fn rapid_bend(from: Point, to: Point, rates: RapidRates) -> Option<Point> {
     let distance = to - from;
     let time_x = distance.x.abs() / rates.x.max(1.0);
@@ -43,8 +44,8 @@ pub fn rapid_bend(from: Point, to: Point, rates: RapidRates) -> Option<Point> {
     ))
 }
 
-/// The points of an arc after `from`, ending exactly at `to`. Their chords stay within half of
-/// `cell_mm` of the arc. X of all points is a radius.
+/// The points of an arc after `from`, ending exactly at `to`. The chords between the points
+/// deviate from the arc by at most half of `cell_mm`. X of all points is a radius.
 pub fn arc_points(
     from: Point,
     to: Point,

@@ -26,9 +26,9 @@ const AUTO_KEY: BitAddress = BitAddress::new(Area::X, 20, 1);
 const START_KEY: BitAddress = BitAddress::new(Area::X, 25, 0);
 const M03_OUTPUT: BitAddress = BitAddress::new(Area::Y, 1, 2);
 const M04_OUTPUT: BitAddress = BitAddress::new(Area::Y, 0, 4);
-/// How long a key is held, and the pause after it.
+/// How long a panel key is held, and the pause after it, ms.
 const PRESS_MS: u32 = 100;
-/// Time limit for the axes to stop and for the last outputs to switch off after the end.
+/// Time limit for the axes to stop and for the last outputs to switch off after the end, ms.
 const SETTLE_MS: u32 = 5000;
 
 /// Why a program cannot be executed.
@@ -40,7 +40,7 @@ pub enum ExecutionError {
 }
 
 impl ExecutionError {
-    /// The message for the user.
+    /// The message that explains why the program cannot be executed.
     pub fn message(self) -> Message {
         match self {
             Self::NoDncKeys => say::dnc_no_way(),
@@ -48,27 +48,30 @@ impl ExecutionError {
     }
 }
 
-/// When an execution ends, if the program does not end it.
+/// The limits at which an execution ends if the program does not end earlier.
 #[derive(Clone, Copy, Debug)]
 pub struct ExecutionLimits {
-    /// After this number of parts.
+    /// The execution ends after this number of parts.
     pub parts: u32,
-    /// After this machine time, ms.
+    /// The execution ends after this machine time, ms.
     pub time_ms: u64,
 }
 
 /// Receives the progress of an execution.
 pub trait ExecutionWatcher {
-    /// A move was executed. Its times, s, count from cycle start.
+    /// Called when a move has been executed. The times of `executed`, s, count from cycle
+    /// start.
     fn on_move(&mut self, executed: &ExecutedMove);
-    /// A tick has passed, `time_ms` after cycle start. `machine` is the position of the
-    /// slides. Returning true ends the run: a tool hit something.
+    /// Called after each tick, `time_ms` after cycle start. `machine` is the position of the
+    /// slides in machine coordinates. Returns true to end the run: a tool has hit something.
     fn on_tick(&mut self, time_ms: u64, machine: Point, simulation: &Simulation) -> bool;
-    /// A block begins. `line` counts from 1, `modal` holds the words in force.
+    /// Called when a block begins. `line` counts from 1; `modal` holds the G codes, F, S and T
+    /// in force.
     fn on_block(&mut self, line: u32, text: &str, modal: &ModalState);
-    /// A pass of a cycle begins. Called only if [`ExecutionWatcher::wants_explanations`] is true.
+    /// Called when a pass of a cycle begins, only if [`ExecutionWatcher::wants_explanations`]
+    /// is true.
     fn on_pass(&mut self, explanation: &Explanation);
-    /// Whether the passes of cycles are to be explained.
+    /// Whether the control should explain the passes of cycles to `on_pass`.
     fn wants_explanations(&self) -> bool;
     /// Shows a message to the operator at the terminal.
     fn show(&mut self, message: &Message);
@@ -81,11 +84,12 @@ enum ExecutionEnd {
     M02,
     M99,
     Text,
-    /// An alarm or a message of the ladder. Both hold the program.
+    /// An alarm, or a message of the PLC ladder, holds the program.
     Alarm(Alarm),
-    /// Cycle start has no effect, for this reason.
+    /// Cycle start has no effect, for the reason in the message.
     Refused(Message),
-    /// The program is stopped at a board, and no operator is there to press cycle start.
+    /// The program stopped on a board, and no operator is at the terminal to continue it; the
+    /// message describes the stop.
     Stop(Message),
     /// The end was requested: Ctrl-C, `kill`.
     Requested,
@@ -95,7 +99,7 @@ enum ExecutionEnd {
 }
 
 impl ExecutionEnd {
-    /// The end as the report names it.
+    /// Converts to the kind of end that the report names.
     const fn to_run_end(&self) -> report::RunEnd {
         match self {
             Self::M30 => report::RunEnd::M30,
@@ -119,7 +123,7 @@ struct ProgramRun<'a> {
     stop_state: StopState,
     watcher: &'a mut dyn ExecutionWatcher,
     start_ticks: u64,
-    /// Whether the run has started.
+    /// Whether the program has run since cycle start.
     has_begun: bool,
     wanted_parts: u32,
     parts: u32,
@@ -192,7 +196,8 @@ pub fn execute<'a>(
 }
 
 impl ProgramRun<'_> {
-    /// What the ended program waits for; `None` if it has finished.
+    /// The text of why cycle start was refused or what the program waits for; `None` after any
+    /// other end.
     fn wait_text(&self, end: &ExecutionEnd, language: Option<Language>) -> Option<String> {
         match end {
             ExecutionEnd::Refused(why) | ExecutionEnd::Stop(why) => {
@@ -204,7 +209,7 @@ impl ProgramRun<'_> {
         }
     }
 
-    /// The report on a program that ran `time_s` and ended. `before` are the parameters
+    /// Creates the report on a program that ran for `time_s`. `before` holds the parameters
     /// before its start.
     fn report(
         &self,
@@ -344,7 +349,7 @@ impl ProgramRun<'_> {
         }
     }
 
-    /// Why nothing runs although cycle start was pressed; `None` if the program runs.
+    /// Why cycle start has no effect; `None` if the program runs or may be started.
     fn start_refusal(&self) -> Option<ExecutionEnd> {
         let cnc = &self.simulation.cnc;
         let is_stopped = matches!(cnc.run_state(), RunState::Reset | RunState::Stop);

@@ -3,15 +3,15 @@
 
 use gsk_core::units::round_to_i64;
 
-/// Millionths in a unit.
+/// Number of millionths in 1.
 const MILLIONTHS_PER_UNIT: u64 = 1_000_000;
-/// Below this many millionths a number has at most fifteen digits. Its decimal form is then
-/// the shortest that reads back as the same number.
+/// Below this limit, in millionths, a number has at most fifteen digits. Its decimal form is
+/// then the shortest that reads back as the same number.
 const EXACT_MILLIONTHS_LIMIT: f64 = 1e15;
-/// The line of a move is rarely longer.
+/// Initial capacity of a line, bytes; the line of a move is rarely longer.
 const LINE_CAPACITY_BYTES: usize = 256;
 
-/// A line being written.
+/// A line of JSON that is written piece by piece.
 #[derive(Debug)]
 pub(crate) struct JsonLine {
     pub(crate) bytes: Vec<u8>,
@@ -32,15 +32,15 @@ impl JsonLine {
         self.bytes.extend_from_slice(text.as_bytes());
     }
 
-    /// Appends a text and an integer.
+    /// Appends the text `before`, then an integer.
     #[inline]
     pub(crate) fn push_integer(&mut self, before: &str, number: u64) {
         self.push_text(before);
         self.push_digits(number);
     }
 
-    /// Appends a text and a number rounded to a millionth, in the form of JSON: `50.0`,
-    /// `-0.25`. `None`, NaN and infinities become `null`.
+    /// Appends the text `before`, then a number rounded to a millionth, in the form of JSON:
+    /// `50.0`, `-0.25`. `None`, NaN and infinities become `null`.
     #[inline]
     pub(crate) fn push_number(&mut self, before: &str, value: Option<f64>) {
         self.push_text(before);
@@ -79,7 +79,8 @@ impl JsonLine {
         self.push_fraction((size % MILLIONTHS_PER_UNIT) as u32);
     }
 
-    /// Appends decimal places without trailing zeros, at least one.
+    /// Appends a fraction, in millionths, as decimal places: at least one digit, no further
+    /// trailing zeros.
     fn push_fraction(&mut self, millionths: u32) {
         let [a, b] = digit_pair(millionths / 10_000);
         let [c, d] = digit_pair(millionths / 100 % 100);
@@ -124,7 +125,7 @@ impl JsonLine {
     }
 }
 
-/// The two digits of a number below a hundred.
+/// The two decimal digits, as ASCII, of a number below a hundred.
 fn digit_pair(number: u32) -> [u8; 2] {
     DIGIT_PAIRS[number as usize % DIGIT_PAIRS.len()]
 }

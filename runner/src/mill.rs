@@ -19,8 +19,8 @@ use crate::report::{
 
 pub use gsk_milling::MillSetup;
 
-/// Previews the selected program. `on_move` receives every move in order. `can_continue` is called
-/// with the progress; it returns false to cancel.
+/// Previews the selected program of a mill and reports on it. `on_move` receives every move in
+/// order. `can_continue` receives the progress and returns false to cancel.
 pub fn check_program(
     name: &str,
     setup: &MillSetup,
@@ -99,7 +99,8 @@ fn build_report(
     }
 }
 
-/// The bounds of the path, with those of the further axes of the machine.
+/// The bounds of the path for the report, including the further axes (the fourth and fifth) of
+/// the machine.
 fn path_bounds(preview: &MillPreview, bounds_mm: &gsk_milling::MillBounds) -> ReportBounds {
     let axis_range = |axis: usize| {
         (
@@ -130,7 +131,8 @@ fn path_bounds(preview: &MillPreview, bounds_mm: &gsk_milling::MillBounds) -> Re
     bounds
 }
 
-/// A point with the further axes of the machine, mm or degrees.
+/// A point for the report, including the further axes of the machine: mm, or degrees for a
+/// rotary axis.
 fn report_position(preview: &MillPreview, point: &MillPosition) -> MillReportPosition {
     let further = preview.axes.all_further();
     MillReportPosition {
@@ -141,12 +143,12 @@ fn report_position(preview: &MillPreview, point: &MillPosition) -> MillReportPos
     }
 }
 
-/// The digits of a T word.
+/// The number of a tool as the digits of a T word.
 pub(crate) fn tool_word(tool: u16) -> String {
     format!("{tool:02}")
 }
 
-/// Machine time of the whole program, and of each tool in the order of their use.
+/// Machine time of a mill program: total, and of each tool in the order of use.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct MillTimes {
     pub(crate) total: TimeReport,
@@ -154,7 +156,7 @@ pub(crate) struct MillTimes {
 }
 
 impl MillTimes {
-    /// Adds the time of a move.
+    /// Adds the time of an executed move to the total and to its tool.
     pub(crate) fn add_move(&mut self, made: &MillMove) {
         let known = self.tools.iter().position(|(tool, _)| *tool == made.tool);
         let index = known.unwrap_or_else(|| {
@@ -192,8 +194,8 @@ impl MillTimes {
 }
 
 /// Writes a move as one line, a JSON object: the tip of the tool in work coordinates, mm.
-/// `cx`, `cy`, `cz` give the centre in the plane of an arc. A fourth and a fifth axis use
-/// their own letters, `a0` and `a` for example, with degrees for rotary axes.
+/// `cx`, `cy`, `cz` give the centre of an arc. A fourth and a fifth axis use their letters,
+/// `a0` and `a` for example, with degrees for rotary axes.
 ///
 /// # Errors
 /// Writing to `out` fails.

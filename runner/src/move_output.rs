@@ -6,7 +6,7 @@ use crate::json_line::JsonLine;
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::units::{Feed, Point};
 
-/// Rounds to six decimals: a nanometre, a microsecond. Returns no negative zero.
+/// Rounds to six decimals: a nanometre in mm, a microsecond in s. Returns no negative zero.
 pub fn round_to_millionth(value: f64) -> f64 {
     let rounded = (value * 1e6).round() / 1e6;
     // No negative zero in the output.

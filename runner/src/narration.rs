@@ -9,7 +9,8 @@ use crate::move_output::{diameter_z, round_to_millionth};
 use crate::report::modal_codes;
 use crate::text_format::shorten_line;
 
-/// Text for a block that begins: its line number from 1, its text, and the words in force.
+/// The text that explains a block: its line number from 1, its text, and the G codes, F, S and
+/// T in force.
 pub fn block_text(line: u32, text: &str, modal: &ModalState) -> String {
     let codes = modal_codes(modal).join(" ");
     let (feed, speed) = (
@@ -23,14 +24,14 @@ pub fn block_text(line: u32, text: &str, modal: &ModalState) -> String {
     )
 }
 
-/// Text for a pass of a cycle.
+/// The text that explains a pass of a cycle in one line.
 pub fn pass_text(explanation: &Explanation, language: Language) -> String {
     let (description, formula) = describe_pass(explanation, language);
     format!("        {description}\n          {formula}\n")
 }
 
-/// Two texts for a pass of a cycle: its number and depth, and the formula of its position with
-/// the words and parameters that it uses.
+/// Two texts that explain a pass of a cycle: its number and depth, and the formula of its
+/// position with the words and parameters that it uses.
 pub fn describe_pass(explanation: &Explanation, language: Language) -> (String, String) {
     let Explanation {
         code,
@@ -56,7 +57,7 @@ pub fn describe_pass(explanation: &Explanation, language: Language) -> (String, 
     (description, format!("{formula}   [{words}]"))
 }
 
-/// Text for an executed move: target, feed and duration.
+/// The text that describes an executed move: target, feed and duration.
 pub fn move_text(executed: &ExecutedMove, language: Language) -> String {
     format!("        {}\n", move_sentence(executed, language))
 }

@@ -5,21 +5,22 @@ use gsk_core::cnc::Cnc;
 /// Whether the control waits for the partner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PartnerWait {
-    /// Machine time stops until the partner has sent. The same program then takes the same
-    /// machine time, however slow the partner is.
+    /// The control may wait: machine time stops until the partner has sent. A program then
+    /// takes the same machine time with a slow partner as with a fast one.
     Allowed,
-    /// Machine time continues without data.
+    /// The control must not wait: machine time continues without data.
     Forbidden,
 }
 
-/// Sends programs in DNC operation.
+/// A partner at the serial port that sends programs in DNC operation.
 pub trait ProgramPartner {
     /// Sends as much text as the control's buffer takes. Called before every tick. With
-    /// [`PartnerWait::Allowed`] it may block.
+    /// [`PartnerWait::Allowed`] the call may block until text has arrived.
     fn send_text(&mut self, cnc: &mut Cnc, wait: PartnerWait);
 }
 
-/// A partner with the whole text, which it sends from its beginning at each call.
+/// A partner that has the whole program text in memory, and sends it from the beginning each
+/// time the control requests a program.
 #[derive(Clone, Debug, Default)]
 pub struct TextPartner {
     text: String,
@@ -28,7 +29,7 @@ pub struct TextPartner {
 }
 
 impl TextPartner {
-    /// Takes the text of the program.
+    /// Creates a partner that sends `text`.
     pub fn new(text: String) -> Self {
         Self {
             text,

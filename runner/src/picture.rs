@@ -30,9 +30,9 @@ pub use drawing::{DrawingOptions, PathDrawing};
 pub use extent::{InvalidPictureSize, PictureSize};
 pub use solid_picture::encode_solid;
 
-/// Pixels of an LCD dot in a picture of the LCD.
+/// Pixels per LCD dot, along each side, in a picture of the LCD.
 const LCD_SCALE: u32 = 2;
-/// Pixels of a panel unit in a picture of the whole panel.
+/// Pixels per panel unit in a picture of the whole panel.
 const PANEL_SCALE: f32 = 1.5;
 
 /// Why a picture cannot be made.
@@ -41,12 +41,12 @@ const PANEL_SCALE: f32 = 1.5;
 pub enum PictureError {
     /// The picture does not fit into memory.
     Memory,
-    /// The PNG encoder reports an error.
+    /// The PNG encoder failed with this error.
     Encoder(#[from] png::EncodingError),
 }
 
 impl PictureError {
-    /// The message for the user.
+    /// The message that explains why the picture cannot be made.
     pub fn message(&self) -> Message {
         match self {
             Self::Memory => say::picture_too_large(),
@@ -55,13 +55,13 @@ impl PictureError {
     }
 }
 
-/// A file name without the extension of a picture format.
+/// A file name whose extension is not that of a picture format.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct UnknownPictureFormat(pub PathBuf);
 
 impl UnknownPictureFormat {
-    /// The message for the user; it lists the extensions.
+    /// The message for the user; lists the valid extensions.
     pub fn message(&self) -> Message {
         say::picture_ending(self.0.display())
     }
@@ -70,9 +70,9 @@ impl UnknownPictureFormat {
 /// The file format of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
-    /// PNG: pixels.
+    /// PNG, a picture of pixels.
     Png,
-    /// SVG: lines, as text.
+    /// SVG, lines and texts as XML.
     Svg,
 }
 
@@ -93,7 +93,8 @@ impl PictureFormat {
     }
 }
 
-/// Draws a toolpath. Returns the bytes of the file, with its texts in a language.
+/// Draws a toolpath as a picture file and returns the bytes of the file. `language` is that of
+/// its texts.
 ///
 /// # Errors
 /// There is not enough memory.
@@ -108,8 +109,8 @@ pub fn encode(
     }
 }
 
-/// The LCD as the bytes of a PNG file. `brightness` is the value of the control's brightness
-/// page.
+/// Encodes the LCD as the bytes of a PNG file. `brightness` is the value of the control's
+/// brightness page.
 ///
 /// # Errors
 /// There is not enough memory.
@@ -118,7 +119,7 @@ pub fn encode_lcd(screen: &Screen, brightness: u8) -> Result<Vec<u8>, PictureErr
     png_file::encode(&pixels)
 }
 
-/// The whole panel as the bytes of a PNG file.
+/// Encodes the whole panel as the bytes of a PNG file.
 ///
 /// # Errors
 /// There is not enough memory.
@@ -127,7 +128,7 @@ pub(crate) fn encode_panel(emulator: &Emulator) -> Result<Vec<u8>, PictureError>
     png_file::encode(&pixels.ok_or(PictureError::Memory)?)
 }
 
-/// The message for a picture that does not show the whole path; `None` if it does.
+/// The warning that the picture does not show the whole path; `None` if it does.
 pub fn missing_moves_message(drawing: &PathDrawing) -> Option<Message> {
     let left_out = drawing.omitted_moves();
     (left_out > 0).then(|| say::picture_not_complete(left_out))

@@ -16,13 +16,13 @@ use crate::report::AlarmReport;
 use crate::text_format::format_whole_seconds;
 use crate::times::ProgramTimes;
 
-/// Margin around the cuts on the graphic page, mm.
+/// Margin around the cuts in the range for the graphic page, mm.
 const MARGIN_MM: f64 = 5.0;
 
-/// The summary of a program from one preview.
+/// What one preview of a program shows: its end, time, tools and bounds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProgramSummary {
-    /// Name of the program: its number, or the name of its file.
+    /// Name of the program: the number, or the name of the program file.
     pub name: String,
     /// How the preview ended.
     pub end: PreviewEnd,
@@ -30,13 +30,14 @@ pub struct ProgramSummary {
     pub time_s: f64,
     /// Number of tools that cut.
     pub cutting_tools: usize,
-    /// Bounds of the cuts, in program coordinates; `None` without cuts.
+    /// Bounds of the cuts, in program coordinates, mm; `None` without cuts.
     pub cut_bounds: Option<PathBounds>,
-    /// The alarm that ended the program, in Chinese and English.
+    /// The alarm that ended the program, with texts in Chinese and English; `None` without an
+    /// alarm.
     alarm: Option<[AlarmReport; 2]>,
 }
 
-/// Previews the selected program of a set-up once. `can_continue` is called with the progress; it
+/// Previews the selected program of a set-up once. `can_continue` receives the progress and
 /// returns false to cancel.
 pub fn summarize(
     name: String,
@@ -50,8 +51,8 @@ pub fn summarize(
     totals.into_summary(name, setup, &preview)
 }
 
-/// Like [`summarize`], but continues after alarms. Also returns all alarms, in their order, and the
-/// likely mistakes.
+/// Previews like [`summarize`], but continues after alarms. Also returns all alarms, in their
+/// order, and the likely mistakes.
 pub fn summarize_past_alarms(
     name: String,
     setup: &Setup,
@@ -67,7 +68,7 @@ pub fn summarize_past_alarms(
     (summary, alarms, preview.cautions)
 }
 
-/// What the summary adds up from the moves.
+/// The times and the bounds that the moves of a preview add up to.
 #[derive(Debug, Default)]
 struct MoveTotals {
     times: ProgramTimes,
@@ -106,8 +107,8 @@ impl ProgramSummary {
         self.alarm.is_some()
     }
 
-    /// Least and greatest point of the cuts with a margin of 5 mm. `None` for a program
-    /// without cuts, and for a preview that reached its limit.
+    /// Least and greatest point of the cuts with a margin of 5 mm; X is a radius. `None` for a
+    /// program without cuts, and for a preview that reached its limit.
     pub fn cut_extents(&self) -> Option<(Point, Point)> {
         let margin = Point::new(MARGIN_MM, MARGIN_MM);
         self.cut_bounds
@@ -115,8 +116,8 @@ impl ProgramSummary {
             .map(|cuts| (cuts.least - margin, cuts.greatest + margin))
     }
 
-    /// One line of text: `O0002, 3:27, 4 tools, X 20–60, Z -80–5, no alarm`, or the block that
-    /// raises the alarm.
+    /// The summary as one line of text: `O0002, 3:27, 4 tools, X 20–60, Z -80–5, no alarm`, or
+    /// the block that raises the alarm.
     pub fn summary_line(&self, language: Language) -> String {
         if let Some([chinese, english]) = &self.alarm {
             let alarm = match language {

@@ -35,45 +35,45 @@ use crate::text_format::shorten_line;
 pub struct AlarmReport {
     /// Class of the alarm: PS, SYS, OT, ESTOP, SERVO, LINK or PLC.
     pub class: &'static str,
-    /// Number of the alarm in its class.
+    /// Number of the alarm in the class.
     pub number: u16,
     /// Class and number as the control writes them: `P/S 010`, on the NC-B08 `E010`. Not part
     /// of the JSON.
     #[serde(skip)]
     pub shown: String,
-    /// The text of the screen, or its meaning in English.
+    /// The alarm text as on the screen, or its meaning in English.
     pub text: String,
-    /// Line of the block, from 1.
+    /// Line of the block that raised the alarm, from 1; `None` if the alarm has no block.
     pub line: Option<u32>,
-    /// Column of the fault in the line, in characters from 1, if it is known.
+    /// Column of the fault in the line, in characters from 1; `None` if it is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub column: Option<u32>,
-    /// Sequence number of the block. Not part of the JSON.
+    /// Sequence number of the block; `None` without an N word. Not part of the JSON.
     #[serde(skip)]
     pub sequence: Option<u32>,
-    /// The program of the block. Not part of the JSON.
+    /// The program that contains the block. Not part of the JSON.
     #[serde(skip)]
     pub program: Option<ProgramId>,
-    /// The text of the block.
+    /// The text of the block that raised the alarm.
     pub block: Option<String>,
-    /// The rule that is broken.
+    /// Which rule of the program is broken, as a text.
     pub detail: Option<String>,
-    /// What raises the alarm, if the alarm table has a cause.
+    /// What raises the alarm, from the alarm table; `None` if the table has no cause.
     pub cause: Option<&'static str>,
-    /// The remedy: the parameter, the word or the key.
+    /// How to remove the alarm: the parameter, the word or the key.
     pub way_out: Option<&'static str>,
 }
 
-/// A probable mistake that raises no alarm. Its JSON is its sentence.
+/// A probable mistake that raises no alarm. The JSON contains only `sentence`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WarningReport {
-    /// Identifier of the rule: `spindle-stands`.
+    /// Identifier of the rule that the block breaks: `spindle-stands`.
     pub rule: &'static str,
-    /// The program of the block.
+    /// The program that contains the block.
     pub program: ProgramId,
-    /// Line of the block, from 1.
+    /// Line of the block in the program, from 1.
     pub line: u32,
-    /// First and last column of the fault, in characters from 1.
+    /// First and last column of the mistake, in characters from 1; `None` if unknown.
     pub columns: Option<(u32, u32)>,
     /// The message without its line.
     pub text: String,
@@ -82,7 +82,7 @@ pub struct WarningReport {
 }
 
 impl WarningReport {
-    /// The warning for a probable mistake in a mill program.
+    /// Creates the warning for a probable mistake in a mill program.
     pub(crate) fn from_mill_caution(
         caution: &gsk_milling::MillCaution,
         language: Option<Language>,
@@ -115,17 +115,17 @@ impl Serialize for WarningReport {
     }
 }
 
-/// A position. Its JSON is a list of numbers.
+/// A position of the tool in a report. The JSON is a list of numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum ReportPosition {
-    /// X as a diameter and Z, mm.
+    /// Position of a lathe: X as a diameter and Z, mm.
     Lathe(f64, f64),
-    /// X, Y, Z and further axes.
+    /// Position of a mill: X, Y, Z and further axes.
     Mill(MillReportPosition),
 }
 
-/// A position of a mill: X, Y, Z, and the machine's further axes with their letters.
+/// A position of a mill: X, Y, Z, and the further axes (the fourth and fifth) of the machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MillReportPosition {
     /// X, Y and Z, mm.
@@ -150,11 +150,11 @@ impl From<(f64, f64)> for ReportPosition {
 /// Positions at the end of the program; X of a lathe is a diameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FinalPositions {
-    /// Absolute coordinates.
+    /// Position in absolute coordinates.
     pub abs: ReportPosition,
-    /// Machine coordinates.
+    /// Position in machine coordinates.
     pub machine: ReportPosition,
-    /// Relative coordinates; `None` for a mill.
+    /// Position in relative coordinates; `None` for a mill.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rel: Option<ReportPosition>,
 }
@@ -177,38 +177,41 @@ pub struct ProgramReport {
     pub file: String,
     /// How the program ended.
     pub end: RunEnd,
-    /// The alarm, or the message of the ladder, that ended it.
+    /// The alarm, or the message of the ladder, that ended the program; `None` after any other
+    /// end.
     pub alarm: Option<AlarmReport>,
-    /// Why cycle start was refused, or what the program waited for at the limit or at a stop.
+    /// Why cycle start was refused, or what the program waited for at the limit or at a stop;
+    /// `None` after any other end.
     pub waits_for: Option<String>,
-    /// Machine time, s.
+    /// Machine time of the program, s.
     pub time_s: f64,
-    /// Part of it with a cutting feed, s.
+    /// Part of the machine time with a cutting feed, s.
     pub cutting_s: f64,
     /// Number of executed blocks.
     pub blocks: u64,
     /// Number of executed moves.
     pub moves: u64,
-    /// Number of counted parts.
+    /// Number of parts that the program counted.
     pub parts: u32,
-    /// Number of M00 stops that cycle start continued.
+    /// Number of program stops that cycle start continued.
     pub stops: u32,
-    /// Final positions.
+    /// Positions at the end of the program.
     #[serde(rename = "final")]
     pub position: FinalPositions,
     /// G codes in force at the end.
     pub modal: Vec<String>,
-    /// F word in force.
+    /// F word in force at the end: the feed in the unit of the G code in force.
     pub f: f64,
-    /// S word in force.
+    /// S word in force at the end.
     pub s: f64,
-    /// Tool and offset in force, as the digits of a T word.
+    /// Tool and offset in force at the end, as the digits of a T word.
     pub t: String,
-    /// State of the spindle: cw, ccw or stop.
+    /// State of the spindle at the end: cw, ccw or stop.
     pub spindle: &'static str,
-    /// Whether the coolant is on.
+    /// Whether the coolant is on at the end.
     pub coolant: bool,
-    /// Parameters that the program changed: three-digit number and new value.
+    /// Parameters that the program changed: key is the three-digit number, value the new
+    /// value.
     pub parameters_changed: BTreeMap<String, i32>,
     /// Probable mistakes that raise no alarm.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -224,16 +227,17 @@ pub struct ProgramReport {
 /// Lengths, tools and bounds of the path, from `check_program`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct PathReport {
-    /// Alarms after the first one.
+    /// The alarms that the check found after the first alarm.
     pub more_alarms: Vec<AlarmReport>,
-    /// Line after which the check for further alarms stopped; `None` if it reached the end.
+    /// Line after which the check for further alarms stopped, from 1; `None` if it reached the
+    /// end.
     #[serde(rename = "unchecked_behind")]
     pub unchecked_after: Option<u32>,
-    /// Path length of each kind of move, mm.
+    /// Path length of each kind of move, mm; the key names the kind.
     pub lengths: BTreeMap<&'static str, f64>,
-    /// Selected tools, as T words.
+    /// The tools that the program selects, as digits of T words.
     pub tools: Vec<String>,
-    /// Bounds of the path.
+    /// Bounds of the path; `None` for a program without a path.
     #[serde(rename = "box")]
     pub bounds: Option<ReportBounds>,
     /// Machine time by kind of motion.
@@ -242,30 +246,31 @@ pub struct PathReport {
     pub tool_times: Vec<ToolTimeReport>,
 }
 
-/// Bounds of a path; X of a lathe is a diameter.
+/// Bounds of a path; X of a lathe counts as a diameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ReportBounds {
     /// Least and greatest X, mm.
     pub x: (f64, f64),
-    /// Least and greatest Y of a mill, mm.
+    /// Least and greatest Y, mm; `None` for a lathe.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub y: Option<(f64, f64)>,
     /// Least and greatest Z, mm.
     pub z: (f64, f64),
-    /// Least and greatest value of a mill's further axes, by their letters.
+    /// Least and greatest value of each further axis (the fourth and fifth) of a mill, by its
+    /// letter.
     #[serde(flatten)]
     pub further: BTreeMap<&'static str, (f64, f64)>,
-    /// Letters of the further axes that count in degrees.
+    /// Letters of the further axes whose values are degrees.
     #[serde(skip)]
     pub turning: Vec<&'static str>,
 }
 
-/// The text of a message in the selected language, English if none is selected.
+/// Converts a message to text in `language`, English if `None`.
 pub fn message_text(message: &Message, language: Option<Language>) -> String {
     message.text(language.unwrap_or(Language::En))
 }
 
-/// The short name of a class of alarms: `PS`, for example.
+/// The short name of an alarm class, as in reports: `PS`, for example.
 pub const fn class_name(class: AlarmClass) -> &'static str {
     match class {
         AlarmClass::Ps => "PS",
@@ -279,7 +284,8 @@ pub const fn class_name(class: AlarmClass) -> &'static str {
 }
 
 impl AlarmReport {
-    /// The report of an alarm, with the block that raised it from `programs`.
+    /// Creates the report of an alarm, with the text of its block from `programs` and the
+    /// texts in `language`.
     pub fn new(alarm: &Alarm, programs: &ProgramMemory, language: Option<Language>) -> Self {
         let block = alarm.source.and_then(|source| {
             programs
@@ -316,8 +322,8 @@ impl AlarmReport {
     }
 }
 
-/// The column of an alarm in its own line. In the profile of a cycle the column belongs to
-/// another line and is not used.
+/// The column of an alarm in the line of its block; `None` if unknown. In the profile of a
+/// cycle the column belongs to another line and is not used.
 fn own_column(alarm: &Alarm) -> Option<u32> {
     let detail = alarm.detail.as_ref()?;
     let own = detail.id() == gsk_messages::Id::AtColumn;
@@ -325,12 +331,12 @@ fn own_column(alarm: &Alarm) -> Option<u32> {
 }
 
 impl ProgramReport {
-    /// Whether the program did not reach its own end.
+    /// Whether the program ended in another way than its own end.
     pub const fn has_failed(&self) -> bool {
         !self.end.is_program_end()
     }
 
-    /// Whether a tool hit something.
+    /// Whether the part report lists a collision.
     pub fn has_collision(&self) -> bool {
         self.part
             .as_ref()
@@ -346,7 +352,7 @@ impl ProgramReport {
     }
 }
 
-/// The G codes in force, one of each group.
+/// The names of the G codes in force, one of each group.
 pub(crate) fn modal_codes(modal: &ModalState) -> Vec<String> {
     vec![
         format!("G{:02}", modal.motion),
@@ -361,12 +367,12 @@ pub(crate) fn modal_codes(modal: &ModalState) -> Vec<String> {
     ]
 }
 
-/// The digits of the T word for a tool and an offset.
+/// The digits of the T word for a tool number and an offset number.
 pub(crate) fn tool_word((tool, offset): (u8, u8)) -> String {
     format!("{tool:02}{offset:02}")
 }
 
-/// The parameters that differ: three-digit number and value in `after`.
+/// The parameters that differ: key is the three-digit number, value the value in `after`.
 pub fn changed_parameters(
     before: &ControlParameters,
     after: &ControlParameters,

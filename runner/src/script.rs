@@ -12,18 +12,18 @@ use crate::board::PulseBoard;
 use crate::partner::{PartnerWait, ProgramPartner};
 use crate::picture::{self, PictureError};
 
-/// Ticks between two calls of a script without a board.
+/// Maximum number of ticks per call of a script without a board.
 const SLICE_TICKS: u64 = 100_000;
 
 /// What a script needs from the program that runs it: files, output, a serial partner.
 pub trait ScriptHost {
-    /// Why an operation failed.
+    /// The error of a failed operation; converts to a message for the user.
     type Error: Into<Message>;
 
-    /// Shows the rows of the LCD.
+    /// Shows the rows of the LCD as text.
     fn show_screen(&mut self, screen: &str);
 
-    /// Stores a picture under a file name. `bytes` makes the file.
+    /// Stores a picture under a file name. `bytes` creates the contents of the file.
     ///
     /// # Errors
     /// The file cannot be stored.
@@ -33,22 +33,22 @@ pub trait ScriptHost {
         bytes: &dyn Fn() -> Result<Vec<u8>, PictureError>,
     ) -> Result<(), Self::Error>;
 
-    /// Reads a program file. The result contains the name for the program.
+    /// Reads a program file by its name. The result contains the name for the program.
     ///
     /// # Errors
     /// The file cannot be read.
     fn read_program(&mut self, name: &str) -> Result<SerialFile, Self::Error>;
 
-    /// Reads a file for the serial port.
+    /// Reads the file that the script sends to the serial port.
     ///
     /// # Errors
     /// The file cannot be read.
     fn read_transfer_file(&mut self, name: &str) -> Result<SerialFile, Self::Error>;
 
-    /// Shows why the control refuses a file at its serial port.
+    /// Shows the message why the control refuses a file at its serial port.
     fn show_refusal(&mut self, message: &Message);
 
-    /// Opens a partner that sends this file in DNC mode.
+    /// Opens a partner that sends the file `name` in DNC mode.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -58,22 +58,23 @@ pub trait ScriptHost {
 /// How a script ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ScriptEnd {
-    /// The last line is done.
+    /// The script has run to its last line.
     Finished,
     /// A line failed: an expectation was not met, or an operation was not possible.
     Failed(Failure),
-    /// The end was requested.
+    /// The end was requested from outside (Ctrl-C).
     Requested,
 }
 
-/// A script that runs on an emulator.
+/// A script run on an emulator, with its board, partner and recording.
 pub struct ScriptSession<'a, S> {
     emulator: &'a mut Emulator,
     host: &'a mut S,
-    /// Moves the slides.
+    /// The board that moves the slides; `None` if they are simulated.
     board: Option<&'a mut dyn PulseBoard>,
     record: Option<&'a mut ScriptRecord>,
-    /// Sends programs in DNC operation.
+    /// The partner that sends programs in DNC operation; `None` until a line of the script
+    /// opens one.
     partner: Option<Box<dyn ProgramPartner>>,
 }
 
@@ -95,7 +96,7 @@ impl<'a, S: ScriptHost> ScriptSession<'a, S> {
         Self { board, ..self }
     }
 
-    /// Writes what the script does to `record`, with the ticks.
+    /// Records the lines of the script in `record`, with the ticks at which they begin.
     #[must_use]
     pub fn with_record(self, record: Option<&'a mut ScriptRecord>) -> Self {
         Self { record, ..self }
@@ -130,8 +131,8 @@ impl<'a, S: ScriptHost> ScriptSession<'a, S> {
         }
     }
 
-    /// Continues the script: tick by tick at the pace of the board, if there is one. `None` if
-    /// the end was requested.
+    /// Continues the script: by `slice` ticks without a board, tick by tick at the pace of the
+    /// board. `None` if the end was requested.
     fn advance(&mut self, runner: &mut Runner, slice: u64) -> Option<ScriptProgress> {
         let Some(board) = &mut self.board else {
             return Some(runner.advance(self.emulator, slice));
@@ -147,7 +148,8 @@ impl<'a, S: ScriptHost> ScriptSession<'a, S> {
         Some(progress)
     }
 
-    /// Executes the effect of a line. Returns the reason if it fails.
+    /// Executes the effect of a script line outside the control. Returns the reason if it
+    /// fails.
     fn execute_effect(&mut self, effect: Effect) -> Result<(), Message> {
         match effect {
             Effect::Show(text) => self.host.show_screen(&text),
@@ -211,8 +213,8 @@ impl ScriptRecord {
         &self.text
     }
 
-    /// Notes that the script has reached a line. This line and those before it began at this
-    /// tick.
+    /// Records that the script has reached line `number` at `tick`: this line, and those
+    /// before it that are not recorded yet, began at this tick.
     fn note_line(&mut self, number: u32, tick: u64) {
         let tick = tick.saturating_sub(POWER_ON_TICKS);
         while let Some(line) = self.lines.get(self.written_lines)

@@ -5,10 +5,11 @@ use std::borrow::Cow;
 use gsk_messages::{Message, say};
 use gsk_workpiece::tool::{Insert, Tool};
 
-/// Limit of the shown characters of a block: a line may hold a whole program.
+/// Maximum number of characters of a block that are shown, because a line may hold a whole
+/// program.
 const MAX_SHOWN_CHARS: usize = 160;
 
-/// The beginning of a line, with dots if it is longer than 160 characters.
+/// Shortens a line to 160 characters and an ellipsis.
 pub fn shorten_line(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(MAX_SHOWN_CHARS) {
         Some((end, _)) => Cow::Owned(format!("{} …", &text[..end])),
@@ -36,7 +37,7 @@ pub fn format_whole_seconds(seconds: f64) -> String {
     format!("{minutes}:{seconds:02}")
 }
 
-/// A short description of a tool, as in a tool list.
+/// The message that describes a tool briefly, as in a tool list.
 pub fn short_description(tool: &Tool) -> Message {
     match tool.insert {
         Insert::Turning {

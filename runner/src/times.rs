@@ -6,23 +6,23 @@
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_messages::{Message, say};
 
-/// The use of machine time.
+/// What machine time is spent on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TimeUse {
-    /// Rapids.
+    /// Rapids of the slides.
     Rapid,
     /// Straight and circular cuts.
     Feed,
     /// Threads with their run-outs, and taps.
     Thread,
-    /// Dwells (G04).
+    /// Dwells programmed with G04.
     Dwell,
     /// M, S and T functions, tool changes, and other waits of the slides.
     Other,
 }
 
 impl TimeUse {
-    /// All kinds, in their display order.
+    /// All uses of time, in their display order.
     pub const ALL: [Self; 5] = [
         Self::Rapid,
         Self::Feed,
@@ -31,7 +31,7 @@ impl TimeUse {
         Self::Other,
     ];
 
-    /// The kind for a kind of move.
+    /// The use of the time that a move of this kind takes.
     pub const fn from_move_kind(kind: MoveKind) -> Self {
         match kind {
             MoveKind::Rapid => Self::Rapid,
@@ -41,7 +41,7 @@ impl TimeUse {
         }
     }
 
-    /// The key in the JSON of a report.
+    /// The key of this use in the JSON of a report.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Rapid => "rapid",
@@ -52,7 +52,7 @@ impl TimeUse {
         }
     }
 
-    /// The name for the user.
+    /// The name of this use of time for the user, as a message.
     pub fn message(self) -> Message {
         match self {
             Self::Rapid => say::report_kind_rapid(),
@@ -64,14 +64,14 @@ impl TimeUse {
     }
 }
 
-/// Machine time by kind.
+/// Machine time added up for each use.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TimesByUse {
     seconds: [f64; TimeUse::ALL.len()],
 }
 
 impl TimesByUse {
-    /// Time of one kind, s.
+    /// Machine time of one use, s.
     pub const fn seconds_of(&self, time_use: TimeUse) -> f64 {
         self.seconds[time_use as usize]
     }
@@ -81,7 +81,7 @@ impl TimesByUse {
         self.seconds_of(TimeUse::Feed) + self.seconds_of(TimeUse::Thread)
     }
 
-    /// Sum of all kinds, s.
+    /// Sum over all uses, s.
     pub fn total_s(&self) -> f64 {
         self.seconds.iter().sum()
     }
@@ -91,14 +91,15 @@ impl TimesByUse {
     }
 }
 
-/// Machine time of one tool.
+/// Machine time of one tool, by use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolTime {
     /// Tool number; 0 for no tool.
     pub tool: u8,
-    /// The number of the offset it first cut with; before a cut, the last one it moved with.
+    /// Number of the offset at the tool's first cut; before a cut, of the offset it last moved
+    /// with.
     pub offset: u8,
-    /// Its time by kind.
+    /// Machine time of the tool by use.
     pub times: TimesByUse,
 }
 
@@ -108,9 +109,9 @@ pub struct ToolTime {
 pub struct ProgramTimes {
     spent: TimesByUse,
     tools: Vec<ToolTime>,
-    /// Index of the tool in use.
+    /// Index of the tool in use in the list of tools; `None` before the first.
     current: Option<usize>,
-    /// Machine time up to which the sums reach, s.
+    /// Machine time up to which all time is counted, s.
     until_s: f64,
 }
 
@@ -131,17 +132,18 @@ impl ProgramTimes {
         self.until_s += executed.duration_s;
     }
 
-    /// Ends the program at a machine time, s. The time after its last move counts as other.
+    /// Ends the program at machine time `time_s`. The time after its last move counts as
+    /// other.
     pub fn end_at(&mut self, time_s: f64) {
         self.add_wait_until(time_s);
     }
 
-    /// The time of the whole program.
+    /// Machine time of the whole program, by use.
     pub const fn spent(&self) -> &TimesByUse {
         &self.spent
     }
 
-    /// The time of each tool, in the order of their use.
+    /// Machine time of each tool, in the order of their first use.
     pub fn tools(&self) -> &[ToolTime] {
         &self.tools
     }
@@ -165,7 +167,7 @@ impl ProgramTimes {
         index
     }
 
-    /// Counts the time until a machine time as waiting.
+    /// Counts the time from the last move until `time_s` as other.
     fn add_wait_until(&mut self, time_s: f64) {
         let waited = time_s - self.until_s;
         // Blended moves overlap by rounding errors.

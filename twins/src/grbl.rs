@@ -29,9 +29,9 @@ pub use settings::GrblSettings;
 use spindle::TwinThreadPass;
 pub use spindle::{GrblSpindle, PassTrace};
 
-/// Step of virtual time, ns.
+/// Step in which virtual time advances, ns.
 const STEP_NS: u64 = 100_000;
-/// Processing time of a line, ns: 447 lines/s.
+/// Time that the firmware takes to process a line, ns: 447 lines/s.
 const LINE_NS: u64 = 2_237_000;
 /// Time from standstill until the board reports the hold as complete, ns.
 const HOLD_SETTLE_NS: u64 = 35_000_000;
@@ -39,14 +39,14 @@ const HOLD_SETTLE_NS: u64 = 35_000_000;
 const BOOT_NS: u64 = 1_500_000_000;
 /// Time for which writing a setting disables interrupts, ns.
 const SETTING_WRITE_NS: u64 = 14_000_000;
-/// Maximum length of a line.
+/// Maximum length of a line, bytes.
 const MAX_LINE_BYTES: usize = 80;
 /// Minimum speed of a cut in the planner, mm/s (1 mm/min).
 const MIN_CUT_SPEED: f64 = 1.0 / 60.0;
-/// Number of status reports from one work offset to the next.
+/// Number of status reports from one that contains the work offset to the next.
 const REPORTS_PER_OFFSET: u32 = 10;
 
-/// The firmware of a board.
+/// The firmware that a board runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variant {
     /// Grbl 1.1h: planner with 15 blocks, receive buffer of 128 bytes.
@@ -66,8 +66,8 @@ impl Variant {
         }
     }
 
-    /// Returns the duration of the motion prepared for the pulse timer, s, in segments of
-    /// 10 ms.
+    /// Returns the duration of the motion that the firmware prepares in advance for the pulse
+    /// timer, s.
     const fn prepared_s(self) -> f64 {
         match self {
             Self::Grbl => 0.045,
@@ -100,21 +100,21 @@ impl Variant {
     }
 }
 
-/// The state of the board.
+/// The state of the board, as status reports name it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GrblState {
-    /// No motion.
+    /// The board makes no motion.
     Idle,
-    /// In motion.
+    /// The board is in motion.
     Run,
-    /// Feed hold.
+    /// A feed hold decelerates the axes or holds them.
     Hold {
         /// Whether the axes have stopped.
         complete: bool,
     },
-    /// Homing.
+    /// The board is homing its axes.
     Home,
-    /// Locked by an alarm.
+    /// An alarm locks the board.
     Alarm,
     /// Check mode: the board reads programs without motion.
     Check,
@@ -136,11 +136,11 @@ pub struct GrblTwin {
     pub to_host: TwinWire,
     /// Input pins, in addition to the limit switches of [`GrblTwin::place_switches`].
     pub pins: GrblPins,
-    /// Positions of the limit switches of X and Z relative to the slides at power-on, mm.
+    /// Distances of the limit switches of X and Z from the slides at power-on, mm.
     switches: [f64; 2],
-    /// Positions of the limit switches, pulses.
+    /// Distances of the limit switches of X and Z from the slides at power-on, pulses.
     switch_pulses: [i64; 2],
-    /// Limit inputs at the last check.
+    /// Whether the limit inputs of X and Z were operated at the last check.
     previous_limits: [bool; 2],
     previous_emergency: bool,
     homing: Option<GrblHoming>,
@@ -151,23 +151,23 @@ pub struct GrblTwin {
     too_long: bool,
     /// Time until which the firmware is busy, ns.
     busy_until: u64,
-    /// Time until which the receive interrupt is off, ns.
+    /// Time until which the board receives nothing, ns: the receive interrupt is off.
     deaf_until: u64,
     boots_at: Option<u64>,
     /// A block that waits for a free planner block or an empty queue.
     waiting_block: Option<ParsedBlock>,
-    /// Time at which the current line is answered, after a dwell or a setting, ns.
+    /// Time at which the current line is answered, ns; set by a dwell or a setting.
     answer_at: Option<u64>,
     modal: Modal,
     planner: Planner,
     /// Pulses of X, Y, Z since power-on, as a counter at the pins reads them.
     pulses: [i64; 3],
-    /// Position of the firmware, pulses.
+    /// Position that the firmware counts for X, Y, Z, pulses.
     position: [i64; 3],
-    /// Error added to the reported position, pulses.
+    /// Error added to the position of X, Y, Z in reports, pulses.
     position_error: [i64; 3],
     state: GrblState,
-    /// After a hard limit the board ignores everything except a reset.
+    /// Whether the board ignores everything except a reset, as after a hard limit.
     waits_for_reset: bool,
     stopped_since: Option<u64>,
     report_due: bool,
@@ -178,16 +178,17 @@ pub struct GrblTwin {
     spindle: GrblSpindle,
     pass: Option<TwinThreadPass>,
     passes: Vec<PassTrace>,
-    /// A feed hold during a thread pass, which acts at its end.
+    /// Whether a feed hold was received during a thread pass; it acts at the end of the pass.
     hold_pending: bool,
-    /// The main loop waits forever; only a reset ends it.
+    /// Whether the main loop waits forever; only a reset ends the wait.
     main_loop_blocked: bool,
-    /// Time that this step adds to a thread pass, s; negative if it starts within the step.
+    /// Time to add to the current step of a thread pass, s; negative if the pass starts within
+    /// the step.
     pass_time_offset_s: f64,
-    /// Work offset of G54, mm, kept without power.
+    /// Work offset of G54 for X, Y, Z, mm; survives power-off.
     work_offset: [f64; 3],
     fluid: FluidState,
-    /// Number of FluidNC macros started by a realtime character.
+    /// Number of FluidNC macros that realtime characters have started.
     pub macro_count: u32,
     /// Number of resets since power-on, in motion or not.
     pub reset_count: u32,
@@ -262,23 +263,23 @@ impl GrblTwin {
         self.position_error[2] += z;
     }
 
-    /// Sets the work offset of G54 for X and Z, mm, as another program does.
+    /// Sets the work offset of G54 for X and Z, mm, as another host program does.
     pub const fn set_work_offset(&mut self, [x, z]: [f64; 2]) {
         self.work_offset = [x, 0.0, z];
     }
 
-    /// Returns the settings.
+    /// Returns the settings that the board has stored.
     pub const fn settings(&self) -> &GrblSettings {
         &self.settings
     }
 
-    /// Returns the mutable settings, as if another program had changed them.
+    /// Returns the stored settings for a change, as if another host program had changed them.
     pub const fn settings_mut(&mut self) -> &mut GrblSettings {
         &mut self.settings
     }
 
-    /// Returns the spindle code (3, 4 or 5 of M03 to M05), the S value, and whether coolant
-    /// is on.
+    /// Returns the outputs: spindle code (3, 4 or 5 for M03 to M05), S value in r/min, and
+    /// whether the coolant is on.
     pub const fn outputs(&self) -> (u8, f64, bool) {
         (self.spindle_code, self.modal.speed, self.coolant)
     }
@@ -293,7 +294,7 @@ impl GrblTwin {
         self.to_board.send(bytes, self.now);
     }
 
-    /// Returns the bytes that have arrived at the host.
+    /// Returns the bytes that have arrived at the host, and removes them.
     pub fn read(&mut self) -> Vec<u8> {
         let now = self.now;
         core::iter::from_fn(|| self.to_host.receive(now)).collect()
@@ -426,8 +427,8 @@ impl GrblTwin {
         }
     }
 
-    /// Adds pulses to the position. A blocked motor does not move, but the position still
-    /// changes.
+    /// Adds pulses of an axis to the position. The motor of a blocked axis makes no pulses,
+    /// but the position still changes.
     const fn count_pulses(&mut self, axis: usize, count: i64) {
         self.position[axis] += count;
         if !self.is_limited(axis) {

@@ -27,10 +27,11 @@ use spindle::KlipperSpindle;
 pub use spindle::SpindleWiring;
 use stepper::Stepper;
 
-/// Clock frequency, Hz, and number of entries in the move queue shared by all objects.
+/// Clock frequency of the board, Hz, and number of entries in the move queue that all objects
+/// share.
 const CLOCK_HZ: u32 = 16_000_000;
 const MOVE_QUEUE_SIZE: usize = 657;
-/// Capacity of the receive buffer.
+/// Capacity of the receive buffer, bytes.
 const RECEIVE_WINDOW_BYTES: usize = 192;
 /// Time from a reset to the first message, ns.
 const BOOT_NS: u64 = 60_000_000;
@@ -43,10 +44,10 @@ const TOO_LATE_NS: i64 = 1_000_000;
 /// Interval of `stats` messages, s.
 const STATS_S: i64 = 5;
 
-/// The state of the firmware.
+/// The state of the Klipper firmware on the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KlipperState {
-    /// The firmware is starting.
+    /// The firmware is starting and receives nothing.
     Booting,
     /// The firmware is running.
     Running,
@@ -59,7 +60,7 @@ pub enum KlipperState {
 pub struct KlipperHardware {
     /// Rate of the serial line, bits/s.
     pub baud: u32,
-    /// Clock error, millionths; positive if the clock is too fast.
+    /// Error of the board's clock, millionths; positive if the clock is too fast.
     pub clock_error_ppm: i32,
     /// Whether the firmware has the command `reset`. Without it, only a shutdown lets the
     /// host clear the configuration.
@@ -76,17 +77,17 @@ impl Default for KlipperHardware {
     }
 }
 
-/// A switch on the travel of a slide, or the index signal of a motor. It is high while the
-/// stepper is between two positions, once or in every turn.
+/// A switch on the travel of a slide, or the index signal of a motor. The signal is high while
+/// the stepper is between two positions, once on the travel or once in every turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TravelSwitch {
     /// Index of the stepper, 0 or 1.
     pub stepper: usize,
-    /// First position at which it is high, pulses.
+    /// First position at which the signal is high, pulses.
     pub first_pulse: i64,
-    /// Last position at which it is high, pulses.
+    /// Last position at which the signal is high, pulses.
     pub last_pulse: i64,
-    /// Pulses per turn for a signal in every turn; `None` for a switch.
+    /// Pulses per turn if the signal comes once in every turn; `None` for a switch.
     pub pulses_per_turn: Option<i64>,
 }
 
@@ -110,59 +111,62 @@ pub struct KlipperTwin {
     pub to_board: TwinWire,
     /// Serial line from the board to the host.
     pub to_host: TwinWire,
-    /// Real clock ticks in 1000 s.
+    /// Number of clock ticks that the board counts in 1000 s.
     ticks_per_1000_s: u64,
     /// Time at which the clock was 0, ns.
     clock_zero_ns: u64,
     boots_at: Option<u64>,
     shutdown: Option<&'static str>,
     received: VecDeque<u8>,
-    /// The firmware drops bytes up to the next 7E. It has already sent its acknowledgement.
+    /// Whether the firmware drops bytes up to the next 7E. Its acknowledgement is already
+    /// sent.
     needs_sync: bool,
     next_sequence: u8,
     busy_until: u64,
     dictionary: Vec<u8>,
     crc: Option<u32>,
-    /// Number of object ids that the host has allocated.
+    /// Number of object ids (oids) that the host has allocated; `None` before it has.
     oid_count: Option<u32>,
     oids: BTreeMap<u32, ConfigObject>,
-    /// Clock at which the processor has finished its last step. Later steps wait for it.
+    /// Clock, ticks, at which the processor has finished its last step. Later steps wait for
+    /// it.
     processor_free_at: i64,
     stats_at: i64,
     input_levels: BTreeMap<u32, bool>,
-    /// Switches on the travel of the slides, by pin number.
+    /// Switches on the travel of the slides, by the number of their pin.
     travel_switches: BTreeMap<u32, TravelSwitch>,
     spindle: Option<KlipperSpindle>,
-    /// Steps since recording started; `None` if it is off.
+    /// Steps since the last call of [`KlipperTwin::take_recorded_steps`]; `None` if recording
+    /// is off.
     recorded_steps: Option<Vec<MadeStep>>,
-    /// Pulses since power-on of each stepper, in the order of their oids.
+    /// Pulses of each stepper since power-on, in the order of their oids.
     pulses: [i64; 2],
     last_pulse_ns: u64,
-    /// Execution times of the commands of the last second, ns.
+    /// Times at which the commands of the last second were executed, ns.
     recent_command_times: VecDeque<u64>,
     statistics: KlipperStatistics,
 }
 
-/// Statistics of the board since power-on.
+/// What the board has counted and measured since power-on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KlipperStatistics {
-    /// Maximum number of entries in the shared move queue.
+    /// Greatest number of entries in the shared move queue so far.
     pub max_queue_entries: usize,
     /// Shortest time from the command of a move to its first step, ns.
     pub min_lead_ns: i64,
     /// Number of executed commands.
     pub command_count: u64,
-    /// Maximum number of commands executed within a second.
+    /// Greatest number of commands executed within a second so far.
     pub max_commands_per_s: u32,
     /// Number of requests for a part of the dictionary.
     pub identify_count: u64,
-    /// Number of steps.
+    /// Number of steps of all steppers.
     pub step_count: u64,
     /// Number of commands for outputs.
     pub output_command_count: u64,
 }
 
-/// One recorded step.
+/// One step of a stepper, as recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MadeStep {
     /// Time of the step, ns.
@@ -171,7 +175,7 @@ pub struct MadeStep {
     pub due_ns: u64,
     /// Index of the stepper, 0 or 1.
     pub stepper: usize,
-    /// Position after the step, pulses.
+    /// Position of the stepper after the step, pulses.
     pub position: i64,
 }
 
@@ -233,7 +237,7 @@ impl KlipperTwin {
         twin
     }
 
-    /// Resets the board as the reset line or a power cycle does. It loses its
+    /// Resets the board as the reset line or a power cycle does. The board loses its
     /// configuration.
     pub fn press_reset(&mut self) {
         self.boots_at = Some(self.now + BOOT_NS);
@@ -254,13 +258,13 @@ impl KlipperTwin {
         }
     }
 
-    /// Returns the pulses since power-on of both steppers, as a counter at the pins reads
+    /// Returns the pulses of both steppers since power-on, as a counter at the pins reads
     /// them.
     pub const fn pulses(&self) -> [i64; 2] {
         self.pulses
     }
 
-    /// Returns the time of the last pulse, ns.
+    /// Returns the time of the last pulse of any stepper, ns.
     pub const fn last_pulse_ns(&self) -> u64 {
         self.last_pulse_ns
     }
@@ -280,8 +284,7 @@ impl KlipperTwin {
         self.shut_down(reason);
     }
 
-    /// Puts the board into the state in which another host has left it, with its
-    /// configuration.
+    /// Configures the board, so that it is in the state in which another host has left it.
     pub fn configure_for_another_host(&mut self) {
         self.boots_at = self.boots_at.map(|_| self.now);
         if self.boots_at.is_some() {
@@ -290,7 +293,7 @@ impl KlipperTwin {
         self.crc = Some(1);
     }
 
-    /// Adds an error to the positions that the firmware reports, pulses for each stepper.
+    /// Adds an error, pulses of each stepper, to the positions that the firmware reports.
     pub fn add_position_error(&mut self, pulses: [i64; 2]) {
         let mut off = pulses.into_iter();
         for object in self.oids.values_mut() {
@@ -300,8 +303,8 @@ impl KlipperTwin {
         }
     }
 
-    /// Sets the level of an input pin and removes its travel switch. Other input pins are
-    /// low.
+    /// Sets the level of the input pin `name` and removes its travel switch. Input pins that
+    /// are not set are low.
     pub fn set_pin(&mut self, name: &str, level: bool) {
         if let Some(pin) = pins::pin_number(name) {
             self.travel_switches.remove(&pin);
@@ -309,7 +312,8 @@ impl KlipperTwin {
         }
     }
 
-    /// Puts a switch on the travel of a slide; its pin follows the position of the stepper.
+    /// Connects a switch on the travel of a slide to the pin `name`. The pin follows the
+    /// position of the stepper.
     pub fn place_switch(&mut self, name: &str, travel: TravelSwitch) {
         if let Some(pin) = pins::pin_number(name) {
             self.travel_switches.insert(pin, travel);
@@ -321,7 +325,7 @@ impl KlipperTwin {
         self.pulses = pulses;
     }
 
-    /// Returns the last value of an output pin, or `None` if it is not configured.
+    /// Returns the last value of the output pin `name`; `None` if it is not configured.
     pub fn output(&self, name: &str) -> Option<u32> {
         let wanted = pins::pin_number(name)?;
         self.oids.values().find_map(|object| match object {
@@ -330,7 +334,7 @@ impl KlipperTwin {
         })
     }
 
-    /// Starts to record every step.
+    /// Starts to record every step of all steppers.
     pub fn start_recording_steps(&mut self) {
         self.recorded_steps = Some(Vec::new());
     }
@@ -348,7 +352,7 @@ impl KlipperTwin {
         self.to_board.send(bytes, self.now);
     }
 
-    /// Returns the bytes that have arrived at the host.
+    /// Returns the bytes that have arrived at the host, and removes them.
     pub fn read(&mut self) -> Vec<u8> {
         let now = self.now;
         std::iter::from_fn(|| self.to_host.receive(now)).collect()
@@ -401,20 +405,21 @@ impl KlipperTwin {
         self.send_acknowledgement();
     }
 
-    /// Returns the current clock, ticks.
+    /// Returns the clock of the board at the current time, ticks.
     fn clock(&self) -> i64 {
         let since = u128::from(self.now - self.clock_zero_ns);
         (since * u128::from(self.ticks_per_1000_s) / 1_000_000_000_000) as i64
     }
 
-    /// Returns the time at which the clock reaches a value, ns.
+    /// Returns the time at which the clock of the board reaches `clock` ticks, ns.
     fn clock_to_ns(&self, clock: i64) -> u64 {
         let ticks = u128::from(clock.max(0).unsigned_abs());
         let ns = (ticks * 1_000_000_000_000).div_ceil(u128::from(self.ticks_per_1000_s));
         self.clock_zero_ns + ns as u64
     }
 
-    /// Extends the low 32 bits of a clock in a message to the full clock nearest to now.
+    /// Extends the low 32 bits of a clock in a message to the full clock, ticks, that is
+    /// nearest to now.
     fn extend_clock(&self, low: u32) -> i64 {
         let now = self.clock();
         now + i64::from(low.wrapping_sub(now as u32) as i32)
@@ -450,7 +455,8 @@ impl KlipperTwin {
         self.send(&content);
     }
 
-    /// Receive interrupt: bytes that do not fit into the buffer are lost.
+    /// Stores the bytes that arrive, as the receive interrupt does. Bytes that do not fit into
+    /// the buffer are lost.
     fn receive_bytes(&mut self) {
         while let Some(byte) = self.to_board.receive(self.now) {
             if self.received.len() < RECEIVE_WINDOW_BYTES {
@@ -497,7 +503,8 @@ impl KlipperTwin {
         }
     }
 
-    /// Shuts down: stops all steppers and sets all outputs to their default values.
+    /// Shuts the firmware down: stops all steppers and sets all outputs to their default
+    /// values.
     fn shut_down(&mut self, reason: &'static str) {
         if self.shutdown.is_some() {
             return;

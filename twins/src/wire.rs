@@ -27,14 +27,14 @@ pub enum Damage {
 #[derive(Clone, Debug)]
 pub struct TwinWire {
     byte_ns: u64,
-    /// Bytes in transit, each with its time of arrival, ns.
+    /// Bytes in transit, each with the time of its arrival, ns.
     in_transit: VecDeque<(u64, u8)>,
-    /// Time at which the line has transmitted the last byte, ns.
+    /// Time at which the line finishes the last byte sent, ns.
     busy_until_ns: u64,
     delay_ns: u64,
     cut: bool,
     sent: u64,
-    /// Scheduled damage, each with the index of its byte.
+    /// Damage that is due, each with the index of the byte that it hits, from 0.
     damage: VecDeque<(u64, Damage)>,
 }
 
@@ -60,12 +60,12 @@ impl TwinWire {
         self.damage.insert(position, (count, damage));
     }
 
-    /// Returns the number of bytes sent so far.
+    /// Returns the number of bytes sent on the line so far.
     pub const fn sent_count(&self) -> u64 {
         self.sent
     }
 
-    /// Unplugs or plugs in the cable. Bytes in transit are lost.
+    /// Unplugs the cable (true) or plugs it in. Bytes in transit are lost.
     pub fn set_cut(&mut self, cut: bool) {
         self.cut = cut;
         self.in_transit.clear();
@@ -104,7 +104,7 @@ impl TwinWire {
         }
     }
 
-    /// Returns the next byte that has arrived by time `now`, ns.
+    /// Returns the next byte if it has arrived by time `now`, ns; `None` otherwise.
     pub fn receive(&mut self, now: u64) -> Option<u8> {
         let &(arrival, byte) = self.in_transit.front()?;
         if arrival > now {
@@ -114,7 +114,7 @@ impl TwinWire {
         Some(byte)
     }
 
-    /// Returns the time of arrival of the next byte, ns.
+    /// Returns the time at which the next byte arrives, ns; `None` if no byte is in transit.
     pub(crate) fn next_arrival(&self) -> Option<u64> {
         self.in_transit.front().map(|(arrival, _)| *arrival)
     }

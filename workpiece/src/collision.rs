@@ -10,30 +10,30 @@ use crate::tool::BodyPart;
 /// The part of the tool that collides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TouchingPart {
-    /// The insert during a rapid.
+    /// The insert touches during a rapid.
     RapidInsert,
-    /// The insert during a feed move with a stopped spindle.
+    /// The insert touches during a feed move while the spindle stands still.
     StandingInsert,
-    /// The insert during a feed move with a turning spindle.
+    /// The insert touches during a feed move while the spindle turns.
     Insert,
-    /// A part of the tool that must never touch anything.
+    /// This part of the tool touches, which must never touch anything.
     Body(BodyPart),
 }
 
 /// The object that the tool collides with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Obstacle {
-    /// The stock, or what is left of it.
+    /// The stock, or the part that remains of it.
     Stock,
-    /// The chuck jaws.
+    /// The jaws of the chuck.
     Jaws,
-    /// The chuck body.
+    /// The body of the chuck.
     Chuck,
     /// The quill of the tailstock or its centre.
     Tailstock,
 }
 
-/// A collision of a tool with an obstacle. Points are part coordinates, X a radius.
+/// A collision of a tool with an obstacle. Points are in part coordinates, X as a radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Collision {
     /// The part of the tool that collides.
@@ -42,15 +42,15 @@ pub struct Collision {
     pub obstacle: Obstacle,
     /// The imaginary tip at the first contact, mm.
     pub tip: Point,
-    /// The centre of the first contact area, mm.
+    /// The centre of the area of first contact, mm.
     pub contact: Point,
     /// The greatest depth that the tool reaches in the obstacle during this motion, mm.
     pub depth: f64,
 }
 
 impl Collision {
-    /// A collision whose overlap is `first` at the first contact and `last` at the end of
-    /// the motion.
+    /// Creates a collision whose overlap is `first` at the first contact and `last` at the end
+    /// of the motion, with the imaginary tip at `tip`.
     pub(crate) fn new(
         touching_part: TouchingPart,
         obstacle: Obstacle,

@@ -13,9 +13,9 @@ use crate::region::Region;
 
 /// Greatest distance of two sample points on an edge, mm.
 const SAMPLE_SPACING_MM: f64 = 0.1;
-/// Most sample points on one edge.
+/// Maximum number of sample points on one edge.
 const MAX_EDGE_SAMPLES: f64 = 2000.0;
-/// Width of the columns along Z that index the edges, grid units: 0.5 mm.
+/// Width of the columns along Z that index the edges of a region, grid units: 0.5 mm.
 const COLUMN_UNITS: i32 = 5_000;
 
 /// A point of a surface with its distance from the wanted surface.
@@ -90,7 +90,7 @@ impl Edges {
         }
     }
 
-    /// Distance of a point from the region, negative inside it.
+    /// Distance of a point from the outline of the region, mm, negative inside.
     fn signed_distance(&self, at: Point) -> f64 {
         let column = libm::floor(at.z / mm(COLUMN_UNITS)) as i32 - self.first_column;
         let distance = self.distance_to_nearest(at, column);
@@ -101,8 +101,8 @@ impl Edges {
         }
     }
 
-    /// Distance to the nearest edge. Searches outwards column by column and stops when
-    /// the remaining columns are too far away to hold a nearer edge.
+    /// Distance of a point from the nearest edge, mm. The search starts at `column`, goes
+    /// outwards, and stops when the remaining columns are too far away to hold a nearer edge.
     fn distance_to_nearest(&self, at: Point, column: i32) -> f64 {
         let mut nearest = f64::INFINITY;
         let reach = self.columns.len() as i32;
@@ -124,8 +124,8 @@ impl Edges {
         nearest
     }
 
-    /// Whether the point is inside: a ray away from the axis crosses an odd number of
-    /// edges.
+    /// Whether a point in `column` is inside the region: a ray away from the axis crosses an
+    /// odd number of edges.
     fn contains(&self, at: Point, column: i32) -> bool {
         let edges = usize::try_from(column).ok();
         let Some(edges) = edges.and_then(|index| self.columns.get(index)) else {
@@ -163,7 +163,7 @@ mod tests {
         Region::from_contours(&[corners.iter().map(corner).collect()])
     }
 
-    /// Least and greatest distance.
+    /// Least and greatest signed distance, mm.
     fn range(deviations: &[Vec<SurfaceDeviation>]) -> (f64, f64) {
         let all = deviations.iter().flatten().map(|it| it.distance);
         all.fold((0.0, 0.0), |(low, high): (f64, f64), distance| {

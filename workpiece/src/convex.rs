@@ -45,8 +45,8 @@ pub fn convex_hull(points: impl IntoIterator<Item = GridPoint>) -> GridContour {
     }
 }
 
-/// Appends points and keeps the chain turning left: points from index `kept` on may be
-/// removed again.
+/// Appends points and keeps the chain turning left. Points from index `kept` on may be removed
+/// again.
 fn extend_chain(hull: &mut GridContour, kept: usize, points: impl Iterator<Item = GridPoint>) {
     for point in points {
         while let [.., a, b] = hull[kept..]
@@ -58,8 +58,8 @@ fn extend_chain(hull: &mut GridContour, kept: usize, points: impl Iterator<Item 
     }
 }
 
-/// Computes the area that a convex polygon sweeps on a straight line. `from` and `to` are
-/// the positions of the polygon's zero.
+/// Computes the area that a convex polygon sweeps on a straight line. Its zero moves from
+/// `from` to `to`.
 pub fn sweep(polygon: &[GridPoint], from: GridPoint, to: GridPoint) -> GridContour {
     let at = |by: GridPoint| polygon.iter().map(move |point| translated(*point, by));
     if from == to {
@@ -68,7 +68,8 @@ pub fn sweep(polygon: &[GridPoint], from: GridPoint, to: GridPoint) -> GridConto
     convex_hull(at(from).chain(at(to)))
 }
 
-/// Computes the area that a convex polygon sweeps along a path, as one closed polygon.
+/// Computes the area that a convex polygon sweeps along a path of its zero, as one closed
+/// polygon.
 ///
 /// The outline crosses itself where the path does, and where a bend of the path is sharper
 /// than the polygon. A point belongs to the area if its winding number is not 0.
@@ -109,9 +110,9 @@ pub fn sweep_along(polygon: &[GridPoint], path: &[GridPoint]) -> GridContour {
     outline
 }
 
-/// Finds the corner of a convex polygon that is farthest to the right of the direction
-/// from `from` to `to`; of two equal corners the last one. `begin` is the corner at which
-/// the search starts: the nearer it is, the shorter the search.
+/// Finds the index of the corner of a convex polygon that is farthest to the right of the
+/// direction from `from` to `to`; of two equal corners the last one. The search starts at
+/// corner `begin`: the nearer it is, the shorter the search.
 fn rightmost_corner(polygon: &[GridPoint], begin: usize, from: GridPoint, to: GridPoint) -> usize {
     let (dx, dy) = (
         i64::from(to.x) - i64::from(from.x),
@@ -143,7 +144,7 @@ fn rightmost_corner(polygon: &[GridPoint], begin: usize, from: GridPoint, to: Gr
 }
 
 /// Scales a convex polygon down about its centre until each side of its bounding box is at
-/// least `by` farther in, grid units. A polygon that is too small becomes empty.
+/// least `by` grid units farther in. A polygon that is too small becomes empty.
 pub fn shrink(polygon: &[GridPoint], by: i32) -> GridContour {
     let Some(bounds) = GridBounds::from_points(polygon) else {
         return GridContour::new();

@@ -13,24 +13,25 @@ use gsk_units::Point;
 /// Greatest distance of a chord from its arc, mm: two units of the grid.
 pub const SAGITTA_MM: f64 = 0.000_2;
 
-/// Most chords of one arc.
+/// Maximum number of chords of one arc.
 const MAX_CHORDS: f64 = 4096.0;
 
 /// A circular arc in the working plane, with Z to the right and X upwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneArc {
-    /// The centre, mm; X is a radius.
+    /// The centre of the arc, mm; X is a radius.
     pub center: Point,
-    /// The radius, mm.
+    /// The radius of the arc, mm.
     pub radius: f64,
-    /// The start angle, radians counter-clockwise from +Z.
+    /// The direction from the centre to the start, radians counter-clockwise from +Z.
     pub begin: f64,
     /// The angle from start to end, radians; positive is counter-clockwise.
     pub sweep: f64,
 }
 
 impl PlaneArc {
-    /// An arc about `center` from one point to another. Equal points give a full circle.
+    /// Creates an arc about `center` from one point to another, mm. Equal points give a full
+    /// circle.
     pub fn between(from: Point, to: Point, center: Point, clockwise: bool) -> Self {
         let (first, last) = (from - center, to - center);
         let begin = angle(first);
@@ -50,7 +51,7 @@ impl PlaneArc {
         }
     }
 
-    /// The point at a fraction of the arc: 0 is its start, 1 its end.
+    /// The point, mm, at a fraction of the arc: 0 is the start, 1 the end.
     pub fn point_at(&self, fraction: f64) -> Point {
         let angle = self.begin + self.sweep * fraction;
         self.center + Point::new(libm::sin(angle), libm::cos(angle)) * self.radius

@@ -25,8 +25,8 @@ pub struct Job {
     /// The tools by tool number, the first two digits of the T word.
     #[serde(default)]
     pub tools: BTreeMap<u8, Tool>,
-    /// Machine coordinates of the slide when the tip of a tool of length 0 is at the zero
-    /// of the part. `None`: the work zero of the control.
+    /// Machine coordinates of the slide when the tip of a tool of length 0 is at the zero of
+    /// the part. With `None` the work zero of the control is used.
     #[serde(default)]
     pub zero: Option<DiameterPoint>,
     /// True tool lengths by tool number. A missing length is the tool offset that is
@@ -39,9 +39,9 @@ pub struct Job {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DiameterPoint {
-    /// X as a diameter, mm.
+    /// X of the point as a diameter, mm.
     pub x: Diameter,
-    /// Z, mm.
+    /// Z of the point, mm.
     pub z: f64,
 }
 
@@ -62,7 +62,7 @@ impl From<Point> for DiameterPoint {
 }
 
 impl Job {
-    /// A job with stock and no tools.
+    /// Creates a job with stock and without tools.
     pub const fn new(stock: Stock) -> Self {
         Self {
             stock,
@@ -72,7 +72,7 @@ impl Job {
         }
     }
 
-    /// Checks the ranges of all dimensions.
+    /// Checks that all dimensions of stock and tools are in their ranges.
     ///
     /// # Errors
     /// The first value out of range, with the tool number.

@@ -16,25 +16,25 @@ use serde::Serialize;
 use crate::grid::{GridPoint, from_grid};
 use crate::region::Region;
 
-/// Greatest distance of a point from its line or circle, mm.
+/// Greatest distance of a point from the line or circle fitted to it, mm.
 const TOLERANCE_MM: f64 = 0.000_5;
-/// Fewest points of an arc; fewer points become lines.
+/// Least number of points of an arc; fewer points become lines.
 const MIN_ARC_POINTS: usize = 5;
 /// Greatest radius of an arc, mm; flatter arcs become lines.
 const MAX_ARC_RADIUS_MM: f64 = 5_000.0;
-/// Fewest grooves of a thread.
+/// Least number of grooves of a thread.
 const MIN_THREAD_GROOVES: usize = 3;
 /// Greatest difference between grooves of one thread in pitch and depth, mm.
 const THREAD_TOLERANCE_MM: f64 = 0.002;
 
-/// A feature of the outline. Pairs are ordered from the front of the part to its back; Z
-/// is a part coordinate, mm.
+/// A feature of the outline. Pairs run from the front of the part to its back; Z is a part
+/// coordinate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 pub enum Feature {
     /// A line parallel to the spindle axis.
     Cylinder {
-        /// The diameter, mm.
+        /// The diameter of the cylinder, mm.
         diameter: Diameter,
         /// Z of both ends, mm.
         z: (f64, f64),
@@ -55,9 +55,9 @@ pub enum Feature {
         /// Angle between the line and the spindle axis, degrees: half the cone angle.
         angle: f64,
     },
-    /// A circular arc.
+    /// A circular arc: a fillet, a rounding or a ball.
     Arc {
-        /// The radius, mm; negative if the arc is concave.
+        /// The radius of the arc, mm; negative if the arc is concave.
         radius: f64,
         /// Diameters of both ends, mm.
         diameters: (Diameter, Diameter),
@@ -66,7 +66,7 @@ pub enum Feature {
     },
     /// Equal grooves at equal distances.
     Thread {
-        /// Distance between two grooves, mm.
+        /// Distance between two grooves along Z, mm.
         pitch: f64,
         /// Crest diameter and root diameter, mm.
         diameters: (Diameter, Diameter),
@@ -78,9 +78,9 @@ pub enum Feature {
 /// A feature with the points of its outline.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredFeature {
-    /// The recognized feature.
+    /// The feature that was recognized in the outline.
     pub feature: Feature,
-    /// Points from the front of the part to its back, mm; X is a radius.
+    /// Points of the outline from the front of the part to its back, mm; X is a radius.
     pub outline: Vec<Point>,
 }
 
@@ -114,9 +114,9 @@ pub fn measure_with_outlines(section: &Region, side: SectionSide) -> Vec<Measure
 /// The side of a half section that is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SectionSide {
-    /// The outer surface.
+    /// The outer surface of the part.
     Outside,
-    /// The surface of the bore.
+    /// The surface of the bore, on the inside.
     Inside,
 }
 
@@ -127,7 +127,7 @@ struct OutlineSegment {
     to: Point,
     /// Indices of both ends in the outline.
     points: (usize, usize),
-    /// Centre of an arc, and whether the arc is convex.
+    /// Centre of the arc, mm, and whether the arc is convex; `None` for a line.
     arc: Option<(Point, bool)>,
 }
 
@@ -165,7 +165,8 @@ impl OutlineSegment {
     }
 }
 
-/// The points of one side of the largest connected area, from its front to its back.
+/// The points of one side of the largest connected area, from its front to its back, mm; X is
+/// a radius.
 fn outline(section: &Region, side: SectionSide) -> Vec<Point> {
     let areas = section.connected_areas();
     let largest = areas.iter().max_by(|a, b| a.area().total_cmp(&b.area()));
@@ -205,7 +206,7 @@ fn outline(section: &Region, side: SectionSide) -> Vec<Point> {
     points.into_iter().map(from_grid).collect()
 }
 
-/// Fits the fewest lines and arcs through the points that are within the tolerance.
+/// Fits the fewest lines and arcs to the points that stay within the tolerance.
 fn fit_segments(points: &[Point]) -> Vec<OutlineSegment> {
     let mut segments = Vec::new();
     let mut begin = 0;
@@ -229,7 +230,8 @@ fn fit_segments(points: &[Point]) -> Vec<OutlineSegment> {
     segments
 }
 
-/// The index of the last point for which the points from `begin` up to it fit.
+/// The index of the last point up to which the points from index `begin` on still fit, as
+/// `fits` decides.
 fn last_fitting(points: &[Point], begin: usize, fits: impl Fn(&[Point]) -> bool) -> usize {
     let mut end = begin + 1;
     // The step doubles, then halves: fewer attempts than one for each point.
@@ -258,8 +260,8 @@ fn is_line(points: &[Point]) -> bool {
         .all(|point| direction.cross(*point - *first).abs() <= TOLERANCE_MM)
 }
 
-/// Fits a circle through the first, the middle and the last point. Returns its centre and
-/// whether it is convex, if all points are on it.
+/// Fits a circle through the first, the middle and the last point. Returns its centre, mm, and
+/// whether the arc is convex; `None` if a point is not on the circle.
 fn fit_arc(points: &[Point]) -> Option<(Point, bool)> {
     let (first, last) = (*points.first()?, *points.last()?);
     let middle = points[points.len() / 2];
@@ -284,8 +286,8 @@ fn fit_arc(points: &[Point]) -> Option<(Point, bool)> {
     is_arc.then_some((center, twice > 0.0))
 }
 
-/// Recognizes a thread at the start of the segments. Returns it with the number of its
-/// segments.
+/// Recognizes a thread at the start of the segments. Returns the thread and the number of its
+/// segments; `None` if there is no thread.
 fn find_thread(segments: &[OutlineSegment]) -> Option<(Feature, usize)> {
     let mut roots: Vec<Point> = Vec::new();
     let mut crest = f64::NEG_INFINITY;
@@ -325,7 +327,7 @@ fn find_thread(segments: &[OutlineSegment]) -> Option<(Feature, usize)> {
     Some((feature, used))
 }
 
-/// Least ratio of the change of X to the change of Z on a thread flank; flatter lines are
+/// Least ratio of the change of X to the change of Z on a thread flank. Flatter lines are
 /// tapers.
 const MIN_FLANK_SLOPE: f64 = 0.25;
 
@@ -345,8 +347,8 @@ fn has_rising_flank(segments: &[OutlineSegment]) -> bool {
     segments.iter().take(2).any(rises)
 }
 
-/// The lowest point of a groove whose first segment is its falling flank. Z is the middle
-/// between both flanks.
+/// The lowest point of a groove, mm. The first of `segments` is its falling flank; Z is the
+/// middle between both flanks.
 fn groove_root(segments: &[OutlineSegment]) -> Point {
     let Some(falling) = segments.first() else {
         return Point::default();

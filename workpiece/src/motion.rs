@@ -5,14 +5,14 @@ use gsk_units::{Axis, Point};
 use crate::curve::PlaneArc;
 use crate::grid::{GridPoint, to_grid};
 
-/// One move of the imaginary tip. Points are part coordinates, mm; X is a radius.
+/// One move of the imaginary tip. Points are in part coordinates, mm; X is a radius.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToolMotion {
-    /// The start point.
+    /// The position of the imaginary tip at the start.
     pub from: Point,
-    /// The end point.
+    /// The position of the imaginary tip at the end.
     pub to: Point,
-    /// The path between the points, and whether it may cut.
+    /// The path from start to end, and whether the move may cut.
     pub kind: MotionKind,
     /// Whether the spindle turns during the move.
     pub turning: bool,
@@ -32,18 +32,18 @@ pub enum MotionKind {
         /// Whether the arc is clockwise, with Z to the right and X upwards.
         clockwise: bool,
     },
-    /// A thread pass. The tool is in the drawn half plane once per spindle turn; these are
-    /// its positions then.
+    /// A thread pass. The tool passes the drawn half plane once per spindle turn, at these tip
+    /// positions.
     Thread(Vec<Point>),
 }
 
 impl ToolMotion {
-    /// The corners of the path on the grid, arcs as chords.
+    /// The corners of the path in grid units; arcs are split into chords.
     pub(crate) fn path(&self) -> Vec<GridPoint> {
         self.points().into_iter().map(to_grid).collect()
     }
 
-    /// The corners of the path, arcs as chords.
+    /// The corners of the path, mm; arcs are split into chords.
     fn points(&self) -> Vec<Point> {
         match &self.kind {
             MotionKind::Rapid | MotionKind::Line | MotionKind::Thread(_) => {
@@ -76,20 +76,20 @@ pub struct ThreadPath {
     pub to: Point,
     /// The axis along which the lead is measured.
     pub lead_axis: Axis,
-    /// The lead at the start, mm per turn; along X of the radius.
+    /// The lead at the start, mm per turn; along X as a change of the radius.
     pub lead: f64,
-    /// The change of the lead, mm per turn and turn: 0 for a constant lead.
+    /// The change of the lead, mm per turn for each turn: 0 for a constant lead.
     pub lead_change: f64,
-    /// The angle of the spindle at the start, turns from the drawn half plane.
+    /// The angle of the spindle at the start, in turns from the drawn half plane.
     pub phase: f64,
 }
 
-/// Most imprints of one thread pass.
+/// Maximum number of imprints of one thread pass.
 const MAX_IMPRINTS: u32 = 100_000;
 
 impl ThreadPath {
-    /// Computes the tip positions at which the drawn half plane passes the tool, and the
-    /// angle of the spindle at the end, turns.
+    /// Computes the imprints: the tip positions at which the tool passes the drawn half plane.
+    /// Also returns the angle of the spindle at the end, turns.
     pub fn imprints(&self) -> (Vec<Point>, f64) {
         let displacement = self.to - self.from;
         let along = displacement.get(self.lead_axis).abs();
@@ -115,7 +115,8 @@ impl ThreadPath {
         (imprints, self.phase + turns)
     }
 
-    /// Spindle turns for a distance along the lead axis.
+    /// Number of spindle turns for a distance, mm, along the lead axis, with a lead in mm at
+    /// the start.
     fn turns(&self, distance: f64, lead: f64) -> f64 {
         if self.lead_change == 0.0 {
             return distance / lead;

@@ -16,10 +16,10 @@ use crate::convex::{sweep, sweep_along};
 use crate::grid::{GridContour, GridPoint, PER_MM, to_grid};
 use crate::region::{GridBounds, Region};
 
-/// Width of a slab, grid units: 2 mm.
+/// Width of a slab along Z, grid units: 2 mm.
 const SLAB_UNITS: i32 = 20_000;
 
-/// The half section of a part, cut by tools.
+/// The half section of a part that tools cut, stored in slabs along Z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TurnedPart {
     /// Slabs in the order of Z.
@@ -29,7 +29,7 @@ pub struct TurnedPart {
     version: u64,
 }
 
-/// The material left in a slab, with its bounding box.
+/// The material that remains in a slab, with its bounding box.
 #[derive(Clone, Debug, PartialEq)]
 struct Slab {
     region: Region,
@@ -37,8 +37,9 @@ struct Slab {
 }
 
 impl Slab {
-    /// Rounding may put a crossing one unit beside the border of the slab. `new` moves it
-    /// onto the border: neighbours neither overlap nor leave a gap.
+    /// Creates slab `number` from the material in it. Rounding may put a crossing one unit
+    /// beside the border of the slab. Such a crossing is moved onto the border, so that
+    /// neighbours neither overlap nor leave a gap.
     fn new(region: Region, number: i32) -> Self {
         let (low, high) = (number * SLAB_UNITS, (number + 1) * SLAB_UNITS);
         let on_border = |z: i32| match z {
@@ -66,7 +67,7 @@ pub struct RemovedMaterial {
 }
 
 impl RemovedMaterial {
-    /// Adds the amount of another cut.
+    /// Adds the amount that another cut removed.
     pub fn add(&mut self, other: Self) {
         self.area += other.area;
         self.volume += other.volume;
@@ -74,7 +75,7 @@ impl RemovedMaterial {
 }
 
 impl TurnedPart {
-    /// An uncut part with the given half section; version 0.
+    /// Creates an uncut part with the given half section; its version is 0.
     pub fn new(section: &Region) -> Self {
         let Some(bounds) = section.bounds() else {
             return Self {
@@ -102,20 +103,22 @@ impl TurnedPart {
         }
     }
 
-    /// Removes the area that a convex polygon sweeps on a straight line between two
-    /// positions of its zero, mm.
+    /// Removes the area that a convex polygon sweeps while its zero moves on a straight line
+    /// from `from` to `to`, mm. Returns the amount removed.
     pub fn cut(&mut self, polygon: &[GridPoint], from: Point, to: Point) -> RemovedMaterial {
         let swept = sweep(polygon, to_grid(from), to_grid(to));
         self.remove(&[swept])
     }
 
-    /// Removes the area that a convex polygon sweeps along a path of lines. A path beyond
-    /// the spindle axis also removes the mirror image of that area: the part turns.
+    /// Removes the area that a convex polygon sweeps along a path of lines, and returns the
+    /// amount removed. A path beyond the spindle axis also removes the mirror image of that
+    /// area, because the part turns.
     pub fn cut_along(&mut self, polygon: &[GridPoint], path: &[GridPoint]) -> RemovedMaterial {
         self.remove(&with_mirror_image(sweep_along(polygon, path)))
     }
 
-    /// Removes the area of polygons. The version grows if any material is removed.
+    /// Removes the area of polygons and returns the amount removed. The version increases if
+    /// any material is removed.
     pub fn remove(&mut self, swept: &[GridContour]) -> RemovedMaterial {
         let mut removed = RemovedMaterial::default();
         let mut changed = false;
@@ -150,7 +153,7 @@ impl TurnedPart {
         removed
     }
 
-    /// The slabs whose material may intersect a box, each with its index.
+    /// The slabs whose material may intersect a box, each with its index in the list of slabs.
     fn slabs_near(&mut self, bounds: &GridBounds) -> impl Iterator<Item = (usize, &mut Slab)> {
         let index =
             |z: i32| (z.div_euclid(SLAB_UNITS) - self.first).clamp(0, self.slabs.len() as i32);
@@ -212,7 +215,7 @@ impl TurnedPart {
         self.slabs.iter().map(|slab| slab.region.area()).sum()
     }
 
-    /// A counter that grows with each change; equal versions of one part are equal parts.
+    /// A counter that increases with each change. A part with the same version is unchanged.
     pub const fn version(&self) -> u64 {
         self.version
     }
@@ -267,7 +270,7 @@ pub(crate) fn with_mirror_image(contour: GridContour) -> Vec<GridContour> {
     vec![contour, mirrored]
 }
 
-/// Clips a polygon to a range of Z, grid units; crossings are rounded.
+/// Clips a polygon to a range of Z, grid units; crossings are rounded to the grid.
 fn clip_to_z_range(contour: &[GridPoint], low: i32, high: i32) -> GridContour {
     let Some(bounds) = GridBounds::from_points(contour) else {
         return GridContour::new();
@@ -279,7 +282,8 @@ fn clip_to_z_range(contour: &[GridPoint], low: i32, high: i32) -> GridContour {
     clip_half_plane(&right_of, high, |z, limit| z <= limit)
 }
 
-/// Clips a polygon to one side of a line of constant Z.
+/// Clips a polygon at the line Z = `limit`, grid units. `inside` compares a Z with the limit
+/// and returns whether to keep it.
 fn clip_half_plane(contour: &[GridPoint], limit: i32, inside: fn(i32, i32) -> bool) -> GridContour {
     let mut kept = GridContour::with_capacity(contour.len() + 2);
     let next = contour.iter().cycle().skip(1);

@@ -17,7 +17,7 @@ pub struct Region {
     contours: Vec<GridContour>,
 }
 
-/// An axis-parallel box in grid units, its border included.
+/// An axis-parallel box in grid units, including its border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GridBounds {
     /// The corner with the least Z and X.
@@ -51,8 +51,8 @@ impl GridBounds {
 }
 
 impl Region {
-    /// The region in which the winding number of polygons is not 0. Polygons may overlap; a
-    /// clockwise polygon within a counter-clockwise one is a hole.
+    /// The region in which the winding number of the polygons is not 0. Polygons may overlap;
+    /// a clockwise polygon within a counter-clockwise one is a hole.
     pub fn from_contours(contours: &[GridContour]) -> Self {
         Self::default().overlay(contours, OverlayRule::Clip)
     }
@@ -101,8 +101,8 @@ impl Region {
         self.overlay(others, OverlayRule::Intersect)
     }
 
-    /// Moves each point by a function. Equal neighbours become one point; polygons with
-    /// fewer than three points are dropped.
+    /// Moves each point by the function `moved`. Equal neighbours become one point; polygons
+    /// with fewer than three points are dropped.
     #[must_use]
     pub(crate) fn map_points(mut self, moved: impl Fn(GridPoint) -> GridPoint) -> Self {
         for contour in &mut self.contours {
@@ -135,7 +135,7 @@ impl Region {
         GridBounds::from_points(self.contours.iter().flatten())
     }
 
-    /// The area, mm².
+    /// The area of the region, mm².
     pub fn area(&self) -> f64 {
         self.edges().map(|(a, b)| cross(a, b)).sum::<f64>() / 2.0
     }
@@ -172,7 +172,7 @@ impl Region {
     }
 }
 
-/// The cross product of two points, mm².
+/// The cross product of two grid points as vectors, mm².
 fn cross(a: GridPoint, b: GridPoint) -> f64 {
     let wide = i64::from(a.x) * i64::from(b.y) - i64::from(a.y) * i64::from(b.x);
     wide as f64 / (PER_MM * PER_MM)

@@ -11,18 +11,18 @@ use crate::region::{GridBounds, Region};
 use crate::stock::Stock;
 use crate::tool::ToolShape;
 
-/// Overlaps up to this depth are no collision, grid units: 5 µm. Surfaces slide along each
+/// Depth up to which an overlap is no collision, grid units: 5 µm. Surfaces slide along each
 /// other, and circles are approximated by chords.
 const CLEARANCE_UNITS: i32 = 50;
 
-/// The objects around the tool: part, chuck, jaws and tailstock.
+/// The objects around the tool (part, chuck, jaws and tailstock) and what tools do to them.
 #[derive(Clone, Debug)]
 pub struct LatheScene {
     stock: Stock,
     part: TurnedPart,
     obstacles: Vec<(Obstacle, Region, GridBounds)>,
-    /// The end of the last thread pass. The tool is in the groove that it cut there, but
-    /// the drawn half plane shows the groove at another Z.
+    /// The end of the last thread pass. The tool is in the groove that it cut there, but the
+    /// drawn half plane shows the groove at another Z. `None` after any other move.
     thread_end: Option<Point>,
 }
 
@@ -31,16 +31,17 @@ pub struct LatheScene {
 pub struct MotionEffect {
     /// The amount of removed material.
     pub removed: RemovedMaterial,
-    /// The first collision of the insert, or of the tool body if the insert has none.
+    /// The first collision of the insert, or of the tool body if the insert has none; `None`
+    /// without a collision.
     pub collision: Option<Collision>,
 }
 
 /// The stock that overlaps a tool where the tool must not cut.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Intrusion {
-    /// Overlap with the insert in a rapid.
+    /// Stock that overlaps the insert in a rapid.
     pub insert: Region,
-    /// Overlap with the tool body: insert back, holder, turret.
+    /// Stock that overlaps the tool body: insert back, holder, turret.
     pub body: Region,
 }
 
@@ -48,9 +49,9 @@ pub struct Intrusion {
 #[derive(Clone, Debug)]
 pub struct SceneTool {
     shape: ToolShape,
-    /// The cutting part, shrunk by the clearance.
+    /// The contour of the cutting part, shrunk by the clearance.
     insert: GridContour,
-    /// The rest of the tool, shrunk by the clearance.
+    /// The contours of the other parts of the tool, shrunk by the clearance.
     body: Vec<(TouchingPart, GridContour)>,
 }
 
@@ -70,14 +71,14 @@ impl SceneTool {
         }
     }
 
-    /// The full shape, without clearance.
+    /// The full shape of the tool, without clearance.
     pub const fn shape(&self) -> &ToolShape {
         &self.shape
     }
 }
 
 impl LatheScene {
-    /// A scene with uncut stock.
+    /// Creates a scene with uncut stock in its chuck.
     pub fn new(stock: &Stock) -> Self {
         let (body, jaws) = stock.chuck_section();
         let obstacles = [
@@ -109,13 +110,14 @@ impl LatheScene {
         &self.part
     }
 
-    /// Removes and returns the pieces that are cut off.
+    /// Removes and returns the pieces of the part that are cut off, that is, not held by the
+    /// jaws.
     pub fn drop_loose_pieces(&mut self) -> Vec<Region> {
         self.part.drop_loose_pieces(self.stock.jaw_front())
     }
 
-    /// Moves a tool: removes the material that its insert sweeps and reports the first
-    /// collision. Also a move with a collision removes material.
+    /// Moves a tool: removes the material that its insert sweeps and returns the amount with
+    /// the first collision. A move with a collision removes material, too.
     pub fn move_tool(&mut self, tool: &SceneTool, motion: &ToolMotion) -> MotionEffect {
         let path = motion.path();
         let mut effect = MotionEffect {
@@ -144,9 +146,9 @@ impl LatheScene {
         effect
     }
 
-    /// Moves a tool through stock of unknown size. If the program is right, the stock that
-    /// overlaps the tool where it must not cut is air. This function removes that stock
-    /// and the cut, and returns the overlap.
+    /// Moves a tool through stock of unknown size. If the program is right, there is no stock
+    /// where the tool must not cut. This function removes such stock and the cut, and returns
+    /// the stock that overlapped.
     pub fn intrude(&mut self, tool: &SceneTool, motion: &ToolMotion) -> Intrusion {
         let path = motion.path();
         let swept = |contour: &[GridPoint]| with_mirror_image(sweep_along(contour, &path));
@@ -187,8 +189,8 @@ impl LatheScene {
         intrusion
     }
 
-    /// Finds the first collision of the insert. Contact with the stock is a collision only
-    /// in a rapid or with a stopped spindle.
+    /// Finds the first collision of the insert on a path; `None` if it hits nothing. Contact
+    /// with the stock is a collision only in a rapid or with a stopped spindle.
     fn find_insert_collision(
         &self,
         tool: &SceneTool,
@@ -209,9 +211,9 @@ impl LatheScene {
         self.find_collision(touching_part, &tool.insert, path, free)
     }
 
-    /// Finds the first obstacle that a contour meets on a path. With `free` the stock is
-    /// an obstacle, too, except within the contours of `free`: the groove in which the
-    /// tool is.
+    /// Finds the first obstacle that a contour meets on a path; `None` if it meets none. With
+    /// `free` the stock is an obstacle, too, except within the contours of `free`: the groove
+    /// in which the tool is.
     fn find_collision(
         &self,
         touching_part: TouchingPart,
@@ -247,8 +249,8 @@ impl LatheScene {
     }
 }
 
-/// Locates the first contact on a path that has one, to a thousandth of a line of the path.
-/// `overlap` intersects the obstacle with a swept area.
+/// Locates the first contact with an obstacle on a path that has one, to a thousandth of a
+/// line of the path. `overlap` intersects the obstacle with a swept area.
 fn locate_first_contact(
     (touching_part, obstacle): (TouchingPart, Obstacle),
     contour: &[GridPoint],

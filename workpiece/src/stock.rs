@@ -13,23 +13,23 @@ const MAX_LENGTH_MM: f64 = 5000.0;
 /// Greatest diameter of stock, mm.
 const MAX_DIAMETER_MM: f64 = 2000.0;
 
-/// The stock and its clamping. The zero of Z is the finished face.
+/// The stock and its clamping. Z 0 is at the finished face.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stock {
-    /// The form: bar, tube or a turned contour.
+    /// The form of the stock: bar, tube or a turned contour.
     pub form: StockForm,
-    /// The facing allowance in front of the zero, mm.
+    /// The facing allowance: length of the stock in front of Z 0, mm.
     #[serde(default)]
     pub face: f64,
-    /// The whole length, mm.
+    /// The whole length of the stock, mm.
     pub length: f64,
-    /// The length in front of the jaws, mm.
+    /// The length of the stock in front of the jaws, mm.
     pub overhang: f64,
     /// The chuck that clamps the stock.
     #[serde(default)]
     pub chuck: Chuck,
-    /// The tailstock that supports the front end, if any.
+    /// The tailstock that supports the front end; `None` without one.
     #[serde(default)]
     pub tailstock: Option<Tailstock>,
 }
@@ -37,16 +37,16 @@ pub struct Stock {
 /// The form of the stock.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum StockForm {
-    /// A round bar.
+    /// A round bar without a bore.
     Bar {
-        /// The diameter, mm.
+        /// The diameter of the bar, mm.
         diameter: Diameter,
     },
     /// A bar with a through bore.
     Tube {
-        /// Outside diameter, mm.
+        /// Outside diameter of the tube, mm.
         diameter: Diameter,
-        /// Inside diameter, mm.
+        /// Inside diameter of the tube, mm.
         bore: Diameter,
     },
     /// A turned blank, given by the corners of its half section from front to back.
@@ -68,7 +68,7 @@ pub struct Chuck {
     pub length: f64,
     /// Length of the jaws in front of the chuck body, mm.
     pub jaws: f64,
-    /// Height of a jaw above the stock, mm.
+    /// Height of a jaw above the surface of the stock, mm.
     pub jaw_height: f64,
 }
 
@@ -94,8 +94,8 @@ pub struct Tailstock {
 }
 
 impl Stock {
-    /// A bar in the default chuck: its diameter, the facing allowance in front of the
-    /// zero, and the length in front of the jaws, mm.
+    /// Creates a bar in the default chuck. `diameter`, `face` (the facing allowance in front
+    /// of Z 0) and `overhang` (the length in front of the jaws) are in mm.
     pub fn bar(diameter: f64, face: f64, overhang: f64) -> Self {
         let chuck = Chuck::default();
         Self {
@@ -110,7 +110,7 @@ impl Stock {
         }
     }
 
-    /// Checks the ranges of all dimensions.
+    /// Checks that all dimensions are in their ranges.
     ///
     /// # Errors
     /// The first dimension out of range, or a contour with too few corners or with corners
@@ -146,7 +146,7 @@ impl Stock {
         self.chuck.check()
     }
 
-    /// The greatest radius, mm.
+    /// The greatest radius of the stock, mm.
     pub fn radius(&self) -> f64 {
         match &self.form {
             StockForm::Bar { diameter } | StockForm::Tube { diameter, .. } => diameter.radius(),
@@ -157,12 +157,12 @@ impl Stock {
         }
     }
 
-    /// Z of the front face, mm.
+    /// Z of the front face of the stock, mm.
     pub const fn front(&self) -> f64 {
         self.face
     }
 
-    /// Z of the back face, mm.
+    /// Z of the back face of the stock, mm.
     pub const fn back(&self) -> f64 {
         self.face - self.length
     }
@@ -217,7 +217,7 @@ impl Stock {
         (body, self.jaws(self.radius()))
     }
 
-    /// The half section of the jaws of an open power chuck.
+    /// The half section of the jaws of a power chuck when it is open.
     pub fn open_jaws(&self) -> Region {
         /// Radial travel of the jaws, mm.
         const JAW_TRAVEL_MM: f64 = 5.0;

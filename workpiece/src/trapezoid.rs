@@ -4,10 +4,10 @@
 use crate::grid::{GridPoint, mm};
 use crate::region::Region;
 
-/// The area of a section that trapezoids fill.
+/// Which area of a section the trapezoids fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SectionFill {
-    /// The material, without bores and grooves.
+    /// The material without bores and grooves.
     Material,
     /// Everything between the spindle axis and the outermost edge.
     Outside,
@@ -28,7 +28,7 @@ impl Trapezoid {
     }
 }
 
-/// Splits a section into trapezoids, from left to right.
+/// Splits a section into trapezoids, from left to right along Z.
 pub fn trapezoids(region: &Region, filled: SectionFill) -> Vec<Trapezoid> {
     let mut edges: Vec<(GridPoint, GridPoint)> = region
         .edges()

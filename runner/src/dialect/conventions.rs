@@ -6,32 +6,33 @@ use gsk_messages::{Message, say};
 
 use super::{DialectBlock, DialectWord};
 
-/// A difference of two models that the program meets, beside its G and M codes.
+/// A difference between two models, other than in G and M codes, that the program meets.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Difference {
-    /// X is a diameter in one model and a distance in the other.
+    /// The models read X differently: one as a diameter, the other as a distance.
     Diameter,
-    /// The target model writes increments of this letter (U or W) with G91.
+    /// The letter of an increment, U or W: the target model writes increments with G91
+    /// instead.
     Increments(char),
-    /// The target model has no such address letter.
+    /// An address letter that the target model does not have.
     Address(char),
-    /// Arcs and radius compensation start in another plane at power-on.
+    /// The models start with different planes for arcs and radius compensation at power-on.
     Plane,
-    /// A cut before the first F word: the models start with different feeds.
+    /// The models start with different feeds, and the program cuts before its first F word.
     FirstFeed,
-    /// This feed, mm/min, is above the maximum of the target model.
+    /// A programmed feed, mm/min, above the maximum of the target model.
     Feed(f64),
-    /// The number at this letter is outside the range of the target model, given as
-    /// `low~high`.
+    /// An address letter whose number is outside the range of the target model, and that range
+    /// as `low~high`.
     Range(char, String),
-    /// A T word means something else: tool and offset, or the tool alone.
+    /// The models read a T word differently: as tool and offset, or as the tool alone.
     Tool,
-    /// The macro language differs.
+    /// The models have different macro languages.
     Macros,
-    /// A G code of this number has the same meaning, but is modal in only one of the two
-    /// models.
+    /// The number of a G code that has the same meaning in both models, but is modal in only
+    /// one of them.
     Modal(u8),
-    /// L is the repeat count of M98 in only one of the two models.
+    /// The models read L next to M98 differently: only in one of them it is the repeat count.
     CallCount,
 }
 
@@ -45,7 +46,7 @@ pub(super) struct MetDifference {
     pub(super) blocks: usize,
 }
 
-/// The differences that the blocks of a program meet.
+/// Lists each difference that the blocks of a program meet once, in the order of the blocks.
 pub(super) fn find_differences(
     blocks: &[DialectBlock<'_>],
     from: &ModelRecord,
@@ -88,7 +89,7 @@ fn has_other_first_feed(from: &ModelRecord, to: &ModelRecord) -> bool {
     from.conventions.first_feed != to.conventions.first_feed
 }
 
-/// The first G code of a block that cuts (G01 to G03).
+/// The first word of G01 to G03 in a block; `None` if the block does not cut.
 fn find_cutting_code<'a>(
     block: &'a DialectBlock<'_>,
     from: &ModelRecord,
@@ -141,7 +142,8 @@ fn find_block_differences(
     found
 }
 
-/// A code that has the same meaning, but is modal in only one of the two models.
+/// The difference of a G code that means the same in both models, but is modal in only one;
+/// `None` for any other word.
 fn find_modal_difference(
     word: &DialectWord<'_>,
     from: &ModelRecord,
@@ -158,7 +160,8 @@ fn find_modal_difference(
     (stays != stays_there).then_some(Difference::Modal(code))
 }
 
-/// A number that the target model does not accept.
+/// The difference of a word whose number the source model accepts and the target model does
+/// not; `None` for any other word.
 fn find_range_difference(
     word: &DialectWord<'_>,
     block: &DialectBlock<'_>,
@@ -188,7 +191,7 @@ fn find_range_difference(
 }
 
 impl MetDifference {
-    /// The message for the user, without the line number.
+    /// The message that explains how the target model differs, without the line number.
     pub(super) fn text(&self, from: &ModelRecord, to: &ModelRecord) -> Message {
         let (here, there) = (&from.conventions, &to.conventions);
         let (code, blocks) = (&self.code, self.blocks);

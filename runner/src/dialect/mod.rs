@@ -6,45 +6,47 @@ mod conventions;
 use gsk_core::model::{GCode, MCode, ModelRecord};
 use gsk_messages::{Message, say};
 
-/// A difference between the two models, with its line in the program.
+/// A difference in how two models read a program, with its line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DialectFinding {
     /// Line of the program text, from 1.
     pub line: u32,
-    /// The word as written in the program.
+    /// The word as written in the program; for a difference outside G and M codes, the first
+    /// word that shows the difference, or empty.
     pub code: String,
-    /// How the other model reads it.
+    /// How the target model reads the word.
     pub difference: CodeDifference,
 }
 
 pub use conventions::Difference;
 
-/// How another model reads a code.
+/// How the target model reads a code or a convention of the source model.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CodeDifference {
-    /// A difference that no code shows, and the number of blocks that have it.
+    /// A difference other than in G and M codes, and the number of blocks that have it.
     Convention(Difference, usize),
     /// The model that the program was written for has no such code.
     UnknownCode,
-    /// The other model has the same function under another number.
+    /// The target model has the same function under another number.
     Renumbered {
         /// The function in the source model.
         here: CodeMeaning,
-        /// The number in the other model.
+        /// The number of the function in the target model.
         number: u8,
     },
-    /// The other model has no such function.
+    /// The target model has no such function.
     Missing {
         /// The function in the source model.
         here: CodeMeaning,
     },
-    /// The other model has another function under this number.
+    /// The target model has another function under this number.
     Differs {
         /// The function in the source model.
         here: CodeMeaning,
-        /// The function in the other model.
+        /// The function in the target model.
         there: CodeMeaning,
-        /// The number of the source function in the other model, if it has one.
+        /// The number of the source function in the target model; `None` if the target has no
+        /// such function.
         number: Option<u8>,
     },
 }
@@ -61,14 +63,14 @@ pub enum CodeMeaning {
 /// The source of a code's meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeaningSource {
-    /// The manual of the model defines it.
+    /// The manual of the model defines the code.
     FromManual,
     /// The manual is silent. `docs/decisions.md` records the choice.
     Decided,
 }
 
 impl CodeMeaning {
-    /// The message that names the function.
+    /// The message that names the function of the code, for the user.
     pub fn text(self) -> Message {
         let (text, known) = match self {
             Self::G(code, known) => (code.text(), known),
@@ -82,7 +84,7 @@ impl CodeMeaning {
 }
 
 impl DialectFinding {
-    /// The message for the user, without the line number.
+    /// The message that explains how the target model reads the word, without the line number.
     pub fn text(&self, from: &ModelRecord, to: &ModelRecord) -> Message {
         let code = &self.code;
         let letter = code.get(..1).unwrap_or_default();
@@ -124,7 +126,8 @@ impl DialectFinding {
         self.target_number().is_some()
     }
 
-    /// The number of the same function in the other model.
+    /// The number of the same function in the target model; `None` if [`rewrite_program`]
+    /// leaves the word unchanged.
     const fn target_number(&self) -> Option<u8> {
         match self.difference {
             CodeDifference::Renumbered { number, .. } => Some(number),
@@ -160,8 +163,8 @@ pub fn compare_models(text: &str, from: &ModelRecord, to: &ModelRecord) -> Vec<D
     all
 }
 
-/// Replaces the codes of a program for `from` by the codes of `to` with the same meaning. All
-/// other text is unchanged.
+/// Replaces the G and M codes of a program for `from` by the codes of `to` with the same
+/// meaning. All other text is unchanged.
 pub fn rewrite_program(text: &str, from: &ModelRecord, to: &ModelRecord) -> String {
     let mut out = String::with_capacity(text.len());
     let mut copied = 0;
@@ -204,12 +207,12 @@ impl DialectBlock<'_> {
         !self.words.is_empty() || self.has_formula
     }
 
-    /// The words with a letter.
+    /// The words of the block whose letter is `letter`.
     fn words_with_letter(&self, letter: u8) -> impl Iterator<Item = &DialectWord<'_>> {
         self.words.iter().filter(move |word| word.letter == letter)
     }
 
-    /// Whether a G code of the block has a meaning that `is` accepts.
+    /// Whether a G code of the block has a meaning in the model `record` that `is` accepts.
     fn has_meaning(&self, record: &ModelRecord, is: impl Fn(GCode) -> bool) -> bool {
         self.words_with_letter(b'G').any(|word| {
             let code = word.value.parse::<u8>().ok();
@@ -272,8 +275,8 @@ fn parse_blocks(text: &str) -> Vec<DialectBlock<'_>> {
     blocks
 }
 
-/// The word whose letter is at a byte position. Its value is empty where no number follows, as
-/// in keywords of macros.
+/// Parses the word whose letter is at byte `at`. The value is empty if no number follows the
+/// letter, as in keywords of macros.
 fn parse_word(text: &str, at: usize) -> DialectWord<'_> {
     let bytes = text.as_bytes();
     let is = |at: usize, what: fn(u8) -> bool| bytes.get(at).copied().is_some_and(what);
@@ -300,7 +303,7 @@ fn parse_word(text: &str, at: usize) -> DialectWord<'_> {
     }
 }
 
-/// The difference at one word; `None` if both models agree.
+/// The difference at a G or M word; `None` if both models read it alike, and for other words.
 fn find_code_difference(
     word: &DialectWord<'_>,
     block: &DialectBlock<'_>,
@@ -388,8 +391,8 @@ fn meaning_source(decided: &[u8], number: u8) -> MeaningSource {
     }
 }
 
-/// Whether two codes do the same in a block with these words. The paths of the two kinds of
-/// rapid differ, but their ends are the same.
+/// Whether two codes do the same in a block with these words. G00 rapids with and without a
+/// straight path count as the same: both end at the same point.
 fn is_same_action(here: CodeMeaning, there: CodeMeaning, block: &DialectBlock<'_>) -> bool {
     let (here, there) = match (here, there) {
         (CodeMeaning::G(here, _), CodeMeaning::G(there, _)) => (here, there),

@@ -12,11 +12,11 @@ use crate::board::{OperatorAnswer, PulseBoard, TerminalOperator};
 const RESET_KEY: BitAddress = BitAddress::new(Area::X, 26, 0);
 const MACHINE_ZERO_KEY: BitAddress = BitAddress::new(Area::X, 20, 3);
 const FEED_HOLD_KEY: BitAddress = BitAddress::new(Area::X, 24, 7);
-/// DM00, the decode signal of M00. It is on until its FIN, and only then does the program
-/// stop.
+/// DM00 (F009.7), the decode signal of M00. It stays on until the PLC reports FIN; only then
+/// does the program stop.
 const PROGRAM_STOP: BitAddress = BitAddress::new(Area::F, 9, 7);
 
-/// The key that returns an axis to its machine zero.
+/// The PLC input of the panel key that returns an axis to its machine zero.
 const fn reference_key(axis: Axis) -> BitAddress {
     match axis {
         Axis::X => BitAddress::new(Area::X, 23, 1),
@@ -34,18 +34,19 @@ const STOP_SETTLE_TICKS: u32 = 300;
 
 /// A pulse board that makes the motion of a run, with the operator who supervises it.
 pub struct SupervisedBoard {
-    /// The board.
+    /// The board that moves the axes.
     pub(super) pulse_board: Box<dyn PulseBoard>,
     needs_reference_return: bool,
     operator: Option<Box<dyn TerminalOperator>>,
-    /// Whether an alarm ends the run. Set after RESET, because alarms from before do not
+    /// Whether an alarm ends the run. Set after RESET, because alarms from before it do not
     /// count.
     checks_alarms: bool,
 }
 
 impl SupervisedBoard {
-    /// Takes an opened board. With `home` both axes return to machine zero before the program
-    /// starts. `operator` answers the question at a stop; with `None` a stop ends the run.
+    /// Supervises an opened board. With `needs_reference_return` both axes return to machine
+    /// zero before the program starts. `operator` answers the question at a stop; with `None`
+    /// a stop ends the run.
     pub fn new(
         pulse_board: Box<dyn PulseBoard>,
         needs_reference_return: bool,
@@ -63,16 +64,17 @@ impl SupervisedBoard {
 /// State of a stop that waits for the operator.
 #[derive(Debug, Default)]
 pub(super) struct StopState {
-    /// Duration of the stop, ticks.
+    /// Time since the program stopped, ticks.
     duration_ticks: u32,
-    /// Whether the question is on the terminal.
+    /// Whether the terminal already shows the question whether to continue.
     is_question_shown: bool,
-    /// Line of the last M00.
+    /// Line at which the last M00 stopped the program, from 1; `None` before any M00.
     program_stop_line: Option<u32>,
 }
 
 impl ProgramRun<'_> {
-    /// Waits until the board allows a tick. Returns false if the end was requested.
+    /// Waits until the board allows the next tick. Returns false if the end was requested
+    /// (Ctrl-C).
     pub(super) fn wait_for_tick(&mut self) -> bool {
         let Some(board) = &mut self.board else {
             return true;
@@ -91,7 +93,8 @@ impl ProgramRun<'_> {
         can_continue
     }
 
-    /// RESET unlocks the board; with [`SupervisedBoard::home`] both axes then return to machine zero.
+    /// Presses RESET, which unlocks the board, and returns both axes to machine zero if the
+    /// caller of [`SupervisedBoard::new`] requested it.
     pub(super) fn prepare_board(&mut self) {
         let Some(needs_reference_return) = self
             .board
@@ -119,8 +122,8 @@ impl ProgramRun<'_> {
         }
     }
 
-    /// Holds the key of an axis until the axis is referenced. Some boards return both axes
-    /// with the key of the first.
+    /// Holds the key of an axis until the axis is referenced, or ends the run if that takes
+    /// too long. Some boards return both axes with the key of the first.
     fn return_to_reference(&mut self, axis: Axis) {
         let key = reference_key(axis);
         let mut still_ticks = 0;
@@ -147,7 +150,7 @@ impl ProgramRun<'_> {
         self.pending_end = Some(ExecutionEnd::Refused(why));
     }
 
-    /// Whether control and board are at standstill.
+    /// Whether the control does not move and the board has made all motion sent to it.
     fn is_at_standstill(&self) -> bool {
         let cnc = &self.simulation.cnc;
         !cnc.is_moving() && cnc.board_lag().is_none_or(|lag| lag.ticks == 0)
@@ -209,7 +212,7 @@ impl ProgramRun<'_> {
         }
     }
 
-    /// The message that says at which line the program stopped, and how.
+    /// The message with the line of the stop and its cause: feed hold, M00 or another stop.
     fn stop_message(&self, hold: bool) -> Message {
         let line = self.simulation.cnc.cursor().line;
         match self.stop_state.program_stop_line == Some(line) {
@@ -219,8 +222,8 @@ impl ProgramRun<'_> {
         }
     }
 
-    /// Shows the question whether to continue after a stop. Returns false if no operator is
-    /// there.
+    /// Shows `stop` and the question whether to continue. Returns false if no operator is at
+    /// the terminal.
     fn show_question(&mut self, stop: &Message) -> bool {
         let operator = self
             .board
@@ -234,7 +237,8 @@ impl ProgramRun<'_> {
         true
     }
 
-    /// The operator's answer. An invalid answer repeats the question.
+    /// Reads the operator's answer without blocking. An invalid answer repeats the question
+    /// about `stop`.
     fn read_answer(&mut self, stop: &Message) -> OperatorAnswer {
         let operator = self
             .board
@@ -247,7 +251,8 @@ impl ProgramRun<'_> {
         answer
     }
 
-    /// Asks the operator whether to start another part, and waits for the answer.
+    /// Asks the operator whether to start another part, and waits for the answer. Returns true
+    /// for yes, and always without a board.
     pub(super) fn confirm_next_part(&mut self) -> bool {
         if self.board.is_none() {
             return true;

@@ -14,16 +14,16 @@ use super::{Lesson, LessonError, LessonStep, LessonText};
 
 /// Name and text of the file with the demonstrations and their topics.
 const EMBEDDED_FILE: (&str, &str) = ("shown.ron", include_str!("../../../assets/help/shown.ron"));
-/// Prefix of their lesson names; no lesson from a file has it.
+/// Prefix of the lesson names of demonstrations; no lesson from a file has this prefix.
 const NAME_PREFIX: &str = "shown/";
 
-/// A demonstration for topics of the help.
+/// A demonstration that the help plays for its topics.
 #[derive(Clone, Debug)]
 pub struct Demonstration {
-    /// Its help topics by their names in the help, `key POS` or `G01`, or a family of topics:
-    /// `every data parameter`.
+    /// Names of the help topics that play this demonstration, as in the help: `key POS`,
+    /// `G01`, or a family of topics: `every data parameter`.
     pub topics: Vec<String>,
-    /// Its steps, in the form of a lesson.
+    /// The steps of the demonstration, in the form of a lesson.
     pub lesson: Arc<Lesson>,
 }
 
@@ -70,7 +70,7 @@ pub fn demonstrations() -> &'static [Demonstration] {
     &ALL
 }
 
-/// The demonstration whose lesson has this name.
+/// The demonstration whose lesson is named `name`, `None` if there is none.
 pub fn find_demonstration(name: &str) -> Option<&'static Demonstration> {
     let mut all = demonstrations().iter();
     all.find(|demonstration| demonstration.lesson.name == name)
@@ -112,7 +112,7 @@ fn build_demonstration(file: &str, raw: DemonstrationFile) -> Result<Demonstrati
     })
 }
 
-/// Marks the keys that the solution presses.
+/// Marks the keys that the solution of a step presses, if the file names no keys for the step.
 fn mark_pressed_keys(mut step: LessonStep) -> LessonStep {
     if !step.keys.is_empty() {
         return step;
@@ -180,8 +180,8 @@ mod tests {
         assert!(faults.is_empty(), "{}", faults.join("\n"));
     }
 
-    /// Played to its end it advances from step to step automatically, slowly. A key of the
-    /// learner ends that, and the rest of the demonstration is not done.
+    /// A demonstration that is played to its end advances from step to step automatically. A
+    /// key of the learner ends it, and the remaining steps are not done.
     #[test]
     fn a_demonstration_continues_until_a_key_is_pressed() {
         let shown = find_demonstration("shown/page-position").expect("it is there");

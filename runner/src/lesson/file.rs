@@ -11,37 +11,38 @@ use serde::de::DeserializeOwned;
 use super::practice_machine::{LessonStart, LessonStartFile};
 use super::{Lesson, LessonCondition, LessonMistake, LessonStep, LessonText};
 
-/// Limit of the steps of a lesson; no useful lesson has more.
+/// Maximum number of steps of a lesson; no useful lesson has more.
 const MAX_STEPS: usize = 100;
 
-/// Why a lesson cannot be used.
+/// Why a lesson file cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum LessonError {
-    /// The file is no valid RON, or has unknown fields.
+    /// The file is not valid RON, or has unknown fields.
     Syntax {
-        /// Name of the file.
+        /// Name of the lesson file.
         file: String,
-        /// Line, from 1.
+        /// Line of the error, from 1.
         line: usize,
-        /// What the parser reports.
+        /// The error message of the parser.
         reason: Message,
     },
     /// The lesson breaks a rule.
     Rule {
-        /// Name of the file.
+        /// Name of the lesson file.
         file: String,
-        /// Number of the step, from 1; `None` outside the steps.
+        /// Number of the step that breaks the rule, from 1; `None` for a rule outside the
+        /// steps.
         step: Option<usize>,
-        /// Name of the field.
+        /// Name of the field that breaks the rule.
         field: &'static str,
-        /// The rule, as a message.
+        /// The text of the rule that is broken.
         rule: Message,
     },
 }
 
 impl LessonError {
-    /// The message for the user, with file and line or step.
+    /// The message that explains why the lesson cannot be used, with file and line or step.
     pub fn message(&self) -> Message {
         match self {
             Self::Syntax { file, line, reason } => {
@@ -60,7 +61,7 @@ impl LessonError {
     }
 }
 
-/// The file of a lesson.
+/// A lesson, as written in its file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LessonFile {
@@ -89,7 +90,7 @@ pub(super) struct StepFile {
     pub(super) solution: Vec<String>,
 }
 
-/// A mistake, as written in the file.
+/// A frequent mistake of the learner, as written in the file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct WrongFile {
@@ -149,7 +150,7 @@ impl Lesson {
     }
 }
 
-/// Parses a RON text.
+/// Parses a RON text. `file` names the text in error messages.
 pub(super) fn parse_ron<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, LessonError> {
     let options =
         ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
@@ -294,7 +295,7 @@ fn parse_solution(lines: &[String], location: &LessonLocation<'_>) -> Result<Scr
 }
 
 /// The key presses that enter a character: two presses of a compound key for its second
-/// character. A space needs none.
+/// character, no press for a space. `None` if no key enters the character.
 fn keys_for_character(character: char) -> Option<Vec<Key>> {
     match character {
         ' ' => return Some(Vec::new()),

@@ -8,7 +8,7 @@ macro_rules! lessons {
     };
 }
 
-/// File names and texts of the built-in lessons, in their order of learning.
+/// File names and texts of the built-in lessons, in the order in which a learner takes them.
 pub static LESSONS: [(&str, &str); 10] = lessons![
     "01-power-on.ron",
     "02-jog-and-handwheel.ron",

@@ -29,18 +29,18 @@ pub use practice::{Practice, PracticeView};
 pub use practice_machine::LessonStart;
 pub use progress::{LessonProgress, LessonRemark};
 
-/// A text in both languages.
+/// A text in Chinese and English.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LessonText {
-    /// The Chinese text.
+    /// The text in Chinese.
     pub zh: String,
-    /// The English text.
+    /// The text in English.
     pub en: String,
 }
 
 impl LessonText {
-    /// The text in a language.
+    /// The version of the text in `language`.
     pub fn in_language(&self, language: Language) -> &str {
         match language {
             Language::Zh => &self.zh,
@@ -52,17 +52,17 @@ impl LessonText {
 /// A lesson that was parsed without errors.
 #[derive(Clone, Debug)]
 pub struct Lesson {
-    /// Name of its file without the extension; it identifies the lesson.
+    /// Name of the lesson's file without the extension; identifies the lesson.
     pub name: String,
-    /// Title in the list of lessons.
+    /// Title of the lesson, shown in the list of lessons.
     pub title: LessonText,
-    /// What the lesson teaches, for the list of lessons.
+    /// Summary of what the lesson teaches, shown in the list of lessons.
     pub about: LessonText,
     /// Initial state of the practice machine.
     pub start: LessonStart,
     /// Stock and tools of the practice machine; `None` for a lesson without cutting.
     pub job: Option<Job>,
-    /// The steps, at least one.
+    /// The steps in their order, at least one.
     pub steps: Vec<LessonStep>,
 }
 
@@ -73,25 +73,26 @@ pub struct LessonStep {
     pub text: LessonText,
     /// Help for a learner who does not complete the step.
     pub hint: LessonText,
-    /// Keys to mark on the panel.
+    /// Keys that the panel marks during the step.
     pub keys: Vec<Key>,
-    /// Conditions that must hold during the step. If one does not, the learner goes back to
-    /// the step that establishes it.
+    /// Conditions that must hold during the step. If one of them does not hold, the learner
+    /// goes back to the step that establishes it.
     pub requirements: Vec<LessonCondition>,
     /// Conditions that together complete the step.
     pub goals: Vec<LessonCondition>,
-    /// Frequent mistakes, each with its text. The first one that applies is shown.
+    /// Frequent mistakes, each with its text. The learner sees the text of the first mistake
+    /// that applies.
     pub mistakes: Vec<LessonMistake>,
-    /// How to complete the step, with keys and the handwheel alone.
+    /// Operator script that completes the step, with keys and the handwheel alone.
     pub solution: Script,
 }
 
 /// A frequent mistake and the text that is shown for it.
 #[derive(Clone, Debug)]
 pub struct LessonMistake {
-    /// Conditions that together detect the mistake.
+    /// Conditions that detect the mistake when all of them hold.
     pub conditions: Vec<LessonCondition>,
-    /// The text for the learner.
+    /// The text that the learner sees after the mistake.
     pub text: LessonText,
 }
 
@@ -99,7 +100,7 @@ pub struct LessonMistake {
 /// script.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LessonCondition {
-    /// The condition as written.
+    /// The condition as written in the lesson file.
     pub text: String,
     expectation: Expectation,
 }
@@ -110,12 +111,13 @@ impl LessonCondition {
         self.unmet(emulator).is_none()
     }
 
-    /// Expected and current value, if the condition does not hold.
+    /// Expected and current value if the condition does not hold; `None` if it holds.
     pub fn unmet(&self, emulator: &Emulator) -> Option<UnmetExpectation> {
         self.expectation.check(emulator).err()
     }
 
-    /// The message for the learner, if the condition does not hold.
+    /// The message with the expected and the current value if the condition does not hold;
+    /// `None` if it holds.
     pub fn unmet_message(&self, emulator: &Emulator) -> Option<Message> {
         let unmet = self.unmet(emulator)?;
         Some(say::subject_reason(&self.text, unmet.message()))

@@ -18,16 +18,17 @@ const KEY_PAUSE_MS: u64 = 600;
 /// text first.
 const READING_PAUSE_MS: u64 = 1_500;
 
-/// The state of a lesson for its display.
+/// The state of a lesson that the window shows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PracticeView {
-    /// Current step, from 0; the number of steps when all are complete.
+    /// Current step, from 0; equals the number of steps when all are complete.
     pub step: usize,
-    /// What to show besides the step.
+    /// What to show about the learner's state besides the step.
     pub remark: LessonRemark,
-    /// The lost requirement of a later step that sent the learner back to this one.
+    /// The requirement of a later step that was lost, so the learner was sent back to this
+    /// one; `None` if he was not sent back.
     pub sent_back: Option<Message>,
-    /// Whether the keys are pressed for the learner.
+    /// Whether a demonstration is pressing the keys for the learner.
     pub showing: bool,
     /// Whether the machine was reset to the beginning of the step, because the step could not
     /// be shown from the learner's state.
@@ -39,10 +40,11 @@ pub struct PracticeView {
 struct StepDemonstration {
     runner: Runner,
     step: usize,
-    /// Whether it is played from the state of the lesson's own solution instead of the
-    /// learner's state.
+    /// Whether the step is demonstrated from the state that the lesson's own solution reaches,
+    /// instead of the learner's state.
     uses_lesson_state: bool,
-    /// Set when all keys are pressed: the tick until which the step may still complete.
+    /// Tick until which the step may still complete, set when all keys are pressed; `None`
+    /// while keys are still to be pressed.
     settle_ticks: Option<u64>,
 }
 
@@ -51,7 +53,7 @@ struct StepDemonstration {
 pub struct Practice {
     lesson: Arc<Lesson>,
     progress: LessonProgress,
-    /// The machine at the beginning of every step up to this one.
+    /// The machine at the beginning of each step, up to the current one.
     step_starts: Vec<Emulator>,
     showing: Option<StepDemonstration>,
     replaced: bool,
@@ -94,7 +96,7 @@ impl Practice {
         &self.lesson
     }
 
-    /// The state to display.
+    /// The state of the lesson to show: step, remark and demonstration.
     pub fn view(&self) -> PracticeView {
         PracticeView {
             step: self.progress.step(),
@@ -158,8 +160,8 @@ impl Practice {
         }
     }
 
-    /// Presses the keys of the current step for the learner: from his state, and if that does
-    /// not complete the step, from the state of the lesson's own solution.
+    /// Demonstrates the current step from the learner's state. If that does not complete the
+    /// step, demonstrates it from the state of the lesson's own solution.
     pub fn show_me(&mut self, emulator: &mut Emulator) {
         self.interrupt(emulator);
         let Some(step) = self.progress.current() else {
@@ -174,7 +176,7 @@ impl Practice {
     }
 
     /// Puts the machine into the state in which the lesson's own solution starts this step,
-    /// and demonstrates it from there.
+    /// and demonstrates the step from that state.
     fn show_from_lesson_state(&mut self, emulator: &mut Emulator) {
         let step = self.progress.step();
         // A lesson whose solution does not reach the step shows what it can.
@@ -229,8 +231,8 @@ impl Practice {
     }
 }
 
-/// Slows a solution down: a pause after every key, and with `has_reading_pause` one before the first key
-/// while the learner reads the step.
+/// Slows a solution down: adds a pause after every key, and with `has_reading_pause` another
+/// pause before the first key while the learner reads the step.
 fn slow_down(solution: &Script, has_reading_pause: bool) -> Script {
     let first = solution.lines.first().filter(|_| has_reading_pause);
     let mut lines: Vec<ScriptLine> = first

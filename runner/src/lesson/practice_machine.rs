@@ -17,7 +17,7 @@ const MAX_COORDINATE_MM: f64 = 9999.999;
 /// Time limit of the preparation script, ms of machine time.
 const MAX_PREPARATION_MS: u64 = 600_000;
 
-/// The field `begins`, as written in the file.
+/// The initial state of a lesson (field `begins`), as written in the lesson file.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct LessonStartFile {
@@ -25,17 +25,17 @@ pub(super) struct LessonStartFile {
     referenced: bool,
     /// Position of the slides: X as a diameter and Z, machine coordinates.
     slides: Option<(f64, f64)>,
-    /// Displayed absolute position at that point: X as a diameter and Z.
+    /// Absolute position that the display shows at `slides`: X as a diameter and Z, mm.
     absolute: Option<(f64, f64)>,
-    /// Parameters: `"22=3800"`, `"1.4=0"`.
+    /// Parameter settings: `"22=3800"` for a number, `"1.4=0"` for bit 4 of parameter 1.
     params: Vec<String>,
-    /// Offsets: `"1=X,Z,R,T"`.
+    /// Tool offset settings: `"1=X,Z,R,T"`.
     offsets: Vec<String>,
-    /// Programs; the first is selected.
+    /// Texts of the programs in the memory; the first is selected.
     programs: Vec<String>,
-    /// Whether the learner sees the power-on picture.
+    /// Whether the machine begins with the power-on picture.
     picture: bool,
-    /// An operator script that runs before the first step.
+    /// Operator script, line by line, that prepares the machine before the first step.
     before: Vec<String>,
 }
 

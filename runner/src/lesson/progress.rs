@@ -8,7 +8,7 @@ use gsk_panel::keys::Key;
 
 use super::{Lesson, LessonStep, are_all_met};
 
-/// Ticks between two checks of the machine.
+/// Number of ticks between two checks of the machine.
 pub(super) const CHECK_INTERVAL_TICKS: u64 = 20;
 /// Number of successive checks at which a requirement must be missing before the learner is
 /// sent back: 0.2 s, because a change of mode takes a moment.
@@ -17,35 +17,36 @@ const LOST_CHECK_LIMIT: u32 = 10;
 /// What to show about the learner's state, besides the step itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LessonRemark {
-    /// Nothing.
+    /// There is nothing to show.
     #[default]
     None,
-    /// A frequent mistake of the step, by its index from 0.
+    /// The learner made a frequent mistake of the step, given by its index from 0.
     Mistake(usize),
-    /// The power is off.
+    /// The power of the machine is off.
     PowerOff,
-    /// The emergency stop is latched.
+    /// The emergency stop is latched, and the step is not about it.
     EmergencyStop,
-    /// This alarm is active.
+    /// The alarm with this number is active.
     Alarm(u16),
-    /// The step requires a state that no earlier step restores.
+    /// The step requires a state that no earlier step restores; the learner must begin again.
     Stuck,
 }
 
-/// How far a learner has come in a lesson.
+/// The progress of a learner in a lesson.
 #[derive(Clone, Debug)]
 pub struct LessonProgress {
     lesson: Arc<Lesson>,
     step: usize,
     remark: LessonRemark,
-    /// Number of successive checks at which a requirement was missing.
+    /// Number of successive checks at which a requirement was missing, up to now.
     lost_checks: u32,
-    /// Why the learner was sent back to this step.
+    /// The lost requirement because of which the learner was sent back to this step; `None` if
+    /// he was not sent back.
     sent_back: Option<Message>,
 }
 
 impl LessonProgress {
-    /// Starts before the first step.
+    /// Starts the lesson at its first step.
     pub const fn new(lesson: Arc<Lesson>) -> Self {
         Self {
             lesson,
@@ -56,7 +57,7 @@ impl LessonProgress {
         }
     }
 
-    /// Current step, from 0; the number of steps when all are complete.
+    /// Current step, from 0; equals the number of steps when all are complete.
     pub const fn step(&self) -> usize {
         self.step
     }
@@ -66,17 +67,18 @@ impl LessonProgress {
         self.lesson.steps.get(self.step)
     }
 
-    /// What to show now.
+    /// What to show about the learner's state besides the step.
     pub const fn remark(&self) -> LessonRemark {
         self.remark
     }
 
-    /// The lost requirement of a later step, if it sent the learner back to this one.
+    /// The lost requirement of a later step because of which the learner was sent back to this
+    /// one; `None` if he was not sent back.
     pub(super) const fn sent_back(&self) -> Option<&Message> {
         self.sent_back.as_ref()
     }
 
-    /// Puts the learner at a step.
+    /// Continues the lesson at `step`, from 0, and clears the remark.
     pub(super) fn set_step(&mut self, step: usize) {
         self.step = step.min(self.lesson.steps.len());
         self.remark = LessonRemark::None;
@@ -84,8 +86,8 @@ impl LessonProgress {
         self.sent_back = None;
     }
 
-    /// Checks the machine. Advances where a step is complete. Goes back where a requirement of
-    /// the step is lost and an earlier step restores it.
+    /// Checks the machine against the current step. Advances if the step is complete. Goes
+    /// back if a requirement of the step is lost and an earlier step restores it.
     pub fn check_machine(&mut self, emulator: &Emulator) {
         let lesson = Arc::clone(&self.lesson);
         while let Some(step) = lesson.steps.get(self.step) {
@@ -121,8 +123,9 @@ impl LessonProgress {
         self.remark = find_remark(step, emulator).unwrap_or(stuck);
     }
 
-    /// The last step before this one whose requirements hold and whose goals do not. A
-    /// completed step would advance at once, in an endless loop.
+    /// The last earlier step whose requirements hold and whose goals do not, from 0; `None` if
+    /// there is none. A step that is already complete would advance at once, in an endless
+    /// loop.
     fn find_restoring_step(&self, emulator: &Emulator) -> Option<usize> {
         let mut before = self.lesson.steps[..self.step].iter();
         before.rposition(|step| {
@@ -131,7 +134,8 @@ impl LessonProgress {
     }
 }
 
-/// Whether a step is complete. A slide that is still moving has not reached its position.
+/// Whether the goals of a step are met. A slide that is still moving has not reached its
+/// position.
 fn is_complete(step: &LessonStep, emulator: &Emulator) -> bool {
     let is_passing = emulator.simulation.cnc.is_moving()
         && step
@@ -141,7 +145,8 @@ fn is_complete(step: &LessonStep, emulator: &Emulator) -> bool {
     !is_passing && are_all_met(&step.goals, emulator)
 }
 
-/// The remark on the state of the machine in a step. Mistakes of the step come first.
+/// The remark on the machine's state in a step; a mistake of the step takes precedence. `None`
+/// if there is nothing to remark.
 fn find_remark(step: &LessonStep, emulator: &Emulator) -> Option<LessonRemark> {
     let mistakes = step.mistakes.iter();
     let mut mistakes = mistakes.map(|wrong| are_all_met(&wrong.conditions, emulator));

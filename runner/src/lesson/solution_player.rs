@@ -10,19 +10,19 @@ use gsk_panel::script::{Runner, ScriptProgress};
 use super::progress::CHECK_INTERVAL_TICKS;
 use super::{Lesson, LessonProgress};
 
-/// Time for a step to complete after its last key, ms.
+/// Time in which a step may still complete after its last key, ms.
 pub(super) const STEP_SETTLE_MS: u64 = 3_000;
 /// Time limit for the keys of a step, ms.
 const MAX_STEP_MS: u64 = 1_200_000;
 
-/// The result of playing a step.
+/// The result of playing the solution of one step.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum StepResult {
-    /// Its keys completed it, after this time, ms.
+    /// The solution completed the step after this time, ms.
     Done(u64),
-    /// It was complete before its first key, so it teaches nothing.
+    /// The step was complete before its first key, so it teaches nothing.
     DoneBefore,
-    /// Its keys did not complete it, for this reason.
+    /// The solution did not complete the step, for this reason.
     Failed(Message),
 }
 
@@ -63,7 +63,7 @@ pub fn machine_at_step(lesson: &Arc<Lesson>, step: usize) -> Result<Emulator, Me
     Ok(machine)
 }
 
-/// Plays one step on the machine that the earlier steps have left.
+/// Plays the solution of step `step`, from 0, on the machine that the earlier steps have left.
 fn play_step(
     lesson: &Arc<Lesson>,
     step: usize,

@@ -120,7 +120,7 @@ fn errors_name_file_step_field_and_rule() {
     }
 }
 
-/// AUTO, then single block, then JOG.
+/// A lesson of three steps: AUTO, then single block, then JOG.
 fn three_steps() -> Arc<Lesson> {
     let steps = [
         "until: [\"mode 自动方式\"], solution: [\"press AUTO\"]",
@@ -213,7 +213,7 @@ fn what_is_shown_stops_at_the_first_key_of_the_learner() {
     assert!(!machine.panel.is_held(Key::Auto));
 }
 
-/// A reproducible random number generator.
+/// Generates random numbers that are the same in every run.
 struct LessonRandom(u64);
 
 impl LessonRandom {
@@ -226,7 +226,7 @@ impl LessonRandom {
     }
 }
 
-/// Presses random keys, some together, some long.
+/// Presses `keys` random keys: some at the same time, some held long.
 fn press_random_keys(
     practice: &mut Practice,
     machine: &mut Emulator,
@@ -256,7 +256,8 @@ fn press_random_keys(
     machine.key(KeyEvent::ReleaseAll);
 }
 
-/// Presses *Show me* until the end. Returns how often it was pressed.
+/// Presses *Show me* until the lesson ends. Returns the number of presses; `None` if the
+/// lesson does not end.
 fn show_to_the_end(practice: &mut Practice, machine: &mut Emulator) -> Option<usize> {
     let steps = practice.lesson().steps.len();
     for shown in 0..3 * steps {
@@ -310,7 +311,7 @@ fn no_learner_is_stranded_in_a_short_lesson() {
     }
 }
 
-/// In every step of every lesson; `LESSON_KEYS=200` presses more keys.
+/// Tries random keys in every step of every lesson; `LESSON_KEYS=200` presses more keys.
 #[test]
 fn no_learner_is_stranded_in_the_built_in_lessons() {
     let keys = std::env::var("LESSON_KEYS")
@@ -324,7 +325,7 @@ fn no_learner_is_stranded_in_the_built_in_lessons() {
     }
 }
 
-/// Demonstrations work as on a real machine: nothing is hit.
+/// No demonstration causes a collision, as on a real machine.
 #[test]
 fn demonstrations_hit_nothing() {
     let with_part = built_in_lessons()

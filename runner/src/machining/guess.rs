@@ -32,37 +32,39 @@ use crate::curves::RapidRates;
 use tool_uses::{ToolStep, ToolUse, ToolWork, tool_steps, tool_uses};
 use tools::{ToolKnowledge, ToolPose};
 
-/// Number of moves, from the first, that a guess uses.
+/// Number of moves from the beginning of a program that a guess uses.
 pub const MAX_GUESS_MOVES: usize = 20_000;
-/// Number of motions with which tools and bars are tried.
+/// Maximum number of motions on which tools and bars are tried.
 const MAX_TRIED_MOTIONS: usize = 2_000;
-/// Number of bars that are tried.
+/// Maximum number of bar radii that are tried.
 const MAX_TRIED_BARS: usize = 8;
-/// Stock between the deepest cut and the jaws, mm.
+/// Length of stock left between the deepest cut and the jaws, mm.
 const JAW_CLEARANCE_MM: f64 = 10.0;
 /// Least ratio of the chuck's diameter to the radius of its stock.
 const CHUCK_TO_STOCK_RATIO: f64 = 5.0;
 /// Greatest allowance for a facing cut, mm.
 const FACING_ALLOWANCE_MM: f64 = 0.5;
-/// Least radius of a bar, mm.
+/// Radius below which a radius is not that of a bar, mm.
 const MIN_BAR_RADIUS_MM: f64 = 1.0;
 /// Allowance of the bar beyond the widest longitudinal cut, mm of radius.
 const OUTSIDE_ALLOWANCE_MM: f64 = 1.0;
-/// Wall around the widest bore, mm.
+/// Wall thickness of a bar around its widest bore, mm.
 const BORE_WALL_MM: f64 = 10.0;
-/// Greatest distance from a zero at the face at which cuts begin, mm.
+/// Greatest Z at which cuts begin if the program zero is at the face of the part, mm.
 const FACE_APPROACH_MM: f64 = 10.0;
-/// Number of bar faces that are tried.
+/// Maximum number of Z positions of the bar's face that are tried.
 const MAX_TRIED_FACES: usize = 4;
-/// Depth of a metric external thread divided by its lead, in radius.
+/// Depth of a metric external thread, as a radius, divided by its lead.
 const THREAD_DEPTH_PER_LEAD: f64 = 0.613_4;
-/// A tool that intrudes into less stock than this has the right pose, mm² of the half section.
+/// Area of the half section below which a tool's intrusion into the stock is accepted, mm²:
+/// its pose is right.
 const ACCEPTED_INTRUSION_MM2: f64 = 1.0;
-/// Another pose must reduce the intrusion by this factor.
+/// Factor by which another pose must reduce the intrusion to be chosen.
 const POSE_CHANGE_FACTOR: f64 = 0.5;
 
-/// A bar and tools for practice without a program. At power-on the tip of the first tool is in
-/// front of the bar. No offset is right, so the tools must be set by trial cuts.
+/// Creates a bar and tools for practice without a program. At power-on the tip of the first
+/// tool is in front of the bar. No offset is right, so the operator sets the tools by trial
+/// cuts.
 pub fn practice_job() -> Job {
     let length = |x: f64, z: f64| DiameterPoint { x: Diameter(x), z };
     let tools = [
@@ -79,8 +81,8 @@ pub fn practice_job() -> Job {
     job
 }
 
-/// Guesses a job for the selected program of a set-up. `can_continue` is called with the progress; it
-/// returns false to cancel. `None` if the program cuts nothing.
+/// Guesses stock and tools for the selected program of a set-up. `can_continue` receives the
+/// progress and returns false to cancel the preview. `None` if the program cuts nothing.
 pub fn guess_program_job(
     setup: &Setup,
     can_continue: &mut dyn FnMut(&PreviewProgress) -> bool,
@@ -96,8 +98,8 @@ pub fn guess_program_job(
     guess_job(&moves, &setup.memory.offsets, rates)
 }
 
-/// Guesses a job for the executed moves of a program. Rapids follow `rates`. `None` if the
-/// program cuts nothing.
+/// Guesses stock and tools for the executed moves of a program. `rates` give the path of
+/// rapids. `None` if the program cuts nothing.
 pub fn guess_job(moves: &[ExecutedMove], offsets: &Offsets, rates: RapidRates) -> Option<Job> {
     let steps = tool_steps(&moves[..moves.len().min(MAX_GUESS_MOVES)], rates);
     let cuts: Vec<&ToolStep> = steps.iter().filter(|step| step.is_cut()).collect();
@@ -162,25 +164,27 @@ fn find_fronts(cuts: &[&ToolStep]) -> Vec<f64> {
     begins
 }
 
-/// The moves of a program, and the current assumptions about its tools.
+/// The motions of a program, and the current assumptions about its bar and its tools.
 struct JobGuess<'a> {
     tried: &'a [ToolStep],
     offsets: &'a Offsets,
     uses: BTreeMap<u8, ToolUse>,
     /// Possible radii of the bar, the largest first, mm.
     radii: Vec<f64>,
-    /// Possible Z positions of its face.
+    /// Possible Z positions of the bar's face, the most probable first, mm.
     fronts: Vec<f64>,
     deepest: f64,
     poses: BTreeMap<u8, ToolPose>,
-    /// Slimness of each tool for which its pose was judged.
+    /// Slimness level of each tool with which its pose was judged, by tool number.
     slimness: BTreeMap<u8, u8>,
 }
 
-/// Stock that a step passes through and that therefore must not exist.
+/// A region of the stock that a tool passes through without cutting; the stock must not be
+/// there.
 struct StockIntrusion {
     tool: u8,
-    /// Whether it happened in a rapid; otherwise with a part of the tool that does not cut.
+    /// Whether the tool passed through the stock in a rapid; otherwise with a part that does
+    /// not cut.
     rapid: bool,
     region: Region,
     bounds: GridBounds,
@@ -202,14 +206,14 @@ impl JobGuess<'_> {
             || self.uses.get(&tool).is_some_and(is_drill)
     }
 
-    /// Whether the cuts of a tool show how wide the bar is.
+    /// Whether a tool cuts the outside of the bar, so that its cuts show how wide the bar is.
     fn is_outside(&self, tool: u8) -> bool {
         let faces = |used: &ToolUse| used.work == Some(ToolWork::FaceGroove);
         !self.is_internal(tool) && !self.uses.get(&tool).is_some_and(faces)
     }
 
-    /// Radii where outside cuts begin and end, and the widest longitudinal cut with an
-    /// allowance.
+    /// Possible radii of the bar, the largest first, mm: where outside cuts begin and end, and
+    /// the widest longitudinal cut with an allowance.
     fn find_bar_radii(&self, cuts: &[&ToolStep]) -> Vec<f64> {
         let outside = |cut: &&&ToolStep| self.is_outside(cut.tool) && !cut.threads;
         let mut radii: Vec<f64> = cuts
@@ -250,7 +254,8 @@ impl JobGuess<'_> {
         outside.map(|(_, used)| used.widest_mm).fold(0.0, f64::max)
     }
 
-    /// Radius of the hole that boring tools enter, mm; `None` where a drill makes it.
+    /// Radius of the hole that boring tools enter, mm; `None` if they enter none or a drill
+    /// makes it.
     fn bore_radius(&self) -> Option<f64> {
         if self
             .uses
@@ -293,7 +298,8 @@ impl JobGuess<'_> {
         self.uses.iter().filter_map(tool).collect()
     }
 
-    /// The intrusions of the program into the largest bar.
+    /// Moves the guessed tools through the largest bar and lists the stock that they intrude
+    /// into.
     fn find_intrusions(&self) -> Vec<StockIntrusion> {
         let radius = self.radii.first().copied().unwrap_or(MIN_BAR_RADIUS_MM);
         let front = self.fronts.first().copied().unwrap_or(0.0);
@@ -323,7 +329,8 @@ impl JobGuess<'_> {
         intrusions
     }
 
-    /// Chooses for each tool the pose with the least intrusion.
+    /// Chooses for each tool the pose with the least intrusion, and returns the intrusions
+    /// that remain.
     fn choose_poses(&mut self) -> Vec<StockIntrusion> {
         let of_tool = |intrusions: &[StockIntrusion], tool: u8| -> f64 {
             let own = intrusions.iter().filter(|it| it.tool == tool);
@@ -376,8 +383,8 @@ impl JobGuess<'_> {
         self.find_intrusions()
     }
 
-    /// Poses to try when a tool intrudes into stock: its pose with edges for shoulders, steps
-    /// and narrow grooves, then the other poses with all of these edges.
+    /// Poses, with their slimness levels, to try for a tool that intrudes into stock: its most
+    /// probable pose with every level, then the other poses with every level.
     fn other_poses(&self, used: &ToolUse) -> Vec<(ToolPose, u8)> {
         let all = self.tool_knowledge(0.0, 0.0).possible_poses(used);
         let mut poses = all.clone();
@@ -392,8 +399,8 @@ impl JobGuess<'_> {
         tried.filter(|pose| Some(*pose) != first).collect()
     }
 
-    /// Radius and face of the largest bar that is cut and has no intrusion. Otherwise the bar
-    /// with the fewest rapids through it.
+    /// Radius and Z of the face, mm, of the largest bar that is cut and has no intrusion;
+    /// otherwise of the bar with the least misfit. `None` if the program cuts no bar.
     fn choose_bar(&self, intrusions: &[StockIntrusion]) -> Option<(f64, f64)> {
         let widest = self.widest_cut();
         let bore = self.bore_radius().unwrap_or(0.0);
@@ -446,14 +453,15 @@ impl JobGuess<'_> {
     }
 }
 
-/// The misfit of a bar, the most serious first: number of rapids through it, whether a
-/// longitudinal cut is wider, whether a tool body passes through it.
+/// How badly a bar fits, the most serious first: number of rapids through the bar, whether a
+/// longitudinal cut is wider than it, whether a tool body passes through it.
 type BarMisfit = (usize, bool, bool);
 
 /// Greatest length of a bar, mm.
 const MAX_BAR_LENGTH_MM: f64 = 2_000.0;
 
-/// Whether a region is more than a rounding error: surfaces slide along each other.
+/// Whether a region is thicker than the rounding error of surfaces that slide along each
+/// other.
 fn is_thick(region: &Region) -> bool {
     const THIN: i32 = 50;
     region.bounds().is_some_and(|bounds| {

@@ -9,47 +9,50 @@ use gsk_workpiece::motion::{MotionKind, ToolMotion};
 
 use super::{CollisionFinding, Machining};
 
-/// Greatest distance of a tick from a straight piece that it extends, mm: a grid unit.
+/// Greatest distance by which a tick may leave the straight motion that it extends, mm: one
+/// grid unit.
 const STRAIGHTNESS_MM: f64 = 0.000_1;
-/// Ticks after which a piece is cut even if it continues: the time of a picture.
+/// Ticks after which a pending motion is cut even if it continues, so that each picture shows
+/// it.
 const MAX_PIECE_TICKS: u32 = 25;
 /// Below this speed the spindle counts as stopped, r/min.
 const STANDSTILL_RPM: f64 = 1.0;
 
-/// A part that follows a running control.
+/// A part that is machined live: it follows each tick of a running control.
 #[derive(Clone, Debug)]
 pub struct LivePart {
     machining: Machining,
-    /// Slide and spindle at the last tick.
+    /// Slide and spindle at the last tick; `None` before the first.
     last_tick: Option<TickState>,
     pending: Option<PendingCut>,
-    /// Number of findings that the caller has received.
+    /// Number of collisions that [`LivePart::follow_tick`] has already returned.
     reported_findings: usize,
-    /// Whether the program has ended; the next one begins with new stock.
+    /// Whether the program has ended; the next program begins with new stock.
     program_ended: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct TickState {
-    /// Slide position, machine coordinates.
+    /// Slide position in machine coordinates, mm.
     slide: Point,
-    /// Tip of the tool, part coordinates.
+    /// Tip of the tool in part coordinates, mm.
     tip: Point,
     spindle_turns: f64,
 }
 
-/// Ticks that continue straight in the same manner.
+/// Successive ticks of motion on a straight line under the same conditions, which are cut
+/// together.
 #[derive(Clone, Debug)]
 struct PendingCut {
     from: Point,
     to: Point,
     ticks: u32,
     conditions: MotionConditions,
-    /// Positions of the tool where it passed the drawn plane.
+    /// Tip positions, in part coordinates, at which a thread passed the drawn plane.
     imprints: Vec<Point>,
 }
 
-/// What must stay the same within a piece.
+/// The conditions that must stay the same within a pending motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct MotionConditions {
     tool: u8,
@@ -60,7 +63,7 @@ struct MotionConditions {
 }
 
 impl LivePart {
-    /// Follows a control with this part, which must be uncut.
+    /// Makes this part, which must be uncut, follow a control.
     pub const fn new(machining: Machining) -> Self {
         Self {
             machining,
@@ -84,7 +87,7 @@ impl LivePart {
     }
 
     /// Follows one tick of the control. Call it after every tick. Returns the collisions found
-    /// since the last call.
+    /// since the last call, empty if there are none.
     pub fn follow_tick(&mut self, simulation: &Simulation) -> &[CollisionFinding] {
         let cnc = &simulation.cnc;
         let tool = simulation.lathe.station().unwrap_or(cnc.tool().0);
@@ -127,7 +130,8 @@ impl LivePart {
         &self.machining.findings[first..]
     }
 
-    /// Clamps new stock when the next program starts after the end of one.
+    /// Clamps new stock when the first block of a program starts after another program has
+    /// ended.
     fn change_stock(&mut self, simulation: &Simulation) {
         for event in simulation.cnc.events() {
             match event {
@@ -167,7 +171,7 @@ impl LivePart {
         }
     }
 
-    /// Cuts the pending piece.
+    /// Cuts the part with the pending motion.
     fn cut_pending(&mut self) {
         let Some(piece) = self.pending.take() else {
             return;
@@ -189,7 +193,7 @@ impl LivePart {
 }
 
 impl PendingCut {
-    /// Whether a tick continues at the end of the piece, in its direction.
+    /// Whether a tick from `from` to `to` continues the pending motion in its direction.
     fn is_continued_by(&self, from: Point, to: Point) -> bool {
         let along = self.to - self.from;
         let Some(direction) = along.unit() else {
@@ -202,8 +206,8 @@ impl PendingCut {
     }
 }
 
-/// The block in execution in automatic operation; between two blocks the last one. `None`
-/// after the end of an MDI block and when nothing runs.
+/// The block that the program runs, or the last one between two blocks. `None` after the end
+/// of an MDI block and when nothing runs.
 pub fn running_block(simulation: &Simulation) -> Option<SourcePosition> {
     let cnc = &simulation.cnc;
     let cursor = cnc.cursor();
@@ -219,13 +223,14 @@ pub fn running_block(simulation: &Simulation) -> Option<SourcePosition> {
     })
 }
 
-/// The block that moves the tool; `None` in manual operation.
+/// The block of the program that moves the tool; `None` in manual operation.
 fn moving_block(simulation: &Simulation) -> Option<SourcePosition> {
     let by_program = matches!(simulation.cnc.run_state(), RunState::Run | RunState::Hold);
     running_block(simulation).filter(|_| by_program)
 }
 
-/// Position of the tip when the spindle passed the drawn plane between two ticks.
+/// Tip position at which the spindle passed the drawn plane between two ticks; `None` if it
+/// did not.
 fn plane_crossing(before: TickState, now: TickState) -> Option<Point> {
     let (low, high) = (
         before.spindle_turns.min(now.spindle_turns),

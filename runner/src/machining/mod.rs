@@ -25,23 +25,23 @@ pub use mounting::Mounting;
 
 use crate::curves::RapidRates;
 
-/// Limit of the stored findings.
+/// Maximum number of stored collisions.
 const MAX_FINDINGS: usize = 100;
-/// An insert this near to the axis has parted the bar off, mm of radius.
+/// Radius at which an insert has parted the bar off, mm.
 const PART_OFF_RADIUS_MM: f64 = 0.05;
 
-/// A collision and the block that caused it.
+/// A collision, and the block and tool that caused it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CollisionFinding {
-    /// The block; `None` in manual operation.
+    /// The block that caused the collision; `None` in manual operation.
     pub source: Option<SourcePosition>,
     /// The T number of the tool.
     pub tool: u8,
-    /// The parts that touch, the position and the depth.
+    /// The collision itself: touching parts, position and depth.
     pub collision: Collision,
 }
 
-/// The part of a job while a program machines it.
+/// The part of a job, machined move by move.
 #[derive(Clone, Debug)]
 pub struct Machining {
     job: Job,
@@ -71,12 +71,12 @@ impl Machining {
         }
     }
 
-    /// The job, as passed to [`Machining::new`].
+    /// The job with stock and tools, as passed to [`Machining::new`].
     pub const fn job(&self) -> &Job {
         &self.job
     }
 
-    /// Part and clamping in their current state.
+    /// The part, its clamping and the stock in their current state.
     pub const fn scene(&self) -> &LatheScene {
         &self.scene
     }
@@ -91,19 +91,19 @@ impl Machining {
         &self.findings
     }
 
-    /// The position of tools and part relative to the slide.
+    /// The mapping from slide positions to tip positions in the part.
     pub const fn mounting(&self) -> &Mounting {
         self.track.mounting()
     }
 
-    /// Clamps new stock and discards the findings. The tools stay where they are.
+    /// Clamps new stock and discards the collisions. The tools stay where they are.
     pub fn clamp_new_stock(&mut self) {
         self.scene = LatheScene::new(&self.job.stock);
         self.parted_volume_mm3 = 0.0;
         self.findings.clear();
     }
 
-    /// Cuts the part with a move of the program. Rapids follow `rates`.
+    /// Cuts the part with a move of the program. `rates` give the path of rapids.
     pub fn execute_move(&mut self, executed: &ExecutedMove, rates: RapidRates) {
         let tool = executed.conditions.tool;
         for motion in self.track.tip_motions(executed, rates) {
@@ -111,7 +111,8 @@ impl Machining {
         }
     }
 
-    /// Moves a tool relative to the part.
+    /// Moves a tool relative to the part: cuts it, and stores collisions under the block
+    /// `source`.
     fn move_tool(&mut self, source: Option<SourcePosition>, tool: u8, motion: &ToolMotion) {
         let Some(cutter) = self.cutters.get(&tool) else {
             return;

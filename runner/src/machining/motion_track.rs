@@ -8,7 +8,8 @@ use gsk_workpiece::motion::{MotionKind, ThreadPath, ToolMotion};
 use super::Mounting;
 use crate::curves::{RapidRates, rapid_bend};
 
-/// Position of the tools relative to the part, and angle of the spindle.
+/// Converts executed moves to motions of the tool tips: where tools and part are, and where
+/// the last thread ended.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MotionTrack {
     mounting: Mounting,
@@ -17,7 +18,7 @@ pub(super) struct MotionTrack {
 }
 
 impl MotionTrack {
-    /// For the tools and zero of a job.
+    /// Starts with the tool lengths and the zero of a job.
     pub(super) fn from_job(job: &Job) -> Self {
         Self {
             mounting: Mounting::from_job(job),
@@ -25,12 +26,13 @@ impl MotionTrack {
         }
     }
 
-    /// The position of tools and part relative to the slide.
+    /// The mapping from slide positions to tip positions in the part.
     pub(super) const fn mounting(&self) -> &Mounting {
         &self.mounting
     }
 
-    /// The same, mutable, for a running control that fixes a tool.
+    /// The mapping of [`MotionTrack::mounting`], mutable: a running control fixes a tool in
+    /// it.
     pub(super) const fn mounting_mut(&mut self) -> &mut Mounting {
         &mut self.mounting
     }
@@ -83,7 +85,7 @@ impl MotionTrack {
         vec![motion(from, to, kind)]
     }
 
-    /// The imprints of a thread in the drawn plane; a tap is a straight cut.
+    /// The motion of a thread as its imprints in the drawn plane; a straight cut for a tap.
     fn thread_motion(&mut self, executed: &ExecutedMove, from: Point, to: Point) -> MotionKind {
         let (Some(thread), Some(Feed::PerRevolution(lead))) =
             (executed.conditions.thread, executed.feed)

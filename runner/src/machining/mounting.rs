@@ -8,9 +8,9 @@ use gsk_workpiece::job::{DiameterPoint, Job};
 
 /// Maps slide positions to positions of each tool's tip in the part.
 ///
-/// If the job does not give a length or zero, the control's value is used: the tool is assumed
-/// to be set correctly when it first cuts. After that a changed offset or work zero moves the
-/// cut, as on the machine. A zero offset is no new zero of the part: it counts from that zero.
+/// If the job does not give a tool length or the zero, the value of the control is used: the
+/// tool is assumed to be set correctly when it first cuts. After that a changed offset or work
+/// zero moves the cut, as on the machine. A zero offset does not move the zero of the part.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mounting {
     zero: Option<Point>,
@@ -31,8 +31,8 @@ impl Mounting {
         }
     }
 
-    /// Slide position, machine coordinates, at which the tip of a tool is at the zero of the
-    /// part.
+    /// Slide position, machine coordinates in mm, at which the tip of `tool` is at the zero of
+    /// the part.
     pub fn slide_at_part_zero(&self, tool: u8, frame: &Frame) -> Point {
         if let Some(zero) = self.fixed_zeros.get(&tool) {
             return *zero;
@@ -54,8 +54,8 @@ impl Mounting {
         machine - self.slide_at_part_zero(tool, frame)
     }
 
-    /// Fixes the tool's position at its first cut. Later changes of offset or work zero move
-    /// the cut.
+    /// Stores the position of a tool at its first cut. Later changes of offset or work zero
+    /// then move the cut.
     pub(super) fn fix_tool(&mut self, tool: u8, frame: &Frame) {
         let zero = self.slide_at_part_zero(tool, frame);
         self.fixed_zeros.entry(tool).or_insert(zero);

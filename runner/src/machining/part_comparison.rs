@@ -15,24 +15,24 @@ use crate::curves::{RapidRates, arc_points};
 
 /// Greatest deviation of a chord from its arc, mm.
 const MAX_SAGITTA_MM: f64 = 0.002;
-/// Limit of the stored pieces of a path.
+/// Maximum number of stored pieces of a path.
 const MAX_PATH_PIECES: usize = 200_000;
 
 /// A straight piece of a path, in part coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPiece {
-    /// Start and end; X is a radius, mm.
+    /// Start and end, mm; X is a radius.
     pub ends: [Point; 2],
     /// Nose radius of the tool, mm; 0 for a sharp tool.
     pub nose_radius_mm: f64,
 }
 
-/// The parts that one program makes of the same stock in three ways, with the paths.
+/// The part that one program makes of the same stock in three ways, with the tool paths.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PartComparison {
-    /// Half section of the intended part, cut by sharp tools.
+    /// Half section of the part that the programmer intends, cut by sharp tools.
     pub intended: Region,
-    /// Half section of the machined part.
+    /// Half section of the part as machined, with nose radius compensation as programmed.
     pub finished: Region,
     /// Half section of the part without nose radius compensation.
     pub uncompensated: Region,
@@ -44,8 +44,8 @@ pub struct PartComparison {
     pub nose_center_path: Vec<PathPiece>,
 }
 
-/// Machines the parts. `can_continue` is called with the progress; it returns false to cancel, and
-/// the result is then `None`.
+/// Machines the part in the three ways of a [`PartComparison`]. `can_continue` receives the
+/// progress and returns false to cancel; the result is then `None`.
 pub fn compare_parts(
     setup: &Setup,
     job: &Job,
@@ -83,7 +83,7 @@ pub fn compare_parts(
     (!stopped).then_some(compared)
 }
 
-/// Adds a cut to the path of the tip, or of the nose centre if `nose_of` names the tool.
+/// Adds a cut to the path of the tip, or to the path of the nose centre of the tool `nose_of`.
 fn add_cut(
     path: &mut Vec<PathPiece>,
     executed: &ExecutedMove,
@@ -120,7 +120,7 @@ fn add_cut(
     }
 }
 
-/// The job with sharp tools, as the programmer thinks of them.
+/// The job with inserts without nose radius, as the programmer assumes them.
 fn with_sharp_tools(job: &Job) -> Job {
     let mut job = job.clone();
     for tool in job.tools.values_mut() {
@@ -129,8 +129,8 @@ fn with_sharp_tools(job: &Job) -> Job {
     job
 }
 
-/// The insert without its nose. A thread is meant with the point of its insert. A round insert
-/// becomes a narrow one.
+/// The insert without its nose radius. Threading inserts and drills are unchanged. A round
+/// insert becomes a narrow one.
 const fn without_nose(insert: Insert) -> Insert {
     match insert {
         Insert::Turning {
@@ -171,7 +171,7 @@ mod tests {
 
     const NOSE: f64 = 0.8;
 
-    /// A cone of 45° between two cylinders.
+    /// Compares the parts of a program that turns a cone of 45° between two cylinders.
     fn cone(compensation: &str) -> PartComparison {
         let mut setup = Setup::default();
         let text = format!(
@@ -194,7 +194,7 @@ mod tests {
         compare_parts(&setup, &job, rates, &mut |_| true).unwrap()
     }
 
-    /// Least and greatest deviation in front of a Z, mm.
+    /// Least and greatest deviation of a part from the wanted one at Z above -25, mm.
     fn deviation_range(part: &Region, wanted: &Region) -> (f64, f64) {
         let found = deviations(part, wanted, -25.0);
         let each = found.iter().flatten().map(|it| it.distance);

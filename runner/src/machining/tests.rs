@@ -103,7 +103,7 @@ fn sharp_tool() -> Tool {
     }
 }
 
-/// Volume of a cone's frustum, mm³.
+/// Volume of a frustum with end radii `a` and `b`, mm³.
 fn frustum_volume(a: f64, b: f64, length: f64) -> f64 {
     PI * length * (a * a + a * b + b * b) / 3.0
 }
@@ -254,8 +254,8 @@ fn the_bar_to_practise_on_is_sound_and_the_first_tool_stands_before_it() {
     );
 }
 
-/// Correct part programs, and what their guessed part has in common with them: points of the
-/// half section that are stock, and points that are not, X as a diameter.
+/// Name and text of a correct part program, and points of the half section of its guessed
+/// part, X as a diameter: those that are stock, then those that are not.
 type GuessedPart = (
     &'static str,
     &'static str,

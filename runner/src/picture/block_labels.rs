@@ -8,39 +8,39 @@ use std::collections::BTreeMap;
 use gsk_core::command::{ProgramId, SourcePosition};
 use gsk_core::units::Point;
 
-/// Limit of the stored numbers: a page full of them.
+/// Maximum number of stored labels; this many fill a picture.
 const MAX_LABELS: usize = 1 << 16;
 
-/// Size of the finest cell, mm.
+/// Size of the finest cell of the label grid, mm.
 const FINEST_MM: f64 = 1.0 / 1024.0;
 
-/// The number of a block.
+/// The number that labels a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum BlockLabelNumber {
-    /// Its N word.
+    /// The block is labelled with its sequence number (N word).
     Sequence(u32),
-    /// Its line, if it has no N word.
+    /// The block has no N word and is labelled with its line number, from 1.
     Line(u32),
 }
 
-/// A number at the end of its block.
+/// A label at the end point of its block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct BlockLabel {
     position: Point,
     number: BlockLabelNumber,
-    /// Number of block ends before this one.
+    /// Number of labels added up to this one, from 1.
     order: u64,
 }
 
-/// The numbers of a path.
+/// The labels of the blocks of a path, at most one in each cell of a grid.
 #[derive(Clone, Debug)]
 pub(super) struct BlockLabels {
-    /// The labels by their cells.
+    /// The labels by their cells, as indexes in X and Z.
     labels_by_cell: BTreeMap<(i32, i32), BlockLabel>,
     cell_mm: f64,
-    /// The block in progress, and its end so far.
+    /// The block in progress, and the end of its last move; `None` before the first.
     current: Option<(SourcePosition, Point)>,
-    /// The block that introduced the sequence number in force.
+    /// The block that introduced the sequence number in force: program, N word and line.
     sequence_start: Option<(ProgramId, Option<u32>, u32)>,
     count: u64,
 }
@@ -58,7 +58,8 @@ impl Default for BlockLabels {
 }
 
 impl BlockLabels {
-    /// Adds a move of a block that ends at a point.
+    /// Adds a move of the block `source` that ends at `to`. A new block ends the one before,
+    /// which then gets its label.
     pub fn add_move(&mut self, source: SourcePosition, to: Point) {
         if let Some((block, end)) = self.current
             && (block.program, block.line) != (source.program, source.line)
@@ -68,21 +69,21 @@ impl BlockLabels {
         self.current = Some((source, to));
     }
 
-    /// Ends the last block.
+    /// Ends the last block and adds its label.
     pub fn end(&mut self) {
         if let Some((block, end)) = self.current.take() {
             self.add_label(block, end);
         }
     }
 
-    /// Adapts the cells to a number height, mm.
+    /// Makes the cells as coarse as the height of a label, mm.
     pub fn fit_cells(&mut self, height_mm: f64) {
         if self.cell_mm * 2.0 <= height_mm {
             self.coarsen(height_mm);
         }
     }
 
-    /// The numbers and their points, earlier blocks first.
+    /// The end points of blocks and the labels there, earlier blocks first.
     pub fn all(&self) -> Vec<(Point, String)> {
         let mut labels: Vec<&BlockLabel> = self.labels_by_cell.values().collect();
         labels.sort_by_key(|label| label.order);
@@ -128,7 +129,7 @@ impl BlockLabels {
         (cell(at.x), cell(at.z))
     }
 
-    /// Changes to the coarsest cells not larger than `most_mm`.
+    /// Makes the cells as coarse as possible, but not larger than `most_mm`.
     fn coarsen(&mut self, most_mm: f64) {
         while self.cell_mm * 2.0 <= most_mm {
             self.cell_mm *= 2.0;

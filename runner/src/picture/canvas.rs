@@ -7,13 +7,14 @@ use super::extent::PictureSize;
 use super::legend::text_width;
 use super::pens::LinePen;
 
-/// Points of a stroke at most. The time of a stroke grows faster than its number of points.
+/// Maximum number of points of a stroke. The time of a stroke grows faster than its number of
+/// points.
 const MAX_STROKE_POINTS: usize = 128;
 
-/// Points nearer than this to the previous one are invisible, units.
+/// Distance from the previous point below which a point is not drawn, picture units.
 const MIN_POINT_DISTANCE: f32 = 0.5;
 
-/// Position of a text relative to its point.
+/// Which end of a text is at its reference point.
 #[derive(Clone, Copy)]
 pub(super) enum TextAlign {
     Left,
@@ -21,10 +22,10 @@ pub(super) enum TextAlign {
     Right,
 }
 
-/// A picture with coordinates in units.
+/// A pixel picture on which callers draw in picture units.
 pub(super) struct PictureCanvas {
     pixels: Pixmap,
-    /// Pixels of a unit.
+    /// Pixels per picture unit.
     unit_px: u32,
     /// Whether lines have smooth edges.
     has_smooth_edges: bool,
@@ -54,12 +55,12 @@ impl PictureCanvas {
         self.has_smooth_edges = smooth;
     }
 
-    /// The finished picture.
+    /// The finished picture as pixels.
     pub fn into_pixels(self) -> Pixmap {
         self.pixels
     }
 
-    /// Draws a line through points. Its dashes continue from piece to piece.
+    /// Draws a line through points, in picture units. The dashes continue from piece to piece.
     pub fn draw_polyline(&mut self, pen: LinePen, points: &[(f64, f64)]) {
         if !self.has_smooth_edges {
             return self.draw_plain_polyline(pen, points);
@@ -92,7 +93,7 @@ impl PictureCanvas {
         }
     }
 
-    /// The same without smooth edges.
+    /// Draws a line through points without smooth edges.
     fn draw_plain_polyline(&mut self, pen: LinePen, points: &[(f64, f64)]) {
         let unit = f64::from(self.unit_px);
         let mut along = 0.0;
@@ -105,10 +106,10 @@ impl PictureCanvas {
         }
     }
 
-    /// Draws a straight line, pixel by pixel. `along` is the length of its dashes before it,
-    /// in pixels.
+    /// Draws a straight line between two points, pixel by pixel, in pixels. `along` is the
+    /// length of the line before `from`, which shifts its dashes.
     /// ```text
-    ///   a step a pixel along the longer side, as many across it as the pen is wide
+    /// a step a pixel along the longer side, as many across it as the pen is wide
     /// ```
     fn draw_plain_line(&mut self, pen: LinePen, from: (f64, f64), to: (f64, f64), along: f64) {
         let (across, down) = (to.0 - from.0, to.1 - from.1);
@@ -141,7 +142,7 @@ impl PictureCanvas {
         }
     }
 
-    /// Draws a straight line.
+    /// Draws a straight line between two points, in picture units.
     pub fn draw_line(&mut self, pen: LinePen, from: (f64, f64), to: (f64, f64)) {
         let mut builder = PathBuilder::new();
         builder.move_to(from.0 as f32, from.1 as f32);
@@ -149,7 +150,7 @@ impl PictureCanvas {
         self.stroke(builder, pen, 0.0);
     }
 
-    /// Fills polygons. Holes go in the opposite direction.
+    /// Fills polygons, in picture units. The corners of holes go in the opposite direction.
     pub fn fill_polygons(&mut self, color: [u8; 3], polygons: &[Vec<(f64, f64)>]) {
         let mut builder = PathBuilder::new();
         for polygon in polygons {
@@ -168,8 +169,8 @@ impl PictureCanvas {
             .fill_path(&path, &paint(color), rule, scale, None);
     }
 
-    /// Fills the picture with a gradient from one colour at the top to another one at the
-    /// bottom.
+    /// Fills the picture with a gradient from the first colour at the top to the second at the
+    /// bottom; red, green, blue, 0 to 255.
     pub fn fill_gradient(&mut self, [above, below]: [[f32; 3]; 2]) {
         let (width, height) = (self.pixels.width() as usize, self.pixels.height());
         let rows = self.pixels.pixels_mut().chunks_exact_mut(width.max(1));
@@ -183,7 +184,7 @@ impl PictureCanvas {
         }
     }
 
-    /// Blends a premultiplied picture of the same size over this one.
+    /// Blends a picture of the same size over this one. The pixels are premultiplied RGBA.
     pub fn blend(&mut self, picture: &[[u8; 4]]) {
         let own = self.pixels.data_mut().chunks_exact_mut(4);
         for (own, pixel) in own.zip(picture) {
@@ -195,7 +196,7 @@ impl PictureCanvas {
         }
     }
 
-    /// Draws a dot of a radius.
+    /// Draws a filled dark circle, in picture units.
     pub fn draw_dot(&mut self, at: (f64, f64), radius: f32) {
         let Some(path) = PathBuilder::from_circle(at.0 as f32, at.1 as f32, radius) else {
             return;
@@ -206,12 +207,14 @@ impl PictureCanvas {
         self.pixels.fill_path(&path, &paint, rule, scale, None);
     }
 
-    /// Writes a text in Unifont dots; `y` is the upper edge.
+    /// Writes a text in Unifont glyphs. `x` is the point of its alignment, `y` its upper edge,
+    /// in picture units.
     pub fn draw_text(&mut self, x: f64, y: f64, text: &str, align: TextAlign) {
         self.draw_glyphs(x, y, text, align, [0x20; 3]);
     }
 
-    /// The same, with a white outline that keeps it readable over lines.
+    /// Writes a text with a white outline that keeps it readable over lines. `x` and `y` are
+    /// its upper left corner, in picture units.
     pub fn draw_outlined_text(&mut self, x: f64, y: f64, text: &str) {
         for (right, down) in [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)] {
             self.draw_glyphs(x + right, y + down, text, TextAlign::Left, [0xFF; 3]);
@@ -239,7 +242,7 @@ impl PictureCanvas {
         }
     }
 
-    /// Fills a unit.
+    /// Fills the pixels of one picture unit with a colour.
     fn fill_unit(&mut self, x: i32, y: i32, [red, green, blue]: [u8; 3]) {
         let unit = self.unit_px as i32;
         let (width, height) = (self.pixels.width() as i32, self.pixels.height() as i32);
@@ -255,7 +258,8 @@ impl PictureCanvas {
         }
     }
 
-    /// Strokes a path that begins `along` units after the beginning of its line.
+    /// Draws a path with a pen. The path begins `along` units after the beginning of its line,
+    /// which shifts its dashes.
     fn stroke(&mut self, builder: PathBuilder, pen: LinePen, along: f32) {
         let Some(path) = builder.finish() else { return };
         let period: f32 = pen.dash.iter().sum();
@@ -289,7 +293,7 @@ mod tests {
     use super::super::path_pieces::PathLine;
     use super::*;
 
-    /// The columns and rows that are not white.
+    /// Column and row of every pixel that is not white.
     fn drawn_pixels(canvas: &PictureCanvas) -> Vec<(u32, u32)> {
         let width = canvas.pixels.width();
         let pixels = canvas.pixels.pixels().iter().zip(0..);

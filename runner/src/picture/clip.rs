@@ -4,7 +4,7 @@ use super::number_placement::PictureArea;
 
 type ClipPoint = (f64, f64);
 
-/// Calls `each` with the parts of a line of points inside a frame.
+/// Calls `each` with every part of a polyline that is inside a frame.
 pub(super) fn clip_to_frame(
     points: impl Iterator<Item = ClipPoint>,
     frame: PictureArea,
@@ -41,7 +41,8 @@ pub(super) fn clip_to_frame(
     }
 }
 
-/// The part of a straight line in the frame (Liang and Barsky).
+/// The part of a straight line that is in the frame (Liang and Barsky); `None` if the line
+/// misses it.
 fn clip_segment(
     from: ClipPoint,
     to: ClipPoint,

@@ -8,10 +8,10 @@ use super::number_placement::PictureArea;
 
 type FramePoint = (f64, f64);
 
-/// Cells of a pixel, along each side.
+/// Number of grid cells per pixel along each side.
 const CELLS_PER_PIXEL_SIDE: f64 = 2.0;
 
-/// The cells of a frame that one pen has covered.
+/// Which grid cells of a frame one pen has already covered.
 pub(super) struct Coverage {
     /// Upper left corner of the frame.
     corner: FramePoint,
@@ -20,7 +20,7 @@ pub(super) struct Coverage {
 }
 
 impl Coverage {
-    /// An empty frame.
+    /// Creates a frame without covered cells.
     pub(super) fn new(frame: PictureArea) -> Self {
         let cells = |low: f64, high: f64| {
             ((high - low) * CELLS_PER_PIXEL_SIDE).ceil().max(0.0) as usize + 2
@@ -35,8 +35,8 @@ impl Coverage {
         }
     }
 
-    /// Calls `each` with the parts of a line of points that cover free cells. The points must
-    /// be clipped to the frame.
+    /// Covers the cells of a polyline and calls `each` with the parts that cover free cells.
+    /// The points must be clipped to the frame.
     pub(super) fn draw_uncovered(
         &mut self,
         points: &[FramePoint],
@@ -56,7 +56,7 @@ impl Coverage {
         }
     }
 
-    /// Covers the cells of a piece. Returns whether one of them was free.
+    /// Covers the cells of a straight piece. Returns whether a cell was free before.
     fn cover_segment(&mut self, from: FramePoint, to: FramePoint) -> bool {
         let (dx, dy) = (to.0 - from.0, to.1 - from.1);
         let steps = (dx.abs().max(dy.abs()) * CELLS_PER_PIXEL_SIDE)

@@ -17,50 +17,53 @@ use gsk_workpiece::region::Region;
 use super::legend::text_width;
 use super::number_placement::{HEIGHT, OccupancyMap};
 
-/// Units between a surface or a line and its text.
+/// Gap between a surface or a line and its text, picture units.
 const TEXT_GAP: f64 = 5.0;
-/// Rows below the spindle axis for the figures of shoulders.
+/// Number of rows below the spindle axis for the Z figures of shoulders.
 const SHOULDER_ROWS: u32 = 3;
-/// Height of these rows below the spindle axis, units.
+/// Height of the rows for shoulders below the spindle axis, picture units.
 pub(super) const BELOW_AXIS: f64 = 2.0 * TEXT_GAP + SHOULDER_ROWS as f64 * HEIGHT;
-/// Least distance between two shoulders that both have figures, units.
+/// Least distance between two shoulders that both get a figure, picture units.
 const MIN_SHOULDER_DISTANCE: f64 = 6.0;
-/// A smaller corner is that of a nose and not of the drawing, units.
+/// Length below which a surface gets no text, picture units: it comes from a tool nose and not
+/// from the drawing.
 const MIN_SURFACE_LENGTH: f64 = 14.0;
-/// An angle counts as 45° within this, degrees.
+/// Deviation up to which an angle counts as 45°, degrees.
 const ANGLE_TOLERANCE_DEG: f64 = 0.001;
 
-/// The dimensions of a part.
+/// The surfaces and shoulders of a part that get dimensions in a picture.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Dimensions {
     surfaces: Vec<DimensionedSurface>,
-    /// Faces, then the ends of other surfaces.
+    /// Points whose Z is written below the axis: the ends of faces, then those of other
+    /// surfaces.
     shoulders: Vec<Point>,
 }
 
-/// The text of a surface.
+/// A surface and the text of its dimension.
 #[derive(Clone, Debug)]
 struct DimensionedSurface {
     ends: [Point; 2],
     middle: Point,
-    /// On the outside the material is towards the axis.
+    /// Whether the surface is outside (material towards the axis) or inside.
     side: SectionSide,
     text: String,
 }
 
-/// A dimension as drawn.
+/// A dimension with its position in the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dimension {
-    /// Upper left corner of the text, units.
+    /// Upper left corner of the text, picture units.
     pub corner: (f64, f64),
-    /// The text.
+    /// The text of the dimension: `⌀20`, `R5`, `-50`.
     pub text: String,
-    /// The line from a shoulder to its text, units.
+    /// Ends of the line from a shoulder to its text, picture units; `None` for a text on a
+    /// surface.
     pub line: Option<[(f64, f64); 2]>,
 }
 
 impl Dimensions {
-    /// Measures a half section.
+    /// Finds the surfaces and shoulders in a half section of the part.
     pub fn measure(section: &Region) -> Self {
         let mut found = Self::default();
         let sides = [SectionSide::Outside, SectionSide::Inside];
@@ -96,12 +99,13 @@ impl Dimensions {
         self.shoulders.extend([*first, *last]);
     }
 
-    /// Whether there are no dimensions.
+    /// Whether the part has no dimensions to draw.
     pub const fn is_empty(&self) -> bool {
         self.surfaces.is_empty() && self.shoulders.is_empty()
     }
 
-    /// Places the dimensions where there is free space. `place` converts a point to units.
+    /// Places the dimensions where the picture has free space; others are omitted. `to_units`
+    /// converts a point in mm to picture units; `taken` marks the used space.
     pub fn place_all(
         &self,
         to_units: impl Fn(Point) -> (f64, f64),
@@ -158,7 +162,8 @@ impl Dimensions {
     }
 }
 
-/// The text of a surface. A face has none: its ends give its Z.
+/// The text of the dimension of a surface, `⌀20` for example. `None` for a face: its ends give
+/// its Z.
 fn dimension_text(feature: &Feature) -> Option<String> {
     let across = |Diameter(value): Diameter| format_figure(value);
     match *feature {
@@ -179,7 +184,7 @@ fn dimension_text(feature: &Feature) -> Option<String> {
     }
 }
 
-/// A figure with as many decimals as needed, three at most.
+/// Formats a length, mm, or an angle, degrees, with as many decimals as needed, three at most.
 fn format_figure(value: f64) -> String {
     let rounded = (value * 1000.0).round() / 1000.0;
     if rounded == 0.0 {

@@ -12,18 +12,18 @@ use crate::curves::{RapidRates, arc_points, rapid_bend};
 use crate::machining::Machining;
 use crate::times::{ProgramTimes, TimesByUse};
 
-/// Height of a block number, pixels.
+/// Height of a block label, pixels.
 const NUMBER_HEIGHT_PX: f64 = 16.0;
 
-/// Options for a drawing.
+/// Options for the drawing of a toolpath.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DrawingOptions {
     /// Size of the picture.
     pub size: PictureSize,
-    /// Whether the picture is fitted to the whole path. Otherwise it is fitted to the cuts,
-    /// and rapids end at the frame.
+    /// Whether the picture is fitted to the whole path. If not, it is fitted to the cuts, and
+    /// rapids end at the frame.
     pub shows_whole_path: bool,
-    /// Whether the ends of blocks show their numbers.
+    /// Whether the end of each block is labelled with the number of the block.
     pub labels: bool,
     /// Whether the part has its dimensions written on it.
     pub dimensions: bool,
@@ -39,12 +39,13 @@ pub struct PathDrawing {
     options: DrawingOptions,
     pieces: PathPieces,
     labels: BlockLabels,
-    /// Bounds of the cuts, and of everything.
+    /// Bounds of the cuts (`cut_extent`) and of the whole path (`full_extent`); `None` while
+    /// empty.
     cut_extent: Option<PathExtent>,
     full_extent: Option<PathExtent>,
-    /// The tools that cut, in the order of their first cuts.
+    /// Numbers of the tools that cut, in the order of their first cuts.
     tools: Vec<u8>,
-    /// The end of the last cut of each tool.
+    /// The end of the last cut of each tool, in the order of `tools`.
     last_cut_ends: Vec<Point>,
     times: ProgramTimes,
     scenery: PathScenery,
@@ -52,7 +53,7 @@ pub struct PathDrawing {
 }
 
 impl PathDrawing {
-    /// A drawing without a path yet.
+    /// Creates a drawing without a path. `title` is the text in its upper left corner.
     pub fn new(title: impl Into<String>, options: DrawingOptions) -> Self {
         Self {
             title: title.into(),
@@ -69,7 +70,7 @@ impl PathDrawing {
         }
     }
 
-    /// Adds a move. Rapids bend according to `rates`.
+    /// Adds a move to the path. `rates` determine where rapids bend.
     pub fn add_move(&mut self, executed: &ExecutedMove, rates: RapidRates) {
         self.times.add_move(executed);
         if executed.kind == MoveKind::Dwell {
@@ -130,7 +131,7 @@ impl PathDrawing {
         }
     }
 
-    /// Ends the program at machine time `time_s`.
+    /// Ends the program at machine time `time_s`: completes the times and the last label.
     pub fn end(&mut self, time_s: f64) {
         self.times.end_at(time_s);
         self.labels.end();
@@ -153,7 +154,7 @@ impl PathDrawing {
         &self.scenery
     }
 
-    /// Number of moves that did not fit into memory.
+    /// Number of moves that are missing in the drawing because they did not fit into memory.
     pub fn omitted_moves(&self) -> u64 {
         self.omitted_moves
     }
@@ -163,7 +164,8 @@ impl PathDrawing {
         self.options
     }
 
-    /// The bounds that the picture is fitted to. A path without cuts is shown whole.
+    /// The bounds that the picture is fitted to; `None` without a path. A path without cuts is
+    /// shown whole.
     pub(super) fn extent(&self) -> Option<PathExtent> {
         if self.options.shows_whole_path {
             return self.full_extent;
@@ -171,12 +173,12 @@ impl PathDrawing {
         self.cut_extent.or(self.full_extent)
     }
 
-    /// The path.
+    /// The lines of the path.
     pub(super) const fn pieces(&self) -> &PathPieces {
         &self.pieces
     }
 
-    /// The numbers of blocks at their ends.
+    /// The ends of blocks and the labels there, earlier blocks first.
     pub(super) fn labels(&self) -> Vec<(Point, String)> {
         self.labels.all()
     }
@@ -197,7 +199,8 @@ impl PathDrawing {
         self.times.spent()
     }
 
-    /// The kind of line for a move.
+    /// Whether a move is drawn as a rapid or as a cut of its tool. Adds a new tool to the
+    /// list.
     fn line_kind(&mut self, executed: &ExecutedMove) -> PathLine {
         if executed.kind == MoveKind::Rapid {
             return PathLine::Rapid;
@@ -226,8 +229,9 @@ impl PathDrawing {
         }
     }
 
-    /// Widens the bounds and coarsens the grid. If only the cuts are shown, the grid stays
-    /// fine until the first cut shows how large the picture will be.
+    /// Widens the bounds of the path to include `point`, and coarsens the grid. If only the
+    /// cuts are shown, the grid stays fine until the first cut shows how large the picture
+    /// will be.
     fn widen(&mut self, made: PathLine, point: Point) {
         self.full_extent
             .get_or_insert(PathExtent::from_point(point))
@@ -250,9 +254,9 @@ impl PathDrawing {
     }
 }
 
-/// A point outside every picture, in the axes whose position is unknown.
+/// A point outside every picture in the axes whose position is unknown.
 fn far_point(point: Point, unplaced: PerAxis<bool>) -> Point {
-    /// mm.
+    /// Distance beyond every picture, mm.
     const FAR: f64 = 100_000.0;
     let outwards = if point.x < 0.0 { -FAR } else { FAR };
     Point::new(

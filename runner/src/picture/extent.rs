@@ -5,9 +5,9 @@ use std::str::FromStr;
 use gsk_core::units::Point;
 use gsk_messages::{Message, say};
 
-/// Margin around the path, units.
+/// Margin around the path, picture units.
 pub(super) const PATH_MARGIN: f64 = 70.0;
-/// Height of the texts above the path, units.
+/// Height of the texts above the path, picture units.
 pub(super) const HEAD_HEIGHT: f64 = 60.0;
 
 /// The size of a picture in pixels, within the limits of the program.
@@ -17,13 +17,13 @@ pub struct PictureSize {
     height: u32,
 }
 
-/// The text of a size that is invalid or outside the limits.
+/// The text entered for a picture size that is invalid or outside the limits.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct InvalidPictureSize(String);
 
 impl InvalidPictureSize {
-    /// The message for the user; it gives the limits.
+    /// The error message for the user: the size entered, and the smallest and largest size.
     pub fn message(&self) -> Message {
         let (least, most) = (PictureSize::MIN, PictureSize::MAX);
         say::picture_size(&self.0, least.width, least.height, most.width, most.height)
@@ -31,45 +31,45 @@ impl InvalidPictureSize {
 }
 
 impl PictureSize {
-    /// Smallest size, for the texts of a picture.
+    /// Smallest size: the texts of a picture still fit.
     const MIN: Self = Self {
         width: 480,
         height: 320,
     };
-    /// Largest size, for the memory of a small computer.
+    /// Largest size: the picture still fits into the memory of a small computer.
     const MAX: Self = Self {
         width: 7680,
         height: 7680,
     };
-    /// The standard size. A unit is one pixel up to twice this size.
+    /// The default size. A picture unit is one pixel in pictures smaller than twice this size.
     const STANDARD: Self = Self {
         width: 1280,
         height: 800,
     };
 
-    /// Width in pixels.
+    /// Width of the picture in pixels.
     pub const fn width(self) -> u32 {
         self.width
     }
 
-    /// Height in pixels.
+    /// Height of the picture in pixels.
     pub const fn height(self) -> u32 {
         self.height
     }
 
-    /// Pixels of a unit. Texts and lines grow with the picture.
+    /// Pixels per picture unit, 1 or more. Texts and lines grow with the picture.
     pub(super) fn unit_px(self) -> u32 {
         let across = self.width / Self::STANDARD.width;
         across.min(self.height / Self::STANDARD.height).max(1)
     }
 
-    /// Width and height in units.
+    /// Width and height in picture units.
     pub(super) fn units(self) -> (f64, f64) {
         let unit = f64::from(self.unit_px());
         (f64::from(self.width) / unit, f64::from(self.height) / unit)
     }
 
-    /// The size of a pixel, mm, if an object of this size, mm, fills the picture.
+    /// The size of a pixel, mm, if an object of `size`, mm, fills the picture.
     pub(super) fn pixel_mm(self, size: Point) -> f64 {
         let (wide, tall) = self.units();
         let unit_mm =
@@ -87,7 +87,7 @@ impl Default for PictureSize {
 impl FromStr for PictureSize {
     type Err = InvalidPictureSize;
 
-    /// Parses `1600x900`.
+    /// Parses a size such as `1600x900`, in pixels.
     fn from_str(word: &str) -> Result<Self, InvalidPictureSize> {
         let parse = |word: &str| word.trim().parse::<u32>().ok();
         let (least, most) = (Self::MIN, Self::MAX);
@@ -100,7 +100,7 @@ impl FromStr for PictureSize {
     }
 }
 
-/// The bounds of a path: program frame, X as a radius, mm.
+/// The bounds of a path, in the program frame: X as a radius, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PathExtent {
     pub low: Point,
@@ -108,7 +108,7 @@ pub(super) struct PathExtent {
 }
 
 impl PathExtent {
-    /// The bounds of one point.
+    /// Creates the bounds of a path that consists of this point alone.
     pub const fn from_point(point: Point) -> Self {
         Self {
             low: point,

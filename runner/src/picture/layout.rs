@@ -9,23 +9,23 @@ use super::extent::{PATH_MARGIN, PathExtent};
 use super::legend::PictureHead;
 use super::number_placement::{OccupancyMap, PictureArea, PlacedNumber, place_numbers};
 
-/// A grid line with its label.
+/// A grid line across the path, with its label.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridTick {
-    /// Its horizontal or vertical position, units.
+    /// Position of the line along its axis, picture units from the left or the top.
     pub position: f64,
-    /// The label: mm, as a diameter for X.
+    /// The coordinate of the line, mm; X as a diameter.
     pub label: String,
 }
 
-/// The mapping from mm to units, and everything placed with it.
+/// The mapping from mm to picture units, and everything placed with it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathLayout {
-    /// Width and height of the picture, units.
+    /// Width and height of the picture, picture units.
     pub size: (f64, f64),
     /// The texts above the path.
     pub head: PictureHead,
-    /// The frame of the path, units.
+    /// The frame around the path, picture units.
     pub frame: PictureArea,
     scale: f64,
     left_z: f64,
@@ -34,16 +34,17 @@ pub struct PathLayout {
     pub z_ticks: Vec<GridTick>,
     /// Horizontal grid lines (X as a diameter).
     pub x_ticks: Vec<GridTick>,
-    /// Vertical position of the spindle axis, units; `None` if it is outside the frame.
+    /// Vertical position of the spindle axis, picture units; `None` if it is outside the
+    /// frame.
     pub spindle_axis: Option<f64>,
-    /// Dimensions of the part.
+    /// The dimensions of the part, placed in the picture.
     pub dimensions: Vec<Dimension>,
-    /// Numbers of blocks.
+    /// The block labels, placed in the picture.
     pub numbers: Vec<PlacedNumber>,
 }
 
 impl PathLayout {
-    /// Fits a drawing into its picture: Z to the right, X up, the same scale for both.
+    /// Fits a drawing into its picture: Z to the right, X up, both with the same scale.
     pub(super) fn new(drawing: &PathDrawing, language: Language) -> Self {
         let size @ (width, height) = drawing.options().size.units();
         let head = PictureHead::new(drawing, width, language);
@@ -96,7 +97,7 @@ impl PathLayout {
         layout
     }
 
-    /// Least and greatest point in the frame, mm.
+    /// Least and greatest point of the frame, mm; X as a radius.
     pub fn visible_range(&self) -> (Point, Point) {
         let (left, top, right, bottom) = self.frame;
         let size = Point::new(bottom - top, right - left) * (1.0 / self.scale);
@@ -104,13 +105,13 @@ impl PathLayout {
         (low, low + size)
     }
 
-    /// Whether a point is inside the frame.
+    /// Whether a point, mm, is inside the frame.
     pub fn contains(&self, point: Point) -> bool {
         let (low, high) = self.visible_range();
         (low.x..=high.x).contains(&point.x) && (low.z..=high.z).contains(&point.z)
     }
 
-    /// Converts a point to units.
+    /// Converts a point, mm, to picture units from the upper left corner.
     pub fn to_units(&self, point: Point) -> (f64, f64) {
         let x = self.frame.0 + (point.z - self.left_z) * self.scale;
         let y = self.frame.3 - (point.x - self.bottom_x) * self.scale;
@@ -118,7 +119,7 @@ impl PathLayout {
     }
 }
 
-/// The bounds that are shown: those of the path with a margin, never empty.
+/// Least and greatest point to show, mm: the bounds of the path with a margin, never empty.
 fn shown_bounds(extent: Option<PathExtent>) -> (Point, Point) {
     let Some(PathExtent { mut low, high }) = extent else {
         return (Point::new(0.0, -50.0), Point::new(50.0, 50.0));
@@ -134,10 +135,11 @@ fn shown_bounds(extent: Option<PathExtent>) -> (Point, Point) {
     (low - room, high + room)
 }
 
-/// Approximate units between two grid lines.
+/// Approximate distance between two grid lines, picture units.
 const TICK_DISTANCE: f64 = 100.0;
 
-/// Round values in an interval that is `units` long in the picture.
+/// Round values for grid lines in the interval of `length` from `start`, mm, that is `units`
+/// long in the picture.
 fn tick_values(start: f64, length: f64, units: f64) -> impl Iterator<Item = f64> {
     let raw = length / (units / TICK_DISTANCE).max(1.0);
     let power = libm::pow(10.0, libm::log10(raw).floor());

@@ -9,46 +9,46 @@ use super::pens::LinePen;
 use crate::report::tool_word;
 use crate::text_format::{format_time, short_description};
 
-/// Units from the left and the right edge.
+/// Distance of texts from the left and the right edge, picture units.
 pub(super) const EDGE: f64 = 20.0;
-/// Units from the top to the first row of the legend.
+/// Distance from the top to the first row of the legend, picture units.
 const LEGEND_TOP: f64 = 50.0;
-/// Height of a row of the legend, units.
+/// Height of a row of the legend, picture units.
 const ROW_HEIGHT: f64 = 22.0;
-/// Length of the line of an entry, and the gap to its text, units.
+/// Length of the line of an entry (`SAMPLE`) and its gap to the text (`GAP`), picture units.
 pub(super) const SAMPLE: f64 = 28.0;
 pub(super) const GAP: f64 = 8.0;
-/// Units between two entries.
+/// Gap between two entries, picture units.
 const ENTRY_GAP: f64 = 24.0;
-/// Units below the legend, with the name of the X axis.
+/// Height of the space below the legend, which holds the name of the X axis, picture units.
 const LEGEND_BOTTOM: f64 = 32.0;
 
 /// An entry of the legend: a line and its meaning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LegendEntry {
-    /// The line.
+    /// The style of the line.
     pub pen: LinePen,
-    /// Left end of the line, and its height, units.
+    /// Left end of the line: right and down from the upper left corner, picture units.
     pub line_start: (f64, f64),
-    /// Its meaning: T word and cutting time.
+    /// What the line stands for: T word and cutting time of a tool, or rapids.
     pub text: String,
 }
 
 /// The texts above the path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureHead {
-    /// The name, shortened to the available width.
+    /// The title of the drawing, shortened to the available width.
     pub title: String,
-    /// The times of the whole program.
+    /// Total time and cutting time of the program; empty without a time.
     pub summary: String,
-    /// The legend: tools, then rapids.
+    /// The entries of the legend: tools, then rapids.
     pub entries: Vec<LegendEntry>,
-    /// Vertical position where the path begins, units.
+    /// Vertical position where the path begins, picture units from the top.
     pub height: f64,
 }
 
 impl PictureHead {
-    /// Lays out the texts of a drawing that is `wide` units wide.
+    /// Lays out the texts of a drawing that is `wide` picture units wide.
     pub(super) fn new(drawing: &PathDrawing, wide: f64, language: Language) -> Self {
         let spent = drawing.spent();
         let (time, cutting) = (format_time(spent.total_s()), format_time(spent.cutting_s()));
@@ -83,7 +83,8 @@ impl PictureHead {
     }
 }
 
-/// Arranges entries side by side, in as many rows as needed.
+/// Arranges entries side by side within `wide` picture units. Returns them with their
+/// positions, and the number of rows.
 fn arrange_entries(entries: Vec<(LinePen, String)>, wide: f64) -> (Vec<LegendEntry>, u32) {
     let (mut left, mut row) = (PATH_MARGIN, 0);
     let mut placed = Vec::with_capacity(entries.len());
@@ -103,13 +104,13 @@ fn arrange_entries(entries: Vec<(LinePen, String)>, wide: f64) -> (Vec<LegendEnt
     (placed, row + 1)
 }
 
-/// Width of a text, units: that of its glyphs.
+/// Width of the glyphs of a text, picture units.
 pub(super) fn text_width(text: &str) -> f64 {
     let glyphs = text.chars().filter_map(gsk_panel::glyphs::glyph);
     glyphs.map(|glyph| glyph.get_width() as f64).sum()
 }
 
-/// A text, shortened to an available width.
+/// A text, shortened with an ellipsis to a width of `room` picture units.
 fn shorten(text: &str, room: f64) -> String {
     if text_width(text) <= room {
         return text.to_owned();

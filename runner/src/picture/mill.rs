@@ -25,21 +25,21 @@ use super::{PictureError, PictureFormat, png_file, svg};
 use crate::mill::MillTimes;
 use items::{PictureItem, TextAnchor};
 
-/// Limit of the points of a drawing.
+/// Maximum number of points of a drawing.
 const MAX_POINTS: usize = 3_000_000;
-/// Angle of the chords that approximate an arc, radians.
+/// Angle that each chord of an arc spans, radians.
 const CHORD_ANGLE_RAD: f64 = 0.06;
-/// Number of chords up to which a path is drawn with smooth edges.
+/// Maximum number of points of a path that is drawn with smooth edges.
 const MAX_SMOOTH_CHORDS: usize = 30_000;
 
-/// A line of one kind.
+/// Successive lines of the same kind: points in mm.
 #[derive(Clone, Debug)]
 struct MillStroke {
     line_kind: PathLine,
     points: Vec<[f64; 3]>,
 }
 
-/// A box around points.
+/// The box that contains all points added: least and greatest X, Y, Z, mm.
 #[derive(Clone, Copy, Debug)]
 struct PathBox {
     low: [f64; 3],
@@ -68,7 +68,8 @@ impl PathBox {
     }
 }
 
-/// The path of a mill program, in the coordinates of the first work zero.
+/// The drawing of a mill program's path, built move by move, in the coordinates of the first
+/// work zero.
 #[derive(Clone, Debug)]
 pub struct MillDrawing {
     title: String,
@@ -79,14 +80,15 @@ pub struct MillDrawing {
     cut_box: Option<PathBox>,
     full_box: Option<PathBox>,
     times: MillTimes,
-    /// Range of the further axes that have moved: mm, or degrees.
+    /// Least and greatest value of each further axis (the fourth or fifth) that has moved: mm,
+    /// or degrees.
     further: Vec<(FurtherAxis, f64, f64)>,
     point_count: usize,
     omitted_moves: u64,
 }
 
 impl MillDrawing {
-    /// A drawing without a path yet.
+    /// Creates a drawing without a path. `title` is the text in its upper left corner.
     pub fn new(title: impl Into<String>, options: DrawingOptions) -> Self {
         Self {
             title: title.into(),
@@ -103,7 +105,7 @@ impl MillDrawing {
         }
     }
 
-    /// Adds a move.
+    /// Adds a move to the path and to the times.
     pub fn add_move(&mut self, made: &MillMove) {
         self.times.add_move(made);
         if made.kind == MillMoveKind::Dwell {
@@ -146,7 +148,8 @@ impl MillDrawing {
         }
     }
 
-    /// Adds the motion of further axes. Axes that never move are not shown.
+    /// Widens the ranges of the further axes to include a move. Axes that never move are not
+    /// shown.
     fn add_further_axes(&mut self, made: &MillMove) {
         for (further, from, to) in made.further() {
             let (least, greatest) = (from.min(to), from.max(to));
@@ -162,7 +165,7 @@ impl MillDrawing {
         }
     }
 
-    /// Number of moves that did not fit into memory.
+    /// Number of moves that are missing in the drawing because they did not fit into memory.
     pub const fn omitted_moves(&self) -> u64 {
         self.omitted_moves
     }
@@ -176,7 +179,7 @@ impl MillDrawing {
         u8::try_from(index).unwrap_or(u8::MAX)
     }
 
-    /// The bounds of what is shown.
+    /// The bounds that the picture is fitted to, mm: the cuts or the whole path.
     fn shown_box(&self) -> PathBox {
         let shown = match self.options.shows_whole_path {
             true => self.full_box,
@@ -188,7 +191,7 @@ impl MillDrawing {
         })
     }
 
-    /// The same with a margin.
+    /// The bounds that the picture is fitted to, with a margin of 5 per cent, mm.
     fn box_with_margin(&self) -> PathBox {
         let mut cube = self.shown_box();
         for axis in 0..3 {
@@ -200,8 +203,8 @@ impl MillDrawing {
     }
 }
 
-/// Points of a move after its start: chords of an arc, and the points where the axes of a
-/// rapid without interpolation arrive.
+/// Points of a move after its start, mm: ends of the chords of an arc, and the points where
+/// the axes of a rapid without interpolation arrive.
 fn move_points(made: &MillMove) -> Vec<[f64; 3]> {
     if let Some(mut parts) = made.arrivals {
         parts.sort_by(f64::total_cmp);
@@ -215,7 +218,8 @@ fn move_points(made: &MillMove) -> Vec<[f64; 3]> {
     (1..=chords).map(at).collect()
 }
 
-/// Draws the path of a mill. Returns the bytes of the file, with its texts in a language.
+/// Draws the path of a mill as a picture file and returns the bytes of the file. `language` is
+/// that of its texts.
 ///
 /// # Errors
 /// There is not enough memory.

@@ -2,31 +2,31 @@
 
 use super::legend::text_width;
 
-/// Height of a number, units.
+/// Height of a label, picture units.
 pub(super) const HEIGHT: f64 = 16.0;
 
-/// Units between the end of a block and its number.
+/// Gap between the end of a block and its label, picture units.
 const NUMBER_GAP: f64 = 4.0;
 
-/// Side of a square of the occupancy map, units.
+/// Side of a square of the occupancy map, picture units.
 const SQUARE_SIDE: f64 = 8.0;
 
-/// A block number that is drawn.
+/// A block label with its position in the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedNumber {
-    /// The end of the block, units.
+    /// End of the block, picture units.
     pub end: (f64, f64),
-    /// Upper left corner of the text, units.
+    /// Upper left corner of the text, picture units.
     pub corner: (f64, f64),
-    /// The text.
+    /// The text of the label: `N10`, or the line number.
     pub text: String,
 }
 
 /// An area of the picture, units: left, top, right, bottom.
 pub(super) type PictureArea = (f64, f64, f64, f64);
 
-/// Places numbers in the free parts of a frame, in their order. Numbers without free space are
-/// omitted.
+/// Places labels at the ends of blocks in the free parts of a frame, in their order. Labels
+/// without free space are omitted.
 pub(super) fn place_numbers(
     numbers: impl Iterator<Item = ((f64, f64), String)>,
     frame: PictureArea,
@@ -53,7 +53,7 @@ pub(super) fn place_numbers(
         .collect()
 }
 
-/// The occupied squares of the frame.
+/// Which squares of a frame are already occupied by texts.
 pub(super) struct OccupancyMap {
     frame: PictureArea,
     across: usize,
@@ -61,7 +61,7 @@ pub(super) struct OccupancyMap {
 }
 
 impl OccupancyMap {
-    /// A map without occupied squares.
+    /// Creates a map of a frame without occupied squares.
     pub fn new(frame: PictureArea) -> Self {
         let squares = |length: f64| (length.max(0.0) / SQUARE_SIDE).ceil() as usize + 1;
         let (across, down) = (squares(frame.2 - frame.0), squares(frame.3 - frame.1));
@@ -72,7 +72,8 @@ impl OccupancyMap {
         }
     }
 
-    /// Occupies an area if it is in the frame and free. Returns whether it was.
+    /// Occupies an area, in picture units, if it is in the frame and free. Returns whether it
+    /// was.
     pub fn occupy(&mut self, area: PictureArea) -> bool {
         let (left, top, right, bottom) = self.frame;
         if area.0 < left || area.1 < top || area.2 > right || area.3 > bottom {

@@ -13,43 +13,44 @@ use std::collections::HashSet;
 
 use gsk_core::units::Point;
 
-/// The finest cell, mm: less than the least increment of the control.
+/// Size of the finest grid cell, mm: less than the least increment of the control.
 const FINEST_MM: f64 = 1.0 / 1024.0;
 
-/// Least number of cells across a pixel, while there is memory.
+/// Least number of grid cells across a pixel, while there is memory.
 const CELLS_PER_PIXEL: f64 = 4.0;
 
-/// Limit of the stored pieces: about 100 MB.
+/// Maximum number of stored pieces: about 100 MB.
 const MAX_PIECES: usize = 1 << 20;
 
-/// The kind of a line of the path.
+/// How a line of the path is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PathLine {
-    /// A rapid.
+    /// The line is a rapid.
     Rapid,
-    /// A cut; tools count from 0 in the order of their first cuts.
+    /// The line is a cut of this tool; tools count from 0 in the order of their first cuts.
     Cut(u8),
 }
 
-/// A point of the grid, in cells from the zero of the program frame.
+/// A grid point, as the number of cells in X and Z from the zero of the program frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 struct GridCell {
     x: i32,
     z: i32,
 }
 
-/// Successive pieces of the same kind.
+/// Successive straight pieces of the same kind, through these grid points.
 #[derive(Clone, Debug, PartialEq)]
 struct PathStroke {
     line_kind: PathLine,
     cells: Vec<GridCell>,
 }
 
-/// All pieces of a path, in the order of execution.
+/// All straight pieces of a path, rounded to a grid, in the order of execution.
 #[derive(Clone, Debug)]
 pub(super) struct PathPieces {
     strokes: Vec<PathStroke>,
-    /// Every piece in the strokes, its ends in order.
+    /// Every piece in the strokes, with its lesser end first, to find pieces that are drawn
+    /// again.
     drawn: HashSet<(GridCell, GridCell, PathLine)>,
     cell_mm: f64,
     max_pieces: usize,
@@ -67,12 +68,12 @@ impl Default for PathPieces {
 }
 
 impl PathPieces {
-    /// The size of a cell, mm.
+    /// The size of a grid cell, mm.
     pub const fn cell_mm(&self) -> f64 {
         self.cell_mm
     }
 
-    /// The strokes in the order of execution: their kind, and their points, mm.
+    /// The strokes in the order of execution, each with its kind and its points, mm.
     pub fn strokes(
         &self,
     ) -> impl Iterator<Item = (PathLine, impl Iterator<Item = Point> + Clone + '_)> {
@@ -87,7 +88,7 @@ impl PathPieces {
         })
     }
 
-    /// Adds a straight line.
+    /// Adds a straight line from `from` to `to`, mm.
     pub fn add_line(&mut self, made: PathLine, from: Point, to: Point) {
         let (from, to) = (self.grid_cell(from), self.grid_cell(to));
         self.add_piece(made, from, to);
@@ -98,7 +99,7 @@ impl PathPieces {
         self.drawn.len() < self.max_pieces
     }
 
-    /// Makes the grid as coarse as a pixel of this size allows, mm.
+    /// Makes the grid as coarse as a pixel of `pixel_mm` allows.
     pub fn fit_grid(&mut self, pixel_mm: f64) {
         let cell = pixel_mm / CELLS_PER_PIXEL;
         if self.cell_mm * 2.0 <= cell {
@@ -106,7 +107,7 @@ impl PathPieces {
         }
     }
 
-    /// Coarsens the grid for more pieces, with cells up to a pixel.
+    /// Coarsens the grid so that more pieces fit, with cells up to the size of a pixel, mm.
     pub fn make_room(&mut self, pixel_mm: f64) {
         self.fit_grid(pixel_mm);
         if !self.has_room() && self.cell_mm * 2.0 <= pixel_mm {
@@ -114,7 +115,8 @@ impl PathPieces {
         }
     }
 
-    /// Adds a piece, unless it is smaller than a cell or already stored.
+    /// Adds a straight piece, unless its ends are the same grid point or the piece is already
+    /// stored.
     fn add_piece(&mut self, made: PathLine, from: GridCell, to: GridCell) {
         if from == to || !self.drawn.insert((from.min(to), from.max(to), made)) {
             return;
@@ -138,7 +140,7 @@ impl PathPieces {
         }
     }
 
-    /// Changes to the coarsest grid whose cells are not larger than `most_mm`.
+    /// Makes the grid as coarse as possible, but with cells not larger than `most_mm`.
     fn coarsen(&mut self, most_mm: f64) {
         let mut halvings = 0;
         while self.cell_mm * 2.0 <= most_mm {
@@ -166,12 +168,12 @@ impl PathPieces {
         }
     }
 
-    /// Number of stored pieces.
+    /// Number of stored straight pieces.
     pub fn len(&self) -> usize {
         self.drawn.len()
     }
 
-    /// With a limit of few pieces, for tests.
+    /// Creates an empty path that stores at most `max_pieces`, for tests.
     #[cfg(test)]
     pub fn with_limit(max_pieces: usize) -> Self {
         Self {

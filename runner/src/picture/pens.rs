@@ -6,15 +6,15 @@ use super::path_pieces::PathLine;
 /// The style of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinePen {
-    /// Red, green, blue.
+    /// Red, green and blue, 0 to 255.
     pub color: [u8; 3],
-    /// Width, units.
+    /// Width of the line, picture units.
     pub width: f32,
-    /// Lengths of dash and gap, units; empty for a solid line.
+    /// Lengths of dash and gap, picture units; empty for a solid line.
     pub dash: &'static [f32],
 }
 
-/// Blue, vermilion, green, purple, orange, sky blue, black.
+/// Colours for the cuts of the tools: blue, vermilion, green, purple, orange, sky blue, black.
 const COLORS: [[u8; 3]; 7] = [
     [0x00, 0x72, 0xB2],
     [0xD5, 0x5E, 0x00],
@@ -25,10 +25,10 @@ const COLORS: [[u8; 3]; 7] = [
     [0x00, 0x00, 0x00],
 ];
 
-/// Dashes of further tools when the colours repeat.
+/// Dashes for the cuts of further tools when the colours repeat.
 const DASHES: [&[f32]; 3] = [&[], &[14.0, 3.0], &[3.0, 2.0]];
 
-/// A collision: a cross with arms of this length, units.
+/// Length of the arms of the cross that marks a collision, picture units.
 pub(super) const MARK_ARM: f64 = 6.0;
 pub(super) const COLLISION_MARK: LinePen = LinePen {
     color: [0xE0, 0x00, 0x20],
@@ -36,7 +36,7 @@ pub(super) const COLLISION_MARK: LinePen = LinePen {
     dash: &[],
 };
 
-/// The line from a shoulder to its figure.
+/// The style of the line from a shoulder to its figure.
 pub(super) const DIMENSION: LinePen = LinePen {
     color: [0x60; 3],
     width: 0.8,

@@ -12,15 +12,16 @@ use super::legend::{EDGE, GAP, SAMPLE};
 use super::path_pieces::PathLine;
 use super::pens::{COLLISION_MARK, DIMENSION, LinePen, MARK_ARM};
 
-/// Lines of the grid, of its frame, of the spindle axis.
+/// Styles of the grid, of its frame and of the spindle axis.
 const GRID: LinePen = grey_pen(0xE0, &[]);
 const FRAME: LinePen = grey_pen(0xB0, &[]);
 const SPINDLE_AXIS: LinePen = grey_pen(0x80, &[16.0, 4.0, 3.0, 4.0]);
 
-/// Number of pieces up to which a path is drawn with smooth edges: a second of work.
+/// Maximum number of pieces of a path that is drawn with smooth edges, which takes a second.
 const MAX_SMOOTH_PIECES: usize = 30_000;
 
-/// Draws the whole picture.
+/// Draws a toolpath and returns the bytes of the PNG file. `language` is the language of its
+/// texts.
 pub fn render(drawing: &PathDrawing, language: Language) -> Result<Vec<u8>, PictureError> {
     let layout = PathLayout::new(drawing, language);
     let mut canvas = PictureCanvas::new(drawing.options().size)?;
@@ -87,7 +88,7 @@ const fn grey_pen(shade: u8, dash: &'static [f32]) -> LinePen {
     }
 }
 
-/// Draws part and clamping.
+/// Draws part and clamping below the path.
 fn draw_scenery(canvas: &mut PictureCanvas, drawing: &PathDrawing, layout: &PathLayout) {
     let (low, high) = layout.visible_range();
     for (look, polygons) in drawing.scenery().clip_to(low, high) {
@@ -103,7 +104,7 @@ fn draw_scenery(canvas: &mut PictureCanvas, drawing: &PathDrawing, layout: &Path
     }
 }
 
-/// Draws the lines of the wanted kinds inside the frame.
+/// Draws the lines of the kinds that `is_wanted` accepts, clipped to the frame.
 fn draw_path(
     canvas: &mut PictureCanvas,
     drawing: &PathDrawing,

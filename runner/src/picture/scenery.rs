@@ -12,12 +12,12 @@ use super::dimensions::Dimensions;
 use super::pens::LinePen;
 use crate::machining::Machining;
 
-/// The style of an area.
+/// How an area is drawn: fill and edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct AreaStyle {
-    /// Fill colour, if it is filled.
+    /// Fill colour, red, green, blue; `None` for an area that is not filled.
     pub fill: Option<[u8; 3]>,
-    /// Style of its edge.
+    /// Style of the outline of the area.
     pub edge: LinePen,
 }
 
@@ -51,19 +51,20 @@ const fn edge_pen(color: [u8; 3], dash: &'static [f32]) -> LinePen {
     }
 }
 
-/// Part, clamping and tools, in the coordinates of the path.
+/// Part, clamping and tools that are drawn under a path, in the coordinates of the path.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PathScenery {
     areas: Vec<(AreaStyle, Region)>,
     /// The tools of the job, by their T number.
     pub tools: BTreeMap<u8, Tool>,
     pub dimensions: Dimensions,
-    /// Contact points of collisions.
+    /// Contact points of collisions, mm.
     pub marks: Vec<Point>,
 }
 
 impl PathScenery {
-    /// The current part, with tools at their tips.
+    /// Collects the current part, the clamping, and the tools in `tips` at those tip
+    /// positions. `dimensions` adds the dimensions of the part.
     pub fn from_machining(machining: &Machining, tips: Vec<(u8, Point)>, dimensions: bool) -> Self {
         let scene = machining.scene();
         let stock = scene.stock();
@@ -97,8 +98,8 @@ impl PathScenery {
         }
     }
 
-    /// The areas clipped to a rectangle: polygons without overlap. Holes go in the opposite
-    /// direction.
+    /// The areas clipped to a rectangle, each as polygons without overlap. The corners of
+    /// holes go in the opposite direction.
     pub fn clip_to(
         &self,
         low: Point,
@@ -113,7 +114,7 @@ impl PathScenery {
     }
 }
 
-/// Holder and insert of a tool.
+/// The holder and the insert of a tool with its tip at `tip`, each with its style.
 fn tool_areas(tool: &Tool, tip: Point) -> Vec<(AreaStyle, Region)> {
     let shape = ToolShape::from_tool(tool);
     let placed = |contour: &GridContour| {

@@ -10,16 +10,17 @@ use super::png_file;
 use crate::machining::Machining;
 use crate::solid::{self, BodyResolution, SolidView, ViewDirection, clamping_bodies, part_bodies};
 
-/// Margin around the part, units; the texts are in it.
+/// Margin around the part, where the texts are, picture units.
 const SOLID_MARGIN: f64 = 48.0;
-/// Distance of the texts from the upper left corner, units.
+/// Distance of the texts from the upper left corner, picture units.
 const TEXT_INSET: f64 = 16.0;
-/// Background colours at the top and bottom, red, green, blue: metal stands out against them.
+/// Background colours at the top and bottom, red, green, blue: metal contrasts with them.
 const BACKGROUND: [[f32; 3]; 2] = [[250.0, 251.0, 252.0], [206.0, 212.0, 220.0]];
-/// Samples across a pixel, for pictures up to this number of pixels.
+/// Number of samples across a pixel, each for pictures up to a number of pixels.
 const SAMPLES_BY_PIXELS: [(usize, usize); 2] = [(3, 4_000_000), (2, 16_000_000)];
 
-/// The current part of a job as the bytes of a PNG file. `rear` means a rear tool post.
+/// Encodes a 3-D view of the current part of a job as the bytes of a PNG file. `rear` is true
+/// for a lathe with a rear tool post.
 ///
 /// # Errors
 /// There is not enough memory.

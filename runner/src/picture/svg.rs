@@ -14,7 +14,8 @@ use super::number_placement::HEIGHT;
 use super::path_pieces::PathLine;
 use super::pens::{COLLISION_MARK, DIMENSION, LinePen, MARK_ARM};
 
-/// Draws the whole picture.
+/// Draws a toolpath and returns the text of the SVG file. `language` is the language of its
+/// texts.
 pub fn render(drawing: &PathDrawing, language: Language) -> String {
     let layout = PathLayout::new(drawing, language);
     let mut out = begin_file(drawing.options().size);
@@ -60,7 +61,7 @@ pub fn render(drawing: &PathDrawing, language: Language) -> String {
     out
 }
 
-/// The beginning of a file, with a white background.
+/// The beginning of an SVG file of a size, with a white background.
 pub(super) fn begin_file(size: PictureSize) -> String {
     let (wide, tall) = size.units();
     let (width, height) = (size.width(), size.height());
@@ -71,7 +72,7 @@ pub(super) fn begin_file(size: PictureSize) -> String {
     )
 }
 
-/// Writes a line through points.
+/// Writes a line through points, in picture units.
 pub(super) fn write_polyline(out: &mut String, pen: LinePen, points: &[(f64, f64)]) {
     let style = stroke_style(pen);
     let _ = write!(
@@ -85,7 +86,7 @@ pub(super) fn write_polyline(out: &mut String, pen: LinePen, points: &[(f64, f64
     out.push_str("\"/>\n");
 }
 
-/// Writes a text at a point; `anchor` is the SVG text-anchor.
+/// Writes a text at a point, in picture units; `anchor` is its SVG `text-anchor`.
 pub(super) fn write_text(out: &mut String, (x, y): (f64, f64), words: &str, anchor: &str) {
     let _ = writeln!(
         out,
@@ -94,7 +95,7 @@ pub(super) fn write_text(out: &mut String, (x, y): (f64, f64), words: &str, anch
     );
 }
 
-/// Writes part and clamping.
+/// Writes part and clamping, below the path.
 fn write_scenery(out: &mut String, drawing: &PathDrawing, layout: &PathLayout) {
     let (low, high) = layout.visible_range();
     for (look, polygons) in drawing.scenery().clip_to(low, high) {

@@ -9,21 +9,22 @@ use serde_json::{Value, json};
 
 use super::{AlarmReport, ProgramReport, message_text};
 
-/// The version of SARIF, and its schema.
+/// Version of the SARIF format, and the URL of its schema.
 const SARIF_VERSION: &str = "2.1.0";
 const SARIF_SCHEMA: &str = "https://json.schemastore.org/sarif-2.1.0.json";
 
-/// Severity of an annotation.
+/// How serious an annotation is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AnnotationLevel {
-    /// The program does not run to its end: an alarm, a collision, a limit.
+    /// The program does not run to its end, or a tool collides: an alarm, a collision, a
+    /// limit.
     Error,
     /// The program runs, but probably not as intended.
     Warning,
 }
 
 impl AnnotationLevel {
-    /// The name that GitHub and SARIF both use.
+    /// The name of the level in GitHub commands and in SARIF.
     const fn name(self) -> &'static str {
         match self {
             Self::Error => "error",
@@ -37,20 +38,21 @@ impl AnnotationLevel {
 pub struct Annotation {
     /// Name of the program file.
     pub file: String,
-    /// Severity of the fault.
+    /// How serious the fault is.
     pub level: AnnotationLevel,
-    /// Identifier of the rule: `PS010`, `collision`, `spindle-stands`.
+    /// Identifier of the rule that is broken: `PS010`, `collision`, `spindle-stands`.
     pub rule: String,
     /// Line of the file, from 1; `None` if the fault has no line there.
     pub line: Option<u32>,
-    /// First column in the line, in characters from 1, and the last one if it is known.
+    /// First column of the fault in the line, in characters from 1, and the last one if it is
+    /// known; `None` if no column is known.
     pub columns: Option<(u32, Option<u32>)>,
-    /// The message for the user.
+    /// The text of the fault for the user.
     pub text: String,
 }
 
 /// The faults of a program in the order of its report: alarms, collisions, what prevents its
-/// end, probable mistakes.
+/// end, probable mistakes. Their texts are English if `language` is `None`.
 pub fn collect_annotations(report: &ProgramReport, language: Option<Language>) -> Vec<Annotation> {
     let annotation = |level, rule: &str, line: Option<u32>, text| Annotation {
         file: report.file.clone(),
@@ -111,7 +113,8 @@ pub fn collect_annotations(report: &ProgramReport, language: Option<Language>) -
     all
 }
 
-/// A line in the checked file. A block of a subprogram is in another one.
+/// The line in the checked file, from 1; `None` for a block of a subprogram, which is in
+/// another program.
 const fn line_in_file(program: Option<ProgramId>, line: Option<u32>) -> Option<u32> {
     match program {
         Some(ProgramId::Stored(_)) => None,
@@ -119,7 +122,7 @@ const fn line_in_file(program: Option<ProgramId>, line: Option<u32>) -> Option<u
     }
 }
 
-/// A sentence that names a line, with the program if it is another one.
+/// Puts the number of the program before a sentence if its line is in a subprogram.
 fn with_program(program: Option<ProgramId>, sentence: String) -> String {
     match program {
         Some(ProgramId::Stored(number)) => format!("O{number:04}, {sentence}"),
@@ -127,8 +130,8 @@ fn with_program(program: Option<ProgramId>, sentence: String) -> String {
     }
 }
 
-/// The text of an alarm, with its position if the annotation has none, and with the remedy if
-/// the tables have one.
+/// The text of an alarm for an annotation, with the position of the block if the annotation
+/// has none, and with the remedy if there is one.
 fn alarm_text(alarm: &AlarmReport, language: Option<Language>) -> String {
     let mut text = match line_in_file(alarm.program, alarm.line) {
         None => alarm.sentence(language),
@@ -145,8 +148,8 @@ fn alarm_text(alarm: &AlarmReport, language: Option<Language>) -> String {
     text
 }
 
-/// A workflow command for each fault, which GitHub shows at its line of the change: `::error
-/// file=…,line=…,title=…::…`.
+/// Writes a workflow command for each fault: `::error file=…,line=…,title=…::…`. GitHub then
+/// shows the fault at its line of the change.
 pub fn to_github_commands(annotations: &[Annotation]) -> String {
     let mut out = String::new();
     for it in annotations {
@@ -170,19 +173,20 @@ pub fn to_github_commands(annotations: &[Annotation]) -> String {
     out
 }
 
-/// The text of a workflow command: one line, with `%` and line breaks encoded.
+/// Escapes the text of a workflow command: `%` and line breaks are encoded.
 fn escape_data(text: &str) -> String {
     text.replace('%', "%25")
         .replace('\r', "%0D")
         .replace('\n', "%0A")
 }
 
-/// A property of a workflow command, which `:` and `,` would end.
+/// Escapes a property of a workflow command: also encodes `:` and `,`, which would end the
+/// property.
 fn escape_property(text: &str) -> String {
     escape_data(text).replace(':', "%3A").replace(',', "%2C")
 }
 
-/// A SARIF log with all faults. `version` is that of the program.
+/// Writes a SARIF log with all faults. `version` is that of this program.
 pub fn to_sarif_log(annotations: &[Annotation], version: &str) -> String {
     let mut rules: Vec<&str> = annotations.iter().map(|it| it.rule.as_str()).collect();
     rules.sort_unstable();
@@ -219,8 +223,8 @@ fn sarif_result(it: &Annotation) -> Value {
     })
 }
 
-/// A path as a URI reference: slashes, and bytes that a URI does not allow percent-encoded
-/// (RFC 3986). An absolute path becomes a `file:` URI.
+/// Converts a path to a URI reference: with slashes, and with percent-encoded bytes where a
+/// URI needs them (RFC 3986). An absolute path becomes a `file:` URI.
 fn path_to_uri(path: &str) -> String {
     let path = path.replace('\\', "/");
     let mut out = String::new();

@@ -10,19 +10,19 @@ use super::message_text;
 use crate::machining::{CollisionFinding, Machining};
 use crate::move_output::{diameter_z, round_to_millionth};
 
-/// The part at the end of a program.
+/// The state of the part at the end of a program.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PartReport {
-    /// The job's file; `None` for a guessed job.
+    /// Name of the job file; `None` for a guessed job.
     pub job: Option<String>,
     /// Volume of the new stock, mm³.
     pub stock_mm3: f64,
-    /// Volume removed by cutting, mm³.
+    /// Volume that cutting removed, mm³.
     pub removed_mm3: f64,
-    /// Volume of the part, mm³.
+    /// Volume of the part that remains, mm³.
     pub left_mm3: f64,
-    /// The features of the outside and then of the bore, each from front to back, if they were
-    /// measured.
+    /// The measured features of the outside and then of the bore, each from front to back;
+    /// empty if they were not measured.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub features: Vec<Feature>,
     /// The collisions in the order in which they happened.
@@ -32,27 +32,29 @@ pub struct PartReport {
 /// A collision in a report.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CollisionReport {
-    /// Line of its block, from 1; `None` in manual operation.
+    /// Line of the block that caused the collision, from 1; `None` in manual operation.
     pub line: Option<u32>,
-    /// Sequence number of its block.
+    /// Sequence number of the block; `None` without an N word.
     pub n: Option<u32>,
-    /// The program of its block. Not part of the JSON.
+    /// The program that contains the block. Not part of the JSON.
     #[serde(skip)]
     pub program: Option<ProgramId>,
     /// The T number of the tool.
     pub tool: u8,
-    /// The parts that touched, as a message.
+    /// The text that names the parts that touched.
     pub text: String,
-    /// Position of the tip at the first contact: X as a diameter and Z, part coordinates.
+    /// Position of the tool tip at the first contact: X as a diameter and Z, part coordinates,
+    /// mm.
     pub tip: (f64, f64),
-    /// Position of the contact, in the same form.
+    /// Position of the contact: X as a diameter and Z, part coordinates, mm.
     pub contact: (f64, f64),
     /// Greatest depth of the overlap, mm.
     pub depth: f64,
 }
 
 impl PartReport {
-    /// The report on the current part. With `measure` its features are measured.
+    /// Creates the report on the current part. `job` is the name of the job file; with
+    /// `measure` the features of the part are measured.
     pub fn new(
         machining: &Machining,
         job: Option<String>,
@@ -86,7 +88,7 @@ impl PartReport {
         }
     }
 
-    /// Lines of text for the user.
+    /// The report as lines of text for the user, in the language `words`.
     pub(super) fn text_lines(&self, words: Language) -> Vec<String> {
         let part = match &self.job {
             Some(job) => say::report_part(job, self.removed_mm3, self.left_mm3),
@@ -102,7 +104,8 @@ impl PartReport {
     }
 }
 
-/// Rounds a feature as on a drawing: whole micrometres, thousandths of a degree.
+/// Rounds the values of a feature as on a drawing: lengths to micrometres, angles to
+/// thousandths of a degree.
 fn round_to_micrometre(feature: Feature) -> Feature {
     let round = |value: f64| (value * 1000.0).round() / 1000.0;
     let both = |(from, to): (f64, f64)| (round(from), round(to));
@@ -147,7 +150,7 @@ fn round_to_micrometre(feature: Feature) -> Feature {
     }
 }
 
-/// The measured values of a feature as a message.
+/// The message with the measured values of a feature, for the user.
 pub fn feature_message(feature: &Feature) -> Message {
     match *feature {
         Feature::Cylinder { diameter, z } => say::measure_cylinder(diameter.0, z.0, z.1),

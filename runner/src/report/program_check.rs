@@ -14,8 +14,9 @@ use super::{
 use crate::move_output::{diameter_z, round_to_millionth};
 use crate::times::ProgramTimes;
 
-/// Previews the selected program of a set-up, and continues after alarms. `on_move` receives
-/// every move in order. `can_continue` is called with the progress; it returns false to cancel.
+/// Previews the selected program of a set-up, continues after alarms, and reports on it.
+/// `on_move` receives every move in order. `can_continue` receives the progress and returns
+/// false to cancel.
 pub fn check_program(
     name: &str,
     setup: &Setup,

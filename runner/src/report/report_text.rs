@@ -7,8 +7,9 @@ use super::{AlarmReport, PathReport, ProgramReport, ReportBounds, ReportPosition
 use crate::text_format::{format_time, shorten_line};
 
 impl AlarmReport {
-    /// The alarm with its block: `P/S 011 … in line 3: N30 G01 X50;`. The detail, and in class
-    /// PLC cause and remedy, follow on indented lines.
+    /// The alarm with its block as text: `P/S 011 … in line 3: N30 G01 X50;`. The detail, and
+    /// in class PLC cause and remedy, follow on indented lines. English if `language` is
+    /// `None`.
     pub fn sentence(&self, language: Option<Language>) -> String {
         let words = language.unwrap_or(Language::En);
         let mut out = format!("{} {}", self.shown, self.text);
@@ -38,7 +39,7 @@ impl AlarmReport {
 }
 
 impl ProgramReport {
-    /// The report as indented lines of text for the user.
+    /// The report as indented lines of text for the user; English if `language` is `None`.
     pub fn to_text(&self, language: Option<Language>) -> String {
         let words = language.unwrap_or(Language::En);
         let mut lines = vec![format!("{}: {}", self.file, self.end_message().text(words))];
@@ -105,7 +106,7 @@ impl ProgramReport {
 }
 
 impl PathReport {
-    /// The further alarms, a line each.
+    /// The alarms after the first one as lines of text, and where the check for them stopped.
     fn further_lines(&self, language: Option<Language>) -> Vec<String> {
         let words = language.unwrap_or(Language::En);
         let alarms = self.more_alarms.iter();
@@ -117,7 +118,7 @@ impl PathReport {
         lines
     }
 
-    /// The range of the further axes of a mill.
+    /// The range of each further axis (the fourth and fifth) of a mill, as text.
     fn further_bounds_text(&self) -> String {
         let Some(bounds) = &self.bounds else {
             return String::new();
@@ -161,7 +162,7 @@ impl PathReport {
 }
 
 impl PathReport {
-    /// The machine time: a line for the kinds, and one for each tool.
+    /// The machine time as lines of text: one for the kinds of motion, and one for each tool.
     fn time_lines(&self, words: Language) -> Vec<String> {
         let kinds = self.times.nonzero_kinds();
         let times: Vec<String> = kinds
@@ -184,7 +185,7 @@ impl PathReport {
     }
 }
 
-/// The name of a kind of move.
+/// The name of a kind of move for the user; `kind` is its key in the JSON.
 fn kind_message(kind: &str) -> Message {
     match kind {
         "rapid" => say::report_kind_rapid(),

@@ -6,30 +6,30 @@ use serde::{Serialize, Serializer};
 /// How a program ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RunEnd {
-    /// M30.
+    /// M30 ended the program.
     M30,
-    /// M02, on models that have it.
+    /// M02 ended the program, on models that have it.
     M02,
-    /// M99 in the main program.
+    /// M99 ended the main program.
     M99,
-    /// The end of the text.
+    /// The text of the program ended without M30.
     Text,
-    /// An alarm, or a message of the ladder.
+    /// An alarm, or a message of the ladder, held the program.
     Alarm,
     /// Cycle start was refused.
     Refused,
-    /// It stopped at a board, and no operator was there to press cycle start.
+    /// The program stopped on a board, and no operator was at the terminal to continue it.
     Stop,
-    /// The end was requested: Ctrl-C, `kill`.
+    /// The end was requested from outside: Ctrl-C, `kill`.
     Requested,
     /// A tool hit something, and the run was set to end then.
     Collision,
-    /// It did not end within the limits.
+    /// The program did not end within the limits.
     Limit,
 }
 
 impl RunEnd {
-    /// The name in the JSON of a report.
+    /// The name of the end in the JSON of a report.
     pub const fn name(self) -> &'static str {
         match self {
             Self::M30 => "M30",
@@ -45,7 +45,7 @@ impl RunEnd {
         }
     }
 
-    /// Whether the program reached its own end.
+    /// Whether the program reached its own end: M30, M02, M99 or the end of the text.
     pub(crate) const fn is_program_end(self) -> bool {
         matches!(self, Self::M30 | Self::M02 | Self::M99 | Self::Text)
     }

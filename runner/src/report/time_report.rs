@@ -6,27 +6,27 @@ use super::tool_word;
 use crate::move_output::round_to_millionth;
 use crate::times::{TimeUse, TimesByUse, ToolTime};
 
-/// Seconds of each kind of motion.
+/// Machine time of each kind of motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct TimeReport {
-    /// Rapids, s.
+    /// Time of rapids, s.
     pub rapid: f64,
-    /// Straight and circular cuts, s.
+    /// Time of straight and circular cuts, s.
     pub feed: f64,
-    /// Threads and taps, s.
+    /// Time of threads and taps, s.
     pub thread: f64,
-    /// Dwells (G04), s.
+    /// Time of dwells (G04), s.
     pub dwell: f64,
-    /// M, S and T functions, and other waits of the slides, s.
+    /// Time of M, S and T functions, and of other waits of the slides, s.
     pub other: f64,
 }
 
-/// Machine time of a tool.
+/// Machine time of a tool, by kind of motion.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ToolTimeReport {
-    /// The T word it first cuts with.
+    /// The T word of the tool's first cut, as digits.
     pub tool: String,
-    /// Its seconds of each kind.
+    /// Machine time of the tool by kind of motion.
     #[serde(flatten)]
     pub seconds: TimeReport,
 }
@@ -54,7 +54,7 @@ impl From<&ToolTime> for ToolTimeReport {
 }
 
 impl TimeReport {
-    /// The kinds with a time above zero, with their seconds.
+    /// The kinds of motion with a time above zero, with their times in s.
     pub(super) fn nonzero_kinds(&self) -> impl Iterator<Item = (TimeUse, f64)> {
         [
             (TimeUse::Rapid, self.rapid),
@@ -67,12 +67,12 @@ impl TimeReport {
         .filter(|(_, seconds)| *seconds > 0.0)
     }
 
-    /// Time with the tool in the material, s.
+    /// Time of cuts, threads and taps: the tool is in the material, s.
     pub(super) fn cutting_s(&self) -> f64 {
         self.feed + self.thread
     }
 
-    /// Sum of all kinds, s.
+    /// Sum of the times of all kinds, s.
     pub(super) fn total_s(&self) -> f64 {
         self.rapid + self.feed + self.thread + self.dwell + self.other
     }

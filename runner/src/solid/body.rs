@@ -12,28 +12,28 @@ use super::finish::SurfaceFinish;
 use super::profile::{self, ProfileEdge};
 use super::vertex::Vertex;
 
-/// A body, or one of its surfaces, as triangles.
+/// A body, or one of its surfaces, as triangles with one finish.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidBody {
     pub(super) finish: SurfaceFinish,
     pub(super) vertices: Vec<Vertex>,
-    /// Vertex indexes, counter-clockwise seen from outside.
+    /// Corners of each triangle as vertex indexes, counter-clockwise seen from outside.
     pub(super) triangles: Vec<[u32; 3]>,
-    /// Edges that are drawn as lines.
+    /// Ends of the edges that are drawn as lines, mm.
     pub(super) lines: Vec<[Vec3; 2]>,
 }
 
-/// Part of a turn, in radians from X towards Y.
+/// A part of a turn about the spindle axis: angles in radians from X towards Y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TurnArc {
     pub from: f32,
     pub to: f32,
-    /// Number of flat sides.
+    /// Number of flat sides that approximate the arc.
     pub sides: u16,
 }
 
 impl TurnArc {
-    /// A whole turn.
+    /// A whole turn, approximated by `sides` flat sides.
     pub(super) const fn full_turn(sides: u16) -> Self {
         Self {
             from: 0.0,
@@ -42,8 +42,8 @@ impl TurnArc {
         }
     }
 
-    /// The three quarters that remain when the quarter between X and Y is cut out. `sides`
-    /// counts those of a whole turn.
+    /// The three quarters that remain when the quarter between X and Y is cut out. `sides` is
+    /// the number of flat sides of a whole turn.
     pub(super) const fn three_quarters(sides: u16) -> Self {
         Self {
             from: TAU / 4.0,
@@ -52,7 +52,7 @@ impl TurnArc {
         }
     }
 
-    /// The directions of its corners: X and Y.
+    /// The directions from the axis to the corners between flat sides, as X and Y, length 1.
     fn directions(&self) -> impl Iterator<Item = Vec2> + use<> {
         let Self { from, to, sides } = *self;
         (0..=sides).map(move |side| {
@@ -72,7 +72,8 @@ impl SolidBody {
         }
     }
 
-    /// Turns pieces of an outline about the spindle axis.
+    /// Adds the surfaces that pieces of an outline sweep when they turn about the spindle
+    /// axis.
     pub(super) fn add_turned<'a>(
         &mut self,
         edges: impl IntoIterator<Item = &'a ProfileEdge>,
@@ -98,8 +99,7 @@ impl SolidBody {
         }
     }
 
-    /// Adds the section of a region in the half plane of X or Y, seen from the cut-out
-    /// quarter.
+    /// Adds the flat section of a region in the plane `half`, seen from the cut-out quarter.
     pub(super) fn add_section(&mut self, region: &Region, half: SectionPlane) {
         let (out, normal) = match half {
             SectionPlane::X => (Vec3::Y, Vec3::Z),
@@ -113,8 +113,8 @@ impl SolidBody {
             .extend(lines.map(|(a, b)| [place(a.x, a.y), place(b.x, b.y)]));
     }
 
-    /// Extrudes a convex polygon of Z and X between two Y, mm, turned by `angle` about the
-    /// spindle axis. It may be simplified by `tolerance`, mm.
+    /// Extrudes a convex polygon of Z and X from the first to the second Y, mm, turned by
+    /// `angle`, radians, about the spindle axis. Corners may move by `tolerance`, mm.
     pub(super) fn extrude(
         &mut self,
         contour: &GridContour,
@@ -143,8 +143,8 @@ impl SolidBody {
         self.add_flat(&region, -up, |z, x| turned(z, x, low), false);
     }
 
-    /// Adds a filled region in a plane. `direct` means that the plane faces its viewer with Z
-    /// to the right and X up.
+    /// Adds a filled flat region. `place` converts Z and X to a position in the body. `direct`
+    /// means that the viewer sees Z to the right and X up.
     fn add_flat(
         &mut self,
         region: &Region,
@@ -166,18 +166,18 @@ impl SolidBody {
         }
     }
 
-    /// Adds two triangles; `a b c` goes counter-clockwise.
+    /// Adds two triangles that share the side `b c`; `a b c` goes counter-clockwise.
     fn add_strip(&mut self, [a, b, c, d]: [u32; 4]) {
         self.triangles.extend([[a, b, c], [c, b, d]]);
     }
 }
 
-/// One of the two faces of the cut-out quarter.
+/// One of the two flat faces of the cut-out quarter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SectionPlane {
-    /// In the plane of the tools.
+    /// The face in the plane of the tools.
     X,
-    /// At right angles to it.
+    /// The face at right angles to the plane of the tools.
     Y,
 }
 
@@ -186,7 +186,7 @@ mod tests {
     use super::*;
     use gsk_workpiece::grid::{GridPoint, grid};
 
-    /// The volume inside counter-clockwise triangles, mm³.
+    /// The volume inside closed surfaces of counter-clockwise triangles, mm³.
     fn volume(bodies: &[&SolidBody]) -> f32 {
         let of = |body: &&SolidBody| {
             let corner = |index: u32| body.vertices[index as usize].position;

@@ -7,42 +7,42 @@ use glam::{Mat3, Vec3, vec3};
 
 use super::vertex::Vertex;
 
-/// Directions of the strong and the weak light, and the half-way direction between each and
-/// the viewer.
+/// Directions of the strong (`KEY`) and the weak (`FILL`) light: right, up, near; and the
+/// half-way direction between each and the viewer.
 const KEY_LIGHT: Vec3 = vec3(-0.359_336, 0.499_078, 0.788_543);
 const KEY_HALFWAY: Vec3 = vec3(-0.189_992, 0.263_878, 0.945_659);
 const FILL_LIGHT: Vec3 = vec3(0.413_597, -0.709_024, 0.571_158);
 const FILL_HALFWAY: Vec3 = vec3(0.233_320, -0.399_978, 0.886_329);
 
-/// The appearance of a surface.
+/// The appearance of a surface: colour, gloss and hatching.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceFinish {
-    /// Colour; 255 reflects all light. Section faces are brighter than that, so that they
-    /// stand out.
+    /// Red, green, blue; 255 reflects all light. Section faces are brighter than that, so that
+    /// they are easy to see.
     color: Vec3,
-    /// Glossiness, 0 to 1.
+    /// Glossiness, from 0 (matt) to 1.
     glossiness: f32,
-    /// Whether it is hatched as a section.
+    /// Whether the surface is hatched as a section.
     pub(super) hatched: bool,
 }
 
 impl SurfaceFinish {
-    /// Freshly cut metal.
+    /// Finish of freshly cut metal.
     pub(super) const CUT: Self = Self::with_color([196.0, 202.0, 210.0], 1.0);
-    /// Uncut stock.
+    /// Finish of uncut stock.
     pub(super) const SKIN: Self = Self::with_color([136.0, 122.0, 112.0], 0.3);
-    /// A face of the cut-out quarter.
+    /// Finish of a face of the cut-out quarter.
     pub(super) const SECTION: Self = Self {
         hatched: true,
         ..Self::with_color([280.0, 211.0, 142.0], 0.0)
     };
-    /// The chuck, its jaws, and their section.
+    /// Finishes of the chuck, of its jaws, and of the chuck's section.
     pub(super) const CHUCK: Self = Self::with_color([104.0, 113.0, 126.0], 0.5);
     pub(super) const JAWS: Self = Self::with_color([128.0, 140.0, 158.0], 0.4);
     pub(super) const CHUCK_SECTION: Self = Self::with_color([92.0, 98.0, 108.0], 0.0);
-    /// The tailstock's centre and quill.
+    /// Finish of the tailstock's centre and quill.
     pub(super) const TAILSTOCK: Self = Self::with_color([140.0, 146.0, 156.0], 0.9);
-    /// Tools.
+    /// Finishes of the parts of a tool.
     pub(super) const INSERT: Self = Self::with_color([340.0, 276.0, 84.0], 0.5);
     pub(super) const HOLDER: Self = Self::with_color([124.0, 132.0, 144.0], 0.4);
     pub(super) const TURRET: Self = Self::with_color([86.0, 93.0, 104.0], 0.3);
@@ -55,8 +55,8 @@ impl SurfaceFinish {
         }
     }
 
-    /// The colour of a corner, 0 to 255 and above. `seen` maps the body's directions to right,
-    /// up and near.
+    /// The colour of a corner in the light: red, green, blue, 0 to 255 and above. `seen` maps
+    /// the body's directions to right, up and near.
     ///
     /// Turning marks scatter light across themselves. A highlight appears where they are at
     /// right angles to the half-way direction: along a cylinder, and in two rays on a face.
@@ -94,7 +94,7 @@ impl SurfaceFinish {
     }
 }
 
-/// A number to the power of 2, 4, 8 …: squared `squarings` times.
+/// Raises a number to the power of 2, 4, 8 …: squares it `squarings` times.
 fn square_repeatedly(base: f32, squarings: u8) -> f32 {
     (0..squarings).fold(base, |value, _| value * value)
 }
@@ -102,16 +102,16 @@ fn square_repeatedly(base: f32, squarings: u8) -> f32 {
 /// The hatching of a section: lines at 45°, a few pixels apart.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SectionHatch {
-    /// Lines per millimetre, along Z and along X.
+    /// Number of lines per millimetre, along Z and along X.
     lines_per_mm: f32,
 }
 
 impl SectionHatch {
-    /// Least distance of two lines along Z, pixels of the picture.
+    /// Least distance of two lines along Z, pixels.
     const MIN_LINE_DISTANCE_PX: f32 = 13.0;
 
-    /// For a scale, pixels per millimetre. The distance changes in steps of 2, so it stays
-    /// while the view only turns.
+    /// Creates the hatching for a scale in pixels per millimetre. The distance of its lines
+    /// changes in steps of 2, so it remains the same while the view only turns.
     pub(super) fn new(scale: f32) -> Self {
         let mut step = 65_536.0;
         while step > 1e-4 && step / 2.0 * scale >= Self::MIN_LINE_DISTANCE_PX {
@@ -122,13 +122,15 @@ impl SectionHatch {
         }
     }
 
-    /// The coordinate of a position across the lines; whole numbers are in the middle of one.
+    /// The coordinate of a position across the hatch lines, in distances of two lines; whole
+    /// numbers are in the middle of a line.
     pub(super) fn line_coordinate(self, at: Vec3) -> f32 {
         (at.x - at.y - at.z) * self.lines_per_mm
     }
 
-    /// The share of light at a position; it is less on a line. `step` is the increase of
-    /// `line` in a pixel, `width` that of a line in pixels.
+    /// The share of light, up to 1, at a position with hatch coordinate `line`; less on a
+    /// line. `step` is the increase of the coordinate per pixel, `width` the width of a line
+    /// in pixels.
     pub(super) fn light_share(line: f32, step: f32, width: f32) -> f32 {
         let off = (line - line.floor() - 0.5).abs();
         let beside = (0.5 - off) / step.max(1e-6);

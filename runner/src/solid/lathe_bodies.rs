@@ -11,22 +11,22 @@ use super::body::{SectionPlane, SolidBody, TurnArc};
 use super::finish::SurfaceFinish;
 use super::profile::{self, ProfileEdge};
 
-/// Greatest distance of a chord from its arc, pixels.
+/// Greatest distance of a chord from the arc that it approximates, pixels.
 const MAX_CHORD_ERROR_PX: f32 = 0.2;
-/// Number of flat sides of a turn, least and greatest.
+/// Least and greatest number of flat sides that approximate a turn.
 const SIDE_LIMITS: (f32, f32) = (36.0, 144.0);
-/// Limit of the surfaces of a part; above it its outline is made coarser.
+/// Maximum number of surfaces of a part. A part with more surfaces gets a coarser outline.
 const MAX_SURFACES: usize = 60_000;
-/// Width of a jaw as a share of the chuck's radius.
+/// Ratio of the width of a jaw to the radius of the chuck.
 const JAW_WIDTH_RATIO: f32 = 0.5;
-/// Range of an insert, a holder and a turret across the plane of the tools, mm. They are on
-/// the far side of the plane, where they hide nothing, and only slightly in front of it, so
+/// Extent of an insert, a holder and a turret across the plane of the tools (Y), mm. They are
+/// on the far side of the plane, where they hide nothing, and only slightly in front of it, so
 /// that they are visible inside the part.
 const INSERT_RANGE_MM: (f32, f32) = (-4.8, 0.02);
 const HOLDER_RANGE_MM: (f32, f32) = (-20.0, 0.01);
 const TURRET_RANGE_MM: (f32, f32) = (-60.0, 0.01);
 
-/// The resolution of bodies, as fine as visible at a scale.
+/// How finely bodies are approximated, so that no step is visible at a scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyResolution {
     /// Greatest deviation of a surface, mm.
@@ -34,7 +34,8 @@ pub struct BodyResolution {
 }
 
 impl BodyResolution {
-    /// For a scale, pixels per millimetre. It changes with each doubling of the scale.
+    /// Creates the resolution for a scale in pixels per millimetre. It changes with each
+    /// doubling of the scale.
     pub fn for_scale(scale: f32) -> Self {
         let mut tolerance_mm = 4.0;
         while tolerance_mm * scale > MAX_CHORD_ERROR_PX && tolerance_mm > 1e-4 {
@@ -43,7 +44,7 @@ impl BodyResolution {
         Self { tolerance_mm }
     }
 
-    /// Number of flat sides of a whole turn of a radius, mm; a multiple of 4.
+    /// Number of flat sides that approximate a whole turn of `radius`, mm; a multiple of 4.
     fn side_count(self, radius: f32) -> u16 {
         // 1 − cos(π / sides) is about (π / sides)² / 2.
         let sides = TAU / 2.0 * (radius.max(0.0) / (2.0 * self.tolerance_mm)).sqrt();
@@ -52,8 +53,8 @@ impl BodyResolution {
     }
 }
 
-/// The part: its cut surfaces, those of the stock, and the faces of the cut-out quarter.
-/// `section` and `stock` are half sections.
+/// Creates the bodies of the part from half sections: cut surfaces, uncut surfaces of the
+/// stock, and faces of the cut-out quarter.
 ///
 /// A thread is drawn as the rings of its half section. At the size of a screen they look like
 /// a thread, and a helix would be another solid than the section.
@@ -83,7 +84,7 @@ pub fn part_bodies(section: &Region, stock: &Region, fineness: BodyResolution) -
     [cut, rough, faces]
 }
 
-/// Chuck, jaws and tailstock. `open` shows the jaws of a power chuck open.
+/// Creates the bodies of chuck, jaws and tailstock. `open` opens the jaws of a power chuck.
 pub fn clamping_bodies(stock: &Stock, open: bool, fineness: BodyResolution) -> Vec<SolidBody> {
     let (chuck, jaws) = stock.chuck_section();
     let jaws = if open { stock.open_jaws() } else { jaws };
@@ -121,7 +122,8 @@ pub fn clamping_bodies(stock: &Stock, open: bool, fineness: BodyResolution) -> V
     bodies
 }
 
-/// A tool with its tip at the zero. Its cutting face is in the plane of the section.
+/// Creates the bodies of a tool with its tip at Z 0 and X 0. Its cutting face is in the plane
+/// of the section.
 pub fn tool_bodies(tool: &Tool, fineness: BodyResolution) -> Vec<SolidBody> {
     let shape = ToolShape::from_tool(tool);
     let [mut gold, mut steel, mut turret] = [
@@ -150,7 +152,8 @@ pub fn tool_bodies(tool: &Tool, fineness: BodyResolution) -> Vec<SolidBody> {
     vec![gold, steel, turret]
 }
 
-/// Adds a round bar along Z, turned about its own axis. The polygon is its outline.
+/// Adds a round bar along Z, turned about the middle of the bar. `contour` is the outline of
+/// its section.
 fn add_round_bar(body: &mut SolidBody, contour: &GridContour, fineness: BodyResolution) {
     let Some(GridBounds { low, high }) = GridBounds::from_points(contour) else {
         return;

@@ -35,20 +35,21 @@ use raster::{Raster, TriangleCorner};
 use vertex::Vertex;
 use view::Projection;
 
-/// Largest side of a picture, pixels. A larger picture is empty beyond it.
+/// Largest side of a picture, pixels. Of a larger picture the rest stays empty.
 const MAX_SIDE_PX: usize = 16_384;
 /// Colour of the lines at the edges of a section.
 const EDGE_COLOR: SolidPixel = [60, 40, 24, 255];
 /// Width of a line, pixels of the picture.
 const LINE_WIDTH_PX: f32 = 1.0;
-/// Depth offset of lines in front of the surfaces they bound, pixels.
+/// Offset of lines towards the viewer, pixels, so that the surfaces they bound do not hide
+/// them.
 const LINE_DEPTH_OFFSET_PX: f32 = 0.75;
 
-/// A canvas for solids. It reuses its memory for the next picture.
+/// Draws solid bodies. The canvas reuses its memory for the next picture.
 #[derive(Clone, Debug, Default)]
 pub struct SolidCanvas {
     raster: Raster,
-    /// Projected corners of the current body: right, down, near.
+    /// Projected corners of the current body, pixels: right, down, near.
     corners: Vec<Vec3>,
     lights: Vec<[f32; 3]>,
 }
@@ -57,9 +58,9 @@ pub struct SolidCanvas {
 pub type PlacedBody<'a> = (&'a SolidBody, (f32, f32));
 
 impl SolidCanvas {
-    /// Draws bodies on a picture of a size, with a transparent background. Returns the pixels
-    /// row by row from the top. Each pixel is the mean of `samples` by `samples`; 2 gives
-    /// smooth edges.
+    /// Draws bodies on a picture of `width` by `height` pixels with a transparent background.
+    /// Returns the pixels row by row from the top. Each pixel is the mean of `samples` by
+    /// `samples`; 2 gives smooth edges.
     pub fn draw<'a>(
         &mut self,
         bodies: impl IntoIterator<Item = PlacedBody<'a>>,
@@ -100,7 +101,8 @@ impl SolidCanvas {
         self.raster.downsample(samples)
     }
 
-    /// Draws surfaces whose light changes evenly between their corners.
+    /// Draws a body whose light changes evenly between the corners of its triangles. `seen`
+    /// maps its directions to those of the viewer.
     fn draw_smooth(&mut self, body: &SolidBody, seen: &Mat3, mirrored: bool) {
         self.lights.clear();
         let light = |vertex: &Vertex| body.finish.lit_color(vertex, seen).to_array();
@@ -123,7 +125,8 @@ impl SolidCanvas {
         }
     }
 
-    /// Draws the faces of a section.
+    /// Draws the hatched faces of a section. `seen` maps their directions to those of the
+    /// viewer.
     fn draw_hatched(
         &mut self,
         body: &SolidBody,
@@ -159,7 +162,7 @@ impl SolidCanvas {
     }
 }
 
-/// The projected corners of a triangle that faces the viewer.
+/// The projected corners of a triangle; `None` if it faces away from the viewer.
 fn facing_corners(places: &[Vec3], corners: [u32; 3], mirrored: bool) -> Option<[Vec3; 3]> {
     let [a, b, c] = corners.map(|corner| places.get(corner as usize).copied());
     let (a, b, c) = (a?, b?, c?);
@@ -169,15 +172,15 @@ fn facing_corners(places: &[Vec3], corners: [u32; 3], mirrored: bool) -> Option<
 }
 
 impl SolidView {
-    /// Projects a Z and X, mm, of the plane of the tools to a picture of a size: right and
-    /// down, pixels.
+    /// Projects a Z and X, mm, in the plane of the tools to a picture of `size` pixels.
+    /// Returns right and down in pixels.
     pub fn project(&self, (z, x): (f32, f32), size: (usize, usize)) -> (f32, f32) {
         let place = Projection::new(self, size, 1).project(Vec3::new(z, x, 0.0));
         (place.x, place.y)
     }
 
-    /// A view in a direction that shows half sections, turned about the axis, completely on a
-    /// picture of a size. `margin` is the free border in pixels.
+    /// Creates a view that shows half sections, turned about the axis, completely on a picture
+    /// of a size. `margin` is the free border in pixels.
     pub fn fit<'a>(
         direction: ViewDirection,
         regions: impl IntoIterator<Item = &'a Region>,

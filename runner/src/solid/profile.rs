@@ -5,29 +5,30 @@ use glam::{Vec2, vec2};
 use gsk_workpiece::grid::{GridContour, GridPoint, from_grid};
 use gsk_workpiece::region::Region;
 
-/// Edges that bend less are one smooth surface: the cosine of 15°.
+/// Cosine of 15°: two edges that bend less than that form one smooth surface.
 const SMOOTH_COSINE: f32 = 0.966;
-/// Edges this near to the stock's outline are uncut, mm.
+/// Distance from the outline of the stock up to which an edge is uncut, mm.
 const STOCK_TOLERANCE_MM: f32 = 0.001;
-/// Points this near to the axis are on it, mm.
+/// Distance from the spindle axis up to which a point is on it, mm.
 const AXIS_TOLERANCE_MM: f32 = 0.000_5;
 
-/// A piece of the outline; Z and X, mm.
+/// A straight piece of an outline; its coordinates are Z and X, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ProfileEdge {
-    /// Start and end.
+    /// Start and end of the piece.
     pub ends: [Vec2; 2],
-    /// Outward directions at the ends, length 1. On arcs they differ.
+    /// Outward directions at start and end, length 1. Along a smooth curve they differ.
     pub normals: [Vec2; 2],
 }
 
 impl ProfileEdge {
-    /// Whether turning it gives a surface.
+    /// Whether the edge sweeps a surface when it turns about the spindle axis: an end is off
+    /// the axis.
     pub(super) fn is_off_axis(&self) -> bool {
         self.ends.iter().any(|end| end.y > AXIS_TOLERANCE_MM)
     }
 
-    /// Whether it is on one of the lines of another outline.
+    /// Whether both ends of the edge are on one line of another outline.
     pub(super) fn is_on(&self, outline: &[(Vec2, Vec2)]) -> bool {
         let on = |line: &(Vec2, Vec2)| {
             self.ends
@@ -38,8 +39,8 @@ impl ProfileEdge {
     }
 }
 
-/// The pieces of a region's outlines, without corners that move it by less than `tolerance`,
-/// mm.
+/// The pieces of a region's outlines. Corners whose removal moves the outline by less than
+/// `tolerance`, mm, are omitted.
 pub(super) fn region_edges(region: &Region, tolerance: f32) -> Vec<ProfileEdge> {
     region
         .contours()
@@ -48,7 +49,7 @@ pub(super) fn region_edges(region: &Region, tolerance: f32) -> Vec<ProfileEdge> 
         .collect()
 }
 
-/// The unchanged lines of a region's outlines.
+/// The lines of a region's outlines with all corners: Z and X, mm.
 pub(super) fn region_lines(region: &Region) -> Vec<(Vec2, Vec2)> {
     region
         .edges()
@@ -56,7 +57,7 @@ pub(super) fn region_lines(region: &Region) -> Vec<(Vec2, Vec2)> {
         .collect()
 }
 
-/// The pieces of one closed polygon; its inside is on the left.
+/// The pieces of one closed polygon, simplified by `tolerance`, mm; the inside is on the left.
 pub(super) fn contour_edges(contour: &GridContour, tolerance: f32) -> Vec<ProfileEdge> {
     let corners = simplify(contour, tolerance);
     let count = corners.len();
@@ -95,8 +96,8 @@ fn to_vec2(point: GridPoint) -> Vec2 {
     vec2(point.z as f32, point.x as f32)
 }
 
-/// A closed polygon with fewer corners. No removed corner is farther than `tolerance` from it
-/// (Douglas and Peucker, from its first corner to the farthest one and back).
+/// Removes corners of a closed polygon that are not farther than `tolerance`, mm, from the
+/// simpler one (Douglas and Peucker, from its first corner to the farthest one and back).
 fn simplify(contour: &GridContour, tolerance: f32) -> Vec<Vec2> {
     let points: Vec<Vec2> = contour.iter().map(|it| to_vec2(*it)).collect();
     let Some(first) = points.first().copied() else {

@@ -5,29 +5,29 @@ use glam::{Vec2, Vec3};
 /// Red, green, blue and opacity, premultiplied.
 pub type SolidPixel = [u8; 4];
 
-/// Thinner triangles cover no pixel, square pixels.
+/// Area below which a triangle covers no pixel, square pixels.
 const MIN_TRIANGLE_AREA: f32 = 1e-5;
 
-/// A picture with a depth buffer.
+/// A picture with the depth of each pixel.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Raster {
     width: usize,
     height: usize,
     pixels: Vec<SolidPixel>,
-    /// Greater is nearer.
+    /// Depth of each pixel; a greater value is nearer to the viewer.
     depths: Vec<f32>,
 }
 
 /// A corner of a triangle, with values that are interpolated between the corners.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TriangleCorner<const N: usize> {
-    /// Right, down, near; pixels.
+    /// Position in pixels: right, down, near.
     pub position: Vec3,
     pub values: [f32; N],
 }
 
 impl Raster {
-    /// Empties the picture and sets its size.
+    /// Clears the picture and sets its size in pixels.
     pub(super) fn clear(&mut self, width: usize, height: usize) {
         (self.width, self.height) = (width, height);
         self.pixels.clear();
@@ -37,7 +37,7 @@ impl Raster {
     }
 
     /// Draws a triangle. `paint` receives the change of each value per pixel to the right and
-    /// down, and returns the function that makes the colours.
+    /// down, and returns the function that converts the values of a pixel to its colour.
     pub(super) fn draw_triangle<const N: usize, P: Fn([f32; N]) -> SolidPixel>(
         &mut self,
         corners: [TriangleCorner<N>; 3],
@@ -97,7 +97,7 @@ impl Raster {
         }
     }
 
-    /// Draws a line of a width in pixels.
+    /// Draws a line of `width` pixels between two positions.
     pub(super) fn draw_line(&mut self, from: Vec3, to: Vec3, width: f32, color: SolidPixel) {
         let along = Vec2::new(to.x - from.x, to.y - from.y).normalize_or(Vec2::X);
         // Square ends: no gaps where lines meet.
@@ -120,7 +120,8 @@ impl Raster {
         }
     }
 
-    /// The picture; each of its pixels is the mean of `samples` by `samples` pixels.
+    /// The finished picture; each of its pixels is the mean of `samples` by `samples` drawn
+    /// pixels.
     pub(super) fn downsample(&self, samples: usize) -> Vec<SolidPixel> {
         if samples <= 1 || self.width == 0 {
             return self.pixels.clone();
@@ -147,8 +148,8 @@ impl Raster {
     }
 }
 
-/// The side of a triangle from its upper to its lower end. Two triangles that share it compute
-/// the same values.
+/// A side of a triangle from its upper to its lower end. Two triangles that share the side
+/// compute the same values.
 struct TriangleSide {
     from: Vec3,
     slope: f32,
@@ -170,7 +171,7 @@ impl TriangleSide {
     }
 }
 
-/// The pixels whose middle is between two positions.
+/// The rows or columns, of `count`, whose middle is between two positions in pixels.
 fn covered_pixels(from: f32, to: f32, count: usize) -> core::ops::Range<usize> {
     // NaN and negative numbers become 0, as in every cast.
     let first = ((from - 0.5).ceil() as usize).min(count);

@@ -12,7 +12,7 @@ fn rectangle(z: (f64, f64), x: (f64, f64)) -> Region {
     Region::rectangle(corner(z.0, x.0), corner(z.1, x.1))
 }
 
-/// A picture of 400 by 300 at 4 pixels a millimetre about Z −40.
+/// Draws bodies on a picture of 400 by 300 pixels, at 4 pixels per millimetre, around Z −40.
 fn picture(bodies: &[SolidBody], turn: ViewDirection) -> Vec<SolidPixel> {
     let view = SolidView {
         direction: turn,
@@ -27,7 +27,8 @@ fn at(picture: &[SolidPixel], column: usize, row: usize) -> SolidPixel {
     picture[row * 400 + column]
 }
 
-/// The covered columns and rows: the first, and the one after the last.
+/// The covered columns and rows: first column, the one after the last, first row, the one
+/// after the last.
 fn covered_box(picture: &[SolidPixel]) -> [usize; 4] {
     let covered = |index: &usize| picture[*index][3] > 0;
     let places: Vec<usize> = (0..picture.len()).filter(covered).collect();

@@ -2,12 +2,12 @@
 
 use glam::Vec3;
 
-/// A corner of a body; the axes are Z, X, Y.
+/// A corner of a body, with coordinates in the order Z, X, Y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Vertex {
-    /// Position, mm.
+    /// Position of the corner, mm.
     pub position: Vec3,
-    /// Direction of the surface, length 1.
+    /// Outward direction of the surface at the corner, length 1.
     pub normal: Vec3,
     /// Direction of the turning marks, length 1; 0 without marks.
     pub marks: Vec3,

@@ -15,10 +15,10 @@
 
 use glam::{Mat3, Vec2, Vec3};
 
-/// A direction of view.
+/// A direction from which the lathe is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewDirection {
-    /// Whether the lathe has a rear tool post: X then points up, otherwise to the viewer.
+    /// Whether the lathe has a rear tool post. X then points up, otherwise towards the viewer.
     pub rear: bool,
     /// Angle about the vertical, degrees; negative angles bring the end of +Z nearer.
     pub yaw_deg: f32,
@@ -27,14 +27,15 @@ pub struct ViewDirection {
 }
 
 impl ViewDirection {
-    /// Greatest yaw to either side, degrees: the plane of the tools is never seen edge-on.
+    /// Greatest yaw to either side, degrees. Up to it the plane of the tools is never seen
+    /// edge-on.
     const MAX_YAW_DEG: f32 = 70.0;
     /// Least and greatest pitch with a rear tool post, degrees.
     const REAR_PITCH_DEG: (f32, f32) = (-35.0, 70.0);
     /// Least and greatest pitch with a front tool post, degrees.
     const FRONT_PITCH_DEG: (f32, f32) = (15.0, 90.0);
 
-    /// Straight onto the plane of the tools: the half section as drawn.
+    /// Looks straight onto the plane of the tools: shows the half section as drawn.
     pub const fn flat(rear: bool) -> Self {
         Self {
             rear,
@@ -43,7 +44,7 @@ impl ViewDirection {
         }
     }
 
-    /// From the front and above: both faces of the cut-out quarter are visible, and the face
+    /// Looks from the front and above: shows both faces of the cut-out quarter, and the face
     /// of the part.
     pub const fn oblique(rear: bool) -> Self {
         Self {
@@ -53,7 +54,7 @@ impl ViewDirection {
         }
     }
 
-    /// Turned by these angles, degrees, within the limits.
+    /// Turns the view by two angles, degrees, within the limits.
     #[must_use]
     pub const fn turn_by(self, yaw: f32, pitch: f32) -> Self {
         let (low, high) = if self.rear {
@@ -68,7 +69,7 @@ impl ViewDirection {
         }
     }
 
-    /// Maps Z, X, Y to right, up, towards the viewer.
+    /// Maps the directions Z, X, Y to right, up, near.
     pub(super) fn matrix(self) -> Mat3 {
         let (yaw, pitch) = (self.yaw_deg.to_radians(), self.pitch_deg.to_radians());
         let (side, along) = (libm::sinf(yaw), libm::cosf(yaw));
@@ -80,31 +81,31 @@ impl ViewDirection {
         Mat3::from_cols(right, x, y)
     }
 
-    /// The displacement on the picture for a millimetre of Z and of X: right and down.
+    /// How far right and down in the picture a millimetre of Z, and one of X, leads.
     pub fn axes(self) -> [(f32, f32); 2] {
         let matrix = self.matrix();
         [matrix.x_axis, matrix.y_axis].map(|axis| (axis.x, -axis.y))
     }
 }
 
-/// A view of the solid.
+/// A view of the lathe: direction, middle and scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidView {
     /// The direction of view.
     pub direction: ViewDirection,
     /// Z and X in the middle of the picture, mm.
     pub centre: (f32, f32),
-    /// Pixels per millimetre.
+    /// Scale of the view, pixels per millimetre.
     pub pixels_per_mm: f32,
 }
 
-/// The projection of a view on a picture of a size.
+/// Projects positions of the lathe to a picture of a size.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Projection {
     pub matrix: Mat3,
-    /// Pixels per millimetre.
+    /// Pixels, or samples, per millimetre.
     pub scale: f32,
-    /// Whether it mirrors a right-handed system.
+    /// Whether the projection mirrors: the lathe has a front tool post.
     pub mirrored: bool,
     centre: Vec3,
     middle: Vec2,
@@ -122,7 +123,7 @@ impl Projection {
         }
     }
 
-    /// Projects a position: right and down in pixels, and nearness.
+    /// Projects a position, mm: right, down and near, in pixels.
     pub(super) fn project(&self, at: Vec3) -> Vec3 {
         let seen = self.matrix * (at - self.centre) * self.scale;
         Vec3::new(self.middle.x + seen.x, self.middle.y - seen.y, seen.z)

@@ -3,29 +3,30 @@
 /// The contents of a parsed block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct ParsedBlock {
-    /// Target of X, Y, Z in machine coordinates, mm; `None` without a move.
+    /// Target of X, Y, Z in machine coordinates, mm; `None` if the block does not move.
     pub(super) target: Option<[f64; 3]>,
     /// Whether the move is a rapid.
     pub(super) rapid: bool,
-    /// Feed of a cut.
+    /// Feed of the move if it is a cut.
     pub(super) feed: CutFeed,
-    /// Dwell time, s.
+    /// Dwell time, s; `None` if the block does not dwell.
     pub(super) dwell: Option<f64>,
-    /// Whether the block waits until the queue is empty: spindle, coolant, program end,
-    /// thread.
+    /// Whether the block waits until all planned motion is made: spindle, coolant, program
+    /// end, thread.
     pub(super) waits_for_empty_queue: bool,
     /// Whether the block is M02 or M30.
     pub(super) ends_program: bool,
-    /// G33: distance along the path per spindle turn, mm.
+    /// Distance along the path per spindle turn, mm, of a G33 block; `None` for any other
+    /// block.
     pub(super) lead: Option<f64>,
 }
 
-/// The feed of a cut.
+/// How a block gives the feed of a cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum CutFeed {
-    /// Speed, mm/s.
+    /// The move has this speed, mm/s.
     Speed(f64),
-    /// Duration of the whole move, s.
+    /// The whole move takes this time, s.
     Duration(f64),
 }
 
@@ -35,28 +36,28 @@ impl Default for CutFeed {
     }
 }
 
-/// The modal state.
+/// The words in force: the parser's modal state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Modal {
-    /// Motion mode: 0, 1, 33, or 80 for none.
+    /// Motion code in force: 0, 1, 33, or 80 for none.
     pub(super) motion: u8,
-    /// G91: incremental distances.
+    /// Whether G91 (incremental distances) is in force.
     pub(super) incremental: bool,
-    /// G93: inverse time feed.
+    /// Whether G93 (inverse time feed) is in force.
     pub(super) inverse_time: bool,
-    /// G20: inches.
+    /// Whether G20 (inches) is in force.
     pub(super) inches: bool,
-    /// Feed of G94, mm/min.
+    /// F word in force with G94, mm/min.
     pub(super) feed: f64,
     /// Spindle speed S, r/min.
     pub(super) speed: f64,
-    /// Spindle code: 3, 4 or 5.
+    /// Spindle code in force: 3, 4 or 5 for M03 to M05.
     pub(super) spindle_code: u8,
-    /// M08: coolant on.
+    /// Whether M08 (coolant on) is in force.
     pub(super) coolant: bool,
-    /// Plane: 17, 18 or 19.
+    /// Plane in force: 17, 18 or 19.
     pub(super) plane: u8,
-    /// Work coordinate system, 54 to 59.
+    /// Work coordinate system in force, 54 to 59.
     pub(super) system: u8,
     /// End of the last block in machine coordinates, mm.
     pub(super) position: [f64; 3],
@@ -81,7 +82,7 @@ impl Default for Modal {
 }
 
 impl Modal {
-    /// Returns the text of `$G`, without brackets.
+    /// Returns the answer to `$G`, without its brackets.
     pub(super) fn gc_report(&self) -> String {
         format!(
             "GC:G{} G{} G{} G{} G{} G{} M{} M{} T0 F{:.0} S{:.0}",
@@ -98,9 +99,9 @@ impl Modal {
         )
     }
 
-    /// Parses a block in capitals without blanks and comments and updates the modal state.
-    /// Returns the error number of the firmware for a wrong block. `offset` is the work
-    /// offset of G54, mm.
+    /// Parses a block in capitals without blanks and comments, and updates the words in force.
+    /// `offset` is the work offset of G54, mm. Returns the error number of the firmware for a
+    /// block that it rejects.
     pub(super) fn parse_block(
         &mut self,
         text: &str,
@@ -145,7 +146,8 @@ impl Modal {
         Ok(block)
     }
 
-    /// Executes a G code.
+    /// Executes a G code of a block. Returns the error number of the firmware if it rejects
+    /// the code.
     fn execute_g_code(
         &mut self,
         value: f64,
@@ -176,7 +178,8 @@ impl Modal {
         Ok(())
     }
 
-    /// Executes an M code.
+    /// Executes an M code of a block. Returns the error number of the firmware if it rejects
+    /// the code.
     fn execute_m_code(&mut self, value: f64, block: &mut ParsedBlock) -> Result<(), u8> {
         match value as i32 {
             0 | 1 => {}
@@ -189,7 +192,9 @@ impl Modal {
         Ok(())
     }
 
-    /// Sets target and feed of a block with axis words and moves the modal position there.
+    /// Sets target and feed of a block with axis words, and moves the position in force there.
+    /// `scale` is the number of mm per unit of the words. Returns the error number of the
+    /// firmware if it rejects the words.
     fn move_axes(
         &mut self,
         words: &GrblWords,
@@ -244,21 +249,22 @@ impl Modal {
 #[derive(Default)]
 struct GrblWords {
     axes: [Option<f64>; 3],
-    /// F as written.
+    /// F as written; `None` without F.
     feed: Option<f64>,
-    /// P, s.
+    /// P of a dwell, s; `None` without P.
     dwell_s: Option<f64>,
-    /// K as written.
+    /// K of a thread as written; `None` without K.
     lead: Option<f64>,
-    /// G04.
+    /// Whether the block has G04 (dwell).
     dwells: bool,
-    /// G53.
+    /// Whether the block has G53 (machine coordinates).
     in_machine_coordinates: bool,
     has_motion_code: bool,
 }
 
 impl GrblWords {
-    /// Reads the words of a block. Modal codes and M codes act at once.
+    /// Reads the words of a block. Modal codes and M codes act at once on `next` and `block`.
+    /// Returns the error number of the firmware if it rejects a word.
     fn read(
         text: &str,
         spindle_sync: bool,
@@ -306,7 +312,8 @@ impl GrblWords {
     }
 }
 
-/// Splits a number from the start of a text; returns the number and the rest.
+/// Splits a number from the start of a text. Returns the number and the rest, `None` if no
+/// number is there.
 fn split_number(text: &str) -> Option<(f64, &str)> {
     let end = text
         .find(|character: char| !matches!(character, '0'..='9' | '.' | '-' | '+'))

@@ -3,8 +3,8 @@
 
 use core::fmt::Write;
 
-/// Default configuration in listing order: an example fitted to a lathe. A path that ends
-/// with a slash is a section without items.
+/// Paths and values of the default configuration in listing order: an example for a lathe. A
+/// path that ends with a slash is a section without items.
 const DEFAULTS: &[(&str, &str)] = &[
     ("board", "Breakout"),
     ("name", "Lathe"),
@@ -162,7 +162,7 @@ const DEFAULTS: &[(&str, &str)] = &[
     ("planner_blocks", "16"),
 ];
 
-/// Minimum and maximum by item name. Other items have no limits.
+/// Minimum and maximum values by the names of the items. Other items have no limits.
 const RANGES: [(&str, f64, f64); 21] = [
     ("idle_ms", 0.0, 10_000_000.0),
     ("pulse_us", 0.0, 30.0),
@@ -190,10 +190,11 @@ const RANGES: [(&str, f64, f64); 21] = [
 /// Value of a pin that is not connected.
 const NO_PIN: &str = "NO_PIN";
 
-/// The type of an item's value.
+/// The type of the value of a configuration item.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ItemType {
-    /// The firmware cannot change it while it runs; the word is the type in its message.
+    /// The firmware cannot change the item while it runs; its message calls the type by this
+    /// word.
     Fixed(&'static str),
     Switch,
     Whole,
@@ -227,7 +228,8 @@ impl ConfigItem {
         }
     }
 
-    /// Returns the value in the firmware's format and a warning or error message.
+    /// Converts a value to the firmware's format. Returns the converted value, `None` if it is
+    /// wrong, and a warning or error message, if any.
     fn format_value(&self, value: &str) -> (Option<String>, Option<String>) {
         let number = value
             .trim()
@@ -267,12 +269,12 @@ fn is_one_of(value: &str, words: [&str; 3]) -> bool {
     words.iter().any(|word| value.eq_ignore_ascii_case(word))
 }
 
-/// Returns the last part of a path.
+/// Returns the last part of a path, which is the name of the item.
 fn item_name(path: &str) -> &str {
     path.rsplit_once('/').map_or(path, |(_, name)| name)
 }
 
-/// The configuration tree.
+/// The configuration tree of FluidNC: its items in listing order.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct FluidConfig(Vec<ConfigItem>);
 
@@ -289,40 +291,42 @@ impl FluidConfig {
         self.0.iter().find(named)
     }
 
-    /// Returns the value in memory.
+    /// Returns the value of an item in memory; `None` for an unknown path.
     pub(super) fn value(&self, path: &str) -> Option<&str> {
         Some(self.find(path)?.memory.as_str())
     }
 
-    /// Returns the value in memory as a number; 0 if it is missing.
+    /// Returns the value of an item in memory as a number; 0 if it is missing.
     pub(super) fn number(&self, path: &str) -> f64 {
         let value = self.value(path).and_then(|value| value.parse().ok());
         value.unwrap_or(0.0)
     }
 
-    /// Returns whether a switch is on.
+    /// Returns whether a switch item is on in memory.
     pub(super) fn is_on(&self, path: &str) -> bool {
         self.value(path) == Some("true")
     }
 
-    /// Returns whether a pin is connected.
+    /// Returns whether the pin of an item is connected.
     pub(super) fn is_wired(&self, path: &str) -> bool {
         self.value(path).is_some_and(|pin| pin != NO_PIN)
     }
 
-    /// Loads the values of the file into memory, as power-on does.
+    /// Copies the values of the configuration file into memory, as power-on does.
     pub(super) fn load_file(&mut self) {
         for item in &mut self.0 {
             item.memory.clone_from(&item.file);
         }
     }
 
-    /// Returns the value in the file, for items that only startup reads.
+    /// Returns the value of an item in the file, for items that only startup reads; `None` for
+    /// an unknown path.
     pub(super) fn file_value(&self, path: &str) -> Option<&str> {
         Some(self.find(path)?.file.as_str())
     }
 
-    /// Changes an item in file and memory, as the owner does. Error 3 is an unknown item.
+    /// Changes an item in file and memory, as the owner of the board does. Returns error 3 for
+    /// an unknown item and 2 for a wrong value.
     pub(super) fn set_in_file(&mut self, path: &str, value: &str) -> Result<(), u8> {
         let named = |item: &&mut ConfigItem| item.path.eq_ignore_ascii_case(path);
         let item = self.0.iter_mut().find(named).ok_or(3_u8)?;
@@ -331,7 +335,7 @@ impl FluidConfig {
         Ok(())
     }
 
-    /// Removes a section from the file.
+    /// Removes the items of a section from the file.
     #[cfg(test)]
     pub(super) fn remove_section(&mut self, section: &str) {
         let within = |path: &str| {
@@ -341,8 +345,8 @@ impl FluidConfig {
         self.0.retain(|item| !within(item.path));
     }
 
-    /// Executes `$/path=value` and returns the message before `ok`. Error 3 is an unknown
-    /// item.
+    /// Executes `$/path=value`. Returns the message before `ok`, if any; error 3 for an
+    /// unknown item.
     pub(super) fn set(&mut self, path: &str, value: &str) -> Result<Option<String>, u8> {
         let named = |item: &&mut ConfigItem| item.path.eq_ignore_ascii_case(path);
         let item = self.0.iter_mut().find(named).ok_or(3_u8)?;
@@ -357,7 +361,8 @@ impl FluidConfig {
         Ok(message)
     }
 
-    /// Executes `$/path` for an item or a section. Error 3 is an unknown path.
+    /// Executes `$/path`. Returns the text of the item or section; error 3 for an unknown
+    /// path.
     pub(super) fn show(&self, path: &str) -> Result<String, u8> {
         if let Some(item) = self.find(path) {
             let value = match item.item_type {
@@ -379,12 +384,13 @@ impl FluidConfig {
         ))
     }
 
-    /// Returns the whole configuration for `$CD`.
+    /// Returns the text of the whole configuration, the answer to `$CD`.
     pub(super) fn dump(&self) -> String {
         format_items(&self.0.iter().collect::<Vec<_>>(), 0, 0)
     }
 
-    /// Returns the value of the item that corresponds to a Grbl setting number.
+    /// Returns the value of the item that corresponds to a Grbl setting number; `None` without
+    /// such an item.
     pub(super) fn grbl_setting(&self, number: u16) -> Option<f64> {
         let item = match number / 10 {
             10 => "steps_per_mm",
@@ -399,7 +405,8 @@ impl FluidConfig {
     }
 }
 
-/// Formats items as indented text, without the first `skip` characters of their paths.
+/// Formats items as lines with `indent` blanks, without the first `skip` characters of their
+/// paths.
 fn format_items(items: &[&ConfigItem], skip: usize, indent: usize) -> String {
     let mut text = String::new();
     let mut open: Vec<&str> = Vec::new();

@@ -24,19 +24,19 @@ use super::{BOOT_NS, GrblState, GrblTwin};
 use events::FluidEvent;
 use homing::HomingCycle;
 
-/// One millisecond.
+/// One millisecond in ns.
 const MS: u64 = 1_000_000;
 /// Polling interval of received bytes while a line is executed, ns.
 const BUSY_POLL_NS: u64 = 51 * MS;
-/// Time from polling a line until the main task has it, ns.
+/// Time from the poll that completes a line until the main task receives the line, ns.
 const LINE_HANDOVER_NS: u64 = MS;
 /// Time after power-on in which received bytes are lost, ns.
 const BOOT_DEAF_NS: u64 = 300 * MS;
-/// Capacity of the buffers of serial driver and chip.
+/// Capacity of the receive buffers of serial driver and chip, bytes.
 const RECEIVE_BUFFER_BYTES: usize = 384;
-/// Buffer size that a report gives when the buffer is empty.
+/// Free buffer size in a status report when the buffer is empty, bytes.
 const REPORTED_BUFFER_BYTES: usize = 128;
-/// Duration of the motion in one configured segment, s.
+/// Duration of the motion in one segment of the configured number, s.
 const SEGMENT_S: f64 = 0.01;
 /// Boot messages with their times, ms after power-on.
 const BOOT_TEXT: [(u64, &str); 6] = [
@@ -54,18 +54,19 @@ const BOOT_TEXT: [(u64, &str); 6] = [
 /// The configuration as read at startup, which does not change afterwards.
 #[derive(Clone, Debug, Default)]
 struct StartupConfig {
-    /// Connected limit inputs of X and Z: at the positive end, and at any end.
+    /// Which of X and Z have a limit input connected: at the positive end (`positive`), and at
+    /// any end (`limit`).
     positive: [bool; 2],
     limit: [bool; 2],
     emergency: bool,
     door: bool,
     probe: bool,
-    /// Axes X and Z with a homing section.
+    /// Which of X and Z have a homing section with a cycle.
     homing: [bool; 2],
-    /// Duration of the motion prepared for the pulse timer, s.
+    /// Duration of the motion that is prepared in advance for the pulse timer, s.
     prepared_s: f64,
     blocks: usize,
-    /// Speed at full output, r/min.
+    /// Spindle speed at full output, r/min.
     full_speed_rpm: f64,
 }
 
@@ -102,42 +103,43 @@ pub(super) struct FluidState {
     start: StartupConfig,
     boot_lines: usize,
     events: VecDeque<FluidEvent>,
-    /// Time until which the main task is blocked, ns.
+    /// Time until which an alarm blocks the main task, ns.
     blocked_until: u64,
     /// Time of the next poll while a line is executed, ns.
     next_poll_at: u64,
     /// Polled bytes that are not part of a line yet.
     polled_bytes: VecDeque<u8>,
     after_cr: bool,
-    /// A received line that is not started.
+    /// A received line that the main task has not started; `None` if there is none.
     line: Option<String>,
-    /// A command that waits for the end of all motion.
+    /// A command that waits for the end of all motion; `None` if there is none.
     command: Option<String>,
-    /// A homing command is active.
+    /// Whether a homing command is not answered yet.
     is_homing: bool,
     cycle: Option<HomingCycle>,
-    /// The board decelerates for a feed hold.
+    /// Whether the board decelerates for a feed hold.
     is_braking: bool,
-    /// Inputs at the last poll: limits of X and Z, emergency stop.
+    /// Levels of the inputs at the last poll: limits of X and Z, emergency stop.
     polled_inputs: [bool; 3],
-    /// Inputs that the main task has processed.
+    /// Levels of the inputs, in the same order, that the main task has processed.
     known_inputs: [bool; 3],
-    /// Motors of X and Z that make no pulses.
+    /// Whether the motors of X and Z are blocked and make no pulses.
     blocked_motors: [bool; 2],
     unhomed: [bool; 2],
-    /// Difference between the planner's position and the pulse count after failed homing,
-    /// pulses.
+    /// How far the planner's position of X, Y, Z deviates from the pulse count after failed
+    /// homing, pulses.
     planner_error: [i64; 3],
 }
 
 impl GrblTwin {
-    /// Returns the value of a FluidNC configuration item in memory.
+    /// Returns the value of a FluidNC configuration item in memory; `None` for an unknown
+    /// item.
     pub fn config_item(&self, path: &str) -> Option<&str> {
         self.settings.tree()?.value(path)
     }
 
     /// Changes an item in the configuration file and restarts the board, as the owner does.
-    /// Error 3 is an unknown item, 2 a wrong value.
+    /// Returns error 3 for an unknown item and 2 for a wrong value.
     pub fn set_config_item(&mut self, path: &str, value: &str) -> Result<(), u8> {
         self.settings
             .tree_mut()
@@ -156,7 +158,7 @@ impl GrblTwin {
         self.load_startup_config();
     }
 
-    /// Returns whether the motors of X and Z are blocked by their limit switches.
+    /// Returns whether the limit switches of X and Z block their motors.
     pub const fn blocked_motors(&self) -> [bool; 2] {
         self.fluid.blocked_motors
     }
@@ -171,18 +173,19 @@ impl GrblTwin {
         }
     }
 
-    /// Returns whether the motor of a board axis is blocked.
+    /// Returns whether the motor of a board axis (0 X, 1 Y, 2 Z) is blocked.
     pub(super) const fn is_limited(&self, axis: usize) -> bool {
         let [x, z] = self.fluid.blocked_motors;
         (axis == 0 && x) || (axis == 2 && z)
     }
 
-    /// Returns the error of the planner's position, pulses.
+    /// Returns how far the planner's position of X, Y, Z deviates from the pulse count,
+    /// pulses.
     pub(super) const fn planner_error(&self) -> [i64; 3] {
         self.fluid.planner_error
     }
 
-    /// Returns whether all axes are homed that must be; otherwise raises an alarm.
+    /// Returns true if no axis still needs homing; otherwise raises alarm 14.
     pub(super) fn check_homed(&mut self) -> bool {
         let unhomed = self.fluid.unhomed != [false; 2];
         if unhomed {
@@ -200,7 +203,7 @@ impl GrblTwin {
         self.settings.tree().map_or(0.0, |tree| tree.number(path))
     }
 
-    /// Returns the speed at full output as read at startup, r/min.
+    /// Returns the spindle speed at full output, r/min, as read at startup.
     pub(super) const fn full_speed_rpm(&self) -> f64 {
         self.fluid.start.full_speed_rpm
     }
@@ -219,7 +222,7 @@ impl GrblTwin {
         self.load_startup_config();
     }
 
-    /// Advances the board by one time step.
+    /// Advances the board by one time step of `step` ns.
     pub(super) fn advance_fluid(&mut self, step: u64) {
         let booted = self
             .boots_at
@@ -262,7 +265,7 @@ impl GrblTwin {
         }
     }
 
-    /// Returns whether a line is not answered yet.
+    /// Returns whether the board still has to answer a line.
     fn is_line_pending(&self) -> bool {
         let fluid = &self.fluid;
         let begun =
@@ -286,7 +289,7 @@ impl GrblTwin {
         }
     }
 
-    /// Runs the poller.
+    /// Runs the polling task once: reads the inputs and the received bytes.
     fn poll(&mut self) {
         self.poll_pins();
         if self.is_line_pending() {
@@ -332,7 +335,7 @@ impl GrblTwin {
         }
     }
 
-    /// Executes or queues a realtime byte. Returns false for a byte of a line.
+    /// Executes or queues a realtime byte. Returns false if the byte is part of a line.
     fn handle_realtime_byte(&mut self, byte: u8) -> bool {
         match byte {
             b'?' => {
@@ -350,7 +353,7 @@ impl GrblTwin {
         true
     }
 
-    /// Returns the letters of the inputs that the main task has processed.
+    /// Returns a letter for each operated input, as a status report does: P, X, Z, D, E.
     pub(super) fn pin_letters(&self) -> String {
         let [x, z, emergency] = self.fluid.known_inputs;
         let start = &self.fluid.start;
@@ -365,7 +368,7 @@ impl GrblTwin {
         operated.map(|(_, letter)| *letter).collect()
     }
 
-    /// Returns the free buffer size that a report gives.
+    /// Returns the free size of the receive buffer in a status report, bytes.
     pub(super) fn reported_buffer_free(&self) -> usize {
         REPORTED_BUFFER_BYTES.saturating_sub(self.received.len())
     }

@@ -11,15 +11,15 @@ use std::collections::VecDeque;
 
 use super::{GrblState, GrblTwin, Variant};
 
-/// Seek distance as a multiple of the travel.
+/// Distance of the search for a switch as a multiple of the axis travel.
 const SEEK_TRAVEL_FACTOR: f64 = 1.5;
-/// Distance of the slow approach as a multiple of the pull-off.
+/// Distance of the slow approach to a switch as a multiple of the pull-off.
 const LOCATE_PULL_OFF_FACTOR: f64 = 5.0;
 
 /// Indices of X and Z among the axes of the board.
 const AXES: [usize; 2] = [0, 2];
 
-/// The current stage of homing an axis.
+/// The stage of homing one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum HomingStage {
     Seek,
@@ -28,24 +28,25 @@ enum HomingStage {
     FinalPullOff,
 }
 
-/// Homing in progress.
+/// The state of a homing in progress.
 #[derive(Clone, Debug)]
 pub(super) struct GrblHoming {
     /// Axes that are not homed yet, 0 for X and 1 for Z.
     axes: VecDeque<usize>,
     stage: HomingStage,
-    /// Distance, mm, and pulses made in this stage.
+    /// Distance, mm (`distance_mm`), and number of pulses (`pulses_made`) made in this stage.
     distance_mm: f64,
     pulses_made: i64,
 }
 
 impl GrblTwin {
-    /// Returns whether `$HX` is enabled: bit 1 of `$22` of grblHAL.
+    /// Returns whether the board accepts `$HX` and `$HZ`: bit 1 of `$22` of grblHAL.
     pub(super) fn can_home_single_axis(&self) -> bool {
         self.variant == Variant::GrblHal && self.settings.value(22) as u32 & 2 != 0
     }
 
-    /// Starts homing, Z first. Returns `None` if the command is answered at the end.
+    /// Starts homing the selected axes, Z first. Returns the error number, or `None` if the
+    /// command is answered at the end.
     pub(super) fn begin_homing(&mut self, [x, z]: [bool; 2]) -> Option<Result<(), u8>> {
         if !self.settings.is_on(22) {
             return Some(Err(5));
@@ -66,7 +67,7 @@ impl GrblTwin {
         None
     }
 
-    /// Advances homing by one time step.
+    /// Advances homing by `seconds`.
     pub(super) fn advance_homing(&mut self, seconds: f64) {
         let Some(mut homing) = self.homing.take() else {
             return;
@@ -135,7 +136,7 @@ impl GrblTwin {
         self.send_answer(Ok(()));
     }
 
-    /// Ends homing with an alarm and restarts the firmware.
+    /// Ends homing with this alarm number and restarts the firmware.
     fn fail_homing(&mut self, number: u8) {
         self.state = GrblState::Alarm;
         self.send_text(&format!("ALARM:{number}\r\n"));

@@ -8,7 +8,7 @@ use super::{
 };
 
 impl GrblTwin {
-    /// Runs the main loop until it has to wait.
+    /// Runs the main loop of the firmware until it has to wait.
     pub(super) fn run_main_loop(&mut self) {
         let busy = |twin: &Self| {
             twin.waits_for_reset
@@ -38,7 +38,7 @@ impl GrblTwin {
         }
     }
 
-    /// Adds a byte to the line. CR and LF each end a line.
+    /// Adds a received byte to the current line. CR and LF each end the line.
     fn append_byte(&mut self, byte: u8) {
         match byte {
             b'\n' | b'\r' => {
@@ -93,7 +93,7 @@ impl GrblTwin {
         }
     }
 
-    /// Executes a block; returns false if it must wait.
+    /// Executes a block. Returns false if the block must wait for the planner.
     pub(super) fn execute_block(&mut self, block: ParsedBlock) -> bool {
         if block.waits_for_empty_queue && !(self.planner.is_empty() && self.state != GrblState::Run)
         {
@@ -171,14 +171,15 @@ impl GrblTwin {
         }
     }
 
-    /// Returns the end position of the planner queue, pulses.
+    /// Returns the position of X, Y, Z at the end of the planned motion, pulses.
     fn planner_end_position(&self) -> [i64; 3] {
         let ahead = self.planner.pending_pulses();
         let planner_error = self.planner_error();
         [0, 1, 2].map(|axis| self.position[axis] + ahead[axis] + planner_error[axis])
     }
 
-    /// Executes a `$` line. Returns `None` if it is answered later or never.
+    /// Executes a `$` line. Returns its result, or `None` if the line is answered later or
+    /// never.
     fn execute_command(&mut self, command: &str) -> Option<Result<(), u8>> {
         match command {
             "$" => {
@@ -218,7 +219,7 @@ impl GrblTwin {
         Some(Ok(()))
     }
 
-    /// Lists the offsets for `$#`; only G54 has an offset.
+    /// Sends the work offsets, the answer to `$#`. Only G54 has an offset.
     pub(super) fn list_offsets(&mut self) {
         for system in 54..=59 {
             let offset = if system == 54 {

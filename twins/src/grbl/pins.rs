@@ -2,18 +2,18 @@
 
 use super::{GrblState, GrblTwin, Variant};
 
-/// The input pins of a Grbl board; true is an operated switch.
+/// The input pins of a Grbl board; true while a switch is operated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GrblPins {
-    /// Limit switch of X.
+    /// Input of the X limit switch.
     pub limit_x: bool,
-    /// Limit switch of Z.
+    /// Input of the Z limit switch.
     pub limit_z: bool,
-    /// Safety door.
+    /// Input of the safety door.
     pub door: bool,
-    /// Probe contact.
+    /// Input of the probe contact.
     pub probe: bool,
-    /// Emergency stop; the reset input of Grbl 1.1h.
+    /// Input of the emergency stop; on Grbl 1.1h the reset input.
     pub emergency: bool,
 }
 
@@ -28,8 +28,8 @@ impl GrblTwin {
         ]
     }
 
-    /// Places the limit switches of X and Z at distances, mm, from the slides at power-on.
-    /// They are operated there and beyond.
+    /// Places the limit switches of X and Z at distances, mm, from the slides at power-on. The
+    /// switches are operated there and beyond.
     pub fn place_switches(&mut self, switches: [f64; 2]) {
         self.switches = switches;
         self.update_switch_pulses();

@@ -14,21 +14,21 @@
 
 use std::collections::VecDeque;
 
-/// Duration of a segment for the pulse timer, s.
+/// Duration of the motion in one segment for the pulse timer, s.
 const SEGMENT_S: f64 = 1e-4;
-/// Minimum speed of the planner, mm/s.
+/// Speed below which the planner does not go, mm/s.
 const MIN_SPEED: f64 = 0.05;
 
-/// One planned straight move.
+/// A straight move in the planner queue.
 #[derive(Clone, Debug)]
 pub(super) struct PlannedBlock {
-    /// Pulses of X, Y, Z.
+    /// Pulses of X, Y, Z for the whole move, with signs.
     pub(super) steps: [i64; 3],
-    /// Unit vector of the direction.
+    /// Direction of the move in X, Y, Z, length 1.
     pub(super) direction: [f64; 3],
-    /// Length, mm.
+    /// Length of the move, mm.
     pub(super) length: f64,
-    /// Nominal speed, mm/s.
+    /// Speed to reach if acceleration allows, mm/s.
     pub(super) nominal_speed: f64,
     /// Acceleration along the move, mm/s².
     pub(super) acceleration: f64,
@@ -38,7 +38,7 @@ pub(super) struct PlannedBlock {
 }
 
 impl PlannedBlock {
-    /// Creates a move without a planned entry speed.
+    /// Creates a move whose entry speed is not planned yet.
     pub(super) const fn new(
         steps: [i64; 3],
         direction: [f64; 3],
@@ -58,7 +58,7 @@ impl PlannedBlock {
     }
 }
 
-/// A segment of motion prepared for the pulse timer.
+/// A short piece of motion that is prepared for the pulse timer and no longer changes.
 #[derive(Clone, Copy, Debug)]
 struct PlannerSegment {
     seconds: f64,
@@ -66,18 +66,19 @@ struct PlannerSegment {
     speed: f64,
 }
 
-/// The planner queue with the current move.
+/// The queue of planned moves, with the motion prepared from its first move.
 #[derive(Clone, Debug)]
 pub(super) struct Planner {
     blocks: VecDeque<PlannedBlock>,
     capacity: usize,
-    /// Durations, s, of the motion to be prepared in advance and of that prepared now.
+    /// Duration of the motion to prepare in advance (`prepare_ahead_s`) and of that prepared
+    /// now (`prepared_s`), s.
     prepare_ahead_s: f64,
     prepared_s: f64,
     segments: VecDeque<PlannerSegment>,
-    /// Prepared distance of the first block, mm.
+    /// Distance of the first move that is already prepared, mm.
     front_distance_mm: f64,
-    /// Prepared pulses of the first block.
+    /// Pulses of the first move that are already prepared.
     front_pulses: [i64; 3],
     /// Speed at the end of the prepared motion, mm/s.
     speed: f64,
@@ -103,19 +104,19 @@ impl Planner {
         *self = Self::new(self.capacity, self.prepare_ahead_s);
     }
 
-    /// Stops motion at once; the queue remains.
+    /// Stops motion at once: drops the prepared motion and keeps the queue.
     pub(super) fn dead_stop(&mut self) {
         self.speed = 0.0;
         self.prepared_s = 0.0;
         self.segments.clear();
     }
 
-    /// Returns whether no motion remains.
+    /// Returns whether neither queue nor prepared motion remains.
     pub(super) fn is_empty(&self) -> bool {
         self.blocks.is_empty() && self.segments.is_empty()
     }
 
-    /// Returns whether the axes have stopped.
+    /// Returns whether the axes stand still, at the end of the queue or of a hold.
     pub(super) fn is_stopped(&self) -> bool {
         self.segments.is_empty() && (self.speed <= 0.0 || self.blocks.is_empty())
     }
@@ -128,7 +129,7 @@ impl Planner {
         self.capacity.saturating_sub(self.blocks.len())
     }
 
-    /// Returns the remaining pulses.
+    /// Returns the pulses of X, Y, Z that the queue and the prepared motion still contain.
     pub(super) fn pending_pulses(&self) -> [i64; 3] {
         let mut ahead = self.front_pulses.map(|made| -made);
         let planned = self.blocks.iter().map(|block| block.steps);
@@ -141,12 +142,12 @@ impl Planner {
         ahead
     }
 
-    /// Returns the speed along the path, mm/s.
+    /// Returns the current speed along the path, mm/s.
     pub(super) fn speed(&self) -> f64 {
         self.segments.front().map_or(0.0, |segment| segment.speed)
     }
 
-    /// Appends a move. `deviation` is the junction deviation, setting $11, mm.
+    /// Appends a move to the queue. `deviation` is the junction deviation (setting $11), mm.
     pub(super) fn push(&mut self, mut block: PlannedBlock, deviation: f64) {
         block.junction_speed = match self.last_block {
             Some((before, nominal)) if !self.blocks.is_empty() => {
@@ -161,8 +162,8 @@ impl Planner {
         self.replan();
     }
 
-    /// Plans the entry speeds: backwards from a stop at the end, then forwards within the
-    /// acceleration.
+    /// Plans the entry speeds of all moves: backwards from a stop at the end, then forwards
+    /// within the acceleration.
     fn replan(&mut self) {
         let mut exit = 0.0_f64;
         for block in self.blocks.iter_mut().skip(1).rev() {
@@ -182,7 +183,8 @@ impl Planner {
         }
     }
 
-    /// Advances by a time, s, and returns the pulses made. `hold` decelerates to a stop.
+    /// Advances motion by `seconds` and returns the pulses of X, Y, Z made. `hold` decelerates
+    /// to a stop.
     pub(super) fn advance(&mut self, seconds: f64, hold: bool) -> [i64; 3] {
         while self.prepared_s < self.prepare_ahead_s.max(seconds) {
             let (pulses, made) = self.prepare_segment(SEGMENT_S, hold);
@@ -199,8 +201,8 @@ impl Planner {
         self.advance_prepared(seconds)
     }
 
-    /// Advances the prepared motion by a time, s, without preparing more. Returns the
-    /// pulses made.
+    /// Advances the prepared motion by `seconds` without preparing more. Returns the pulses of
+    /// X, Y, Z made.
     pub(super) fn advance_prepared(&mut self, mut seconds: f64) -> [i64; 3] {
         let mut sum = [0; 3];
         let whole = seconds;
@@ -228,8 +230,8 @@ impl Planner {
         sum
     }
 
-    /// Prepares the next `wanted` seconds of motion. Returns their pulses and their
-    /// duration, s, which is shorter at the end of the queue.
+    /// Prepares the next `wanted` seconds of motion. Returns the pulses of X, Y, Z and the
+    /// duration prepared, s, which is shorter at the end of the queue.
     fn prepare_segment(&mut self, wanted: f64, hold: bool) -> ([i64; 3], f64) {
         let mut seconds = wanted;
         let mut pulses = [0; 3];
@@ -293,7 +295,8 @@ impl Planner {
     }
 }
 
-/// Returns the maximum speed at a junction, mm/s, for a junction deviation, mm.
+/// Returns the maximum speed, mm/s, at the junction of two directions of length 1, for an
+/// acceleration, mm/s², and a junction deviation, mm.
 fn junction_speed(before: [f64; 3], after: [f64; 3], acceleration: f64, deviation: f64) -> f64 {
     let cosine: f64 = -(0..3).map(|axis| before[axis] * after[axis]).sum::<f64>();
     if cosine > 0.999_999 {
@@ -320,7 +323,7 @@ mod tests {
         )
     }
 
-    /// Returns the seconds until the queue is empty and the pulses made.
+    /// Advances until the queue is empty. Returns the time that takes, s, and the pulses made.
     fn drain(planner: &mut Planner) -> (f64, i64) {
         let (mut ticks, mut x) = (0, 0);
         while !planner.is_empty() {

@@ -4,13 +4,13 @@ use core::fmt::Write;
 
 use super::{GrblState, GrblTwin, REPORTS_PER_OFFSET, Variant};
 
-/// Formats three axis values.
+/// Formats the values of X, Y, Z as in a report, separated by commas.
 pub(super) fn format_axes([x, y, z]: [f64; 3]) -> String {
     format!("{x:.3},{y:.3},{z:.3}")
 }
 
 impl GrblTwin {
-    /// Returns the answer to `?`.
+    /// Returns the status report, the answer to `?`.
     pub(super) fn status_report(&self) -> String {
         let state = match self.state {
             GrblState::Idle => "Idle",
@@ -95,7 +95,8 @@ impl GrblTwin {
         text
     }
 
-    /// Returns the field of active outputs.
+    /// Returns the field `A` of the status report with the letters of the active outputs;
+    /// empty if no output is on.
     const fn accessory_field(&self) -> &'static str {
         match (self.spindle_code, self.coolant) {
             (3, true) => "|A:SF",
@@ -107,14 +108,14 @@ impl GrblTwin {
         }
     }
 
-    /// Returns whether a report has a field. `$10` of grblHAL has a bit for each field,
-    /// that of the others only for the first two.
+    /// Returns whether status reports contain the field with this bit number in `$10`. Boards
+    /// other than grblHAL have bits for the first two fields and report all others.
     fn is_field_reported(&self, field: u32) -> bool {
         let all = self.variant != Variant::GrblHal && field > 1;
         all || self.settings.value(10) as u32 >> field & 1 == 1
     }
 
-    /// Returns the answer to `$I`, without its `ok`.
+    /// Returns the build information, the answer to `$I` without its `ok`.
     pub(super) fn build_info(&self) -> String {
         match self.variant {
             Variant::Grbl => "[VER:1.1h.20190825:]\r\n[OPT:V,15,128]\r\n".into(),

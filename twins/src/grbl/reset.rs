@@ -20,7 +20,8 @@ impl GrblTwin {
         }
     }
 
-    /// Stops the board with this alarm number. The lower alarms must be unlocked.
+    /// Stops the board with an alarm number and sends the alarm. The lower alarms must be
+    /// unlocked.
     pub fn raise_alarm(&mut self, number: u8) {
         self.planner.clear();
         self.waiting_block = None;

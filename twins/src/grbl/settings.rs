@@ -6,12 +6,12 @@ use std::collections::BTreeMap;
 use super::Variant;
 use super::config::FluidConfig;
 
-/// Settings with whole numbers. All others have three decimals.
+/// Numbers of the settings that have no decimals. All others have three.
 const WHOLE_NUMBER_SETTINGS: [u16; 19] = [
     0, 1, 2, 3, 4, 5, 6, 10, 13, 20, 21, 22, 23, 26, 30, 31, 32, 33, 38,
 ];
 
-/// Default settings.
+/// Numbers and values of the default settings.
 const DEFAULTS: [(u16, f64); 34] = [
     (0, 10.0),
     (1, 25.0),
@@ -49,10 +49,10 @@ const DEFAULTS: [(u16, f64); 34] = [
     (132, 200.0),
 ];
 
-/// Numbered settings of FluidNC: report mask and inches.
+/// Numbers and values of the numbered settings of FluidNC: report mask and inches.
 const FLUIDNC_SETTINGS: [(u16, f64); 2] = [(10, 1.0), (13, 0.0)];
 
-/// The settings of a board. They survive a reset.
+/// The settings that a board stores. They survive a reset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GrblSettings {
     numbers: BTreeMap<u16, f64>,
@@ -104,7 +104,7 @@ impl GrblSettings {
         self.tree.as_mut()
     }
 
-    /// Returns the value of a setting; 0 if it is missing.
+    /// Returns the value of a setting by its number; 0 if it is missing.
     pub fn value(&self, number: u16) -> f64 {
         let in_tree = || {
             self.tree
@@ -115,13 +115,13 @@ impl GrblSettings {
         known.or_else(in_tree).unwrap_or(0.0)
     }
 
-    /// Returns whether a switch setting is on.
+    /// Returns whether the setting `number` is on, that is, not 0.
     pub fn is_on(&self, number: u16) -> bool {
         self.value(number) != 0.0
     }
 
-    /// Sets a value. Returns error 3 for an unknown setting, 4 for a negative value and 6
-    /// for step pulses below 3 µs.
+    /// Sets the setting `number`. Returns error 3 for an unknown setting, 4 for a negative
+    /// value and 6 for step pulses below 3 µs.
     pub fn set(&mut self, number: u16, value: f64) -> Result<(), u8> {
         let setting = self.numbers.get_mut(&number).ok_or(3_u8)?;
         if value < 0.0 {
@@ -138,12 +138,13 @@ impl GrblSettings {
         Ok(())
     }
 
-    /// Returns the X, Y, Z values of a group: 100 pulses/mm, 110 mm/min, 120 mm/s², 130 mm.
+    /// Returns the X, Y, Z values of a group of settings: 100 pulses/mm, 110 mm/min, 120
+    /// mm/s², 130 mm of travel.
     pub fn axis_values(&self, group: u16) -> [f64; 3] {
         [0, 1, 2].map(|axis| self.value(group + axis))
     }
 
-    /// Returns all settings as lines of `$$`.
+    /// Returns all settings as lines, the answer to `$$`.
     pub fn lines(&self) -> impl Iterator<Item = String> + '_ {
         self.numbers.iter().map(|(number, value)| {
             if WHOLE_NUMBER_SETTINGS.contains(number) {

@@ -10,23 +10,23 @@
 use super::block::{CutFeed, ParsedBlock};
 use super::{GrblState, GrblTwin, Variant};
 
-/// Time constant of the spindle speed, s.
+/// Time constant with which the spindle approaches its speed, s.
 const TIME_CONSTANT_S: f64 = 0.1;
-/// Relative deviation below which the spindle has reached its speed.
+/// Relative deviation of the speed below which the spindle has reached it.
 const SPEED_TOLERANCE: f64 = 1e-5;
-/// Timeout of the index signals, ns.
+/// Time without an index signal after which a thread pass ends with an alarm, ns.
 const INDEX_TIMEOUT_NS: u64 = 5_000_000_000;
-/// Index signals before the pass starts.
+/// Number of index signals until a thread pass starts.
 const INDEX_SIGNALS_BEFORE_START: f64 = 2.0;
-/// Relative lengthening of the pass per unit of the gain $90.
+/// Relative increase of the speed of a thread pass per unit of the gain $90.
 const SPEED_ERROR_PER_GAIN: f64 = 0.0165;
-/// Maximum fraction of the Z rate for a thread pass.
+/// Maximum speed of a thread pass as a fraction of the maximum Z rate ($112).
 const MAX_Z_RATE_FRACTION: f64 = 0.9;
 
-/// The spindle of a lathe with a Grbl board.
+/// The spindle of a lathe with a Grbl board, with its speed and angle.
 #[derive(Clone, Debug)]
 pub struct GrblSpindle {
-    /// Speed at the maximum S value, r/min.
+    /// Spindle speed at the maximum S value, r/min.
     pub full_speed_rpm: f64,
     /// Whether the spindle is blocked and does not turn.
     pub blocked: bool,
@@ -46,12 +46,12 @@ impl Default for GrblSpindle {
 }
 
 impl GrblSpindle {
-    /// Returns the speed, r/min.
+    /// Returns the spindle speed, r/min; negative in reverse.
     pub const fn rpm(&self) -> f64 {
         self.rpm
     }
 
-    /// Returns the turns since power-on.
+    /// Returns the turns of the spindle since power-on; reverse turns count down.
     pub const fn turns(&self) -> f64 {
         self.turns
     }
@@ -68,20 +68,20 @@ impl GrblSpindle {
     }
 }
 
-/// Positions of the slides in a thread pass, pulses of X and Z, with the turns of the
-/// spindle.
+/// Record of a thread pass: positions of X and Z, pulses, each with the turns of the spindle
+/// there.
 #[derive(Clone, Debug, Default)]
 pub struct PassTrace(pub Vec<([i64; 2], f64)>);
 
-/// The current thread pass.
+/// The thread pass (G33) in execution.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TwinThreadPass {
     block: ParsedBlock,
     target: [f64; 3],
     /// Speed along the path, mm/s.
     speed: f64,
-    /// Spindle turn at which the pass starts, and start of the wait, ns; `None` after the
-    /// start.
+    /// Spindle turn at which the pass starts, and the time at which the wait began, ns; `None`
+    /// after the start.
     waits_for_index: Option<(f64, u64)>,
 }
 
@@ -97,22 +97,24 @@ impl GrblTwin {
         self.variant == Variant::GrblHal && self.settings.value(38) > 0.0
     }
 
-    /// Returns the spindle.
+    /// Returns the spindle of the board.
     pub const fn spindle(&self) -> &GrblSpindle {
         &self.spindle
     }
 
-    /// Returns the mutable spindle.
+    /// Returns the spindle of the board, mutable.
     pub const fn spindle_mut(&mut self) -> &mut GrblSpindle {
         &mut self.spindle
     }
 
-    /// Returns the traces of the thread passes so far.
+    /// Returns the records of the thread passes so far.
     pub fn passes(&self) -> &[PassTrace] {
         &self.passes
     }
 
-    /// Starts a thread pass (G33), which is answered at its end.
+    /// Starts a thread pass (G33) to `target` with a lead in mm. The line is answered at the
+    /// end of the pass. Returns the error number if the spindle stands still or the pass is
+    /// too fast.
     pub(super) fn begin_pass(
         &mut self,
         block: ParsedBlock,
@@ -139,7 +141,8 @@ impl GrblTwin {
         Ok(())
     }
 
-    /// Advances the spindle by one step, and a pass that waits for it.
+    /// Advances the spindle by `step` ns, and starts a thread pass that waits for its index
+    /// signal.
     pub(super) fn advance_spindle(&mut self, step: u64) {
         let seconds = step as f64 * 1e-9;
         let full = match self.variant {
@@ -177,7 +180,7 @@ impl GrblTwin {
         }
     }
 
-    /// Records the position of the slides during a pass.
+    /// Records the position of the slides in the current thread pass if it has changed.
     pub(super) fn record_pass_position(&mut self) {
         let under_way = self.pass.is_some_and(|pass| !pass.is_waiting_for_index());
         let (at, turns) = (self.pulses(), self.spindle.turns);
@@ -188,7 +191,7 @@ impl GrblTwin {
         }
     }
 
-    /// Ends a thread pass and answers its line.
+    /// Ends the thread pass, if one is in execution, and answers its line.
     pub(super) fn finish_pass(&mut self) {
         if self.pass.take().is_some() {
             self.send_answer(Ok(()));

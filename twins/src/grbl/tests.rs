@@ -26,7 +26,7 @@ fn read_text(twin: &mut GrblTwin) -> String {
     String::from_utf8(twin.read()).unwrap()
 }
 
-/// Writes bytes, advances the time, and returns the bytes received.
+/// Writes bytes, advances the time by `ms`, and returns the bytes received.
 fn exchange(twin: &mut GrblTwin, bytes: &[u8], ms: u64) -> String {
     twin.write(bytes);
     twin.advance(ms * 1_000_000);
@@ -204,7 +204,7 @@ fn switch_release_is_an_edge_on_grbl_only() {
     }
 }
 
-/// Returns a lathe board with a spindle that turns at `rpm`.
+/// Returns a lathe board with a spindle that turns at `rpm`, and with `gain` in setting $90.
 fn lathe(rpm: f64, gain: f64) -> GrblTwin {
     let mut settings = GrblSettings::with_encoder(1024);
     for (number, value) in [

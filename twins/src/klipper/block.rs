@@ -1,20 +1,20 @@
 //! Encodes and parses message blocks: `len seq content crc crc 7E`.
 
-/// Length limits of a block.
+/// Least and greatest length of a block, bytes.
 const MIN_BLOCK_BYTES: usize = 5;
 const MAX_BLOCK_BYTES: usize = 64;
 const SYNC: u8 = 0x7E;
 
-/// The result of parsing the start of the receive buffer.
+/// What the start of the receive buffer contains.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum BufferFront {
     /// The buffer does not contain a whole block yet.
     Incomplete,
     /// This number of bytes must be dropped without a reply.
     Skip(usize),
-    /// An invalid block. The bytes up to the next 7E must be dropped.
+    /// The block is invalid. The bytes up to the next 7E must be dropped.
     Invalid,
-    /// A valid block, with its length and sequence number.
+    /// A valid block with this length, bytes, and this sequence number.
     Block(usize, u8),
 }
 
@@ -56,7 +56,7 @@ pub(super) fn parse_front(buffer: &[u8]) -> BufferFront {
     BufferFront::Block(length, sequence & 0x0F)
 }
 
-/// Encodes a block with a sequence number and its content.
+/// Encodes `content` as a block with a sequence number.
 pub fn encode_block(sequence: u8, content: &[u8]) -> Vec<u8> {
     let mut block = vec![
         (content.len() + MIN_BLOCK_BYTES) as u8,
@@ -68,7 +68,7 @@ pub fn encode_block(sequence: u8, content: &[u8]) -> Vec<u8> {
     block
 }
 
-/// Appends an integer of up to 32 bits as VLQ.
+/// Appends an integer of up to 32 bits in Klipper's variable-length encoding (VLQ).
 pub(super) fn encode_vlq(out: &mut Vec<u8>, value: i64) {
     if !(-0x0400_0000..0x0C00_0000).contains(&value) {
         out.push((value >> 28 & 0x7F) as u8 | 0x80);
@@ -85,7 +85,8 @@ pub(super) fn encode_vlq(out: &mut Vec<u8>, value: i64) {
     out.push((value & 0x7F) as u8);
 }
 
-/// Decodes a VLQ integer and removes it from `content`; `None` if it is incomplete.
+/// Decodes a variable-length integer (VLQ) and removes it from `content`; `None` if it is
+/// incomplete.
 pub(super) fn decode_vlq(content: &mut &[u8]) -> Option<u32> {
     let mut value = 0_u32;
     for index in 0..5 {

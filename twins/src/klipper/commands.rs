@@ -8,7 +8,7 @@ use super::{CLOCK_HZ, ConfigObject, KlipperTwin, MOVE_QUEUE_SIZE, pins};
 
 /// Maximum number of parameters of a command.
 const MAX_PARAMETERS: usize = 8;
-/// Delay after which a step of a moving stepper causes a shutdown, ticks.
+/// Lateness of a step of a moving stepper that causes a shutdown, ticks.
 const MAX_PAST_TICKS: i64 = CLOCK_HZ as i64 / 1000;
 
 const SECOND: u64 = 1_000_000_000;
@@ -17,7 +17,7 @@ const SECOND: u64 = 1_000_000_000;
 type ShutdownReason = &'static str;
 
 impl KlipperTwin {
-    /// Executes the commands of a block and returns their number.
+    /// Executes the commands in a block. Returns the number of commands executed.
     pub(super) fn execute(&mut self, mut content: &[u8]) -> u64 {
         let mut count = 0;
         while !content.is_empty() && self.boots_at.is_none() {

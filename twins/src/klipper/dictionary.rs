@@ -8,11 +8,11 @@ use super::pins::PORTS;
 
 macro_rules! messages {
     ($kind:ident $table:ident: $($name:ident $text:literal)*) => {
-        /// A message of the protocol.
+        /// The messages of the protocol, by name.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(super) enum $kind { $($name),* }
 
-        /// The messages with their formats.
+        /// The messages, each with its format in the dictionary.
         pub(super) const $table: &[($kind, &str)] = &[$(($kind::$name, $text)),*];
     };
 }
@@ -62,7 +62,7 @@ messages! { Response RESPONSES:
     Stats "stats count=%u sum=%u sumsq=%u"
 }
 
-/// Reasons of shutdowns, the texts of `static_string_id`.
+/// Texts of the shutdown reasons, in the order of their `static_string_id`.
 pub(super) const SHUTDOWN_REASONS: [&str; 24] = [
     "Timer too close",
     "Stepper too far in past",
@@ -89,13 +89,13 @@ pub(super) const SHUTDOWN_REASONS: [&str; 24] = [
     "Not a valid PWM pin",
     "Can not use timer1 for PWM; timer1 is used for timers",
 ];
-/// Id of the first reason.
+/// Id (`static_string_id`) of the first shutdown reason.
 const FIRST_REASON_ID: usize = 2;
-/// Size of the build information in a real dictionary, filled with random letters.
+/// Number of random letters, bytes, that stand for the build information of a real dictionary.
 const FILLER_BYTES: usize = 3773;
 
-/// Returns the id of a command. Like real boards, some ids are negative and some have two
-/// bytes.
+/// Returns the message id of a command. As on real boards, some ids are negative and some have
+/// two bytes.
 pub(super) fn command_id(command: Command) -> i64 {
     match command as i64 {
         0 => 1,
@@ -113,7 +113,8 @@ pub(super) fn response_id(response: Response) -> i64 {
     }
 }
 
-/// Returns the command with an id and its number of parameters.
+/// Returns the command with a message id, and its number of parameters; `None` for an unknown
+/// id.
 pub(super) fn find_command(id: u32) -> Option<(Command, usize)> {
     let named = COMMANDS
         .iter()
@@ -126,7 +127,8 @@ pub(super) fn static_string_id(text: &str) -> i64 {
     (FIRST_REASON_ID + index.unwrap_or(0)) as i64
 }
 
-/// Returns the dictionary of an ATmega2560 board, compressed as it is sent to the host.
+/// Returns the dictionary of an ATmega2560 board, compressed as the host receives it. `rate`
+/// is the rate of the serial line, bits/s, `window` the size of the receive buffer, bytes.
 pub(super) fn compressed_dictionary(rate: u32, window: u32, has_reset_command: bool) -> Vec<u8> {
     let mut text = String::from("{\"build_versions\":\"");
     let mut state = 12_345_u32;

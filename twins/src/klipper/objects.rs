@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-/// A switch that can trigger a stop during homing.
+/// A switch input that stops steppers through its trsync during homing.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Endstop {
     pub(super) pin: u32,
@@ -19,7 +19,8 @@ pub(super) struct Endstop {
 }
 
 impl Endstop {
-    /// Samples the pin and returns whether the switch has had its level long enough.
+    /// Samples the pin. Returns true if the switch has had the expected level for the required
+    /// number of samples.
     pub(super) fn sample_level(&mut self, level: bool) -> bool {
         let Some(now) = self.next else {
             return false;
@@ -52,14 +53,14 @@ pub(super) struct Trsync {
     pub(super) report_ticks: i64,
 }
 
-/// A digital or PWM output.
+/// A digital or PWM output with its queue of values.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TwinOutput {
     pub(super) pin: u32,
     pub(super) default: u32,
     pub(super) max_duration: i64,
     pub(super) queue: VecDeque<(i64, u32)>,
-    /// Clock until which the host must renew the value.
+    /// Clock, ticks, until which the host must renew the value; `None` without a limit.
     pub(super) max_duration_end: Option<i64>,
     pub(super) pulse_width: bool,
 }
@@ -89,7 +90,7 @@ impl TwinOutput {
     }
 }
 
-/// A counter of edges at an input.
+/// A counter of level changes at an input.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EdgeCounter {
     pub(super) pin: u32,

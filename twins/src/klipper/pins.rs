@@ -15,14 +15,14 @@ pub(super) const PORTS: [(&str, u32); 11] = [
     ("PK", 80),
     ("PL", 88),
 ];
-/// PWM pins, except those of timer 1.
+/// Names of the pins with PWM, except those of timer 1.
 const PWM_PINS: [&str; 13] = [
     "PB7", "PG5", "PB4", "PH6", "PE3", "PE4", "PE5", "PH3", "PH4", "PH5", "PL3", "PL4", "PL5",
 ];
-/// Pins of timer 1, which drives the clock of the firmware.
+/// Names of the pins of timer 1, which drives the clock of the firmware.
 const TIMER_1: [&str; 2] = ["PB5", "PB6"];
 
-/// Returns the number of a pin with a name such as `PB5`.
+/// Returns the number of a pin by its name such as `PB5`; `None` for an unknown name.
 pub(super) fn pin_number(name: &str) -> Option<u32> {
     let (port, bit) = name.split_at_checked(2)?;
     let (_, first) = PORTS.iter().find(|(known, _)| *known == port)?;
@@ -36,7 +36,7 @@ fn exists(pin: u32) -> bool {
         .any(|(_, first)| (*first..first + 8).contains(&pin))
 }
 
-/// Checks a pin for use as an output.
+/// Checks that a pin can be an output. Returns the firmware's shutdown reason if it cannot.
 pub(super) fn check_output(pin: u32) -> Result<(), &'static str> {
     if exists(pin) {
         return Ok(());
@@ -44,7 +44,7 @@ pub(super) fn check_output(pin: u32) -> Result<(), &'static str> {
     Err("Not an output pin")
 }
 
-/// Checks a pin for use as an input.
+/// Checks that a pin can be an input. Returns the firmware's shutdown reason if it cannot.
 pub(super) fn check_input(pin: u32) -> Result<(), &'static str> {
     if exists(pin) {
         return Ok(());
@@ -52,7 +52,7 @@ pub(super) fn check_input(pin: u32) -> Result<(), &'static str> {
     Err("Not a valid input pin")
 }
 
-/// Checks a pin for use as a PWM output.
+/// Checks that a pin can be a PWM output. Returns the firmware's shutdown reason if it cannot.
 pub(super) fn check_pwm(pin: u32) -> Result<(), &'static str> {
     let among = |names: &[&str]| names.iter().any(|name| pin_number(name) == Some(pin));
     if among(&TIMER_1) {

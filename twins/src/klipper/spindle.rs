@@ -4,42 +4,43 @@ use core::f64::consts::PI;
 
 use super::{ConfigObject, KlipperTwin, pins};
 
-/// Part of a turn in which the index signal is high.
+/// Fraction of a turn in which the index signal is high.
 const INDEX_PULSE_TURNS: f64 = 0.1;
-/// PWM value of full speed.
+/// PWM value at full spindle speed.
 const MAX_PWM: f64 = 255.0;
 
-/// The pins and the dynamics of a spindle.
+/// The pins and the speed behaviour of a spindle on a Klipper board.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpindleWiring<'a> {
-    /// Input pin of the index signal, one pulse per turn.
+    /// Name of the input pin of the index signal, one pulse per turn.
     pub index_pin: &'a str,
-    /// Output pin that turns the spindle forward.
+    /// Name of the output pin that turns the spindle forward.
     pub forward_pin: &'a str,
-    /// Output pin that turns the spindle in reverse.
+    /// Name of the output pin that turns the spindle in reverse.
     pub reverse_pin: &'a str,
-    /// PWM output pin of the speed; empty for a spindle with one speed.
+    /// Name of the PWM output pin of the speed; empty for a spindle with one speed.
     pub speed_pin: &'a str,
-    /// Speed at full PWM value, r/min.
+    /// Spindle speed at full PWM value, r/min.
     pub full_speed_rpm: f64,
-    /// Time constant of speed changes, s.
+    /// Time constant with which the spindle changes its speed, s.
     pub time_constant_s: f64,
 }
 
-/// A spindle in motion.
+/// The speed and the angle of a spindle over time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct KlipperSpindle {
     index: u32,
-    /// Pins of forward, reverse and speed; `None` for a spindle that always turns.
+    /// Numbers of the pins forward, reverse and speed; `None` for a spindle that always turns.
     output_pins: Option<[Option<u32>; 3]>,
     full_speed: f64,
     time_constant_s: f64,
-    /// Start of the last speed change, ns; from here the speed, r/s, approaches its target.
+    /// Time of the last speed change, ns. From this time on the speed, r/s, approaches its
+    /// target.
     since_ns: u64,
     turns: f64,
     speed: f64,
     target: f64,
-    /// Ripple: relative amplitude, frequency, Hz, and start time, ns.
+    /// Ripple of the speed: relative amplitude, frequency in Hz, and start time in ns.
     ripple: (f64, f64, u64),
     index_lost: bool,
     index_stuck_high: bool,
@@ -66,7 +67,7 @@ impl KlipperSpindle {
         }
     }
 
-    /// Returns the speed without ripple, r/s.
+    /// Returns the spindle speed without ripple at time `now` (ns), r/s.
     fn speed(&self, now: u64) -> f64 {
         let passed = seconds(self.since_ns, now);
         if self.time_constant_s <= 0.0 {
@@ -87,7 +88,7 @@ impl KlipperSpindle {
         self.turns + self.target * passed + missing
     }
 
-    /// Returns the turns since the spindle was attached.
+    /// Returns the turns of the spindle from its attachment to time `now` (ns).
     pub(super) fn turns(&self, now: u64) -> f64 {
         let (part, frequency, since) = self.ripple;
         let phase = 2.0 * PI * frequency * seconds(since, now);
@@ -100,7 +101,8 @@ impl KlipperSpindle {
         (self.since_ns, self.target) = (now, target);
     }
 
-    /// Returns the level of the index signal if `pin` is its pin.
+    /// Returns the level of the index signal at time `now` (ns); `None` if `pin` is another
+    /// pin.
     pub(super) fn level(&self, pin: u32, now: u64) -> Option<bool> {
         let high = || {
             self.index_stuck_high
@@ -111,7 +113,7 @@ impl KlipperSpindle {
 }
 
 impl KlipperTwin {
-    /// Attaches a spindle that always turns at `rpm`, with its index signal at this pin.
+    /// Attaches a spindle that always turns at `rpm`. Its index signal is at the pin `name`.
     pub fn run_spindle(&mut self, name: &str, rpm: f64) {
         self.spindle = pins::pin_number(name).map(|pin| {
             let mut spindle = KlipperSpindle::new(pin, self.now);
@@ -121,7 +123,7 @@ impl KlipperTwin {
         });
     }
 
-    /// Attaches a spindle that the outputs of the board drive.
+    /// Attaches a spindle that the outputs of the board switch and control.
     pub fn attach_spindle(&mut self, make: SpindleWiring<'_>) {
         let pin = |name: &str| pins::pin_number(name);
         self.spindle = pin(make.index_pin).map(|index| KlipperSpindle {
@@ -155,7 +157,7 @@ impl KlipperTwin {
         }
     }
 
-    /// Holds the index signal high, like a disturbance, or releases it.
+    /// Holds the index signal high, like a disturbance, or ends that with `on` false.
     pub const fn set_index_stuck_high(&mut self, on: bool) {
         if let Some(spindle) = &mut self.spindle {
             spindle.index_stuck_high = on;
@@ -167,13 +169,13 @@ impl KlipperTwin {
         self.spindle.map_or(0.0, |spindle| spindle.turns(at))
     }
 
-    /// Returns the spindle speed without ripple, r/min.
+    /// Returns the current spindle speed without ripple, r/min.
     pub fn spindle_rpm(&self) -> f64 {
         self.spindle
             .map_or(0.0, |spindle| spindle.speed(self.now) * 60.0)
     }
 
-    /// Sets the target speed of the spindle from the board's outputs.
+    /// Sets the target speed of the spindle from the board's outputs at time `now` (ns).
     pub(super) fn drive_spindle(&mut self, now: u64) {
         let Some(spindle) = self.spindle else {
             return;
@@ -197,7 +199,7 @@ impl KlipperTwin {
         }
     }
 
-    /// Returns the value of an output pin; 0 if it is not configured.
+    /// Returns the value of the output pin `wanted`; 0 if it is not configured.
     fn output_value(&self, wanted: u32) -> u32 {
         let given = self.oids.values().find_map(|object| match object {
             ConfigObject::Output(output, value) if output.pin == wanted => Some(*value),

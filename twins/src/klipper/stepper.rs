@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-/// Several steps that the host has queued as one move.
+/// A number of steps with changing intervals that the host queues as one move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct StepperMove {
     pub(super) interval: i64,
@@ -14,27 +14,27 @@ pub(super) struct StepperMove {
 #[derive(Clone, Debug)]
 pub(super) struct Stepper {
     queue: VecDeque<StepperMove>,
-    /// The current move, with the interval of its next step.
+    /// The current move, with the interval of its next step; `None` for a stopped stepper.
     active: Option<StepperMove>,
-    /// Clock of the next step; for a stopped stepper that of the last step.
+    /// Clock of the next step, ticks; for a stopped stepper that of the last step.
     next: i64,
     pub(super) position: i64,
-    /// Direction of the moves queued next.
+    /// Direction of the moves that are queued next; true is positive.
     pub(super) up: bool,
-    /// After a stop the stepper drops moves until the host resets its step clock.
+    /// Whether the stepper drops moves until the host resets its step clock, as after a stop.
     needs_clock: bool,
-    /// The trsync that stops the stepper.
+    /// Oid of the trsync that stops the stepper; `None` without one.
     pub(super) trsync: Option<u32>,
 }
 
-/// The effect of queueing a move.
+/// What happened to a move that was queued.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum QueueResult {
     /// The move waits in the queue.
     Waiting,
-    /// The move has started; its first step is at this clock.
+    /// The move has started; its first step is due at this clock, ticks.
     Started(i64),
-    /// The move was dropped.
+    /// The stepper dropped the move, because its step clock is not set.
     Dropped,
 }
 
@@ -51,12 +51,13 @@ impl Stepper {
         }
     }
 
-    /// Returns the clock of the next step.
+    /// Returns the clock at which the next step is due, ticks; `None` for a stopped stepper.
     pub(super) fn due(&self) -> Option<i64> {
         self.active.map(|_| self.next)
     }
 
-    /// Returns the entries of the stepper in the shared queue, without the current move.
+    /// Returns the number of moves of the stepper in the shared queue, without the current
+    /// one.
     pub(super) fn queue_length(&self) -> usize {
         self.queue.len()
     }
@@ -93,8 +94,8 @@ impl Stepper {
         self.active = Some(new);
     }
 
-    /// Makes the due step. Returns its direction and whether the next move of the queue has
-    /// started.
+    /// Makes the due step. Returns whether it was upwards, and whether the next move of the
+    /// queue has started.
     pub(super) fn step(&mut self) -> (bool, bool) {
         let Some(active) = &mut self.active else {
             return (false, false);
@@ -115,7 +116,7 @@ impl Stepper {
         (up, next.is_some())
     }
 
-    /// Stops at once, clears the queue and resets the direction pin.
+    /// Stops the stepper at once, clears its queue and resets its direction pin.
     pub(super) fn stop(&mut self) {
         self.queue.clear();
         self.active = None;

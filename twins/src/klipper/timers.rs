@@ -20,7 +20,7 @@ impl ConfigObject {
 }
 
 impl KlipperTwin {
-    /// Returns the clock of the next timer.
+    /// Returns the clock at which the next timer is due, ticks.
     pub(super) fn next_timer(&self) -> Option<i64> {
         let objects = self.oids.values().filter_map(ConfigObject::due);
         objects.chain([self.stats_at]).min()
@@ -61,7 +61,7 @@ impl KlipperTwin {
         }
     }
 
-    /// Makes the step of a stepper that is due at clock `at`.
+    /// Makes the step of the stepper `oid` that is due at clock `at`, ticks.
     fn make_step(&mut self, oid: u32, at: i64) {
         // One processor makes all steps, one after the other.
         let when = at.max(self.processor_free_at);
@@ -95,7 +95,8 @@ impl KlipperTwin {
         }
     }
 
-    /// Samples the pin of an endstop and triggers its trsync.
+    /// Samples the pin of the endstop `oid`. Triggers its trsync if the pin has had the
+    /// expected level for long enough.
     fn sample_endstop(&mut self, oid: u32) {
         let Some(ConfigObject::Endstop(endstop)) = self.oids.get(&oid) else {
             return;
@@ -109,7 +110,8 @@ impl KlipperTwin {
         }
     }
 
-    /// Switches an output to the next value of its queue.
+    /// Switches the output `oid` to the next value of its queue, or shuts down if no value is
+    /// queued.
     fn switch_output(&mut self, oid: u32) {
         let Some(ConfigObject::Output(output, value)) = self.oids.get_mut(&oid) else {
             return;
@@ -138,7 +140,8 @@ impl KlipperTwin {
         self.drive_spindle(moment);
     }
 
-    /// Samples the pin of an edge counter and reports its count when a report is due.
+    /// Samples the pin of the edge counter `oid` at clock `at`, and sends its count if a
+    /// report is due.
     fn sample_edge_counter(&mut self, oid: u32, at: i64) {
         let Some(ConfigObject::EdgeCounter(counter)) = self.oids.get(&oid) else {
             return;
@@ -169,7 +172,8 @@ impl KlipperTwin {
         }
     }
 
-    /// Stops all steppers of a trsync, unless it has already triggered.
+    /// Stops all steppers of the trsync `oid` with a reason, unless the trsync has already
+    /// triggered.
     pub(super) fn trigger_trsync(&mut self, oid: u32, reason: u32) {
         let Some(ConfigObject::Trsync(trsync)) = self.oids.get_mut(&oid) else {
             return;

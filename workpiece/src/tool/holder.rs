@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::insert::check_range;
 
-/// A tool holder. The turret begins at its end.
+/// A tool holder. The turret begins at the end of the holder.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Holder {

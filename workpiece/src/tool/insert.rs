@@ -9,15 +9,15 @@ use serde::{Deserialize, Serialize};
 pub enum Insert {
     /// An indexable insert for turning, facing and boring.
     Turning {
-        /// The form, by the letter of ISO 1832.
+        /// The form of the insert, by its letter in ISO 1832.
         letter: InsertLetter,
-        /// Entering angle between the main edge and the feed direction, degrees. Round
-        /// inserts and tips 5 to 9 ignore it: those are symmetric.
+        /// Entering angle between the main edge and the feed direction, degrees. It has no
+        /// effect on round inserts and with tips 5 to 9: those tools are symmetric.
         #[serde(default = "right_angle")]
         entering: f64,
         /// Diameter of the inscribed circle, mm.
         size: f64,
-        /// Nose radius, mm.
+        /// Nose radius of the insert, mm.
         nose: f64,
     },
     /// A parting or grooving insert.
@@ -33,9 +33,9 @@ pub enum Insert {
     Threading {
         /// Angle between the flanks, degrees.
         angle: f64,
-        /// Nose radius, mm.
+        /// Nose radius of the insert, mm.
         nose: f64,
-        /// Height of the profile, mm.
+        /// Height of the thread profile, mm.
         height: f64,
     },
     /// A drill on the spindle axis.
@@ -56,19 +56,19 @@ const fn right_angle() -> f64 {
 /// The form of a turning insert (ISO 1832).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum InsertLetter {
-    /// Rhombic, 80°.
+    /// Rhombic insert, 80°.
     C,
-    /// Rhombic, 55°.
+    /// Rhombic insert, 55°.
     D,
-    /// Rhombic, 35°.
+    /// Rhombic insert, 35°.
     V,
-    /// Trigon, 80°.
+    /// Trigon insert, 80°.
     W,
-    /// Triangular, 60°.
+    /// Triangular insert, 60°.
     T,
-    /// Square.
+    /// Square insert.
     S,
-    /// Round.
+    /// Round insert.
     R,
 }
 
@@ -84,7 +84,7 @@ impl InsertLetter {
         Self::R,
     ];
 
-    /// The corner angle, degrees.
+    /// The corner angle of the insert, degrees.
     pub const fn corner(self) -> f64 {
         match self {
             Self::C | Self::W => 80.0,
@@ -144,7 +144,8 @@ impl Insert {
     }
 }
 
-/// Checks that a value is within a range; NaN is not. `name` names the value in the error.
+/// Checks that a value is between `least` and `most`; NaN is an error. `name` names the value
+/// in the error.
 pub(crate) fn check_range(value: f64, least: f64, most: f64, name: Message) -> Result<(), Message> {
     if (least..=most).contains(&value) {
         Ok(())

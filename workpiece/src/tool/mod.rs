@@ -30,9 +30,9 @@ pub use shape::{BodyPart, ToolShape};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tool {
-    /// The insert or the drill.
+    /// The cutting part: an insert or a drill.
     pub insert: Insert,
-    /// Tip number of the control, 0 to 9: the direction from the nose centre to the
+    /// Tip number of the control, 0 to 9. It gives the direction from the nose centre to the
     /// imaginary tip.
     pub tip: u8,
     /// The holder that carries the insert.
@@ -41,7 +41,7 @@ pub struct Tool {
 }
 
 impl Tool {
-    /// A right-hand turning tool: 80° insert, entering angle 95°, nose radius 0.8 mm.
+    /// Creates a right-hand turning tool: 80° insert, entering angle 95°, nose radius 0.8 mm.
     pub const fn turning() -> Self {
         Self {
             insert: Insert::Turning {
@@ -58,7 +58,7 @@ impl Tool {
         }
     }
 
-    /// A boring bar of 12 mm: 55° insert, entering angle 93°, nose radius 0.4 mm.
+    /// Creates a boring bar of 12 mm: 55° insert, entering angle 93°, nose radius 0.4 mm.
     pub const fn boring() -> Self {
         Self {
             insert: Insert::Turning {
@@ -75,7 +75,7 @@ impl Tool {
         }
     }
 
-    /// A grooving tool of a width, mm. The programmed point is its left corner.
+    /// Creates a grooving tool of `width`, mm. The programmed point is its left corner.
     pub const fn grooving(width: f64) -> Self {
         Self {
             insert: Insert::Grooving {
@@ -91,7 +91,7 @@ impl Tool {
         }
     }
 
-    /// A tool for external threads with a flank angle, degrees.
+    /// Creates a tool for external threads with a flank angle, degrees.
     pub const fn threading(angle: f64) -> Self {
         Self {
             insert: Insert::Threading {
@@ -107,7 +107,7 @@ impl Tool {
         }
     }
 
-    /// A twist drill of a diameter, mm, with a point of 118°.
+    /// Creates a twist drill of `diameter`, mm, with a point of 118°.
     pub const fn drill(diameter: f64) -> Self {
         Self {
             insert: Insert::Drill {
@@ -120,7 +120,7 @@ impl Tool {
         }
     }
 
-    /// The nose radius, mm; 0 for a drill.
+    /// The nose radius of the insert, mm; 0 for a drill.
     pub const fn nose(&self) -> f64 {
         match self.insert {
             Insert::Turning {
@@ -145,7 +145,7 @@ impl Tool {
         matches!(self.tip, 1 | 2 | 6)
     }
 
-    /// Checks the ranges of all lengths and angles.
+    /// Checks that all lengths and angles are in their ranges.
     ///
     /// # Errors
     /// The first value out of range.

@@ -7,20 +7,20 @@ use crate::convex::convex_hull;
 use crate::curve::{PlaneArc, unit_vector};
 use crate::grid::{GridContour, GridPoint, to_grid};
 
-/// Share of the edge length of a turning insert that may cut.
+/// Fraction of the edge length of a turning insert that may cut.
 const CUTTING_SHARE: f64 = 0.95;
-/// Overhang of an insert in front of its holder, as a share of its edge length.
+/// Overhang of an insert in front of its holder, as a fraction of its edge length.
 const OVERHANG_SHARE: f64 = 0.4;
 /// Distance of a shank from the leading edge of its insert, mm.
 const SHANK_SETBACK_MM: f64 = 1.0;
 /// Clearance of a blade on each side of its insert, mm.
 const BLADE_RELIEF_MM: f64 = 0.15;
-/// Width of the turret on each side of a holder, mm.
+/// Extent of the turret on each side of a holder, mm.
 const TURRET_SIDE_MM: f64 = 40.0;
 /// Depth of the turret beyond the end of a holder, mm.
 const TURRET_DEPTH_MM: f64 = 150.0;
 
-/// A part of a tool that must never touch anything.
+/// A part of a tool, other than the cutting part, that must never touch anything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BodyPart {
     /// The side of the insert that does not cut.
@@ -34,9 +34,9 @@ pub enum BodyPart {
 /// The shape of a tool: convex polygons relative to its imaginary tip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToolShape {
-    /// The cutting part: its area removes material.
+    /// The polygon of the cutting part: its area removes material.
     pub cutting: GridContour,
-    /// The other parts, which must never touch anything.
+    /// The polygons of the other parts, which must never touch anything.
     pub body: Vec<(BodyPart, GridContour)>,
 }
 
@@ -46,18 +46,18 @@ pub struct ToolShape {
 struct Outline {
     cutting: Vec<Point>,
     back: Vec<Point>,
-    /// X of the begin of the holder, mm from the tip.
+    /// X at which the holder begins, mm from the tip.
     holder_begin: f64,
     /// Least Z of a shank, mm.
     shank_z: f64,
-    /// The blade between insert and shank, if any.
+    /// The blade between insert and shank; `None` without one.
     blade: Option<Blade>,
 }
 
 struct Blade {
-    /// Z of both sides, mm.
+    /// Z of both sides of the blade, mm.
     z: (f64, f64),
-    /// X of the end, mm.
+    /// X of the end of the blade, mm.
     end: f64,
 }
 
@@ -125,7 +125,7 @@ impl ToolShape {
     }
 }
 
-/// Maps the base pose of a tool to its mounted pose.
+/// How the base pose of a tool is mapped to its mounted pose.
 #[derive(Clone, Copy)]
 struct Pose {
     /// Whether X and Z are exchanged first: the tool is mounted along Z.
@@ -208,8 +208,8 @@ fn outline(tool: &Tool) -> Outline {
     }
 }
 
-/// The points of a nose arc between two angles, degrees, as fine as the grid. They include
-/// the points farthest along each axis.
+/// The points of a nose arc between two angles, degrees counter-clockwise from +Z, as fine as
+/// the grid. They include the points farthest along each axis.
 fn nose_arc_points(center: Point, radius: f64, begin: f64, end: f64) -> Vec<Point> {
     use core::f64::consts::PI;
     let to_radians = PI / 180.0;
@@ -342,7 +342,8 @@ fn threading(nose: f64, angle: f64, height: f64) -> Outline {
     }
 }
 
-/// The axis of a drill in its base pose is X: its point is at 0, its flutes at +X.
+/// The outline of a drill. In its base pose the axis is X: the point is at 0, the flutes at
+/// +X.
 fn drill(diameter: f64, point: f64, reach: f64) -> Outline {
     let radius = diameter / 2.0;
     let half = point / 2.0 * core::f64::consts::PI / 180.0;

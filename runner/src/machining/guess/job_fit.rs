@@ -14,7 +14,8 @@ use super::tools::MAX_SLIMNESS;
 use super::{JAW_CLEARANCE_MM, JobGuess, MAX_BAR_LENGTH_MM};
 
 impl JobGuess<'_> {
-    /// The job with a bar, and tools that are only as slim as the program needs.
+    /// Creates the job with a bar of `radius` and face at Z `front`, mm, and with tools that
+    /// are only as slim as the program needs.
     pub(super) fn fit_job(&self, radius: f64, front: f64) -> Job {
         let mut slim = BTreeMap::new();
         let mut job = Job::new(self.build_stock(radius, front));
@@ -50,7 +51,7 @@ impl JobGuess<'_> {
         job
     }
 
-    /// Extends the bar from the jaws to the reach of the tools that cut it.
+    /// Lengthens the bar so that the tools that cut it do not reach the jaws.
     fn extend_bar_from_jaws(&self, job: &mut Job) {
         let reach = |tool: &Tool| {
             let shape = ToolShape::from_tool(tool);
@@ -109,7 +110,8 @@ impl JobGuess<'_> {
 #[derive(Default)]
 struct ToolHits {
     hits_jaws: bool,
-    /// Number of findings by tool: its body anywhere, its insert during a rapid in the stock.
+    /// Number of collisions by tool number: of its body with anything, of its insert with the
+    /// stock in a rapid.
     counts_by_tool: BTreeMap<u8, usize>,
 }
 

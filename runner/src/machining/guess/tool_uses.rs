@@ -13,17 +13,17 @@ use crate::curves::RapidRates;
 
 /// Lengths up to this count as zero, mm.
 const ZERO_LENGTH_MM: f64 = 1e-6;
-/// A tool this near to the spindle axis drills, mm of radius.
+/// Radius up to which a tool is on the spindle axis and drills, mm.
 const AXIS_TOLERANCE_MM: f64 = 0.01;
-/// Feeds along Z up to this length are chamfers and run-ins, mm.
+/// Length up to which a feed along Z is a chamfer or a run-in, mm.
 const MAX_RUN_IN_MM: f64 = 3.0;
-/// A cross cut up to this depth faces the part, mm.
+/// Depth from the face up to which a cut across the axis faces the part, mm.
 const MAX_FACING_DEPTH_MM: f64 = 1.0;
 /// Greatest depth that one pass turns off, mm of radius. With more material above it, a tool
-/// that plunges from the front cuts a ring.
+/// that plunges from the front cuts a groove into the face.
 const MAX_PASS_DEPTH_MM: f64 = 4.0;
 
-/// A motion of the program, and its tool.
+/// A motion of the tool tip in a program, with the number of the tool.
 #[derive(Clone, Debug)]
 pub(super) struct ToolStep {
     pub(super) tool: u8,
@@ -44,66 +44,69 @@ impl ToolStep {
 /// The kind of work that a tool seems to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ToolWork {
-    /// Turning, facing, boring.
+    /// The tool turns, faces or bores.
     Turn,
-    /// Grooves from outside or from inside.
+    /// The tool cuts grooves into the outside or the inside.
     Groove,
-    /// Grooves into a face.
+    /// The tool cuts grooves into a face.
     FaceGroove,
-    /// Threads.
+    /// The tool cuts threads.
     Thread,
-    /// Drills and taps.
+    /// The tool drills or taps on the spindle axis.
     Drill,
 }
 
 /// What a program does with a tool.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ToolUse {
-    /// Number of the offset.
+    /// Number of the last tool offset that the program used with the tool; 0 for none.
     pub(super) offset: u8,
-    /// Whether it works beyond the spindle axis, with negative X.
+    /// Whether the tool cuts beyond the spindle axis, with negative X.
     pub(super) is_beyond_axis: bool,
     thread_count: u32,
-    /// Greatest lead of its threads, mm.
+    /// Greatest thread lead, mm; 0 without threads.
     pub(super) lead_mm: f64,
-    /// Number of feeds along the spindle axis.
+    /// Number of feeds with a motion along Z, off the spindle axis.
     along_count: u32,
-    /// Length of the longest of them along Z, mm.
+    /// Length of the longest feed along Z, off the spindle axis, mm.
     longest_mm: f64,
-    /// Number of feeds across the spindle axis.
+    /// Number of feeds parallel to X.
     across_count: u32,
     /// Number of feeds on the spindle axis.
     pub(super) drill_count: u32,
-    /// Number of cross feeds that retract straight, as from a groove, and of the others.
+    /// Number of feeds parallel to X that retract straight, as from a groove [0], and of the
+    /// others [1].
     groove_counts: [u32; 2],
     ring_counts: [u32; 2],
-    /// Number of feeds into a ring with a break for the chip, or with a dwell at the bottom.
+    /// Number of plunges into a face with a break for the chip, or with a dwell at the bottom.
     peck_count: u32,
-    /// Number of retractions from a cut towards the axis, and away from it.
+    /// Number of retractions after a cut: towards the spindle axis [0], away from it [1].
     retractions: [u32; 2],
-    /// Number of retractions from a cross cut towards the chuck, and away from it.
+    /// Number of retractions after a cut parallel to X: towards the chuck [0], away from it
+    /// [1].
     cross_retractions: [u32; 2],
-    /// Steepest path back into the part, degrees.
+    /// Steepest cut towards both axis and chuck, degrees from Z; 0 if there is none.
     pub(super) steepest_deg: f64,
-    /// Least distance from the axis within the part, mm of radius.
+    /// Least distance of the tool from the axis in motions that end on the chuck side of the
+    /// bar's face, mm of radius; `None` without such motions.
     pub(super) nearest_mm: Option<f64>,
-    /// The same for its cuts.
+    /// Least distance of the tool's cuts from the axis, mm of radius.
     pub(super) nearest_cut_mm: f64,
-    /// Greatest distance of its cuts, and of its longitudinal cuts, from the axis, mm of
-    /// radius.
+    /// Greatest distance of the tool's cuts (`farthest_cut_mm`) and of its longitudinal cuts
+    /// (`widest_mm`) from the axis, mm of radius.
     pub(super) farthest_cut_mm: f64,
     pub(super) widest_mm: f64,
-    /// Least and greatest Z of its cuts.
+    /// Least (`deepest_z`) and greatest (`first_z`) Z of the tool's cuts, mm.
     pub(super) deepest_z: f64,
     pub(super) first_z: f64,
-    /// Where its cuts into grooves begin: Z, or X for grooves in a face.
+    /// Where cuts into grooves begin, mm: Z, or X for grooves in a face.
     positions: Vec<f64>,
-    /// Least and greatest radius of its threads.
+    /// Least and greatest radius of the threads, mm; `None` without threads.
     pub(super) crests: Option<(f64, f64)>,
     pub(super) work: Option<ToolWork>,
 }
 
-/// The tool motions of executed moves.
+/// Converts executed moves to motions of the tool tips; `rates` give the path of rapids.
 pub(super) fn tool_steps(moves: &[ExecutedMove], rates: RapidRates) -> Vec<ToolStep> {
     let mut track = MotionTrack::from_job(&Job::new(Stock::bar(50.0, 0.0, 60.0)));
     let step = |executed: &ExecutedMove| {
@@ -119,7 +122,7 @@ pub(super) fn tool_steps(moves: &[ExecutedMove], rates: RapidRates) -> Vec<ToolS
     moves.iter().flat_map(step).collect()
 }
 
-/// The uses of all tools that cut, by tool number.
+/// How a program uses each tool that cuts, by tool number. `front` is Z of the bar's face, mm.
 pub(super) fn tool_uses(
     moves: &[ExecutedMove],
     steps: &[ToolStep],
@@ -282,7 +285,7 @@ impl ToolUse {
         }
     }
 
-    /// Whether it only drills or taps.
+    /// Whether the tool only drills or taps.
     pub(super) const fn is_drill(&self) -> bool {
         self.drill_count > 0 && self.along_count == 0 && self.thread_count == 0
     }
@@ -309,18 +312,20 @@ impl ToolUse {
         }
     }
 
-    /// Whether its cuts seem to be on the inside.
+    /// Whether the tool seems to cut the inside: it retracts towards the axis more often than
+    /// away.
     pub(super) const fn is_internal(&self) -> bool {
         self.retractions[0] > self.retractions[1]
     }
 
-    /// Whether it seems to cut away from the chuck: it retracts from cross cuts towards the
-    /// chuck.
+    /// Whether the tool seems to cut away from the chuck: after cuts parallel to X it retracts
+    /// towards the chuck more often than away.
     pub(super) const fn is_left_hand(&self) -> bool {
         self.cross_retractions[0] > self.cross_retractions[1]
     }
 
-    /// Least distance between its plunges, mm.
+    /// Least distance between two plunges of the tool, mm; `None` with fewer than two
+    /// positions.
     pub(super) fn plunge_step(&self) -> Option<f64> {
         let mut positions = self.positions.clone();
         positions.sort_by(f64::total_cmp);

@@ -7,36 +7,37 @@ use gsk_workpiece::tool::{Holder, Insert, InsertLetter, Tool};
 
 use super::tool_uses::{ToolUse, ToolWork};
 
-/// Width of a grooving tool if the program does not show it, mm.
+/// Width of a grooving tool, mm, if the program does not show it.
 const DEFAULT_GROOVE_WIDTH_MM: f64 = 3.0;
-/// Overlap of the steps of a wide groove, mm.
+/// Overlap of the plunges that cut a wide groove, mm.
 const GROOVE_OVERLAP_MM: f64 = 0.5;
-/// Diameter of a drill if the program does not show it, mm.
+/// Diameter of a drill, mm, if the program does not show it.
 const DEFAULT_DRILL_DIAMETER_MM: f64 = 10.0;
-/// Greatest depth of a centre drill, mm: another drill goes deeper.
+/// Depth up to which a drill is a centre drill if another drill goes deeper, mm.
 const MAX_CENTER_DRILL_DEPTH_MM: f64 = 8.0;
 /// Diameter of a centre drill, mm.
 const CENTER_DRILL_DIAMETER_MM: f64 = 4.0;
-/// Extra reach of a blade or drill beyond its depth of cut, mm.
+/// Extra length of a blade or drill beyond its depth of cut, mm.
 const EXTRA_REACH_MM: f64 = 2.0;
-/// Share of a hole that the boring bar in it fills.
+/// Ratio of a boring bar's diameter to the hole that it enters.
 const BAR_TO_HOLE_RATIO: f64 = 0.7;
 /// Entering angle of an edge that finishes a shoulder, degrees.
 const SHOULDER_ANGLE_DEG: f64 = 90.0;
-/// Depth of an internal groove if the program does not show it, mm.
+/// Depth of an internal groove, mm, if the program does not show it.
 const DEFAULT_INSIDE_GROOVE_DEPTH_MM: f64 = 3.0;
 
 /// The orientation of a tool relative to the part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct ToolPose {
-    /// Whether it cuts the inside.
+    /// Whether the tool cuts the inside of the part.
     pub(super) internal: bool,
-    /// Whether it cuts away from the chuck.
+    /// Whether the tool cuts away from the chuck.
     pub(super) left_hand: bool,
 }
 
 impl ToolPose {
-    /// The number of the imaginary tip. Beyond the spindle axis the directions are reversed.
+    /// The number of the imaginary tip (1 to 4) of a tool in this pose. `beyond` reverses the
+    /// directions for a tool beyond the spindle axis.
     const fn tip_number(self, beyond: bool) -> u8 {
         match (self.internal != beyond, self.left_hand) {
             (false, false) => 3,
@@ -46,7 +47,7 @@ impl ToolPose {
         }
     }
 
-    /// The slimness levels with which a pose is judged, in their order. A square insert leaves
+    /// The slimness levels to judge the pose with, in their order. A square insert leaves
     /// nothing on shoulders and steps that a rapid would hit.
     pub(super) const fn slimness_levels(self) -> [u8; 3] {
         if self.internal {
@@ -56,7 +57,7 @@ impl ToolPose {
         }
     }
 
-    /// All poses, the most probable first.
+    /// All four poses, the most probable first.
     fn probable_poses(used: &ToolUse) -> [Self; 4] {
         let (internal, left_hand) = (used.is_internal(), used.is_left_hand());
         let pose = |internal, left_hand| Self {
@@ -72,17 +73,19 @@ impl ToolPose {
     }
 }
 
-/// What is known of the tools besides the use of each of them.
+/// What the guess of a tool uses besides its own moves: the other tools, the offsets and the
+/// stock.
 pub(super) struct ToolKnowledge<'a> {
     pub(super) uses: &'a BTreeMap<u8, ToolUse>,
     pub(super) offsets: &'a Offsets,
-    /// Greatest radius and face of the stock, mm.
+    /// Greatest radius (`radius`) and Z of the face (`front`) of the stock, mm.
     pub(super) radius: f64,
     pub(super) front: f64,
 }
 
 impl ToolKnowledge<'_> {
-    /// The possible poses of a tool. A tip number in the offset table decides.
+    /// The poses that a tool can have, the most probable first; only those of its tip number
+    /// if the offset table has one.
     pub(super) fn possible_poses(&self, used: &ToolUse) -> Vec<ToolPose> {
         let all = ToolPose::probable_poses(used);
         match (used.work, self.offset_row(used).t) {
@@ -108,8 +111,8 @@ impl ToolKnowledge<'_> {
         self.offsets.get(used.offset)
     }
 
-    /// The tool for a use in a pose. `slim` goes from 0, the usual tool, to [`MAX_SLIMNESS`], the
-    /// tool that touches least.
+    /// Builds the tool for a use in a pose. `slimness` is 0 for the usual tool, up to
+    /// [`MAX_SLIMNESS`] for the tool that touches least.
     pub(super) fn build_tool(&self, used: &ToolUse, pose: ToolPose, slimness: u8) -> Tool {
         let mut tool = match used.work {
             Some(ToolWork::Drill) => return self.build_drill(used),
@@ -142,7 +145,7 @@ impl ToolKnowledge<'_> {
         }
     }
 
-    /// Depth of a tool's cuts from the face, mm.
+    /// Depth of a tool's cuts from the face of the stock, mm; at least 0.
     fn cut_depth(&self, used: &ToolUse) -> f64 {
         (self.front - used.deepest_z).max(0.0)
     }
@@ -168,7 +171,8 @@ impl ToolKnowledge<'_> {
         tool
     }
 
-    /// A blade parallel to the spindle axis; its programmed point is the middle of the edge.
+    /// Builds a blade parallel to the spindle axis; its programmed point is the middle of the
+    /// edge.
     fn build_face_groover(&self, used: &ToolUse) -> Tool {
         let mut tool = Tool::grooving(groove_blade_width(used));
         tool.tip = 7;
@@ -246,7 +250,7 @@ impl ToolKnowledge<'_> {
         tool
     }
 
-    /// A bar that fits into the hole of the tool with its insert at `out`, mm.
+    /// Builds a boring bar that fits into the hole with an insert that protrudes by `out`, mm.
     fn build_bar(&self, used: &ToolUse, out: f64, slimness: u8) -> Holder {
         if slimness > 1 {
             return Holder::None;
@@ -260,12 +264,13 @@ impl ToolKnowledge<'_> {
     }
 }
 
-/// The level with a square blade, where the contour allows it.
+/// Slimness level with a square blade, if the contour allows it.
 const SQUARE_BLADE_LEVEL: u8 = 2;
-/// The last level, with the tool that touches least.
+/// The highest slimness level, with the tool that touches least.
 pub(super) const MAX_SLIMNESS: u8 = 6;
 
-/// Width of a blade. A groove wider than its tool is cut in smaller steps.
+/// Width of the blade for a groove, mm. A groove wider than the blade is cut in several
+/// plunges.
 fn groove_blade_width(used: &ToolUse) -> f64 {
     let step = used
         .plunge_step()
@@ -275,7 +280,7 @@ fn groove_blade_width(used: &ToolUse) -> f64 {
     })
 }
 
-/// An outside tool whose back clears a contour of this steepness, degrees.
+/// Builds an outside tool whose back clears a contour of this steepness, degrees from Z.
 fn build_turning_tool(steepest: f64, slimness: u8) -> Tool {
     // Angle left between the second edge and the spindle axis.
     let clears = |letter: InsertLetter, entering: f64| 180.0 - entering - letter.corner();

@@ -10,35 +10,35 @@ use super::views::{MillPane, lay_out_panes};
 use super::{MillDrawing, PathBox};
 use crate::text_format::format_time;
 
-/// Units above the legend, height of one of its rows, and gap between its entries.
+/// Space above the legend, height of its rows, and gap between its entries, picture units.
 const LEGEND_TOP: f64 = 44.0;
 const ROW_HEIGHT: f64 = 22.0;
 const ENTRY_GAP: f64 = 30.0;
 
-/// The lines of a frame.
+/// The style of the frame around a view.
 const FRAME: LinePen = LinePen {
     color: [0xB0; 3],
     width: 1.0,
     dash: &[],
 };
 
-/// A line or text of a picture, units.
+/// A line or text of a picture, with positions in picture units.
 #[derive(Clone, Debug)]
 pub enum PictureItem {
-    /// A line through points.
+    /// A line in the style of the pen through these points.
     Line(LinePen, Vec<(f64, f64)>),
-    /// A text.
+    /// A text at a point.
     Text {
-        /// Its reference point.
+        /// Reference point of the text, picture units.
         position: (f64, f64),
-        /// The text.
+        /// The text to draw.
         text: String,
-        /// Its position relative to the point.
+        /// Which part of the text is at the reference point.
         anchor: TextAnchor,
     },
 }
 
-/// Position of a text relative to its point.
+/// Which part of a text is at its reference point.
 #[derive(Clone, Copy, Debug)]
 pub enum TextAnchor {
     /// The point is at the left end of the text.
@@ -49,7 +49,7 @@ pub enum TextAnchor {
     Right,
 }
 
-/// All lines and texts of the picture.
+/// All lines and texts of the picture of a mill path.
 pub fn picture_items(drawing: &MillDrawing, language: Language) -> Vec<PictureItem> {
     let (wide, tall) = drawing.options.size.units();
     let cube = drawing.box_with_margin();
@@ -86,7 +86,8 @@ pub fn picture_items(drawing: &MillDrawing, language: Language) -> Vec<PictureIt
     parts
 }
 
-/// Title, time and a line for each tool, with their height.
+/// The title, the times and the legend of the tools. Returns them, and the vertical position
+/// below them in picture units.
 fn head_items(drawing: &MillDrawing, wide: f64, language: Language) -> (Vec<PictureItem>, f64) {
     let times = &drawing.times;
     let whole = times.total.rapid + times.total.feed + times.total.thread + times.total.dwell;
@@ -145,7 +146,7 @@ fn head_items(drawing: &MillDrawing, wide: f64, language: Language) -> (Vec<Pict
     (parts, y + ROW_HEIGHT)
 }
 
-/// The ends of the path along the axes of a view, mm.
+/// Adds the least and greatest coordinates of the path, mm, along the two axes of a view.
 fn add_range_figures(pane: &MillPane, cube: &PathBox, parts: &mut Vec<PictureItem>) {
     let Some([right, up]) = pane.view.axes() else {
         return;

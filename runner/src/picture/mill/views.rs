@@ -6,9 +6,9 @@ use super::super::legend::EDGE;
 use super::super::number_placement::PictureArea;
 use super::PathBox;
 
-/// Units between views.
+/// Gap between views, picture units.
 const VIEW_GAP: f64 = 30.0;
-/// Space for the figures between the edge of the picture and a view, units.
+/// Space at the side and below a view for its figures, picture units.
 const SIDE_MARGIN: f64 = 60.0;
 const BOTTOM_MARGIN: f64 = 36.0;
 
@@ -28,7 +28,7 @@ pub enum MillView {
 impl MillView {
     const ALL: [Self; 4] = [Self::Xy, Self::Isometric, Self::Xz, Self::Yz];
 
-    /// Projects a point, mm: to the right, up.
+    /// Projects a point, mm, to the plane of the view: right and up, mm.
     fn project(self, [x, y, z]: [f64; 3]) -> (f64, f64) {
         // Half of the root of three.
         const COS_30: f64 = 0.866_025_403_784_438_6;
@@ -40,7 +40,7 @@ impl MillView {
         }
     }
 
-    /// The caption of the view.
+    /// The caption of the view: `XY`, or the word for isometric.
     pub fn name(self, language: Language) -> String {
         match self {
             Self::Xy => "XY".to_owned(),
@@ -50,7 +50,8 @@ impl MillView {
         }
     }
 
-    /// The axes to the right and up, as indexes of X, Y, Z; `None` for the isometric view.
+    /// Indexes of the axes (0 to 2 for X, Y, Z) to the right and up; `None` for the isometric
+    /// view.
     pub const fn axes(self) -> Option<[usize; 2]> {
         match self {
             Self::Xy => Some([0, 1]),
@@ -61,20 +62,21 @@ impl MillView {
     }
 }
 
-/// A view in its frame.
+/// A view and the frame in which it is drawn.
 pub struct MillPane {
-    /// The view in this frame.
+    /// The direction from which this frame shows the path.
     pub view: MillView,
-    /// The frame: left, top, right, bottom, units.
+    /// The frame in picture units: left, top, right, bottom.
     pub frame: PictureArea,
-    /// mm at the left and at the bottom of the frame, and units of a mm.
+    /// Coordinates, mm, at the left (`left`) and the lower (`bottom`) edge of the frame, and
+    /// its scale in picture units per mm.
     left: f64,
     bottom: f64,
     pub(super) units_per_mm: f64,
 }
 
 impl MillPane {
-    /// Converts a point, mm, to units of the picture.
+    /// Converts a point, mm, to picture units.
     pub fn to_units(&self, point: [f64; 3]) -> (f64, f64) {
         let (right, up) = self.view.project(point);
         let x = self.frame.0 + (right - self.left) * self.units_per_mm;
@@ -82,7 +84,8 @@ impl MillPane {
     }
 }
 
-/// The range of a view, mm: least and greatest to the right, then up.
+/// The range of a box in a view, mm: least and greatest to the right, then least and greatest
+/// up.
 fn view_range(view: MillView, cube: &PathBox) -> [f64; 4] {
     let seen = cube.corners().map(|corner| view.project(corner));
     seen.iter().fold(
@@ -91,7 +94,8 @@ fn view_range(view: MillView, cube: &PathBox) -> [f64; 4] {
     )
 }
 
-/// Lays out the four views in equal fields, those along an axis at the same scale.
+/// Lays out the four views in equal fields below `top`; those along an axis have the same
+/// scale.
 pub fn lay_out_panes(cube: &PathBox, (wide, tall): (f64, f64), top: f64) -> [MillPane; 4] {
     let room = (
         (wide - 2.0 * SIDE_MARGIN - VIEW_GAP - EDGE).max(80.0) / 2.0,

@@ -3,17 +3,18 @@
 use super::super::config::FluidConfig;
 use super::super::{GrblState, GrblTwin};
 
-/// Maximum length of a line and of a G code block.
+/// Maximum length of a line (`MAX_LINE_BYTES`) and of a G code block (`MAX_BLOCK_BYTES`),
+/// bytes.
 pub(super) const MAX_LINE_BYTES: usize = 254;
 const MAX_BLOCK_BYTES: usize = 127;
 
-/// Commands that wait for the end of all motion.
+/// Names of the `$` commands that wait for the end of all motion.
 const SYNCHRONOUS_COMMANDS: [&str; 13] = [
     "", "$", "#", "I", "CD", "X", "C", "13", "H", "HX", "HY", "HZ", "SLP",
 ];
 
 impl GrblTwin {
-    /// Runs the main task after its events.
+    /// Runs the main task until it has to wait. Its events must be handled before.
     pub(super) fn run_fluid_main(&mut self) {
         loop {
             // An alarm or a completed hold blocks the main task.
@@ -81,7 +82,8 @@ impl GrblTwin {
         }
     }
 
-    /// Parses a G code block. Returns `None` if it is answered when executed.
+    /// Parses a G code block. Returns an error number, `Ok` in check mode, or `None` if the
+    /// block is answered when it is executed.
     fn execute_fluid_block(&mut self, line: &str) -> Option<Result<(), u8>> {
         if self.state == GrblState::Alarm {
             return Some(Err(9));
@@ -100,7 +102,8 @@ impl GrblTwin {
         }
     }
 
-    /// Executes a command after the end of all motion.
+    /// Executes a `$` command after the end of all motion. Returns its result, or `None` if
+    /// the command is answered later or never.
     fn execute_fluid_command(&mut self, command: &str) -> Option<Result<(), u8>> {
         let is_at_rest = matches!(
             self.state,
@@ -148,7 +151,8 @@ impl GrblTwin {
         Some(Ok(()))
     }
 
-    /// Executes a setting, which is answered at once, also in motion.
+    /// Executes a `$` line that is answered at once, also in motion. Returns the error number
+    /// if it fails.
     fn execute_setting(&mut self, command: &str) -> Result<(), u8> {
         let (name, value) = command.split_once('=').unwrap_or((command, ""));
         let (name, value) = (name.trim(), value.trim());
@@ -173,7 +177,8 @@ impl GrblTwin {
         Ok(())
     }
 
-    /// Sets or shows `$10`, the stored report mask.
+    /// Sets `$10`, the report mask, or shows it if `value` is empty. Returns the error number
+    /// if it fails.
     fn set_report_mask(&mut self, value: &str) -> Result<(), u8> {
         if value.is_empty() {
             let fields = self.settings.value(10);
@@ -193,7 +198,7 @@ impl GrblTwin {
         self.settings.set(10, fields)
     }
 
-    /// Lists the settings of `$$` that Grbl hosts look for.
+    /// Sends the settings that Grbl hosts look for in `$$`.
     fn list_grbl_settings(&mut self) {
         let mut text = String::new();
         for number in [13, 10] {
@@ -207,8 +212,8 @@ impl GrblTwin {
         self.send_text(&text);
     }
 
-    /// Unlocks after an alarm: all axes count as homed, and motors with hard limits are
-    /// released.
+    /// Unlocks the board after an alarm: all axes count as homed, and motors with hard limits
+    /// are released.
     fn unlock(&mut self) {
         if self.state != GrblState::Alarm {
             return;

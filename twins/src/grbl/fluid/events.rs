@@ -5,7 +5,7 @@ use super::MS;
 
 /// Time for which each alarm blocks the main task, ns.
 const ALARM_DELAY_NS: u64 = 500 * MS;
-/// Capacity of the event queue.
+/// Maximum number of events in the queue.
 const MAX_EVENTS: usize = 50;
 
 /// An event in the queue of the main task.
@@ -18,13 +18,13 @@ pub(super) enum FluidEvent {
     Resume,
     Macro,
     Alarm(u8),
-    /// A limit switch (0 for X, 1 for Z) was operated or released.
+    /// The limit switch of an axis (0 for X, 1 for Z) was operated (true) or released.
     Limit(usize, bool),
-    /// The emergency stop input has changed.
+    /// The emergency stop was operated (true) or released.
     Emergency(bool),
     /// The delay of an alarm that needs a reset has elapsed.
     ResetToContinue,
-    /// Second part of a reset in motion, after its alarm.
+    /// The second part of a reset during motion is due, after the alarm of that reset.
     FinishReset,
 }
 
@@ -56,7 +56,7 @@ impl GrblTwin {
         }
     }
 
-    /// Handles the first event after power-on.
+    /// Handles the start event after power-on.
     fn handle_start(&mut self) {
         let pins = self.pin_letters();
         if !pins.is_empty() {
@@ -74,7 +74,7 @@ impl GrblTwin {
         }
     }
 
-    /// Clears received lines and planned motion; the position remains.
+    /// Handles a restart: clears received lines and planned motion; the position remains.
     fn handle_restart(&mut self) {
         self.received.clear();
         self.fluid.polled_bytes.clear();
@@ -111,7 +111,7 @@ impl GrblTwin {
         self.fluid.events.push_front(FluidEvent::FinishReset);
     }
 
-    /// Switches the outputs off; the current line ends without an answer.
+    /// Switches the outputs off and ends the current line without an answer.
     fn finish_reset(&mut self) {
         self.spindle_code = 5;
         self.coolant = false;

@@ -15,16 +15,16 @@ use std::collections::VecDeque;
 use super::super::{GrblState, GrblTwin};
 use super::{FluidEvent, MS};
 
-/// Axes of the board with their configuration paths and letters.
+/// Index on the board, configuration path and letter of the axes X and Z.
 const AXES: [(usize, &str, char); 2] = [(0, "axes/x", 'X'), (2, "axes/z", 'Z')];
 /// Delay from the end of a pull-off to the check of the switch, ns.
 const SWITCH_CHECK_DELAY_NS: u64 = 10 * MS;
-/// Highest number of a homing cycle.
+/// Highest number of a homing cycle in the configuration.
 const MAX_CYCLE: i64 = 6;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum HomingPhase {
-    /// Pull-off from a switch that is operated at the start.
+    /// A pull-off from a switch that is operated at the start.
     Clear,
     Seek,
     PullOffAfterSeek,
@@ -38,31 +38,31 @@ impl HomingPhase {
     }
 }
 
-/// The move of one axis in a phase.
+/// The move of one axis in a homing phase.
 #[derive(Clone, Copy, Debug)]
 struct AxisMove {
-    /// Signed distance, mm.
+    /// Distance to move, mm, with its sign.
     distance_mm: f64,
-    /// Speed, mm/s.
+    /// Speed of the move, mm/s.
     rate_mm_per_s: f64,
-    /// Pulses per mm.
+    /// Pulses of the axis per mm.
     pulses_per_mm: f64,
     travelled_mm: f64,
     pulses_made: i64,
 }
 
-/// The current homing cycle.
+/// The homing cycle that the board executes.
 #[derive(Clone, Debug)]
 pub(super) struct HomingCycle {
-    /// Position at the start of homing, pulses.
+    /// Position of X, Y, Z at the start of homing, pulses.
     start_position: [i64; 3],
-    /// Axes of the cycles that follow.
+    /// Which of X and Z the following cycles home, a pair for each cycle.
     next: VecDeque<[bool; 2]>,
     axes: [bool; 2],
     phase: HomingPhase,
     runs: u32,
     moves: [Option<AxisMove>; 2],
-    /// Time at which the switch is checked after a pull-off, ns.
+    /// Time at which the switch is checked after a pull-off, ns; `None` if no check is due.
     check_switch_at: Option<u64>,
 }
 
@@ -76,7 +76,8 @@ impl GrblTwin {
         self.config_item(&path)?.parse().ok()
     }
 
-    /// Starts homing all axes or one axis. Returns `None` if the command is answered later.
+    /// Starts homing of axis `only` (0 for X, 1 for Z) or of all axes. Returns the error
+    /// number, or `None` if the command is answered later.
     pub(super) fn start_homing(&mut self, only: Option<usize>) -> Option<Result<(), u8>> {
         if self.fluid.known_inputs[2] {
             return Some(Err(40));
@@ -125,8 +126,8 @@ impl GrblTwin {
         None
     }
 
-    /// Returns whether an operated switch serves both ends, so that its direction is
-    /// unknown.
+    /// Returns whether a switch that serves both ends is operated, so that the direction away
+    /// from it is unknown.
     fn is_ambiguous(&self) -> bool {
         let all = |axis: usize| {
             let path = format!("{}/motor0/limit_all_pin", AXES[axis].1);
@@ -326,7 +327,8 @@ impl GrblTwin {
         self.position_error[number] = 0;
     }
 
-    /// Ends homing with an alarm; the command is answered after its delay.
+    /// Ends homing with this alarm number. The command is answered after the delay of the
+    /// alarm.
     fn fail_cycle(&mut self, number: u8) {
         if let Some(cycle) = self.fluid.cycle.take() {
             for (axis, from) in cycle.start_position.into_iter().enumerate() {
@@ -336,7 +338,7 @@ impl GrblTwin {
         self.push_event(FluidEvent::Alarm(number));
     }
 
-    /// Stops an axis at the edge of its switch.
+    /// Stops an axis (0 for X, 1 for Z) at the edge of its switch.
     pub(super) fn stop_axis_at_switch(&mut self, axis: usize) {
         let Some(cycle) = &mut self.fluid.cycle else {
             return;

@@ -8,7 +8,7 @@ const HARD_X: (&str, &str) = ("axes/x/motor0/hard_limits", "true");
 const HARD_Z: (&str, &str) = ("axes/z/motor0/hard_limits", "true");
 const MUST_HOME: (&str, &str) = ("start/must_home", "true");
 
-/// Returns a started board with changed configuration items, after its banner.
+/// Returns a started board, after its banner, with these configuration items changed.
 fn board(items: &[(&str, &str)]) -> GrblTwin {
     let mut twin = GrblTwin::new(Variant::FluidNc, GrblSettings::default());
     for (path, value) in items {
@@ -23,14 +23,14 @@ fn read_text(twin: &mut GrblTwin) -> String {
     String::from_utf8(twin.read()).unwrap()
 }
 
-/// Writes bytes, advances the time, and returns the bytes received.
+/// Writes bytes, advances the time by `ms`, and returns the bytes received.
 fn exchange(twin: &mut GrblTwin, bytes: &[u8], ms: u64) -> String {
     twin.write(bytes);
     twin.advance(ms * MS);
     read_text(twin)
 }
 
-/// Returns the state in a status report.
+/// Returns the state that a status report names.
 fn state(twin: &mut GrblTwin) -> String {
     let text = exchange(twin, b"?", 60);
     let begin = text.find('<').unwrap() + 1;
