@@ -403,7 +403,7 @@ impl Program {
 
     /// A program that consists of the text from the line `first` on and then `more`. The lines
     /// keep their numbers.
-    pub(super) fn from_line_with(&self, first: u32, more: &str) -> Self {
+    pub(super) fn join_from_line(&self, first: u32, more: &str) -> Self {
         let first = first.max(self.shared.first_line);
         let kept = self.shared.text.get(self.shared.line_byte(first)..);
         let whole = [kept.unwrap_or(""), more].concat();

@@ -98,7 +98,7 @@ impl State {
     }
 
     /// Converts a programmed point to machine coordinates.
-    pub(crate) fn to_machine(&self, program: ExactPoint) -> ExactPoint {
+    pub(crate) fn to_machine(self, program: ExactPoint) -> ExactPoint {
         program + self.zero + self.offset
     }
 
