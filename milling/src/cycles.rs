@@ -20,11 +20,12 @@ use crate::space::{Length, MillAxis, MillPosition, Plane};
 pub(crate) struct HoleData {
     /// Level before the first hole, a machine coordinate.
     pub(crate) initial: Length,
-    /// R level as programmed. With G91 it counts from the initial level.
+    /// R level as programmed; `None` until it is. With G91 it counts from the initial level.
     pub(crate) r: Option<HoleLevel>,
-    /// Bottom of the hole: Z, or the axis across the plane. With G91 it counts from R.
+    /// Bottom of the hole: Z, or the axis across the plane; `None` until programmed. With G91
+    /// it counts from R.
     pub(crate) bottom: Option<HoleLevel>,
-    /// Word Q: the depth of a peck, or the shift of G76 and G87.
+    /// Word Q: the depth of a peck, or the shift of G76 and G87; `None` until programmed.
     pub(crate) q: Option<Length>,
     /// Dwell at the bottom (word P), s.
     pub(crate) dwell_s: f64,

@@ -13,7 +13,7 @@ pub enum MillMotion {
     Line,
     /// Arc (G02, G03).
     Arc {
-        /// Whether it is G02.
+        /// Whether the arc is clockwise (G02).
         clockwise: bool,
     },
     /// Thread (G33).

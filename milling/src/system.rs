@@ -253,8 +253,8 @@ impl VariableContext<'_> {
         })
     }
 
-    /// Writes a timer or counter. Returns `false` if the variable is neither. Errors: alarm
-    /// 111 for a value out of range.
+    /// Writes a timer or counter; `None` counts as 0. Returns `false` if the variable is
+    /// neither. Errors: alarm 111 for a value out of range.
     fn write_control(&mut self, variable: u32, value: Option<f64>) -> Result<bool, Alarm> {
         let now = self.now_ms();
         let variables = &mut self.variables;
@@ -292,7 +292,8 @@ fn out_of_range(variable: u32, value: f64, greatest: impl core::fmt::Display) ->
     Alarm::new(number::MACRO_RANGE).with_detail(detail)
 }
 
-/// Rounds a value to an integer in a range. Errors: alarm 111 outside it.
+/// Rounds a value to an integer in a range; `None` counts as 0. Errors: alarm 111 outside the
+/// range.
 fn round_in_range(
     variable: u32,
     value: Option<f64>,

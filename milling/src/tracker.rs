@@ -49,8 +49,8 @@ pub(crate) struct Tracker<'a> {
     pub(crate) moves: u64,
     pub(crate) lengths: MillPathLengths,
     pub(crate) bounds: Option<MillBounds>,
-    /// The last cut and the duration of a stop at its end, s. The next step determines whether
-    /// the motion stops there.
+    /// The last cut and the duration of a stop at its end, s; `None` if the last move was no
+    /// cut. The next step determines whether the motion stops there.
     pending: Option<(MillMove, f64)>,
     on_move: &'a mut MoveCallback<'a>,
 }

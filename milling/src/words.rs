@@ -56,8 +56,8 @@ pub(crate) struct BlockWords {
     pub(crate) rotation: Option<OnOff>,
     pub(crate) polar: Option<OnOff>,
     pub(crate) letters: Letters,
-    /// A word that no code of a mill takes: of an axis that the machine does not have, or of a
-    /// lathe.
+    /// The letter of a word that no code of a mill takes: of an axis that the machine does not
+    /// have, or of a lathe; otherwise `None`.
     pub(crate) unused_word: Option<char>,
 }
 

@@ -113,45 +113,45 @@ pub enum PartKind {
 /// A colour of the panel, named by the parts that have it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PanelColour {
-    /// Background of the panel.
+    /// Background colour of the panel.
     Housing,
-    /// Plates on which keys are placed.
+    /// Colour of the plates on which keys are placed.
     Plate,
-    /// The frame of the LCD.
+    /// Colour of the frame of the LCD.
     Bezel,
-    /// The LCD while it shows no picture.
+    /// Colour of the LCD while it shows no picture.
     Lcd,
-    /// Printed text on plates.
+    /// Colour of printed text on plates.
     Print,
-    /// Printed text that is fainter than [`Self::Print`].
+    /// Colour of printed text that is fainter than [`Self::Print`].
     Hint,
-    /// Address keys.
+    /// Colour of the address keys.
     Address,
-    /// Number keys.
+    /// Colour of the number keys.
     Number,
-    /// Function keys of the edit keyboard.
+    /// Colour of the function keys of the edit keyboard.
     Function,
-    /// Page keys.
+    /// Colour of the page keys.
     Page,
-    /// The reset key and the mushroom button.
+    /// Colour of the reset key and the mushroom button.
     Danger,
-    /// Machine keys without a colour for their function.
+    /// Colour of the machine keys without a colour for their function.
     Machine,
-    /// Machine keys that select a mode.
+    /// Colour of the machine keys that select a mode.
     Mode,
-    /// Axis direction keys.
+    /// Colour of the axis direction keys.
     Direction,
-    /// The cycle start key.
+    /// Colour of the cycle start key.
     Start,
-    /// The feed hold key.
+    /// Colour of the feed hold key.
     Hold,
-    /// Dark parts: handwheel, release button, screws.
+    /// Colour of the dark parts: handwheel, release button, screws.
     Dark,
-    /// A lit lamp.
+    /// Colour of a lit lamp.
     LampOn,
-    /// The lit lamp of feed hold.
+    /// Colour of the lit lamp of feed hold.
     LampHold,
-    /// A lamp that is not lit.
+    /// Colour of a lamp that is not lit.
     LampOff,
 }
 

@@ -10,71 +10,71 @@ pub use table::KEYS;
 /// A key or button of the panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Key {
-    /// 复位: reset.
+    /// 复位: resets the control and stops the run.
     Reset,
-    /// Address key O: program number.
+    /// Types the address letter O, which begins a program number.
     O,
-    /// Address key N: sequence number.
+    /// Types the address letter N, which begins a sequence number.
     N,
-    /// Address key G.
+    /// Types the address letter G.
     G,
-    /// Address key X.
+    /// Types the address letter X.
     X,
-    /// Address key Z.
+    /// Types the address letter Z.
     Z,
-    /// Compound key D/U: `U`, pressed again `D`.
+    /// Compound key D/U: types `U`; pressed again, replaces it by `D`.
     U,
-    /// Address key W.
+    /// Types the address letter W.
     W,
-    /// Address key S.
+    /// Types the address letter S.
     S,
-    /// Address key T.
+    /// Types the address letter T.
     T,
-    /// Address key M.
+    /// Types the address letter M.
     M,
-    /// Compound key P/Q: `P`, pressed again `Q`.
+    /// Compound key P/Q: types `P`; pressed again, replaces it by `Q`.
     P,
-    /// Address key R.
+    /// Types the address letter R.
     R,
-    /// Address key I.
+    /// Types the address letter I.
     I,
-    /// Address key K.
+    /// Types the address letter K.
     K,
-    /// Compound key J/C: `J`, pressed again `C`.
+    /// Compound key J/C: types `J`; pressed again, replaces it by `C`.
     J,
-    /// Address key F.
+    /// Types the address letter F.
     F,
-    /// Address key L.
+    /// Types the address letter L.
     L,
-    /// Compound key H/Y: `H`, pressed again `Y`.
+    /// Compound key H/Y: types `H`; pressed again, replaces it by `Y`.
     H,
-    /// Compound key: `/`, pressed again `#`.
+    /// Compound key: types `/`; pressed again, replaces it by `#`.
     Slash,
     /// EOB: enters the end of a block.
     Eob,
-    /// Digit key 0.
+    /// Types the digit 0.
     Digit0,
-    /// Digit key 1.
+    /// Types the digit 1.
     Digit1,
-    /// Digit key 2.
+    /// Types the digit 2.
     Digit2,
-    /// Digit key 3.
+    /// Types the digit 3.
     Digit3,
-    /// Digit key 4.
+    /// Types the digit 4.
     Digit4,
-    /// Digit key 5.
+    /// Types the digit 5.
     Digit5,
-    /// Digit key 6.
+    /// Types the digit 6.
     Digit6,
-    /// Digit key 7.
+    /// Types the digit 7.
     Digit7,
-    /// Digit key 8.
+    /// Types the digit 8.
     Digit8,
-    /// Digit key 9.
+    /// Types the digit 9.
     Digit9,
-    /// Enters a minus sign.
+    /// Types a minus sign.
     Minus,
-    /// Enters a decimal point.
+    /// Types a decimal point.
     Point,
     /// 输入: enters the typed value.
     Input,

@@ -71,12 +71,13 @@ pub struct Panel {
     held: Vec<Key>,
     emergency_stop: bool,
     repeat: Option<Repeat>,
-    /// The compound key that entered the last character of the input line.
+    /// The compound key that entered the last character of the input line; `None` if another
+    /// key did.
     compound: Option<Key>,
     powered: bool,
     /// Ticks (ms) since the emulator was created, including power-off.
     clock: u64,
-    /// Clock tick until which the self-test picture is shown.
+    /// Clock tick until which the self-test picture is shown; `None` after the self-test.
     picture_until: Option<u64>,
     /// Whether the self-test picture stays until a page key is pressed (173.2 SWAT).
     picture_waits: bool,
@@ -85,11 +86,13 @@ pub struct Panel {
     alarms: Vec<u16>,
     /// Numbers of the ladder messages that were active at the last tick.
     messages: Vec<u16>,
-    /// Number of the program whose text the editor has changed but not stored.
+    /// Number of the program whose text the editor has changed but not stored; `None` without
+    /// changes.
     edited: Option<u16>,
-    /// Number of a program whose creation has just been requested.
+    /// Number of a program whose creation has just been requested, otherwise `None`.
     created: Option<u16>,
-    /// Selected program and line (from 1) of the control at the last tick.
+    /// Selected program and line (from 1) of the control at the last tick; `None` before the
+    /// first.
     followed: Option<(Option<ProgramId>, u32)>,
     traced: Option<(Frame, Point)>,
     /// Number of pulse board stops that the path has followed.

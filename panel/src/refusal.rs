@@ -154,8 +154,8 @@ fn cycle_start_reason(cnc: &Cnc, passed: bool) -> Option<Message> {
         .or_else(|| (!passed).then(say::key_ladder_holds_cycle_start))
 }
 
-/// Returns why a spindle key has no effect. In an alarm the ladder's message explains it
-/// already.
+/// Returns why a spindle key has no effect; `None` in an alarm, which the ladder's message
+/// explains already.
 fn spindle_reason(cnc: &Cnc) -> Option<Message> {
     if !is_manual(cnc) {
         return Some(say::key_acts_in_manual_modes());

@@ -38,7 +38,7 @@ pub struct PathSegment {
 
 /// The tool path that the graphic page draws.
 ///
-/// It joins the motion of successive ticks into straight segments, within 0.001 mm of every
+/// Motion of successive ticks is joined into straight segments, within 0.001 mm of every
 /// point.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PathTrace {
@@ -68,7 +68,7 @@ struct GrowingSegment {
     piece: PathSegment,
     reach: f64,
     /// Directions within the tolerance of every point up to now: from the first, turning left,
-    /// to the second.
+    /// to the second. `None` while all directions are.
     cone: Option<(Point, Point)>,
 }
 

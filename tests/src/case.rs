@@ -12,7 +12,8 @@ use crate::setup::SetupWords;
 pub struct TestCase {
     /// Files of the part programs. The first program is executed, the others are subprograms.
     pub programs: Vec<String>,
-    /// File of an operator script that is run instead of programs.
+    /// File of an operator script that is run instead of programs; `None` for a case with
+    /// programs.
     pub script: Option<String>,
     /// Whether the programs are interpreted, run by the kernel, or both (the default).
     pub paths: Vec<ProgramPath>,

@@ -89,6 +89,7 @@ fn add_to_hash(state: &mut u64, bytes: impl IntoIterator<Item = u8>) {
 /// Runs the session and returns its hashes. At the ticks of `saves` the emulator is saved, and
 /// the session continues with the restored copy.
 ///
+/// # Errors
 /// Returns a message if a line of the session fails, or a restored state differs.
 pub fn trace_session(saves: &[u64]) -> Result<SessionTrace, String> {
     const BASIS: u64 = 0xcbf2_9ce4_8422_2325;

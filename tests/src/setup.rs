@@ -21,16 +21,18 @@ const FILLER_HEAD: &str = "O9999;\n(";
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SetupWords {
-    /// Starts from the machine as delivered: factory parameters, axes not referenced.
+    /// Whether to start from the machine as delivered: factory parameters, axes not
+    /// referenced.
     pub delivered: bool,
-    /// Tool position at the start, mm: X as a diameter, Z.
+    /// Tool position at the start, mm: X as a diameter, Z; `None` leaves the default.
     pub start: Option<(f64, f64)>,
     /// Position of the work zero in machine coordinates, mm: X as a diameter, Z. `start` then
-    /// counts from the work zero.
+    /// counts from the work zero. `None` keeps the default zero.
     pub work_zero: Option<(f64, f64)>,
-    /// Speed of a spindle that is already on at the start, r/min.
+    /// Speed of a spindle that is already on at the start, r/min; `None` for a stopped
+    /// spindle.
     pub spindle: Option<f64>,
-    /// Wires the lathe for the parameters before those of `params` are set.
+    /// Whether to wire the lathe for the parameters before those of `params` are set.
     pub as_built: bool,
     /// Parameters that differ, by number: `"22=3800"`, `"001.4=0"`.
     pub params: Vec<String>,
@@ -48,21 +50,26 @@ pub struct SetupWords {
     pub inch: bool,
     /// Whether the control has the option of macro B.
     pub macro_b: bool,
-    /// The control model by its word on the command line: `"ncb08"`.
+    /// The control model by its word on the command line: `"ncb08"`. `None` leaves the default
+    /// model.
     pub model: Option<String>,
     /// Parameters that only this model has, by number: `"17=6000"`.
     pub model_params: Vec<String>,
     /// Start position, work zeros and tools of a mill.
     pub mill: MillWords,
     /// Date and time of day of the control's clock at the start: `"1993-03-28 15:34:56"`.
+    /// `None` leaves the default.
     pub clock: Option<String>,
     /// Number of parts that the part counter shows at the start.
     pub parts: u32,
-    /// Cutting time that the counter shows at the start: `"05:28:08"`.
+    /// Cutting time that the counter shows at the start: `"05:28:08"`. `None` leaves the
+    /// default.
     pub cutting: Option<String>,
-    /// The ladder, by its file in `assets/ladder/`: `"bar-feeder.il"`.
+    /// The ladder, by its file in `assets/ladder/`: `"bar-feeder.il"`. `None` leaves the
+    /// default.
     pub ladder: Option<String>,
-    /// The machine file, by its name in `assets/machines/`: `"small-flat-bed.ron"`.
+    /// The machine file, by its name in `assets/machines/`: `"small-flat-bed.ron"`. `None`
+    /// leaves the default lathe.
     pub machine: Option<String>,
 }
 
@@ -70,7 +77,8 @@ pub struct SetupWords {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MillWords {
-    /// Start position of the axes, machine coordinates, mm: `"0,0,100"`.
+    /// Start position of the axes, machine coordinates, mm: `"0,0,100"`. `None` leaves the
+    /// default.
     pub start: Option<String>,
     /// Work zeros by code, machine coordinates, mm: `"54=100,50,0"`.
     pub zeros: Vec<String>,

@@ -36,7 +36,7 @@ pub struct FaceState<'a> {
     pub y: &'a [u8],
     /// Keys drawn as pressed: those held down, and the mushroom button while it is latched.
     pub pressed: &'a [Key],
-    /// The picture of the LCD, 320x240 or an integer multiple; `None` draws it dark.
+    /// The picture of the LCD, 320x240 or an integer multiple; `None` draws the LCD dark.
     pub lcd: Option<PixmapRef<'a>>,
     /// Position of the handwheel, graduations, clockwise positive.
     pub wheel: i32,

@@ -129,7 +129,7 @@ pub(crate) fn program_is_hidden(cnc: &Cnc) -> bool {
     matches!(selected(cnc), Some(ProgramId::Stored(number)) if cnc.rights().is_hidden(number))
 }
 
-/// Returns the selected program, also while an MDI block runs.
+/// Returns the selected program, also while an MDI block runs; `None` if none is selected.
 fn selected(cnc: &Cnc) -> Option<ProgramId> {
     match cnc.cursor().program {
         Some(ProgramId::Mdi) | None => cnc.programs().selected(),

@@ -48,7 +48,8 @@ pub fn draw(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     }
 }
 
-/// Returns the MDI block, or in AUTO the block in execution, with its text.
+/// Returns the MDI block, or in AUTO the block in execution, with its text; `None` if there is
+/// no such block.
 fn shown_block(cnc: &Cnc) -> Option<(ProgramBlock, String)> {
     let syntax = Syntax::from(cnc.parameters());
     if !matches!(cnc.mode(), OperatingMode::Auto | OperatingMode::Dnc) {

@@ -83,8 +83,8 @@ pub fn variables(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     frame::input_line(screen, &say::lcd_address_prompt(), view);
 }
 
-/// Formats a real variable with eight digits. Null is blank, and a value with too many digits
-/// is stars (manual of macro B, 2.3).
+/// Formats a real variable with eight digits. `None` (null) is blank, and a value with too
+/// many digits is stars (manual of macro B, 2.3).
 fn real_value(value: Option<f64>) -> String {
     /// Digits that a variable keeps.
     const DIGITS: i32 = 8;

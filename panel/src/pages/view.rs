@@ -28,7 +28,8 @@ pub struct PageView {
     pub brightness: u8,
     /// Characters in the input line that have not been entered yet.
     pub input: String,
-    /// The axis whose letter flashes on the relative page after U or W.
+    /// The axis whose letter flashes on the relative page after key U or W; `None` if none
+    /// does.
     pub flashing: Option<Axis>,
     /// Whether the position pages show the spindle override instead of the rapid override (转换).
     pub spindle_override: bool,

@@ -41,8 +41,8 @@ impl Panel {
         }
     }
 
-    /// Handles a character key. A compound key that was also the key before (`before`)
-    /// replaces its character by the other one.
+    /// Handles a character key. `first` and `second` are its characters. A compound key that
+    /// was also the key before (`before`) replaces its character by the other one.
     pub(super) fn character_key(
         &mut self,
         key: Key,

@@ -131,8 +131,8 @@ impl Panel {
     }
 }
 
-/// Parses a length and returns it in thousandths of a millimetre. With a point, or up to 9999,
-/// the text is in millimetres, otherwise in thousandths.
+/// Parses a length and returns it in thousandths of a millimetre; `None` if invalid. With a
+/// point, or up to 9999, the text is in millimetres, otherwise in thousandths.
 fn thousandths(text: &str) -> Option<i32> {
     let (sign, digits) = match text.strip_prefix('-') {
         Some(rest) => (-1, rest),

@@ -33,8 +33,8 @@ impl Panel {
         editor.searching || !self.view.input.is_empty() || names_program
     }
 
-    /// Types a character into the program text. `key`: a compound key, whose other character
-    /// may replace it.
+    /// Types a character into the program text. `key`: the compound key that was pressed,
+    /// whose other character may replace this one; `None` for other keys.
     pub(super) fn type_into_text(
         &mut self,
         character: char,
@@ -419,6 +419,7 @@ fn completion(cnc: &Cnc) -> Completion {
 }
 
 /// Returns the number of the stored program after the selected one; after the last the first.
+/// `None` if no program is stored.
 fn next_program(cnc: &Cnc) -> Option<u16> {
     let rights = cnc.rights();
     let listed = cnc.programs().iter().map(|(number, _)| number);

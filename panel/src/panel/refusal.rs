@@ -65,7 +65,8 @@ impl Panel {
         }
     }
 
-    /// Returns why a key of the program text has no effect; `input`: whether the key is 输入.
+    /// Returns why a key of the program text has no effect; `None` if it acts. `input`:
+    /// whether the key is 输入.
     fn refuses_text(&self, input: bool, cnc: &Cnc) -> Option<Message> {
         match cnc.mode() {
             OperatingMode::Edit if input => None,
@@ -86,7 +87,8 @@ impl Panel {
         }
     }
 
-    /// Returns that the typed value is invalid here, if 输入 would ignore it.
+    /// Returns the message that the typed value is invalid here, if 输入 would ignore it;
+    /// otherwise `None`.
     fn refuses_value(&self, cnc: &Cnc) -> Option<Message> {
         let mut requests = Vec::new();
         let entered = !self.view().input.trim().is_empty();

@@ -39,8 +39,9 @@ fn found(page: PageId, wanted: &str, cnc: &Cnc) -> Option<usize> {
     }
 }
 
-/// Returns the item of a PLC address. Letters without a key have substitutes: H is Y, I is A,
-/// J is C. U, the first character of its key, is D.
+/// Returns the item of a PLC address on the page, from 0; `None` if the address is not shown.
+/// Letters without a key have substitutes: H is Y, I is A, J is C. U, the first character of
+/// its key, is D.
 fn plc_item(page: PageId, wanted: &str) -> Option<usize> {
     let letter = wanted.chars().next()?;
     let byte: u16 = wanted.get(1..)?.parse().ok()?;

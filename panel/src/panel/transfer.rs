@@ -44,7 +44,7 @@ pub enum ReceiveError {
     Refused {
         /// The name of the refused file.
         name: String,
-        /// The right, switch or mode that forbids receiving it.
+        /// The right, switch or mode that forbids receiving the file.
         why: WriteRefusal,
     },
 }
@@ -99,8 +99,8 @@ enum Partner {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Transfer {
     partner: Partner,
-    /// What 输出 has requested. It starts at the next tick, after the editor has stored its
-    /// text.
+    /// What 输出 has requested; `None` without a request. It starts at the next tick, after the
+    /// editor has stored its text.
     wanted: Option<Wanted>,
     /// Outgoing files, incoming file, and the clock tick at which the transfer ends.
     files: Vec<SerialFile>,

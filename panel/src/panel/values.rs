@@ -282,8 +282,8 @@ fn whole(text: &str) -> Option<i32> {
     Some(text.parse().unwrap_or(limit))
 }
 
-/// Parses the value of a state parameter, binary digits without the leading zeros. More or
-/// other digits give a number beyond a byte.
+/// Parses the value of a state parameter, binary digits without the leading zeros; `None` if
+/// it is no integer. More or other digits give a number beyond a byte.
 fn word(text: &str) -> Option<i32> {
     let number = whole(text)?;
     let binary = text.bytes().all(|byte| matches!(byte, b'0' | b'1'));

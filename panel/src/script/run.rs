@@ -92,7 +92,7 @@ pub struct Runner {
     stage: Stage,
     /// Whether a partner sends programs in DNC mode.
     dnc: bool,
-    /// The tick of the partner's last [`Effect::DncRoom`].
+    /// Emulator tick of the partner's last [`Effect::DncRoom`]; `None` before the first.
     last_request: Option<u64>,
 }
 

@@ -76,8 +76,8 @@ pub enum ExpectedState {
     Offset(u8, OffsetField, ValueRange),
     /// A parameter (number), or one bit of it (0 to 7), has this value.
     Parameter(u16, Option<u8>, i32),
-    /// The memory has the program with this number. If given, it contains this text without
-    /// regard to blanks.
+    /// The memory has the program with this number. If a text is given, the program contains
+    /// it without regard to blanks.
     Program(u16, Option<String>),
     /// The program with this number is selected.
     Selected(u16),
