@@ -112,7 +112,7 @@ impl Emulator {
         }
     }
 
-    /// Handles a key event. It takes effect in the next tick. Returns the reason if page, mode
+    /// Handles a key event, which acts in the next tick. Returns the reason if page, mode
     /// or a switch prevents its effect, otherwise `None`. Machine keys are checked later, by
     /// [`crate::refusal::KeyPress`].
     pub fn key(&mut self, event: KeyEvent) -> Option<Message> {

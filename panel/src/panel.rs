@@ -196,7 +196,7 @@ impl Panel {
         self.clock
     }
 
-    /// Returns the page that the LCD shows.
+    /// Returns the selected page, which the LCD shows after the self-test.
     pub const fn page(&self) -> PageId {
         self.page
     }
