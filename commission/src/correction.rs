@@ -8,26 +8,26 @@ use gsk_core::units::Axis;
 use crate::measurement::{AxisDeviation, SlideTravel};
 use crate::screw_fit::DeviationCurve;
 
-/// Last point of the pitch error table.
+/// Number of the last point in the pitch error table.
 pub(crate) const LAST_POINT: i64 = 255;
-/// Largest value of a point, in table units.
+/// Largest absolute value of a point, in table units.
 pub(crate) const MAX_POINT_VALUE: i64 = 255;
-/// Largest value of the backlash parameters 034 and 035, in units.
+/// Largest value of the backlash parameters 034 and 035, in table units.
 pub(crate) const MAX_BACKLASH: f64 = 2000.0;
 
-/// Table units per millimetre. A unit is 0.001 mm or 0.0001 inch.
+/// Returns the number of table units in a millimetre. A unit is 0.001 mm or 0.0001 inch.
 pub(crate) fn units_per_mm(parameters: &ControlParameters) -> f64 {
     1.0 / parameters.least_increment_mm()
 }
 
-/// Returns the point distance of the pitch error table of an axis; `None` if it is 0, which
-/// turns the compensation off.
+/// Returns the distance between two points of an axis's pitch error table; `None` if it is 0,
+/// which turns the compensation off.
 pub fn pitch_interval(axis: Axis, parameters: &ControlParameters) -> Option<SlideTravel> {
     let interval = parameters.pitch_interval(axis);
     (interval > 0).then(|| SlideTravel(interval as f64 / units_per_mm(parameters)))
 }
 
-/// Computes the correction that the control applies at each position.
+/// Returns the correction that the control applies at each of these positions.
 pub fn compute_correction(
     axis: Axis,
     parameters: &ControlParameters,

@@ -42,14 +42,15 @@ fn parse_column(name: &str) -> Column {
     }
 }
 
-/// Finds the separator of the fields.
+/// Returns the character that separates the fields of the heading; `None` if it has only one
+/// field.
 fn find_separator(heading: &str) -> Option<char> {
     [';', '\t', ',']
         .into_iter()
         .find(|it| heading.contains(*it))
 }
 
-/// Whether the first line with content is a heading with known columns.
+/// Returns whether the first line with content is a heading with at least two known columns.
 pub(crate) fn is_csv(text: &str) -> bool {
     let Some((_, heading)) = lines(text).next() else {
         return false;
@@ -61,10 +62,10 @@ pub(crate) fn is_csv(text: &str) -> bool {
     find_separator(heading).is_some_and(has_columns)
 }
 
-/// Parses a CSV file.
+/// Parses a CSV file to its readings.
 ///
 /// # Errors
-/// The first line that is malformed.
+/// Returns the first line that is malformed, with the rule.
 pub(crate) fn read(text: &str) -> Result<Measurement, FileFault> {
     let mut rows = lines(text);
     let (first, heading) = rows.next().unwrap_or((1, ""));
@@ -159,7 +160,7 @@ pub(crate) fn read(text: &str) -> Result<Measurement, FileFault> {
     })
 }
 
-/// Writes a correction curve as CSV: position in mm, correction in µm.
+/// Returns a correction curve as CSV text: position in mm, correction in µm.
 pub fn write(curve: &DeviationCurve) -> String {
     let rows = curve.points().iter();
     let rows = rows.map(|(at, value)| format!("{:.3},{:.3}\n", at.0, value.0));

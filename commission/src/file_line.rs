@@ -7,15 +7,15 @@ use crate::measurement::ApproachDirection;
 
 pub(crate) const MAX_READINGS: usize = 20_000;
 const MAX_POSITION_MM: f64 = 9999.999;
-/// Larger values are in a wrong unit.
+/// Largest deviation that is accepted, µm. Larger values are in a wrong unit.
 const MAX_VALUE_UM: f64 = 10_000.0;
 
-/// An error in a line of a measurement file.
+/// A fault in a line of a measurement file: the rule that the line breaks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileFault {
-    /// Line in the file, from 1.
+    /// Number of the faulty line in the file, from 1.
     pub line: u32,
-    /// The rule that is broken, as a message.
+    /// The message about the rule that the line breaks.
     pub rule: Message,
 }
 
@@ -24,13 +24,13 @@ impl FileFault {
         Self { line, rule }
     }
 
-    /// Returns the rule with the line number in front.
+    /// Returns the message about the fault with the line number in front.
     pub fn message(&self) -> Message {
         say::pitch_file_line(self.line, self.rule.clone())
     }
 }
 
-/// Lists the lines with content, numbered from 1, without comments.
+/// Returns the lines with content, without comments, each with its number from 1.
 pub(crate) fn lines(text: &str) -> impl Iterator<Item = (u32, &str)> {
     (1..)
         .zip(text.lines())
@@ -42,7 +42,7 @@ pub(crate) fn parse_number(line: u32, field: &str) -> Result<f64, FileFault> {
     parse_finite(field.trim()).ok_or_else(|| FileFault::new(line, say::pitch_not_a_number(field)))
 }
 
-/// Parses a position in mm.
+/// Parses a position in mm. `line` is the number of the field's line for the error.
 pub(crate) fn parse_position(line: u32, field: &str) -> Result<f64, FileFault> {
     let value = parse_number(line, field)?;
     if value.abs() > MAX_POSITION_MM {
@@ -52,7 +52,8 @@ pub(crate) fn parse_position(line: u32, field: &str) -> Result<f64, FileFault> {
     Ok(value)
 }
 
-/// Checks a deviation in µm.
+/// Returns a deviation in µm unchanged if it is within the limits. `line` is its line for the
+/// error.
 pub(crate) fn check_microns(line: u32, value: f64) -> Result<f64, FileFault> {
     if value.abs() > MAX_VALUE_UM {
         let rule = say::pitch_value_too_large(value, MAX_VALUE_UM);
@@ -73,7 +74,7 @@ pub(crate) fn parse_direction(line: u32, field: &str) -> Result<ApproachDirectio
     }
 }
 
-/// Parses an axis letter of the machine.
+/// Parses an axis letter, which must be one of the machine's `axes`. `line` is for the error.
 pub(crate) fn parse_axis(line: u32, field: &str, axes: &[char]) -> Result<char, FileFault> {
     let mut letters = field
         .trim()

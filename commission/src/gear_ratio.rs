@@ -9,11 +9,11 @@ const MAX_FACTOR: i32 = 127;
 /// An electronic gear ratio CMR/CMD that the parameters can store.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GearRatio {
-    /// CMR, 1 to 127.
+    /// The command multiplier CMR, 1 to 127.
     pub multiply: i32,
-    /// CMD, 1 to 127.
+    /// The command divider CMD, 1 to 127.
     pub divide: i32,
-    /// Error of the travel with this ratio, µm per metre.
+    /// Error of the slide travel with this ratio, µm per metre.
     pub error_um_per_m: f64,
 }
 
@@ -31,11 +31,11 @@ pub struct DriveTrain {
 }
 
 impl DriveTrain {
-    /// Computes CMR/CMD = (δ · 360) / (α · L) · ZM / ZD. `increment` is δ, the least output
-    /// increment in mm.
+    /// Computes the exact ratio CMR/CMD = (δ · 360) / (α · L) · ZM / ZD, which may have no
+    /// whole factors. `increment` is δ, the least output increment in mm.
     ///
     /// # Errors
-    /// A value that is not a finite number above 0.
+    /// Returns a message if a value is not a finite number above 0.
     pub fn gear_ratio(&self, increment: SlideTravel) -> Result<f64, Message> {
         let lead = self.lead.0;
         let is_valid = self.pulses_per_turn > 0.0
@@ -50,11 +50,11 @@ impl DriveTrain {
     }
 }
 
-/// Finds the gear ratio with the smallest numbers whose relative error is at most `tolerance`.
-/// If none is within the tolerance, finds the nearest one.
+/// Finds the gear ratio with the smallest CMR and CMD whose relative error is at most
+/// `tolerance`. If none is within the tolerance, finds the nearest one.
 ///
 /// # Errors
-/// The ratio is outside 1/127 to 127.
+/// Returns a message if the ratio is outside 1/127 to 127.
 pub fn find_nearest_ratio(target_ratio: f64, tolerance: f64) -> Result<GearRatio, Message> {
     let largest = f64::from(MAX_FACTOR);
     if !(target_ratio.is_finite()

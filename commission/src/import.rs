@@ -8,15 +8,15 @@ use crate::{csv, renishaw_ren, renishaw_rtl};
 /// `TARGET DATA::` RTL, anything else REN.
 ///
 /// # Errors
-/// The first line that is malformed.
+/// Returns the first line that is malformed, with the rule.
 pub fn read_measurement_file(text: &str) -> Result<ImportedFile, FileFault> {
     read_measurement_file_with_axes(text, &['X', 'Z'])
 }
 
-/// Parses a measurement file for a machine with these axis letters.
+/// Parses a measurement file for a machine whose axes have these letters.
 ///
 /// # Errors
-/// The first line that is malformed.
+/// Returns the first line that is malformed, with the rule.
 pub fn read_measurement_file_with_axes(
     text: &str,
     axes: &[char],

@@ -10,12 +10,12 @@ pub struct SlideTravel(pub f64);
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct AxisDeviation(pub f64);
 
-/// Direction in which a target was approached.
+/// Direction in which a target position was approached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ApproachDirection {
-    /// Motion towards plus.
+    /// The slide moved towards plus.
     Plus,
-    /// Motion towards minus.
+    /// The slide moved towards minus.
     Minus,
 }
 
@@ -28,7 +28,7 @@ impl ApproachDirection {
         }
     }
 
-    /// Returns `+` or `-`.
+    /// Returns the sign of the direction, `+` or `-`.
     pub const fn sign(self) -> char {
         match self {
             Self::Plus => '+',
@@ -37,30 +37,30 @@ impl ApproachDirection {
     }
 }
 
-/// One measured position deviation.
+/// One measured position deviation of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisReading {
-    /// Number of the run, from 1.
+    /// Number of the measuring run, from 1.
     pub run: u16,
-    /// Target position in machine coordinates.
+    /// Target position in machine coordinates, mm.
     pub target: SlideTravel,
-    /// Direction of the approach.
+    /// Direction in which the target was approached.
     pub direction: ApproachDirection,
-    /// Actual minus target position.
+    /// Actual minus target position, µm.
     pub deviation: AxisDeviation,
 }
 
 /// All readings of an axis in the order of measurement.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measurement {
-    /// Axis from the file; `None` if the file names none.
+    /// Axis that the file names; `None` if it names none.
     pub axis: Option<Axis>,
-    /// The readings.
+    /// The readings in the order of measurement.
     pub readings: Vec<AxisReading>,
 }
 
 impl Measurement {
-    /// Counts the runs.
+    /// Returns the number of different runs.
     pub fn runs(&self) -> usize {
         let mut runs: Vec<u16> = self.readings.iter().map(|it| it.run).collect();
         runs.sort_unstable();
@@ -68,7 +68,8 @@ impl Measurement {
         runs.len()
     }
 
-    /// Converts targets from programmed diameters to slide travel.
+    /// Returns the measurement with its targets halved: from programmed diameters to slide
+    /// travel.
     #[must_use]
     pub fn from_diameters(mut self) -> Self {
         for reading in &mut self.readings {

@@ -8,27 +8,27 @@ use gsk_messages::{Message, say};
 /// A new value for a parameter or a point of the pitch error table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterChange {
-    /// A data parameter, or a state parameter as a byte.
+    /// Writes a data parameter, or a state parameter as a byte.
     Value {
-        /// Parameter number.
+        /// Number of the parameter.
         number: u16,
         /// New value in the unit of the parameter.
         value: i32,
     },
-    /// A bit of a state parameter.
+    /// Writes one bit of a state parameter.
     Bit {
-        /// Parameter number.
+        /// Number of the parameter.
         number: u16,
-        /// Bit, 0 to 7.
+        /// Number of the bit, 0 to 7.
         bit: u8,
-        /// New state of the bit.
+        /// New state of the bit: 1 (`true`) or 0.
         on: bool,
     },
-    /// A point of the pitch error table.
+    /// Writes a point of the pitch error table.
     Pitch {
-        /// Axis of the table column.
+        /// Axis whose column contains the point.
         axis: Axis,
-        /// Point, 0 to 255.
+        /// Number of the point, 0 to 255.
         point: u8,
         /// New value, −255 to 255, in 0.001 mm before multiplication by parameter 013.
         value: i16,
@@ -36,7 +36,7 @@ pub enum ParameterChange {
 }
 
 impl ParameterChange {
-    /// Converts the change to a request to the control.
+    /// Returns the request to the control that writes the new value.
     pub const fn to_request(self) -> ControlRequest {
         match self {
             Self::Value { number, value } => ControlRequest::SetParameter { number, value },
@@ -45,7 +45,7 @@ impl ParameterChange {
         }
     }
 
-    /// Returns the same change with the current value: applying it undoes this one.
+    /// Returns the change that writes the current value again, to undo this one later.
     #[must_use]
     pub fn current(self, parameters: &ControlParameters, pitch: &PitchTable) -> Self {
         match self {
@@ -66,10 +66,10 @@ impl ParameterChange {
         }
     }
 
-    /// Writes the new value.
+    /// Writes the new value into `parameters` or `pitch`.
     ///
     /// # Errors
-    /// The control does not accept the value (alarm 043).
+    /// Returns a message if the control does not accept the value (alarm 043).
     pub fn apply(
         self,
         parameters: &mut ControlParameters,
@@ -89,7 +89,7 @@ impl ParameterChange {
         }
     }
 
-    /// Formats the new value: `No.035 = 12`.
+    /// Returns the message that shows the new value: `No.035 = 12`.
     pub fn message(self) -> Message {
         match self {
             Self::Value { number, value } => say::commission_value(number, value),
@@ -118,17 +118,17 @@ pub(crate) const fn select_by_axis(axis: Axis, x: u16, z: u16) -> u16 {
 /// The changes that a commissioning step proposes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Proposal {
-    /// Values to write, in this order.
+    /// Values to write to the control, in this order.
     pub changes: Vec<ParameterChange>,
-    /// Remarks for the operator.
+    /// Remarks on the proposal for the operator.
     pub notes: Vec<Message>,
 }
 
 impl Proposal {
-    /// Keeps only the changes that differ from the current values.
+    /// Creates a proposal from those changes that differ from the current values.
     ///
     /// # Errors
-    /// A value that the control does not accept (alarm 043).
+    /// Returns a message about a value that the control does not accept (alarm 043).
     pub(crate) fn from_changes(
         changes: Vec<ParameterChange>,
         notes: Vec<Message>,

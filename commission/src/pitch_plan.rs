@@ -15,32 +15,35 @@ use crate::table_interval::{CorrectionTask, IntervalCorrections, find_interval};
 /// Shortest time that an interval may take at the rapid rate, s (decision COMMISSION-3).
 const MIN_INTERVAL_TIME_S: f64 = 0.008;
 
-/// Options for a pitch error table.
+/// Options for planning a pitch error table.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PitchPlanOptions {
-    /// Slide travel between two points; `None` chooses the largest that is accurate enough.
+    /// Slide travel between two points, mm; `None` chooses the largest that is accurate
+    /// enough.
     pub interval: Option<SlideTravel>,
-    /// Whether to ignore the current table, because the measurement was made without it.
+    /// Whether the measurement was made without the current table, so that the plan ignores
+    /// it.
     pub clear: bool,
 }
 
 /// A planned pitch error table with its expected result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PitchPlan {
-    /// The changes to write.
+    /// The changes of table and parameters to write.
     pub proposal: Proposal,
-    /// Slide travel between two points.
+    /// Slide travel between two points of the table, mm.
     pub interval: SlideTravel,
-    /// Largest measured deviation from the machine zero.
+    /// Largest measured deviation relative to the machine zero, µm.
     pub before: AxisDeviation,
-    /// Largest expected deviation with the new table.
+    /// Largest expected deviation with the new table, µm.
     pub after: AxisDeviation,
 }
 
 /// Plans the pitch error table, its parameters and the backlash for a fitted screw.
 ///
 /// # Errors
-/// An interval out of range, too many points for the table, or a value beyond ±255.
+/// Returns a message for an interval out of range, too many points for the table, or a value
+/// beyond ±255.
 pub fn plan_pitch_table(
     axis: Axis,
     fit: &ScrewFit,
@@ -114,7 +117,7 @@ pub fn plan_pitch_table(
     })
 }
 
-/// Lists the changes of the table column and of its parameters.
+/// Returns the changes of the axis's table column and of its parameters.
 fn table_changes(
     task: &CorrectionTask<'_>,
     corrections: &IntervalCorrections,

@@ -19,9 +19,9 @@ use crate::measurement::{ApproachDirection, AxisDeviation, AxisReading, Measurem
 /// A row of a pitch error table file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PitchTableRow {
-    /// Line in the file, from 1.
+    /// Line of the row in the file, from 1.
     pub line: u32,
-    /// Point of the table; `None` if the row has only two fields.
+    /// Number of the table's point; `None` if the row has only two fields.
     pub point: Option<u16>,
     /// End of the interval that is farther from the machine zero, mm.
     pub end: SlideTravel,
@@ -29,25 +29,26 @@ pub struct PitchTableRow {
     pub value: AxisDeviation,
 }
 
-/// Values for the pitch error table, from a file.
+/// Values for the pitch error table of an axis, read from a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PitchTableFile {
-    /// Axis letter from the file; `None` if the file names none.
+    /// Letter of the axis that the file names; `None` if it names none.
     pub axis: Option<char>,
-    /// Line number, and slide travel between two points.
+    /// Number of the line, and slide travel between two points (mm); `None` if the file has no
+    /// such line.
     pub spacing: Option<(u32, SlideTravel)>,
-    /// Line number, and backlash.
+    /// Number of the line, and backlash (µm); `None` if the file has no such line.
     pub backlash: Option<(u32, AxisDeviation)>,
-    /// The rows in the order of the file.
+    /// The rows with values, in the order of the file.
     pub rows: Vec<PitchTableRow>,
 }
 
-/// Content of a measurement file.
+/// What a measurement file contains.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ImportedFile {
-    /// Values for the pitch error table.
+    /// Values to add to the pitch error table.
     Table(PitchTableFile),
-    /// Readings to fit.
+    /// Readings, from which a table has to be planned.
     Measured(Measurement),
 }
 
@@ -66,7 +67,7 @@ impl ImportedFile {
 }
 
 struct RenReader<'a> {
-    /// Axis letters of the machine.
+    /// Letters of the machine's axes.
     axes: &'a [char],
     table: PitchTableFile,
     start: Option<f64>,
@@ -76,7 +77,8 @@ struct RenReader<'a> {
     readings: Vec<AxisReading>,
 }
 
-/// Splits a line that begins with a word into the word, in lower case, and the rest.
+/// Splits a line that begins with a word into the word, in lower case, and the rest. Returns
+/// `None` for a line that begins otherwise.
 fn split_key(line: &str) -> Option<(String, &str)> {
     if !line.starts_with(char::is_alphabetic) {
         return None;
@@ -212,10 +214,10 @@ impl<'a> RenReader<'a> {
     }
 }
 
-/// Parses a REN file for a machine with these axes.
+/// Parses a REN file for a machine whose axes have these letters.
 ///
 /// # Errors
-/// The first line that is malformed or contradicts the others.
+/// Returns the first line that is malformed or contradicts the others, with the rule.
 pub(crate) fn read(text: &str, axes: &[char]) -> Result<ImportedFile, FileFault> {
     let mut reader = RenReader::new(axes);
     let mut last = 1;
@@ -229,7 +231,8 @@ pub(crate) fn read(text: &str, axes: &[char]) -> Result<ImportedFile, FileFault>
     reader.finish(last)
 }
 
-/// Writes a pitch error table as a REN file. `rows` are point, end of the interval and value.
+/// Returns a pitch error table as the text of a REN file. `rows` are point, far end of the
+/// interval (mm) and value (µm).
 pub fn write(
     axis: Axis,
     spacing: SlideTravel,

@@ -28,7 +28,7 @@ enum RtlBlock {
     Readings,
 }
 
-/// A row after `DEVIATIONS::`.
+/// A reading in a row after `DEVIATIONS::`.
 #[derive(Clone, Copy, Debug)]
 struct RtlRow {
     run: u16,
@@ -36,16 +36,16 @@ struct RtlRow {
     deviation: AxisDeviation,
 }
 
-/// Whether a text is an RTL file.
+/// Returns whether one of the first 20 lines with content is the heading of an RTL file.
 pub(crate) fn is_rtl(text: &str) -> bool {
     let mut lines = lines(text).take(20);
     lines.any(|(_, line)| line.eq_ignore_ascii_case("TARGET DATA::"))
 }
 
-/// Parses an RTL file.
+/// Parses an RTL file to its readings.
 ///
 /// # Errors
-/// The first line that is malformed.
+/// Returns the first line that is malformed, with the rule.
 pub(crate) fn read(text: &str) -> Result<Measurement, FileFault> {
     let mut block = RtlBlock::Other;
     let mut measured = Measurement::default();
@@ -129,7 +129,7 @@ fn check_reading_count(line: u32, count: usize) -> Result<(), FileFault> {
     Ok(())
 }
 
-/// Parses run, target number (from 1) and deviation.
+/// Parses a reading: run, number of the target (from 1) and deviation, µm.
 fn parse_row(line: u32, text: &str, targets: &[f64]) -> Result<RtlRow, FileFault> {
     let wrong = || FileFault::new(line, say::pitch_rtl_row(targets.len()));
     let fields: Vec<&str> = text.split_whitespace().collect();
@@ -150,8 +150,9 @@ fn parse_row(line: u32, text: &str, targets: &[f64]) -> Result<RtlRow, FileFault
     })
 }
 
-/// Returns the direction of a run. In a run with a single target, odd runs follow the order of
-/// the targets and even runs reverse it. `targets_rise`: that order is towards plus.
+/// Returns the direction in which a run approached its targets. In a run with a single target,
+/// odd runs follow the order of the targets and even runs reverse it. `targets_rise`: that
+/// order is towards plus.
 fn run_direction(run: &[RtlRow], targets_rise: bool) -> ApproachDirection {
     let (Some(first), Some(last)) = (run.first(), run.last()) else {
         return ApproachDirection::Plus;

@@ -19,7 +19,8 @@ const MAX_KNOTS: usize = 1000;
 /// Smallest ratio of pivots. Below it the readings do not determine curve and backlash.
 const MIN_PIVOT_RATIO: f64 = 1e-6;
 
-/// Deviations along an axis, linear between points and constant beyond the ends.
+/// Deviations along an axis (µm at positions in mm), linear between points and constant beyond
+/// the ends.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DeviationCurve {
     points: Vec<(SlideTravel, AxisDeviation)>,
@@ -32,12 +33,12 @@ impl DeviationCurve {
         Self { points }
     }
 
-    /// The points, in ascending order of position.
+    /// Returns the points of the curve, in ascending order of position.
     pub fn points(&self) -> &[(SlideTravel, AxisDeviation)] {
         &self.points
     }
 
-    /// Interpolates the deviation at a position; 0 for a curve without points.
+    /// Returns the deviation at a position, interpolated; 0 for a curve without points.
     pub fn at(&self, position: SlideTravel) -> AxisDeviation {
         let after = self.points.partition_point(|(at, _)| at.0 <= position.0);
         let before = after.checked_sub(1).and_then(|it| self.points.get(it));
@@ -51,7 +52,7 @@ impl DeviationCurve {
         }
     }
 
-    /// Returns the lowest and highest position; 0 for a curve without points.
+    /// Returns the lowest and highest position of the curve; 0 for a curve without points.
     pub fn range(&self) -> (SlideTravel, SlideTravel) {
         let ends = self.points.first().zip(self.points.last());
         ends.map_or(
@@ -64,11 +65,11 @@ impl DeviationCurve {
 /// Pitch curve and backlash that fit the readings of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScrewFit {
-    /// Deviation of the screw, approached in the direction without backlash compensation.
+    /// Deviation of the screw when approached in the direction without backlash compensation.
     pub curve: DeviationCurve,
-    /// Backlash; `None` if all readings have the same approach direction.
+    /// Backlash of the screw, µm; `None` if all readings have the same approach direction.
     pub backlash: Option<AxisDeviation>,
-    /// Residuals of the readings: root mean square, and largest.
+    /// Residuals of the readings, µm: root mean square, and largest.
     pub residual: (AxisDeviation, AxisDeviation),
     /// Slope of the curve, µm per metre. A large value means a wrong gear or lead.
     pub slope_um_per_m: f64,
@@ -165,7 +166,7 @@ pub fn fit_screw(
     })
 }
 
-/// Slope of the regression line through the points, µm per metre.
+/// Returns the slope of the regression line through the points, µm per metre.
 fn mean_slope(curve: &DeviationCurve) -> f64 {
     let points = curve.points();
     let count = points.len() as f64;
@@ -193,8 +194,8 @@ mod tests {
         }
     }
 
-    /// A screw with 5 µm at -100 mm and 12 µm backlash. One run each way; the second half of the
-    /// return is missing.
+    /// A screw with 5 µm at -100 mm and 12 µm backlash. One run each way; the second half of
+    /// the return is missing.
     #[test]
     fn fit_separates_curve_and_backlash() {
         let true_curve = |at: f64| -at * 0.05;

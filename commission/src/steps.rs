@@ -17,27 +17,27 @@ use gear::limit_approach_rate;
 pub use drive::{DriveKind, FollowingErrorReading, propose_acceleration, propose_rapid_rate};
 pub use gear::{MeasuredMove, propose_gear_from_drive, propose_gear_from_move};
 
-/// A step of commissioning.
+/// A step of commissioning a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum CommissioningStep {
-    /// Direction of the motors.
+    /// Sets the direction in which the motors turn.
     Direction,
-    /// Electronic gear.
+    /// Sets the electronic gear.
     Gear,
-    /// Rapid rate and acceleration.
+    /// Sets rapid rate and acceleration.
     Acceleration,
-    /// Machine zero.
+    /// Sets the method of the reference return to the machine zero.
     Reference,
-    /// Spindle speed.
+    /// Sets the spindle speed at the full output voltage.
     Spindle,
-    /// Backlash.
+    /// Measures the backlash.
     Backlash,
-    /// Pitch errors.
+    /// Compensates pitch errors.
     Pitch,
 }
 
 impl CommissioningStep {
-    /// All steps in their order. Each step relies on those before it.
+    /// All steps in the order of commissioning. Each step relies on those before it.
     pub const ALL: [Self; 7] = [
         Self::Direction,
         Self::Gear,
@@ -48,7 +48,7 @@ impl CommissioningStep {
         Self::Pitch,
     ];
 
-    /// Returns the title of the step.
+    /// Returns the message with the title of the step.
     pub fn name(self) -> Message {
         match self {
             Self::Direction => say::commission_step_direction(),
@@ -61,7 +61,8 @@ impl CommissioningStep {
         }
     }
 
-    /// Returns the instruction to the operator, with the keys to press.
+    /// Returns the message with the step's instruction to the operator, with the keys to
+    /// press.
     pub fn explanation(self) -> Message {
         match self {
             Self::Direction => say::commission_explain_direction(),
@@ -101,28 +102,28 @@ const fn axis_bit(axis: Axis) -> u8 {
 /// Proposes to reverse the motor direction of an axis (parameter 008).
 ///
 /// # Errors
-/// None in practice: the control accepts both states.
+/// Never fails in practice: the control accepts both states.
 pub fn propose_direction(axis: Axis, parameters: &ControlParameters) -> Result<Proposal, Message> {
     let on = parameters.bit(8, axis_bit(axis));
     let notes = vec![say::commission_power_cycle()];
     build_proposal(vec![set_bit(8, axis_bit(axis), !on)], notes, parameters)
 }
 
-/// Method of the reference return (manual III-12.6).
+/// Method by which the reference return finds the machine zero (manual III-12.6).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ZeroMethod {
-    /// Method A: no switch.
+    /// Method A: the axis has no switch.
     NoSwitch,
-    /// Method B: deceleration switch, then one-turn signal.
+    /// Method B: a deceleration switch, then the motor's one-turn signal.
     SwitchAndSignal,
-    /// Method C: one proximity switch.
+    /// Method C: one proximity switch alone.
     OneSwitch,
 }
 
 /// Proposes the parameters of a reference return method, with the approach towards plus.
 ///
 /// # Errors
-/// None in practice: the control accepts the values.
+/// Never fails in practice: the control accepts the values.
 pub fn propose_reference(
     axis: Axis,
     method: ZeroMethod,
@@ -166,9 +167,9 @@ pub fn propose_reference(
 /// Measured spindle speed at S9999, where the control outputs 10 V.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpindleSpeed {
-    /// Spindle gear, 1 to 4.
+    /// Number of the spindle gear, 1 to 4.
     pub gear: u8,
-    /// Measured speed, r/min.
+    /// Measured spindle speed, r/min.
     pub rpm: f64,
     /// Measured output voltage, V; `None` if it was not measured.
     pub volts: Option<f64>,

@@ -80,7 +80,7 @@ pub fn propose_table_values(
     Proposal::from_changes(changes, notes, parameters, pitch)
 }
 
-/// The parameter of the interval of an axis.
+/// Returns the number of the parameter with the point interval of an axis.
 const fn interval_number(axis: Axis) -> u16 {
     select_by_axis(
         axis,
@@ -89,10 +89,12 @@ const fn interval_number(axis: Axis) -> u16 {
     )
 }
 
-/// The change of the interval to the spacing of a file; `None` if the parameter has it.
+/// Returns the change of the interval to the spacing of a file; `None` if the parameter has
+/// it.
 ///
 /// # Errors
-/// A spacing outside the range of the parameter, or another interval without `clear`.
+/// Returns a message for a spacing outside the range of the parameter, or another interval
+/// without `clear`.
 fn change_interval(
     axis: Axis,
     table: &PitchTableFile,
@@ -125,25 +127,25 @@ fn change_interval(
 
 /// The column of an axis in the pitch error table, and the parameters of its points.
 struct PitchColumn {
-    /// Value of each point, in 0.001 mm before multiplication by `factor`.
+    /// Value of each point, in table units before multiplication by `factor`.
     values: Vec<i64>,
-    /// Units of the parameters in a millimetre.
+    /// Number of table units in a millimetre.
     units: f64,
-    /// Interval between two points, units.
+    /// Interval between two points, table units.
     interval: f64,
-    /// Factor of parameter 013.
+    /// Factor of parameter 013, by which the control multiplies each value.
     factor: f64,
-    /// Point at the machine zero.
+    /// Number of the point at the machine zero.
     origin: i64,
-    /// The points that have an effect.
+    /// Numbers of the points that have an effect.
     counts: RangeInclusive<usize>,
 }
 
 impl PitchColumn {
-    /// Adds a row of a file to its point.
+    /// Adds the value of a file's row to its point.
     ///
     /// # Errors
-    /// The rule that the row breaks.
+    /// Returns the message about the rule that the row breaks.
     fn add_row(&mut self, row: &PitchTableRow) -> Result<(), Message> {
         let steps = row.end.0 * self.units / self.interval;
         let whole = steps.round();

@@ -13,9 +13,9 @@ use crate::correction::{LAST_POINT, MAX_POINT_VALUE};
 use crate::measurement::SlideTravel;
 use crate::screw_fit::ScrewFit;
 
-/// Intervals to try, in units, the largest first.
+/// Point intervals to try, in table units, the largest first.
 const INTERVALS: [i64; 8] = [20_000, 10_000, 5_000, 4_000, 2_500, 2_000, 1_500, 1_000];
-/// Largest residual deviation that is accepted without a smaller interval, µm.
+/// Largest residual deviation for which no smaller interval is tried, µm.
 pub(crate) const MAX_RESIDUAL_UM: f64 = 0.8;
 
 /// The deviations that a table has to correct.
@@ -23,48 +23,52 @@ pub(crate) struct CorrectionTask<'a> {
     pub(crate) axis: Axis,
     pub(crate) fit: &'a ScrewFit,
     pub(crate) current: PitchCurve,
-    /// Units per millimetre.
+    /// Number of table units in a millimetre.
     pub(crate) units_per_mm: f64,
     pub(crate) factor: i64,
-    /// Lowest and highest measured position, units.
+    /// Lowest and highest measured position, table units.
     pub(crate) range_units: (f64, f64),
-    /// Deviation at the machine zero, µm.
+    /// Measured deviation at the machine zero, µm.
     pub(crate) zero_deviation_um: f64,
 }
 
-/// Corrections for one interval, in units of the table.
+/// The corrections of a table with one point interval, in table units.
 pub(crate) struct IntervalCorrections {
     pub(crate) interval: i64,
-    /// Sums S(1), S(2) … towards plus.
+    /// Correction sums S(1), S(2) … towards plus.
     pub(crate) plus: Vec<i64>,
     pub(crate) minus: Vec<i64>,
-    /// Largest residual deviation, µm.
+    /// Largest deviation that remains with these corrections, µm.
     pub(crate) max_residual_um: f64,
 }
 
 impl CorrectionTask<'_> {
-    /// Deviation relative to the machine zero, µm. `at` is in units.
+    /// Returns the measured deviation relative to the machine zero, µm. `at` is in table
+    /// units.
     pub(crate) fn deviation_um(&self, at: f64) -> f64 {
         self.fit.curve.at(SlideTravel(at / self.units_per_mm)).0 - self.zero_deviation_um
     }
 
-    /// Correction of the current table, units.
+    /// Returns the correction of the current table, table units, at a position in the same
+    /// units.
     fn current_units(&self, at: f64) -> f64 {
         self.current.correction_at(at.round() as i64) as f64
     }
 
-    /// Correction that the slide needs, units.
+    /// Returns the correction that the slide needs, table units, at a position in the same
+    /// units.
     fn required_units(&self, at: f64) -> f64 {
         self.current_units(at) - self.deviation_um(at) * self.units_per_mm / 1000.0
     }
 
-    /// Number of points of a table with this interval.
+    /// Returns the number of points that a table with this interval needs.
     pub(crate) fn point_count(&self, interval: f64) -> i64 {
         let side = |end: f64| (end.max(0.0) / interval + 1e-9).floor() as i64;
         side(self.range_units.1) + side(-self.range_units.0)
     }
 
-    /// Correction sums on one side of the zero. `sign` is 1 towards plus, -1 towards minus.
+    /// Returns the correction sums on one side of the zero. `sign` is 1 towards plus, -1
+    /// towards minus.
     fn side_corrections(&self, interval: i64, sign: f64) -> Vec<i64> {
         let end = match sign > 0.0 {
             true => self.range_units.1,
@@ -110,7 +114,7 @@ impl CorrectionTask<'_> {
         corrections
     }
 
-    /// Residual deviation at a position, µm.
+    /// Returns the deviation that remains at a position (table units), µm.
     fn residual_um(&self, corrections: &IntervalCorrections, at: f64) -> f64 {
         let passed = (at.abs() / corrections.interval as f64 + 1e-9).floor() as usize;
         let side = if at < 0.0 {
@@ -124,7 +128,7 @@ impl CorrectionTask<'_> {
         self.deviation_um(at) + (made - self.current_units(at)) * 1000.0 / self.units_per_mm
     }
 
-    /// Whether the table has enough points and each value is at most 255.
+    /// Returns whether the table has enough points and each value is at most 255.
     pub(crate) fn fits(&self, corrections: &IntervalCorrections) -> bool {
         corrections.plus.len() + corrections.minus.len() <= LAST_POINT as usize
             && self
@@ -133,7 +137,7 @@ impl CorrectionTask<'_> {
                 .all(|(_, value)| value.abs() <= MAX_POINT_VALUE)
     }
 
-    /// Point that lies at the machine zero.
+    /// Returns the number of the point that lies at the machine zero.
     pub(crate) fn origin_point(corrections: &IntervalCorrections) -> i64 {
         let (plus, minus) = (
             corrections.plus.len() as i64,
@@ -146,7 +150,7 @@ impl CorrectionTask<'_> {
         }
     }
 
-    /// Lists point and value.
+    /// Returns number and value of each point, the value before multiplication by 013.
     pub(crate) fn point_values(&self, corrections: &IntervalCorrections) -> Vec<(i64, i64)> {
         let origin = Self::origin_point(corrections);
         let mut values = Vec::new();
@@ -164,8 +168,8 @@ impl CorrectionTask<'_> {
     }
 }
 
-/// Finds the largest interval with an acceptable residual, or else the one with the smallest
-/// residual.
+/// Returns the corrections for the largest interval with an acceptable residual, or else for
+/// the one with the smallest residual. Returns `None` if no interval fits the table.
 pub(crate) fn find_interval(task: &CorrectionTask<'_>) -> Option<IntervalCorrections> {
     let mut best: Option<IntervalCorrections> = None;
     for interval in INTERVALS {

@@ -3,15 +3,15 @@
 /// A group of values that were written together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UndoEntry<Label, Change> {
-    /// What the values were written for.
+    /// What the values were written for, for example a commissioning step.
     pub label: Label,
-    /// The values before.
+    /// The values before they were written.
     pub before: Vec<Change>,
     /// The values that were written.
     pub written: Vec<Change>,
 }
 
-/// The groups of written values, the newest last.
+/// The groups of values written to the control, the newest last.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UndoList<Label, Change> {
     entries: Vec<UndoEntry<Label, Change>>,
@@ -35,13 +35,13 @@ impl<Label, Change: Clone> UndoList<Label, Change> {
         });
     }
 
-    /// The recorded groups, the newest last.
+    /// Returns the recorded groups, the newest last.
     pub fn entries(&self) -> &[UndoEntry<Label, Change>] {
         &self.entries
     }
 
-    /// Removes the newest group and returns the values that undo it, in reverse order; `None` if
-    /// the list is empty.
+    /// Removes the newest group and returns its values before, in reverse order, which undo
+    /// it; `None` if the list is empty.
     pub fn pop(&mut self) -> Option<Vec<Change>> {
         let entry = self.entries.pop()?;
         Some(entry.before.into_iter().rev().collect())

@@ -8,23 +8,25 @@ use crate::facts::{facts, subject_name};
 use crate::subject::Subject;
 use crate::table::Topic;
 
-/// The texts of a topic in one language.
+/// The texts of a help topic in one language.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Article {
-    /// How a user writes the topic, and its name: `No. 022  Rapid speed, X axis`.
+    /// Designation of the topic as a user writes it, and its name: `No. 022  Rapid speed, X
+    /// axis`.
     pub heading: String,
-    /// What the subject is for and what it does.
+    /// What the topic's subject is for and what it does; empty if the tables contain
+    /// everything.
     pub rule: &'static str,
-    /// What the control's tables contain about the subject. Each entry is a sentence.
+    /// What the control's tables contain about the topic's subject. Each entry is a sentence.
     pub facts: Vec<String>,
-    /// A worked example, or empty.
+    /// A worked example; empty if there is none.
     pub example: &'static str,
     /// A sentence that names the section of the manual. Empty for features that only this
     /// program has.
     pub source: String,
 }
 
-/// Returns the article of a topic in a language.
+/// Returns the texts of a topic in a language.
 pub fn article(topic: &Topic, language: Language) -> Article {
     let name = subject_name(topic.subject, language);
     let designation = designation(topic.subject, language);
@@ -43,7 +45,8 @@ pub fn article(topic: &Topic, language: Language) -> Article {
     }
 }
 
-/// Returns the label that the LCD shows in a language.
+/// Returns the label that the LCD shows in a language. `label` is one text, or Chinese, `|`
+/// and English.
 fn label_in(label: &str, language: Language) -> &str {
     let (zh, en) = label.split_once('|').unwrap_or((label, label));
     match language {
@@ -52,7 +55,7 @@ fn label_in(label: &str, language: Language) -> &str {
     }
 }
 
-/// Returns the designation of a subject in headings. A search accepts it too.
+/// Returns how headings name a subject: `alarm 031`, `No. 022`. A search accepts it too.
 pub fn designation(subject: Subject<'_>, language: Language) -> String {
     let message = match subject {
         Subject::Alarm(number) => say::help_alarm(format!("{number:03}")),
@@ -71,7 +74,7 @@ pub fn designation(subject: Subject<'_>, language: Language) -> String {
     message.text(language)
 }
 
-/// Writes the article as text, one paragraph a line.
+/// Writes the article as text, one paragraph on each line.
 impl fmt::Display for Article {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", self.heading)?;

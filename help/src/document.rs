@@ -8,13 +8,14 @@ use crate::article::article;
 use crate::subject::Subject;
 use crate::table::topics;
 
-/// Suits a screen and A4 paper. A topic is not split between two sheets.
+/// Style sheet of the page. It suits a screen and A4 paper. A topic is not split between two
+/// sheets.
 const STYLE: &str = "body{font:11pt/1.4 sans-serif;max-width:48em;margin:auto;padding:1em}\
 h2{border-bottom:2px solid;margin-top:2em;break-before:page}h3{margin:1em 0 .2em}p{margin:.2em 0}\
 section{break-inside:avoid}.example{border-left:3px solid #888;padding-left:.6em}\
 .source,.fact{color:#555;font-size:90%}";
 
-/// A chapter: selects its subjects and returns its heading.
+/// A chapter of the page: whether a subject belongs to it, and its heading.
 type Chapter = (fn(Subject<'_>) -> bool, fn() -> Message);
 
 const CHAPTERS: [Chapter; 7] = [
@@ -45,7 +46,7 @@ const CHAPTERS: [Chapter; 7] = [
     ),
 ];
 
-/// Returns all topics in a language as an HTML page.
+/// Returns all topics in a language as the text of an HTML page.
 pub fn document(language: Language) -> String {
     let tag = match language {
         Language::Zh => "zh-CN",

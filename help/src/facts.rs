@@ -9,8 +9,8 @@ use gsk_panel::signals::{self, Signal};
 
 use crate::subject::Subject;
 
-/// Returns the name of a subject from its table, or an empty text for codes, fields, diagnosis
-/// numbers and notions.
+/// Returns the name of a subject from its table; empty for codes, fields, diagnosis numbers
+/// and notions.
 pub fn subject_name(subject: Subject<'_>, language: Language) -> String {
     let text = |zh: &str, en: &str| by_language(language, zh, en).to_owned();
     match subject {
@@ -35,7 +35,8 @@ pub fn subject_name(subject: Subject<'_>, language: Language) -> String {
     .unwrap_or_default()
 }
 
-/// Returns what the table contains about a subject besides its name, one sentence an entry.
+/// Returns what the control's tables contain about a subject besides its name, one sentence an
+/// entry.
 pub fn facts(subject: Subject<'_>, language: Language) -> Vec<String> {
     match subject {
         Subject::Alarm(number) => alarm::row(number).map(|row| alarm_facts(row, language)),
@@ -142,7 +143,7 @@ fn signal_facts(row: &Signal, language: Language) -> Vec<String> {
     facts
 }
 
-/// Returns the sender and the receiver of a PLC signal: `CNC → PLC`.
+/// Returns the sender and the receiver of a PLC signal, joined with an arrow: `CNC → PLC`.
 pub fn signal_direction(row: &Signal, language: Language) -> String {
     let ends = row
         .direction
@@ -151,7 +152,7 @@ pub fn signal_direction(row: &Signal, language: Language) -> String {
     ends.collect::<Vec<_>>().join(" → ")
 }
 
-/// Returns the name of a sender or receiver that the signal table lists.
+/// Returns the name of a sender or receiver in a language, from its word in the signal table.
 fn endpoint_name(end: &str, language: Language) -> String {
     let message = match end {
         "machine" => say::help_end_machine(),

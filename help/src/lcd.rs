@@ -11,11 +11,11 @@ use gsk_panel::screen::Screen;
 use crate::subject::Subject;
 use crate::table::{Topic, topic};
 
-/// Bits of a byte, and digits of a state parameter.
+/// Number of bits of a byte, and of digits of a state parameter.
 const BITS: usize = 8;
 
-/// Returns the model's topic about the word or field at a row and column of a page. Where that
-/// has no topic, returns the topic of the page.
+/// Returns the model's topic about the word or field at a row and column of a page, from 0. If
+/// there is none, returns the topic about the page, or `None` without one.
 pub fn topic_at(
     model: ModelId,
     page: PageId,
@@ -37,13 +37,13 @@ pub fn topic_at(
         .or_else(|| topic(Subject::Page(page.name())))
 }
 
-/// A word on the screen with its first column.
+/// A word on the LCD with its first column, from 0.
 struct Word {
     at: usize,
     text: String,
 }
 
-/// Returns the words in a range of columns of a row. A wide character takes two columns.
+/// Returns the words in a range of columns of an LCD row. A wide character takes two columns.
 fn words(screen: &Screen, row: usize, columns: core::ops::Range<usize>) -> Vec<Word> {
     let mut words: Vec<Word> = Vec::new();
     let mut inside = false;
@@ -69,7 +69,8 @@ fn words(screen: &Screen, row: usize, columns: core::ops::Range<usize>) -> Vec<W
     words
 }
 
-/// Returns the columns of the list at a column. A list page has a left and a right list.
+/// Returns the columns of the list that contains `column`. A list page has a left and a right
+/// list.
 fn list_half(column: usize) -> core::ops::Range<usize> {
     let middle = COLUMNS / 2;
     match column < middle {
@@ -78,8 +79,8 @@ fn list_half(column: usize) -> core::ops::Range<usize> {
     }
 }
 
-/// Returns the first word of the list entry at a column, and the bit if the column is in its
-/// eight binary digits.
+/// Returns the first word of the list entry at a column. If the column is in the entry's eight
+/// binary digits, also returns their bit. `None` if there is no entry.
 fn list_entry(screen: &Screen, row: usize, column: usize) -> Option<(String, Option<u8>)> {
     let mut words = words(screen, row, list_half(column)).into_iter();
     let name = words.next()?;
@@ -92,8 +93,8 @@ fn list_entry(screen: &Screen, row: usize, column: usize) -> Option<(String, Opt
     Some((name.text, bit))
 }
 
-/// Returns the selected number, and the bit whose name is at a column of a row with the names
-/// of eight bits.
+/// Returns the number selected in the list, and the bit whose name is at a column of a row
+/// with the names of eight bits. `None` if the row is no such row.
 fn named_bit(screen: &Screen, row: usize, column: usize) -> Option<(String, u8)> {
     let names = words(screen, row, 0..COLUMNS);
     if names.len() != BITS {
@@ -106,14 +107,15 @@ fn named_bit(screen: &Screen, row: usize, column: usize) -> Option<(String, u8)>
     Some((number, (BITS - 1 - from_left) as u8))
 }
 
-/// Row that shows the number selected in a list.
+/// LCD row, from 0, that shows the number selected in a list.
 const SELECTED_ROW: usize = 13;
-/// Rows of the lists and of the description of the selected number.
+/// LCD rows, from 0, of the lists and of the description of the selected number.
 const LIST_ROWS: core::ops::RangeInclusive<usize> = 2..=12;
-/// First row of the description of the selected number.
+/// First LCD row, from 0, of the description of the selected number.
 const DESCRIPTION_ROW: usize = 10;
 
-/// Returns the number selected in a list, and its bit if the row names one (`BIT3: …`).
+/// Returns the number selected in a list, and its bit if the description begins with one
+/// (`BIT3: …`). Returns `None` if `row` is above the description.
 fn selected_entry(screen: &Screen, row: usize) -> Option<(String, Option<u8>)> {
     if row < DESCRIPTION_ROW {
         return None;
@@ -162,7 +164,8 @@ fn signal(screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> 
     topic(Subject::Signal(&format!("{area}{number}.{bit}")))
 }
 
-/// Returns the topic of the alarm in a row: `P/S 013: …`, `207: …`, `1016 …`.
+/// Returns the topic of the alarm that a row shows: `P/S 013: …`, `207: …`, `1016 …`. `None`
+/// if the row shows no known alarm.
 fn alarm(screen: &Screen, row: usize) -> Option<&'static Topic> {
     let words = words(screen, row, 0..COLUMNS);
     let number = words.iter().take(2).find_map(|word| {

@@ -9,7 +9,7 @@ use gsk_messages::{Language, Message, say};
 use crate::subject::Subject;
 use crate::table::{Topic, parse_topics, topics};
 
-/// Texts about codes that exist in one model only or that mean something else in it.
+/// Help tables about codes that exist in one model only or have another meaning in it.
 const OWN_TEXTS: [(ModelId, &str); 3] = [
     (
         ModelId::Gsk980mdi,
@@ -25,7 +25,7 @@ const OWN_TEXTS: [(ModelId, &str); 3] = [
     ),
 ];
 
-/// Returns all topics of a model by ascending subject.
+/// Returns all topics of a model, sorted by subject.
 pub fn topics_of(model: ModelId) -> &'static [Topic] {
     // Each is collected on first use, because a run usually has one model.
     static MODELS: [LazyLock<Vec<Topic>>; 3] = [
@@ -41,7 +41,7 @@ pub fn topics_of(model: ModelId) -> &'static [Topic] {
     }
 }
 
-/// Returns the topic of a model about a subject.
+/// Returns the topic of a model about a subject; `None` if the model has none.
 pub fn topic_of(model: ModelId, subject: Subject<'_>) -> Option<&'static Topic> {
     let all = topics_of(model);
     let at = all.binary_search_by(|topic| topic.subject.cmp(&subject));
@@ -68,7 +68,8 @@ fn collect_topics(model: ModelId) -> Vec<Topic> {
     all
 }
 
-/// Whether a topic of the GSK980TD is valid for the model.
+/// Returns whether a topic of the GSK980TD is valid for the model: its code has the same
+/// meaning.
 fn is_valid_for(topic: &Topic, record: &ModelRecord) -> bool {
     let Subject::Code(name) = topic.subject else {
         return true;
@@ -91,7 +92,8 @@ fn is_valid_for(topic: &Topic, record: &ModelRecord) -> bool {
     true
 }
 
-/// Topics for the codes of a model that have no text: the meaning of the code.
+/// Returns topics for the codes of a model without a help text. They contain the code's
+/// meaning.
 fn codes(record: &'static ModelRecord) -> impl Iterator<Item = Topic> {
     let main = ModelId::default().record();
     let g = record
@@ -110,7 +112,7 @@ fn codes(record: &'static ModelRecord) -> impl Iterator<Item = Topic> {
     })
 }
 
-/// Topics for the parameters that exist in this model only.
+/// Returns topics for the parameters that only this model has.
 fn parameters(record: &'static ModelRecord) -> impl Iterator<Item = Topic> {
     record.parameters.iter().map(|(number, parameter)| {
         let (low, high) = parameter.range;

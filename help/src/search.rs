@@ -17,12 +17,13 @@ pub fn search(query: &str) -> Vec<&'static Topic> {
     search_among(query, |_| true)
 }
 
-/// Searches the topics of a model as [`search()`] does.
+/// Returns the topics of a model that match a query, in the order of [`search()`].
 pub fn search_model(model: ModelId, query: &str) -> Vec<&'static Topic> {
     search_topics(topics_of(model), query, |_| true)
 }
 
-/// Searches the topics whose subject `among` accepts, as [`search()`] does.
+/// Returns the topics that match a query and whose subject `among` accepts, in the order of
+/// [`search()`].
 pub fn search_among(query: &str, among: impl Fn(Subject<'_>) -> bool) -> Vec<&'static Topic> {
     search_topics(topics(), query, among)
 }
@@ -51,7 +52,8 @@ fn search_topics(
     found.into_iter().map(|(_, topic)| topic).collect()
 }
 
-/// Rank of a topic for a query, 0 for an exact match, or `None` if it does not match.
+/// Returns the rank of a topic for a query: 0 for an exact match, greater for a poorer one.
+/// Returns `None` if the topic does not match.
 fn match_rank(
     topic: &Topic,
     folded_query: &str,
@@ -85,13 +87,14 @@ fn match_rank(
     (texts.iter().any(|text| all(&text.to_lowercase()))).then_some(3)
 }
 
-/// Folds each word of a text.
+/// Returns a text with each word folded for comparison, joined with blanks.
 fn fold_words(text: &str) -> String {
     let words: Vec<String> = text.split_whitespace().map(fold_word).collect();
     words.join(" ")
 }
 
-/// Returns a word in lower case, with codes and numbers padded as in the tables.
+/// Returns a word folded for comparison: in lower case, with codes and numbers padded as in
+/// the tables.
 fn fold_word(text: &str) -> String {
     let text = text.to_lowercase();
     let letters = text.len()

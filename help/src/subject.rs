@@ -5,41 +5,42 @@ use core::fmt;
 use gsk_core::alarm::{self, AlarmClass, groups};
 use gsk_core::memory;
 
-/// Families of parameters.
+/// Names of the two families of parameters.
 const EVERY_STATE_PARAMETER: &str = "every state parameter";
 const EVERY_DATA_PARAMETER: &str = "every data parameter";
 
-/// What a topic is about.
+/// What a help topic is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Subject<'a> {
-    /// An alarm by its number. For a range of alarms, the first number.
+    /// An alarm, by its number. A range of alarms has its first number.
     Alarm(u16),
-    /// A whole parameter.
+    /// A whole parameter, by its number.
     Parameter(u16),
-    /// A bit of a state parameter: parameter number and bit, 0 to 7.
+    /// A bit of a state parameter, by parameter number and bit (0 to 7).
     Bit(u16, u8),
-    /// A G or M code, an operation of G65, a statement or function of macros: `G71`, `M30`,
-    /// `G65 H01`, `ATAN`. Also the words S, T and F.
+    /// A word of programs as it is written: a G or M code, an operation of G65, a statement or
+    /// function of macros (`G71`, `M30`, `G65 H01`, `ATAN`), or one of the words S, T and F.
     Code(&'a str),
-    /// A key by its name in scripts.
+    /// A panel key, by its name in scripts.
     Key(&'a str),
-    /// A lamp of the strip by its name in scripts.
+    /// A lamp of the status strip, by its name in scripts.
     Lamp(&'a str),
-    /// A page by its name in scripts.
+    /// An LCD page, by its name in scripts.
     Page(&'a str),
-    /// A field of a page: the page (`*` for any page) and the label on its screen. A label that
-    /// differs by language is Chinese, `|` and English: `编程速率|PRG.FEED`.
+    /// A field of an LCD page: name of the page (`*` for any page) and label on its screen. A
+    /// label that differs by language is Chinese, `|` and English: `编程速率|PRG.FEED`.
     Field(&'a str, &'a str),
-    /// A PLC signal by its address: `X0.5`.
+    /// A PLC signal, by its address: `X0.5`.
     Signal(&'a str),
-    /// A number of the diagnosis page.
+    /// An item of the diagnosis page, by its number.
     Diagnosis(u16),
-    /// Any other named notion: `dry run`, `mode AUTO`, `address X`.
+    /// Any other subject, by its name: `dry run`, `mode AUTO`, `address X`.
     Notion(&'a str),
 }
 
 impl<'a> Subject<'a> {
-    /// Parses a subject of the panel as its table writes it: `key RESET`, `page pos-abs`.
+    /// Parses a subject of the panel as the help table writes it: `key RESET`, `page pos-abs`.
+    /// Returns `None` if invalid.
     pub(crate) fn parse_panel(written: &'a str) -> Option<Self> {
         let (family, rest) = written.split_once(' ').unwrap_or((written, ""));
         Some(match family {
@@ -55,12 +56,12 @@ impl<'a> Subject<'a> {
         })
     }
 
-    /// Parses an alarm number.
+    /// Parses an alarm number as the help table writes it; `None` if it is not a number.
     pub(crate) fn parse_alarm(written: &'a str) -> Option<Self> {
         written.parse().ok().map(Self::Alarm)
     }
 
-    /// Parses a parameter or a bit of one: `022`, `004.3`.
+    /// Parses a parameter or a bit of one: `022`, `004.3`. Returns `None` if invalid.
     pub(crate) fn parse_parameter(written: &'a str) -> Option<Self> {
         let Some((number, bit)) = written.split_once('.') else {
             return written.parse().ok().map(Self::Parameter);
@@ -77,8 +78,9 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// Returns the family of subjects with the same handling, if there is one. What is shown
-    /// about a family is shown about each of its subjects.
+    /// Returns the name of the family whose subjects are handled alike, for example `every
+    /// signal`; `None` if the subject is in no family. What is shown about a family is shown
+    /// about each of its subjects.
     pub fn family(&self) -> Option<&'static str> {
         match *self {
             Self::Parameter(number) => {
@@ -102,7 +104,8 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// Returns the number of an alarm, a whole parameter or a diagnosis item.
+    /// Returns the number of an alarm, a whole parameter or a diagnosis item; `None` for other
+    /// subjects.
     pub const fn number(&self) -> Option<u16> {
         match *self {
             Self::Alarm(number) | Self::Parameter(number) | Self::Diagnosis(number) => Some(number),
@@ -111,8 +114,8 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// Writes the subject as a query does: `alarm 031`, `No. 004.3`, `G71`, `key RESET`,
-/// `page pos-abs`.
+/// Writes the subject as a search query: `alarm 031`, `No. 004.3`, `G71`, `key RESET`, `page
+/// pos-abs`.
 impl fmt::Display for Subject<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -11,10 +11,10 @@ use gsk_panel::signals;
 
 use crate::subject::Subject;
 
-/// Fields in a line of a help table.
+/// Number of fields in a line of a help table.
 const FIELDS: usize = 6;
 
-/// Parses the subject field of a help table.
+/// Parses the subject in a line of a help table; `None` if it is invalid.
 pub(crate) type ParseSubject = fn(&'static str) -> Option<Subject<'static>>;
 
 /// The help tables, each with the parser of its subjects.
@@ -43,7 +43,7 @@ const TEXTS: [(&str, ParseSubject); 6] = [
     }),
 ];
 
-/// All topics by ascending subject.
+/// All topics of the GSK980TD, sorted by subject.
 static TOPICS: LazyLock<Vec<Topic>> = LazyLock::new(|| {
     let mut topics: Vec<Topic> = TEXTS
         .iter()
@@ -56,7 +56,7 @@ static TOPICS: LazyLock<Vec<Topic>> = LazyLock::new(|| {
     topics
 });
 
-/// Returns every subject that the control's tables contain.
+/// Returns every subject that the control's own tables contain.
 fn table_subjects() -> impl Iterator<Item = Subject<'static>> {
     let alarms = alarm::rows().iter().map(|row| Subject::Alarm(row.number));
     let parameters = memory::parameter_rows().iter().map(|row| match row.bit {
@@ -76,7 +76,7 @@ fn table_subjects() -> impl Iterator<Item = Subject<'static>> {
         .chain(signals)
 }
 
-/// Returns the topics of a help table.
+/// Returns the topics in the lines of a help table. Skips invalid lines.
 pub(crate) fn parse_topics(
     table: &'static str,
     parse_subject: ParseSubject,
@@ -88,13 +88,13 @@ pub(crate) fn parse_topics(
 /// A help topic: a subject and the texts about it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Topic {
-    /// The subject of the topic.
+    /// What the topic is about.
     pub subject: Subject<'static>,
     rule: [&'static str; 2],
     example: [&'static str; 2],
-    /// The section of the manual, or empty.
+    /// The section of the manual that describes the subject; empty if none does.
     pub source: &'static str,
-    /// The only model the topic is about. `None` for a topic of the GSK980TD, which other
+    /// The only model that the topic is about. `None` for a topic of the GSK980TD, which other
     /// models can share.
     pub model: Option<ModelId>,
 }
@@ -110,7 +110,7 @@ impl Topic {
         }
     }
 
-    /// Creates a topic with a rule in Chinese and English.
+    /// Creates a topic about `subject` with a rule in Chinese and English.
     pub(crate) const fn with_text(subject: Subject<'static>, rule: [&'static str; 2]) -> Self {
         Self {
             rule,
@@ -118,7 +118,7 @@ impl Topic {
         }
     }
 
-    /// Returns the topic as one that only `model` has.
+    /// Returns the topic marked as one that only `model` has.
     pub(crate) const fn for_model(self, model: ModelId) -> Self {
         Self {
             model: Some(model),
@@ -140,13 +140,13 @@ impl Topic {
         })
     }
 
-    /// Returns what the subject is for, what it does and what surprises users. Empty where the
+    /// Returns what the subject is for, what it does and what surprises users. Empty if the
     /// tables contain everything.
     pub const fn rule(&self, language: Language) -> &'static str {
         self.rule[column(language)]
     }
 
-    /// Returns a worked example, or an empty text.
+    /// Returns a worked example; empty if there is none.
     pub const fn example(&self, language: Language) -> &'static str {
         self.example[column(language)]
     }
@@ -159,12 +159,12 @@ const fn column(language: Language) -> usize {
     }
 }
 
-/// Returns all topics of the GSK980TD by ascending subject.
+/// Returns all topics of the GSK980TD, sorted by subject.
 pub fn topics() -> &'static [Topic] {
     &TOPICS
 }
 
-/// Returns the GSK980TD's topic about a subject.
+/// Returns the GSK980TD's topic about a subject; `None` if there is none.
 pub fn topic(subject: Subject<'_>) -> Option<&'static Topic> {
     let at = TOPICS
         .binary_search_by(|topic| topic.subject.cmp(&subject))

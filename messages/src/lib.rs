@@ -25,7 +25,7 @@ include!(concat!(env!("OUT_DIR"), "/messages.rs"));
 /// A language of the program's messages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Language {
-    /// Chinese.
+    /// Chinese, the language of the LCD as delivered.
     #[default]
     Zh,
     /// English.
@@ -33,7 +33,7 @@ pub enum Language {
 }
 
 impl Language {
-    /// The other of the two languages.
+    /// Returns the other one of the two languages.
     pub const fn other(self) -> Self {
         match self {
             Self::Zh => Self::En,
@@ -42,32 +42,33 @@ impl Language {
     }
 }
 
-/// A row of the table.
+/// A row of the message table: name of the message and its text in both languages.
 #[derive(Debug)]
 struct Row {
     name: &'static str,
     en: &'static str,
     zh: &'static str,
-    /// The placeholders, in the order of a message's values.
+    /// Names of the placeholders, in the order in which a message stores their values.
     values: &'static [&'static str],
 }
 
-/// A message: its row in the table and the values of its placeholders. [`say`] has a
-/// constructor for each row. It stores no text until [`Message::text`] chooses a language.
+/// A message to the user: its row in the message table and the values of its placeholders.
+/// [`say`] has a constructor for each row. The message stores no text until [`Message::text`]
+/// chooses a language.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Message {
     id: Id,
     values: Vec<Value>,
 }
 
-/// The value of a placeholder.
+/// The value of a placeholder in a message.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Value {
-    /// A text that is the same in every language: a number, a code, a file name.
+    /// A text that is the same in both languages: a number, a code, a file name.
     Text(String),
-    /// Another message.
+    /// Another message, shown in the same language.
     Message(Message),
-    /// Several messages, joined with "; ".
+    /// Several messages, shown in the same language and joined with "; ".
     List(Vec<Message>),
 }
 
@@ -76,13 +77,13 @@ impl Message {
         Self { id, values }
     }
 
-    /// The row of the table that this message comes from.
+    /// Returns the row of the message table that this message comes from.
     pub const fn id(&self) -> Id {
         self.id
     }
 
-    /// The value of the placeholder `name` as text. `None` if the message has no such
-    /// placeholder, or if its value is another message.
+    /// Returns the value of the placeholder `name` as text. Returns `None` if the message has
+    /// no such placeholder, or if its value is another message.
     pub fn plain_value(&self, name: &str) -> Option<&str> {
         let values = self.id.row().values;
         let index = values.iter().position(|known| *known == name)?;
@@ -92,8 +93,9 @@ impl Message {
         }
     }
 
-    /// Like [`Message::plain_value`], but searches nested messages too: the column within the
-    /// profile of a cycle, for example.
+    /// Returns the value of the placeholder `name` as text, searching nested messages too: the
+    /// column within the profile of a cycle, for example. `None` if no placeholder with this
+    /// name has a text.
     pub fn find_value(&self, name: &str) -> Option<&str> {
         self.plain_value(name).or_else(|| {
             self.values.iter().find_map(|value| match value {
@@ -104,12 +106,13 @@ impl Message {
         })
     }
 
-    /// The text in a language, with all values filled in.
+    /// Returns the text of the message in a language, with all values filled in.
     pub fn text(&self, language: Language) -> String {
         self.text_with(language, &str::to_owned)
     }
 
-    /// The text in a language. `written` translates the text of a [`say::as_written`].
+    /// Returns the text of the message in a language. `written` translates the text of a
+    /// [`say::as_written`].
     pub(crate) fn text_with(&self, language: Language, written: &dyn Fn(&str) -> String) -> String {
         let row = self.id.row();
         let template = match language {
@@ -150,7 +153,7 @@ impl Message {
     }
 }
 
-/// Prints the English text.
+/// Writes the English text of the message.
 impl fmt::Display for Message {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text(Language::En))
@@ -163,18 +166,18 @@ impl Id {
         &ROWS[self as usize]
     }
 
-    /// The name of the row in the table, as serialized.
+    /// Returns the name of the message's row in the table; serialized messages contain it.
     pub fn name(self) -> &'static str {
         self.row().name
     }
 
-    /// All ids, in the order of the table.
+    /// Returns the ids of all messages, in the order of the table.
     pub const fn all() -> &'static [Self] {
         &IDS
     }
 }
 
-/// Texts of every row, English first, with their placeholders.
+/// Returns the text of every message with its placeholders, English first, then Chinese.
 pub fn all_texts() -> impl Iterator<Item = [&'static str; 2]> {
     ROWS.iter().map(|row| [row.en, row.zh])
 }
@@ -232,10 +235,11 @@ mod tests {
         }
     }
 
-    /// Texts quoted from the screen.
+    /// Chinese texts that English messages quote from the LCD.
     const SCREEN_TEXTS: [&str; 3] = ["英制编程", "参数开关", "程序开关"];
 
-    /// The caption of a key is in brackets, as printed on it: `[运行]`.
+    /// Whether a text has no Chinese outside key names in brackets, as printed on the key:
+    /// `[运行]`.
     fn is_english(text: &str) -> bool {
         let quoted = |text: String, line: &&str| text.replace(line, "");
         let text = SCREEN_TEXTS.iter().fold(text.to_owned(), quoted);

@@ -7,46 +7,46 @@
 //! {name:messages}   several messages, joined with "; "
 //! ```
 
-/// Why a text cannot be split.
+/// The reason why the text of a message cannot be split at its placeholders.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TemplateError {
-    /// A placeholder has no closing brace.
+    /// A placeholder in this text has no closing brace.
     #[error("a {{ without its }} in `{0}`")]
     Open(String),
-    /// The name of a placeholder is empty or invalid.
+    /// This name of a placeholder is empty or invalid.
     #[error("`{{{0}}}` names no value")]
     Name(String),
 }
 
-/// What a placeholder accepts.
+/// What a placeholder can be filled with.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PlaceholderKind {
-    /// A value printed with this format specification; empty for the default.
+    /// A value that is printed with this format specification; empty for the default.
     Plain(String),
-    /// Another message.
+    /// One message, in the same language.
     Message,
-    /// A list of messages.
+    /// A list of messages, in the same language.
     Messages,
 }
 
-/// A piece of a text.
+/// A piece of a message's text: literal text or a placeholder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TemplatePiece<'a> {
     /// Literal text between placeholders.
     Text(&'a str),
-    /// A placeholder.
+    /// A placeholder, which is filled with a value.
     Value {
-        /// The name of the parameter.
+        /// The name that the placeholder has in the text.
         name: &'a str,
-        /// What the parameter accepts.
+        /// What the placeholder can be filled with.
         kind: PlaceholderKind,
     },
 }
 
-/// Splits a text into literal text and placeholders, in their order.
+/// Splits the text of a message into literal text and placeholders, in their order.
 ///
 /// # Errors
-/// A placeholder has no closing brace or an invalid name.
+/// Returns the fault if a placeholder has no closing brace or an invalid name.
 pub fn split_template(text: &str) -> Result<Vec<TemplatePiece<'_>>, TemplateError> {
     let mut pieces = Vec::new();
     let mut rest = text;

@@ -5,20 +5,20 @@ use gsk_messages::say;
 
 use crate::space::PlanePoint;
 
-/// The words that define a circle, after scaling and rotation, mm.
+/// The words of a block that define an arc's circle, after scaling and rotation, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum ArcDefinition {
-    /// R, negative for an arc over half a turn.
+    /// The radius (word R), negative for an arc over half a turn.
     Radius(f64),
-    /// Distance from the start to the centre.
+    /// Distance from the start of the arc to its centre (words I, J, K).
     Center(PlanePoint),
 }
 
-/// Tolerance for differences between radii, mm: half an increment.
+/// Difference up to which two radii count as equal, mm: half an increment.
 const RADIUS_TOLERANCE: f64 = 0.000_5;
 
-/// Returns the centre of an arc. The end may be off the circle by up to `tolerance`, mm.
-/// Errors: alarm 013 if no such arc exists.
+/// Returns the centre of an arc from `from` to `to`. The end may be off the circle by up to
+/// `tolerance`, mm. Errors: alarm 013 if no such arc exists.
 pub(crate) fn arc_center(
     from: PlanePoint,
     to: PlanePoint,

@@ -7,24 +7,25 @@ use crate::space::{Length, MillAxis, MillPosition};
 /// An axis besides X, Y and Z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FurtherAxis {
-    /// Its address: A, B or C.
+    /// The axis's address in programs: A, B or C.
     pub letter: char,
     /// Whether the axis is rotary and counts in degrees. A linear axis counts in mm.
     pub rotary: bool,
-    /// The turn after which its coordinates restart at 0 (rotary A with 188.0).
+    /// The turn after which the axis's coordinates restart at 0 (rotary A with 188.0); `None`
+    /// if they do not restart.
     turn: Option<Length>,
     /// Whether the sign of an absolute word selects the direction (188.1). Otherwise the axis
     /// takes the shorter one.
     by_sign: bool,
 }
 
-/// The fourth and the fifth axis, where the machine has them.
+/// The fourth and the fifth axis of a machine; `None` for one that it does not have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Axes([Option<FurtherAxis>; 2]);
 
 impl Axes {
-    /// Reads the axes of a machine. An axis that follows X, Y or Z (1026, 1027) has no words
-    /// and is left out.
+    /// Reads the axes of a machine from its parameters. An axis that follows X, Y or Z (1026,
+    /// 1027) has no words and is left out.
     pub fn from_memory(memory: &MillMemory) -> Self {
         let count = memory.value(parameter::AXES);
         let follows = [parameter::FOURTH_FOLLOWS, parameter::FIFTH_FOLLOWS];
@@ -54,7 +55,8 @@ impl Axes {
         axes
     }
 
-    /// Returns a fourth or fifth axis of the machine. `None` for X, Y, Z and missing axes.
+    /// Returns the fourth or fifth axis of the machine. Returns `None` for X, Y, Z and axes
+    /// that it does not have.
     pub const fn further(&self, axis: MillAxis) -> Option<FurtherAxis> {
         match axis {
             MillAxis::Fourth => self.0[0],
@@ -63,20 +65,20 @@ impl Axes {
         }
     }
 
-    /// Returns the fourth and fifth axis that the machine has, in order.
+    /// Returns the fourth and fifth axis that the machine has, in this order.
     pub fn all_further(&self) -> impl Iterator<Item = (MillAxis, FurtherAxis)> + use<> {
         let axes = *self;
         let axis = move |axis| Some((axis, axes.further(axis)?));
         MillAxis::FURTHER.into_iter().filter_map(axis)
     }
 
-    /// Returns all axes of the machine, in order.
+    /// Returns all axes that the machine has, X first.
     pub(crate) fn all(&self) -> impl Iterator<Item = MillAxis> + use<> {
         let further = self.all_further().map(|(axis, _)| axis);
         MillAxis::BASIC.into_iter().chain(further)
     }
 
-    /// Returns the address of an axis.
+    /// Returns the address of an axis; `?` for one that the machine does not have.
     pub(crate) fn letter(&self, axis: MillAxis) -> char {
         match axis {
             MillAxis::X => 'X',
@@ -86,18 +88,18 @@ impl Axes {
         }
     }
 
-    /// Returns the fourth or fifth axis with an address.
+    /// Returns the fourth or fifth axis that has this address; `None` if the machine has none.
     pub(crate) fn axis(&self, letter: char) -> Option<MillAxis> {
         let mut all = self.all_further();
         all.find_map(|(axis, it)| (it.letter == letter).then_some(axis))
     }
 
-    /// Returns whether an axis counts in degrees.
+    /// Returns whether an axis is rotary and counts in degrees.
     pub(crate) fn is_rotary(&self, axis: MillAxis) -> bool {
         self.further(axis).is_some_and(|it| it.rotary)
     }
 
-    /// Returns whether the coordinates of an axis restart after a turn.
+    /// Returns whether the coordinates of an axis restart at 0 after a turn.
     pub(crate) fn rolls_over(&self, axis: MillAxis) -> bool {
         self.turn(axis).is_some()
     }
@@ -106,7 +108,8 @@ impl Axes {
         self.further(axis)?.turn
     }
 
-    /// Returns a point with rollover axes wrapped into one turn.
+    /// Returns the point with the coordinates of axes that restart wrapped into one turn, from
+    /// 0.
     #[must_use]
     pub(crate) fn wrapped(&self, mut point: MillPosition) -> MillPosition {
         for axis in MillAxis::FURTHER {
@@ -117,7 +120,8 @@ impl Axes {
         point
     }
 
-    /// Returns the end of a move from `from` to the absolute word `to`, unwrapped.
+    /// Returns where a move of `axis` from `from` to the absolute word `to` ends. The end may
+    /// be outside of one turn.
     pub(crate) fn towards(&self, axis: MillAxis, from: Length, to: Length) -> Length {
         match self.further(axis) {
             Some(FurtherAxis {
@@ -133,7 +137,8 @@ impl Axes {
         }
     }
 
-    /// Returns the same end by the shorter direction. Plus wins if both are equal.
+    /// Returns where the move ends if the axis takes the shorter direction to `to`. Plus wins
+    /// if both are equal.
     pub(crate) fn nearest(&self, axis: MillAxis, from: Length, to: Length) -> Length {
         let Some(turn) = self.turn(axis) else {
             return to;

@@ -15,35 +15,35 @@ use crate::state::{MillState, Polar};
 use crate::travel::{RunContext, StepKind, execute_holes, execute_motion};
 use crate::words::{BlockWords, OnOff, OneShotCode};
 
-/// Which block runs next.
+/// What runs after a block: another block, a subprogram, or nothing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum BlockFlow {
     Next,
-    /// Program stop (M00).
+    /// The program stops (M00).
     Stop,
-    /// End of program (M02, M30).
+    /// The program ends (M02, M30).
     End,
-    /// Calls a subprogram: M98, and M codes with a subprogram.
+    /// A subprogram is called, by M98 or an M code with a subprogram.
     Call {
         program: i64,
         runs: u16,
         name: String,
     },
-    /// Calls a macro: M9000 to M9999.
+    /// A macro is called by M9000 to M9999.
     Macro {
         program: i64,
         runs: u16,
         name: String,
     },
-    /// Returns from a subprogram (M99), with its P.
+    /// The subprogram returns (M99), to the block that P names if it is given.
     Back(Option<i64>),
 }
 
-/// The result of a block.
+/// What a block has done and which block follows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct BlockResult {
     pub(crate) flow: BlockFlow,
-    /// The block moved an axis, so that a modal macro is called.
+    /// Whether the block moved an axis, so that a modal macro is called after it.
     pub(crate) moved: bool,
 }
 
@@ -51,7 +51,7 @@ fn alarm(number: u16, detail: Message) -> Alarm {
     Alarm::new(number).with_detail(detail)
 }
 
-/// Executes a block. Errors: the alarm that refuses it.
+/// Executes a block: modal words, motion, M codes. Errors: the alarm that refuses the block.
 pub(crate) fn execute_block(
     state: &mut MillState,
     block: &ProgramBlock,
@@ -225,7 +225,7 @@ fn offset_number(value: WordNumber) -> Result<u16, Alarm> {
     }
 }
 
-/// G54 to G59, G54.1.
+/// Selects the work zero of G54 to G59 or G54.1.
 fn set_zero(state: &mut MillState, words: &BlockWords, memory: &MillMemory) -> Result<(), Alarm> {
     let zero = match words.zero {
         _ if words.additional => {
@@ -249,7 +249,7 @@ fn set_zero(state: &mut MillState, words: &BlockWords, memory: &MillMemory) -> R
     Ok(())
 }
 
-/// G43, G44, G49 and H.
+/// Sets the tool length offset of G43, G44, G49 and H.
 fn set_length(state: &mut MillState, words: &BlockWords, memory: &MillMemory) -> Result<(), Alarm> {
     let modal = &mut state.modal;
     let changes = words.length.is_some() || modal.length != LengthOffset::Off;
@@ -269,7 +269,7 @@ fn set_length(state: &mut MillState, words: &BlockWords, memory: &MillMemory) ->
     Ok(())
 }
 
-/// S, T and M codes that act before the motion.
+/// Carries out the S, T and M codes that act before the motion.
 fn set_spindle(
     state: &mut MillState,
     words: &BlockWords,
@@ -304,7 +304,7 @@ fn set_spindle(
     Ok(())
 }
 
-/// M codes that act after the motion.
+/// Carries out the M codes that act after the motion.
 fn apply_m_after_motion(
     state: &mut MillState,
     words: &BlockWords,
@@ -321,7 +321,7 @@ fn apply_m_after_motion(
     Ok(())
 }
 
-/// What an M code does. `None` for one that calls a program and for one of the ladder.
+/// Returns what an M code does; `None` if it calls a program or only the ladder knows it.
 fn m_function(code: i64, memory: &MillMemory) -> Result<Option<MCode>, Alarm> {
     if memory.model.is_macro_m_code(code) || memory.model.m_subprogram(code).is_some() {
         return Ok(None);
@@ -336,7 +336,8 @@ fn m_function(code: i64, memory: &MillMemory) -> Result<Option<MCode>, Alarm> {
     }
 }
 
-/// Returns whether only the ladder knows an M code, so that its effect is unknown here.
+/// Returns whether only the ladder knows the M code `code`, so that its effect is unknown
+/// here.
 pub(crate) fn is_ladder_code(code: i64, memory: &MillMemory) -> bool {
     let record = memory.model.record();
     let Ok(code) = u8::try_from(code) else {
@@ -347,7 +348,8 @@ pub(crate) fn is_ladder_code(code: i64, memory: &MillMemory) -> bool {
     !calls && record.m_function(code).is_none() && record.ladder_m.is_some_and(left)
 }
 
-/// Number of runs of a call: L, or the digits before the last four of P.
+/// Returns the number of runs of a call: L, or else `by_p`, the digits of P before the last
+/// four.
 fn run_count(words: &BlockWords, by_p: i64) -> Result<u16, Alarm> {
     let runs = words.letters.l.map_or(by_p.max(1), WordNumber::integer);
     match u16::try_from(runs) {
@@ -359,7 +361,7 @@ fn run_count(words: &BlockWords, by_p: i64) -> Result<u16, Alarm> {
     }
 }
 
-/// Returns the block that runs next.
+/// Returns what runs after a block, by its M code.
 pub(crate) fn block_flow(words: &BlockWords, memory: &MillMemory) -> Result<BlockFlow, Alarm> {
     let Some(code) = words.letters.m.map(WordNumber::integer) else {
         return Ok(BlockFlow::Next);
@@ -406,7 +408,7 @@ pub(crate) fn block_flow(words: &BlockWords, memory: &MillMemory) -> Result<Bloc
     })
 }
 
-/// Returns the words of a block that a macro receives as arguments.
+/// Returns address and value of the words of a block that a macro receives as arguments.
 pub(crate) fn arguments(block: &ProgramBlock) -> impl Iterator<Item = (u8, f64)> {
     let words = block.words().iter();
     let words = words.filter(|word| !matches!(word.address, b'G' | b'L' | b'M' | b'P'));

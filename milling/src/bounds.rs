@@ -3,36 +3,36 @@
 use crate::moves::{MillArc, MillMove, MillMoveKind};
 use crate::space::{MillAxis, MillPosition, PlanePoint};
 
-/// Path lengths, mm. A rapid counts as its chord.
+/// Path lengths of a program by kind of move, mm. A rapid counts as its chord.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MillPathLengths {
-    /// Rapids.
+    /// Length of all rapids, mm.
     pub rapid: f64,
-    /// Straight cuts.
+    /// Length of all straight cuts, mm.
     pub feed: f64,
-    /// Clockwise cuts.
+    /// Length of all clockwise arcs, mm.
     pub clockwise: f64,
-    /// Counter-clockwise cuts.
+    /// Length of all counter-clockwise arcs, mm.
     pub counter_clockwise: f64,
-    /// Taps.
+    /// Length of all taps, in and out, mm.
     pub tap: f64,
-    /// Threads.
+    /// Length of all threads, mm.
     pub thread: f64,
 }
 
 /// The bounding box of a path in work coordinates, mm, or degrees for rotary axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MillBounds {
-    /// Least X, Y, Z.
+    /// Least X, Y and Z of the path, mm.
     pub least: [f64; 3],
-    /// Greatest X, Y, Z.
+    /// Greatest X, Y and Z of the path, mm.
     pub greatest: [f64; 3],
-    /// Least and greatest position of the fourth and the fifth axis.
+    /// Least and greatest position of the fourth and the fifth axis, mm or degrees.
     pub further: [(f64, f64); 2],
 }
 
 impl MillBounds {
-    /// Extends a bounding box by a move.
+    /// Extends the bounding box by a move, or creates it if it is `None`.
     pub(crate) fn extend(bounds: &mut Option<Self>, executed: &MillMove) {
         let further = |point: &MillPosition| MillAxis::FURTHER.map(|axis| point.get(axis).mm());
         let (begin, end) = (further(&executed.from), further(&executed.to));

@@ -11,17 +11,17 @@ use crate::modal::{Hole, MillMotion};
 use crate::state::MillState;
 use crate::words::{BlockWords, OnOff, OneShotCode};
 
-/// A probable mistake that raises no alarm.
+/// A probable mistake in a mill program that raises no alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MillSlip {
-    /// A word that no code of its block uses.
+    /// No code of the block uses the word with this letter.
     WordWithoutEffect(char),
-    /// An M code that the ladder executes.
+    /// Only the ladder knows this M code, so that its effect is not previewed.
     LadderCode(i64),
 }
 
 impl MillSlip {
-    /// Returns the name of the warning, for programs that sort findings.
+    /// Returns the identifier of the kind of warning, for programs that sort findings.
     pub const fn id(self) -> &'static str {
         match self {
             Self::WordWithoutEffect(_) => "word-without-effect",
@@ -29,7 +29,7 @@ impl MillSlip {
         }
     }
 
-    /// Returns the warning as a message.
+    /// Returns the message about the mistake.
     pub fn message(self) -> Message {
         match self {
             Self::WordWithoutEffect(letter) => say::caution_mill_word(letter),
@@ -41,21 +41,21 @@ impl MillSlip {
 /// A warning and the block that caused it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MillCaution {
-    /// The warning.
+    /// The probable mistake.
     pub slip: MillSlip,
-    /// The first block with this warning.
+    /// Position of the first block with this mistake.
     pub source: SourcePosition,
 }
 
 impl MillCaution {
-    /// Returns the warning as a message with its line.
+    /// Returns the message about the mistake, with its line.
     pub fn sentence(&self) -> Message {
         say::in_line(self.source.line, self.slip.message())
     }
 }
 
-/// Returns the warnings about an executed block that is not a macro call. `state` is the state
-/// after the block.
+/// Returns the probable mistakes in an executed block that is not a macro call. `state` is the
+/// state after the block.
 pub(crate) fn find_slips<'a>(
     block: &'a ProgramBlock,
     words: &'a BlockWords,
@@ -106,7 +106,7 @@ fn is_used(address: u8, words: &BlockWords, state: &MillState, memory: &MillMemo
     }
 }
 
-/// Whether Q is a depth or a shift of a cycle.
+/// Returns whether a cycle uses Q, as a depth or a shift.
 const fn takes_q(hole: Hole) -> bool {
     matches!(
         hole,

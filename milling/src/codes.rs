@@ -16,7 +16,7 @@ fn alarm(number: u16, detail: Message) -> Alarm {
     Alarm::new(number).with_detail(detail)
 }
 
-/// Executes a code of group 00. Returns whether it moves an axis.
+/// Executes a code that acts only in its block (group 00). Returns whether it moves an axis.
 pub(crate) fn execute_one_shot(
     code: OneShotCode,
     state: &mut MillState,
@@ -63,7 +63,7 @@ pub(crate) fn execute_one_shot(
     Ok(words.has_axes())
 }
 
-/// G27: moves at rapid to the reference point and checks the position.
+/// Executes G27: moves at rapid to the reference point and checks the position.
 fn check_reference(
     state: &mut MillState,
     words: &BlockWords,
@@ -87,7 +87,7 @@ fn check_reference(
     Ok(())
 }
 
-/// G29: from the reference point over the intermediate point of the last return.
+/// Executes G29: moves over the intermediate point of the last return to the programmed point.
 fn return_from_reference(
     state: &mut MillState,
     words: &BlockWords,
@@ -100,7 +100,7 @@ fn return_from_reference(
     rapid_to_point(state, words, &end, context)
 }
 
-/// G31: without a signal the move ends at its programmed point.
+/// Executes G31: moves until a signal. Without one the move ends at its programmed point.
 fn move_until_skip(
     state: &mut MillState,
     words: &BlockWords,
@@ -119,7 +119,7 @@ fn move_until_skip(
     Ok(())
 }
 
-/// G52: sets the local coordinate system.
+/// Executes G52: sets the local coordinate system.
 fn set_local(state: &mut MillState, words: &BlockWords, context: &RunContext<'_, '_>) {
     for axis in named_axes(words) {
         let value = words.letters.axes.get(axis);
@@ -134,7 +134,7 @@ fn set_local(state: &mut MillState, words: &BlockWords, context: &RunContext<'_,
     state.resync(context.memory);
 }
 
-/// G53: moves in machine coordinates.
+/// Executes G53: moves in machine coordinates.
 fn move_in_machine_coordinates(
     state: &mut MillState,
     words: &BlockWords,
@@ -161,7 +161,7 @@ fn move_in_machine_coordinates(
     Ok(())
 }
 
-/// G92: shifts the work coordinates so that the position has the programmed values.
+/// Executes G92: shifts the work coordinates so that the position has the programmed values.
 fn set_coordinates(state: &mut MillState, words: &BlockWords, context: &RunContext<'_, '_>) {
     let work = state.work(context.memory);
     for axis in named_axes(words) {
@@ -188,7 +188,7 @@ fn rapid_to_point(
     context.go(state, to, StepKind::Rapid, true)
 }
 
-/// The axes that a block names.
+/// Returns the axes that have a word in the block.
 fn named_axes(words: &BlockWords) -> impl Iterator<Item = MillAxis> {
     let axes = words.letters.axes;
     MillAxis::ALL
@@ -212,7 +212,7 @@ fn dwell(
     context.dwell(state, seconds)
 }
 
-/// G10, memory of type C: lengths and radii, each with its wear.
+/// Executes G10: writes the length, radius or one of their wears into the tool offset memory.
 fn offset_input(
     state: &MillState,
     words: &BlockWords,
@@ -241,7 +241,7 @@ fn offset_input(
     context.memory.set_offset(p, column, value, inch)
 }
 
-/// G28, G30: over the intermediate point to a reference point.
+/// Executes G28 and G30: moves over the intermediate point to reference point `index`.
 fn return_to_reference(
     index: u16,
     state: &mut MillState,
@@ -267,7 +267,7 @@ fn return_to_reference(
     Ok(())
 }
 
-/// A reference return and G53 cancel the length offset, unless 013.7 keeps it.
+/// Cancels the length offset after a reference return or G53, unless 013.7 keeps it.
 fn keep_or_cancel_length(state: &mut MillState, context: &RunContext<'_, '_>) {
     if !context.memory.bit(parameter::LENGTHS, 7) {
         state.modal.length = LengthOffset::Off;
@@ -275,8 +275,8 @@ fn keep_or_cancel_length(state: &mut MillState, context: &RunContext<'_, '_>) {
     }
 }
 
-/// G37: at rapid to a short distance before the point, then at the feed of 5040. The preview
-/// takes the signal to come at the point.
+/// Executes G37: moves at rapid to a short distance before the point, then at the feed of
+/// 5040. The preview takes the signal to come at the point.
 fn measure_tool(
     state: &mut MillState,
     words: &BlockWords,
@@ -297,14 +297,14 @@ fn measure_tool(
     context.go(state, to, StepKind::CutAt(feed.into()), true)
 }
 
-/// The greatest P of G51, and of parameter 5411.
+/// The greatest scale: P of G51 and parameter 5411, in the unit of 036.7.
 const MAX_SCALE: i64 = 99_999_999;
-/// The greatest I, J, K: 9.999, or 9.99999 in units of 0.00001.
+/// The greatest scale of an axis (I, J, K): 9.999, or 9.99999 in units of 0.00001.
 const AXIS_SCALE: [i64; 2] = [9999, 999_999];
-/// The greatest angle of G68, degrees.
+/// The greatest angle of rotation (R of G68), degrees.
 const MAX_ANGLE: f64 = 360.0;
 
-/// Starts scaling (G51).
+/// Starts scaling about a point (G51).
 pub(crate) fn start_scaling(
     state: &mut MillState,
     block: &ProgramBlock,
@@ -383,7 +383,7 @@ pub(crate) fn start_scaling(
     Ok(())
 }
 
-/// Starts a rotation (G68).
+/// Starts a rotation about a point (G68).
 pub(crate) fn start_rotation(
     state: &mut MillState,
     words: &BlockWords,

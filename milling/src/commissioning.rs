@@ -7,24 +7,24 @@ use gsk_messages::{Message, say};
 
 use crate::space::Length;
 
-/// CMR over CMD, parameters 015 and 016.
+/// An electronic gear: command multiplier (CMR) over command divider (CMD).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ElectronicGear {
-    /// Parameter 015.
+    /// The command multiplier, parameter 015.
     pub multiplier: u32,
-    /// Parameter 016.
+    /// The command divider, parameter 016.
     pub divider: u32,
 }
 
-/// The greatest multiplier and divider.
+/// The greatest value of the multiplier and of the divider.
 const GREATEST: u64 = 32_767;
 
-/// Teeth of the gear wheels on the screw and on the motor.
+/// Numbers of teeth of the gear wheels between motor and screw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Teeth {
-    /// Teeth of the wheel on the screw, or on the table.
+    /// Number of teeth of the wheel on the screw, or on the table.
     pub screw: u32,
-    /// Teeth of the wheel on the motor.
+    /// Number of teeth of the wheel on the motor.
     pub motor: u32,
 }
 
@@ -53,8 +53,8 @@ fn gear(multiplier: u64, divider: u64) -> Result<ElectronicGear, Message> {
     }
 }
 
-/// Returns the gear of a linear axis. `counts`: encoder counts per turn. `increment`: output
-/// increment.
+/// Returns the electronic gear of a linear axis. `counts`: encoder counts per turn.
+/// `increment`: output increment. `lead`: lead of the screw.
 ///
 /// # Errors
 ///
@@ -75,12 +75,12 @@ pub fn linear_gear(
     }
 }
 
-/// Returns the gear of a rotary axis or a spindle. `counts`: encoder counts per turn. `pulses`:
-/// pulses per turn.
+/// Returns the electronic gear of a rotary axis or a spindle. `counts`: encoder counts per
+/// turn of the motor. `pulses`: pulses per turn of the axis.
 ///
 /// # Errors
 ///
-/// As for [`linear_gear`].
+/// Returns a message if a value is 0 or the gear is beyond 32767.
 pub fn rotary_gear(counts: u32, pulses: u32, teeth: Teeth) -> Result<ElectronicGear, Message> {
     let multiplier = u64::from(counts) * u64::from(teeth.screw);
     let divider = u64::from(pulses) * u64::from(teeth.motor);
@@ -91,34 +91,35 @@ pub fn rotary_gear(counts: u32, pulses: u32, teeth: Teeth) -> Result<ElectronicG
 }
 
 /// Returns the rate of backlash compensation in mode A (011.7 = 0), pulses/s. Parameter 010
-/// counts thousands. 011.6 reduces the rate to an eighth.
+/// counts thousands. `an_eighth` (011.6) reduces the rate to an eighth.
 pub const fn backlash_rate(parameter_010: u8, an_eighth: bool) -> u32 {
     let rate = parameter_010 as u32 * 1000;
     if an_eighth { rate / 8 } else { rate }
 }
 
-/// The pitch errors of an axis.
+/// The pitch error table of an axis, as parameters and interval errors.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MillPitchTable {
-    /// 3620: the number at the reference point.
+    /// Number of the table at the reference point (3620).
     origin: i64,
-    /// 3624, 0.001 mm.
+    /// Length of an interval (3624), 0.001 mm.
     interval: i64,
-    /// 3621, 3622.
+    /// Least and greatest number whose error acts (3621, 3622).
     window: (i64, i64),
     /// Error of each interval by its number N, 0.001 mm: between `(N − 1 − origin)` and
     /// `(N − origin)` intervals.
     values: BTreeMap<i64, i64>,
 }
 
-/// Ranges of the table's numbers, of its values and of its intervals.
+/// Ranges of the table's numbers, and in 0.001 mm of its errors and of its interval.
 const NUMBERS: core::ops::RangeInclusive<i64> = 0..=1023;
 const VALUES: core::ops::RangeInclusive<i64> = -2550..=2550;
 const INTERVALS: core::ops::RangeInclusive<i64> = 1000..=999_999;
 
 impl MillPitchTable {
-    /// Creates a table. Only values with numbers from `least` (3621) to `most` (3622) act.
-    /// `interval` and values are in 0.001 mm.
+    /// Creates a table. `origin` is the number at the reference point (3620). Only values with
+    /// numbers from `least` (3621) to `most` (3622) act. `interval` and values are in 0.001
+    /// mm.
     ///
     /// # Errors
     ///
@@ -151,15 +152,15 @@ impl MillPitchTable {
         })
     }
 
-    /// Returns whether the negative side of the reference point is compensated. If the
-    /// reference point is the least number of the table, its value has no interval: the
+    /// Returns whether positions on the negative side of the reference point are compensated.
+    /// If the reference point is the least number of the table, its value has no interval: the
     /// interval below it is outside the table (part on installation, 6.6).
     pub const fn has_negative_side(&self) -> bool {
         self.origin > self.window.0
     }
 
     /// Returns the number of the interval that ends at a position, seen from the reference
-    /// point, 0.001 mm. `None` if no interval ends there.
+    /// point; `None` if no interval ends there. `position` is in 0.001 mm.
     pub const fn number_at(&self, position: i64) -> Option<i64> {
         if position % self.interval != 0 || (position < 0 && !self.has_negative_side()) {
             return None;
@@ -171,7 +172,7 @@ impl MillPitchTable {
         }
     }
 
-    /// Adds to the value of a number, 0.001 mm.
+    /// Adds `value`, 0.001 mm, to the error of a number.
     ///
     /// # Errors
     ///
@@ -189,13 +190,14 @@ impl MillPitchTable {
         Ok(())
     }
 
-    /// Returns the values other than 0, by number.
+    /// Returns number and error (0.001 mm) of the errors other than 0, by ascending number.
     pub fn values(&self) -> impl Iterator<Item = (i64, i64)> {
         let values = self.values.iter().map(|(number, value)| (*number, *value));
         values.filter(|(_, value)| *value != 0)
     }
 
-    /// Returns the far end of the interval of a number, 0.001 mm from the reference point.
+    /// Returns the end of a number's interval that is farther from the reference point, 0.001
+    /// mm from that point.
     pub fn end_of(&self, number: i64) -> i64 {
         let beyond = i64::from(number > self.origin);
         (number - 1 + beyond - self.origin) * self.interval
@@ -205,8 +207,8 @@ impl MillPitchTable {
         self.values.get(&number).copied().unwrap_or(0)
     }
 
-    /// Returns the commanded position that compensates a position, both in 0.001 mm from the
-    /// reference point. Within an interval the error is interpolated.
+    /// Returns the commanded position at which the axis really reaches `position`. Both are in
+    /// 0.001 mm from the reference point. Within an interval the error is interpolated.
     pub fn commanded(&self, position: i64) -> i64 {
         if position < 0 && !self.has_negative_side() {
             return position;
@@ -227,7 +229,8 @@ impl MillPitchTable {
         position + sign * (errors + (share + half) / self.interval)
     }
 
-    /// Returns the number at the positive end of a turn of a rotary axis (1260, 0.001 degrees).
+    /// Returns the number at the positive end of a rotary axis's turn. `turn` is in 0.001
+    /// degrees (1260).
     ///
     /// # Errors
     ///
@@ -253,8 +256,8 @@ impl MillPitchTable {
         Ok(end)
     }
 
-    /// Returns the position that the page shows in place of a number: the far end of its
-    /// interval, in whole millimetres.
+    /// Returns the text that the page shows in place of a number: the far end of its interval,
+    /// in whole millimetres.
     pub fn label(&self, number: i64) -> String {
         let position = self.end_of(number) / 1000;
         if position < 0 {
@@ -280,7 +283,7 @@ mod tests {
         MillPitchTable::new(origin, interval, window, values).expect("a table")
     }
 
-    /// Facts C34 and C35.
+    /// Facts C34 and C35 of `tests/model-facts.tsv`.
     #[test]
     fn gears_of_the_manual() {
         let found = linear_gear(
@@ -299,7 +302,7 @@ mod tests {
         assert!(rotary_gear(0, 1000, DIRECT).is_err());
     }
 
-    /// Fact C40.
+    /// Fact C40 of `tests/model-facts.tsv`.
     #[test]
     fn backlash_pulses_by_parameter() {
         assert_eq!(backlash_rate(0b0000_1010, false), 10_000);
@@ -307,7 +310,7 @@ mod tests {
         assert_eq!(backlash_rate(255, false), 255_000);
     }
 
-    /// Facts C36 to C38.
+    /// Facts C36 to C38 of `tests/model-facts.tsv`.
     #[test]
     fn pulses_of_the_examples() {
         let one = table(0, 10_000, (0, 199), &[(1, 7), (2, -6), (3, 4)]);
@@ -348,7 +351,7 @@ mod tests {
         assert!(five.add(71, 1).is_err() && five.add(61, 2548).is_err());
     }
 
-    /// Fact C39.
+    /// Fact C39 of `tests/model-facts.tsv`.
     #[test]
     fn a_turn_comes_out_even() {
         let errors = [1, -2, 1, 3, -1, -1, -3, 2, 1];
@@ -361,7 +364,7 @@ mod tests {
         assert!(four.end_of_turn(45_000_000_000).is_err());
     }
 
-    /// Fact C41.
+    /// Fact C41 of `tests/model-facts.tsv`.
     #[test]
     fn numbers_become_positions() {
         let five = table(100, 20_000, (0, 1023), &[]);

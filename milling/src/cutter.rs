@@ -13,17 +13,17 @@ use crate::moves::{MillArc, MillMoveKind};
 use crate::space::{MillPosition, Plane, PlanePoint};
 use crate::tracker::{PathStep, Tracker};
 
-/// Step numbers wrap at this count. Far fewer steps wait at a time.
+/// Step numbers restart at 0 after this count. Far fewer steps wait at a time.
 const STEP_NUMBERS: u32 = 4096;
 
-/// The cutter compensation with the steps in it.
+/// The cutter radius compensation, with the steps that wait in it for the next ones.
 #[derive(Debug, Default)]
 pub(crate) struct CutterStream {
     stream: CutterCompensation,
     waiting: BTreeMap<u32, PathStep>,
     count: u32,
     plane: Plane,
-    /// End of the last step that went in.
+    /// End of the last step that was taken.
     at: MillPosition,
 }
 
@@ -39,7 +39,7 @@ const fn flat(point: Point) -> PlanePoint {
 }
 
 impl CutterStream {
-    /// Starts at the position of the tool.
+    /// Creates a stream without compensation, with the tool at `start`.
     pub(crate) fn new(start: MillPosition) -> Self {
         Self {
             at: start,
@@ -47,13 +47,15 @@ impl CutterStream {
         }
     }
 
-    /// Returns whether compensation is on.
+    /// Returns whether cutter radius compensation is on.
     pub(crate) const fn is_on(&self) -> bool {
         self.stream.is_on()
     }
 
-    /// Takes a step. `radius` is the cutter's, mm. `apart` marks a step away from the contour
-    /// (a hole, a reference return), which is not compensated.
+    /// Takes a step, and passes it and waiting ones to `tracker` when their compensated end is
+    /// known. `radius` is the cutter's, mm. `apart` marks a step away from the contour (a
+    /// hole, a reference return), which is not compensated. Errors: the alarm of the
+    /// compensation or of a travel limit.
     pub(crate) fn take(
         &mut self,
         step: &PathStep,
@@ -102,12 +104,12 @@ impl CutterStream {
         self.make_ready_steps(tracker)
     }
 
-    /// Whether a step cancels the compensation. It does so even without motion in the plane.
+    /// Whether a step cancels the compensation: G40 does, even without motion in the plane.
     fn cancels(&self, side: CutterSide) -> bool {
         side == CutterSide::On && self.is_on()
     }
 
-    /// Takes a block without motion.
+    /// Takes a block without motion. Errors: the alarm of a waiting step.
     pub(crate) fn skip_block(
         &mut self,
         side: CutterSide,
@@ -119,7 +121,8 @@ impl CutterStream {
         self.make_ready_steps(tracker)
     }
 
-    /// Completes the waiting steps at the end of the program.
+    /// Completes the waiting steps at the end of the program. Errors: the alarm of one of
+    /// them.
     pub(crate) fn flush(&mut self, tracker: &mut Tracker<'_>) -> Result<(), Alarm> {
         self.stream.flush();
         self.make_ready_steps(tracker)

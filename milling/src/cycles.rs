@@ -15,54 +15,55 @@ use crate::memory::{MillMemory, parameter};
 use crate::modal::{Hole, SpindleState};
 use crate::space::{Length, MillAxis, MillPosition, Plane};
 
-/// Values that the words of a cycle keep for the next hole.
+/// The words of a hole cycle, which remain in force for the next holes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct HoleData {
-    /// Level before the first hole, machine coordinates.
+    /// Level before the first hole, a machine coordinate.
     pub(crate) initial: Length,
-    /// R as programmed. With G91 it counts from the initial level.
+    /// R level as programmed; `None` until it is. With G91 it counts from the initial level.
     pub(crate) r: Option<HoleLevel>,
-    /// The bottom: Z, or the axis across the plane. With G91 it counts from R.
+    /// Bottom of the hole: Z, or the axis across the plane; `None` until programmed. With G91
+    /// it counts from R.
     pub(crate) bottom: Option<HoleLevel>,
-    /// Q: the depth of a peck, or the shift of G76 and G87.
+    /// Word Q: the depth of a peck, or the shift of G76 and G87; `None` until programmed.
     pub(crate) q: Option<Length>,
-    /// P, s.
+    /// Dwell at the bottom (word P), s.
     pub(crate) dwell_s: f64,
 }
 
-/// A level as programmed.
+/// A level of a hole as programmed, absolute or incremental.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct HoleLevel {
     pub(crate) value: Length,
     pub(crate) incremental: bool,
 }
 
-/// A step of a hole, machine coordinates.
+/// A step of a hole cycle; its points are in machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum HoleStep {
-    /// At rapid to a point.
+    /// Moves to a point at rapid.
     Rapid(MillPosition),
-    /// At the feed to a point.
+    /// Moves to a point at the feed.
     Feed(MillPosition),
-    /// To a point, synchronised with the spindle.
+    /// Moves to a point, synchronised with the spindle.
     Tap {
         /// End of the move.
         to: MillPosition,
         /// Whether the tap moves out of the hole.
         out: bool,
     },
-    /// Duration of a dwell, s.
+    /// Dwells for a number of seconds.
     Dwell(f64),
-    /// Spindle state from here on.
+    /// Changes the state of the spindle.
     Spindle(SpindleState),
 }
 
-/// A hole: its position, depth and cycle.
+/// A hole to be made: its position, levels and cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Drilling<'a> {
     pub(crate) hole: Hole,
     pub(crate) plane: Plane,
-    /// Position over the hole, at the level where it starts.
+    /// Position over the hole, at the level where the tool is before the cycle.
     pub(crate) over: MillPosition,
     pub(crate) initial: Length,
     pub(crate) r: Length,
@@ -71,7 +72,7 @@ pub(crate) struct Drilling<'a> {
     pub(crate) dwell_s: f64,
     pub(crate) to_r: bool,
     pub(crate) spindle: SpindleState,
-    /// Whether taps are rigid: then Q is the depth of a peck.
+    /// Whether taps are rigid (M29). Q is then the depth of a peck.
     pub(crate) rigid: bool,
     pub(crate) memory: &'a MillMemory,
 }
@@ -84,14 +85,14 @@ fn too_many_pecks() -> Alarm {
 }
 
 impl Drilling<'_> {
-    /// A point over or in the hole.
+    /// Returns the point of the hole at a level.
     fn at(&self, level: Length) -> MillPosition {
         let mut point = self.over;
         point.set(self.plane.across(), level);
         point
     }
 
-    /// The same point shifted sideways by the shift of G76 and G87.
+    /// Returns the point of the hole at a level, moved sideways by the shift of G76 and G87.
     fn shifted(&self, level: Length, shift: Length) -> MillPosition {
         let mut point = self.at(level);
         let bit = |bit| self.memory.bit(parameter::SHIFT, bit);
@@ -102,7 +103,7 @@ impl Drilling<'_> {
         point
     }
 
-    /// Returns the steps of the hole in order. Errors: alarm 062 if Q is missing.
+    /// Returns the steps that make the hole, in order. Errors: alarm 062 if Q is missing.
     pub(crate) fn steps(&self) -> Result<Vec<HoleStep>, Alarm> {
         let mut steps = vec![HoleStep::Rapid(self.over)];
         let (in_r, end) = (self.at(self.r), self.at(self.bottom));
@@ -169,12 +170,12 @@ impl Drilling<'_> {
         Ok(self.with_dwell(steps))
     }
 
-    /// The level that the tool returns to.
+    /// Returns the level to which the tool returns after the hole: R or the initial level.
     const fn return_level(&self) -> Length {
         if self.to_r { self.r } else { self.initial }
     }
 
-    /// Adds the dwell after every hole (5108).
+    /// Appends the dwell after every hole (5108), and removes dwells of 0.
     fn with_dwell(&self, mut steps: Vec<HoleStep>) -> Vec<HoleStep> {
         let dwell = self.memory.value(parameter::HOLE_DWELL);
         if dwell > 0 {
@@ -184,7 +185,7 @@ impl Drilling<'_> {
         steps
     }
 
-    /// Q, which must be greater than 0.
+    /// Returns the absolute value of Q. Errors: alarm 062 if it is missing or 0.
     fn required_q(&self) -> Result<Length, Alarm> {
         let shift = self.q.map(Length::abs).filter(|it| *it > Length::ZERO);
         shift.ok_or_else(|| {
@@ -193,8 +194,8 @@ impl Drilling<'_> {
         })
     }
 
-    /// G73 retracts a little after each peck. G83 retracts to R and returns to just before the
-    /// last depth.
+    /// Appends the pecks of G73 and G83. G73 retracts a little after each peck. G83 retracts
+    /// to R and returns to just before the last depth.
     fn peck(&self, steps: &mut Vec<HoleStep>) -> Result<(), Alarm> {
         let q = self.required_q()?;
         let depth = self.bottom - self.r;
@@ -241,8 +242,8 @@ impl Drilling<'_> {
         Ok(())
     }
 
-    /// G74, G84: in, spindle reversal, out. Under M29 with Q in pecks. Without an encoder it
-    /// drills.
+    /// Appends the steps of G74 and G84: in, spindle reversal, out. With M29 and Q they tap in
+    /// pecks. Without an encoder they drill.
     fn tap(&self, steps: &mut Vec<HoleStep>) -> Result<(), Alarm> {
         let (in_r, end) = (self.at(self.r), self.at(self.bottom));
         if self.memory.value(parameter::ENCODER) == 0 {
@@ -274,8 +275,8 @@ impl Drilling<'_> {
         Ok(())
     }
 
-    /// Pecks of a rigid tap before the last one: the depth and the level of the retraction.
-    /// That is 5213 above (588.5 = 1), or R.
+    /// Returns the pecks of a rigid tap before the last one: the depth, and the level of the
+    /// retraction. That is 5213 above the depth (588.5 = 1), or R.
     fn tap_pecks(&self) -> Result<Vec<(Length, Length)>, Alarm> {
         let q = self.q.map_or(Length::ZERO, Length::abs);
         let mut pecks = Vec::new();

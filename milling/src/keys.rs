@@ -1,7 +1,7 @@
 //! Lists the keys of the GSK980MDi in its diagnosis numbers 016 to 024. A bit is 1 while its
 //! key is pressed.
 
-/// Keys of each diagnosis number, bit 7 first.
+/// The names of the keys by diagnosis number, bit 7 first.
 pub const KEYS: [(u16, [&str; 8]); 9] = [
     (16, ["VF1", "RST", "O", "N", "G", "7", "8", "9"]),
     (17, ["VF2", "X", "Y/&", "Z", "U/W", "4", "5", "6"]),
@@ -23,7 +23,8 @@ pub const KEYS: [(u16, [&str; 8]); 9] = [
     (24, ["F1", "F2", "F3", "F4", "F5", "F6", "F7", "F8"]),
 ];
 
-/// Returns the keys that a diagnosis number shows as pressed. `None` if the number has no keys.
+/// Returns the names of the keys that a diagnosis number with value `bits` shows as pressed.
+/// Returns `None` if the number shows no keys.
 pub fn pressed_keys(number: u16, bits: u8) -> Option<Vec<&'static str>> {
     let (_, keys) = KEYS.iter().find(|(own, _)| *own == number)?;
     let shown = keys.iter().enumerate();

@@ -80,7 +80,8 @@ pub mod parameter {
     pub const INDEX: u16 = 1030;
     /// A turn of a rotary axis, 0.001 degrees.
     pub const TURN: u16 = 1260;
-    /// First of the reference points 1 to 4, machine coordinates, 0.001 mm.
+    /// First of four parameters of each axis: position of reference points 1 to 4, machine
+    /// coordinates, 0.001 mm.
     pub const REFERENCE: u16 = 1240;
     /// Greatest distance of an arc's end from its circle, 0.001 mm.
     pub const ARC_ERROR: u16 = 3410;
@@ -106,11 +107,11 @@ pub mod parameter {
     pub const TAP_TIME_OUT: u16 = 5271;
     /// Angle of G68 without R, 0.001 degrees.
     pub const ANGLE: u16 = 5410;
-    /// Scale of G51 without P.
+    /// Scale of G51 without P, in the unit of 036.7.
     pub const SCALE: u16 = 5411;
-    /// Scale of an axis without I, J or K.
+    /// Scale of an axis for G51 without I, J or K, in the unit of 036.7.
     pub const AXIS_SCALE: u16 = 5421;
-    /// Returns the number of an axis's parameter.
+    /// Returns the number of a parameter of one axis.
     pub const fn axis_parameter(number: u16, axis: MillAxis) -> u16 {
         number + 10_000 * (axis as u16 + 1)
     }
@@ -127,15 +128,15 @@ const GREATEST_INCHES: Length = Length::from_nm(2_539_997_460);
 pub struct MillOffset {
     /// H: the length of the tool.
     pub length: Length,
-    /// Wear of the length.
+    /// Wear of the tool length, added to the length.
     pub length_wear: Length,
     /// D: the radius of the cutter, or its diameter with 002.7 = 1.
     pub radius: Length,
-    /// Wear of the radius.
+    /// Wear of the radius or diameter, added to it.
     pub radius_wear: Length,
 }
 
-/// A column of the tool offset table.
+/// A column of the tool offset table, which G10 and variables write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MillOffsetColumn {
     Length,
@@ -158,12 +159,12 @@ impl MillOffset {
 /// The parameters, tool offsets and work zeros of a mill.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MillMemory {
-    /// The control model with its parameters.
+    /// The control model with the values of its parameters.
     pub model: ControlModel,
     offsets: BTreeMap<u16, MillOffset>,
-    /// External zero offset, added to all zeros.
+    /// External zero offset, added to all work zeros.
     pub(crate) external: MillPosition,
-    /// The work zeros in machine coordinates.
+    /// The work zeros in machine coordinates, in the order of [`WorkZero`].
     zeros: [MillPosition; WorkZero::COUNT],
 }
 
@@ -179,38 +180,38 @@ impl Default for MillMemory {
 }
 
 impl MillMemory {
-    /// Returns a parameter.
+    /// Returns the value of a parameter.
     pub(crate) fn value(&self, number: u16) -> i32 {
         self.model.parameter(number)
     }
 
-    /// Returns a bit of a parameter.
+    /// Returns whether a bit (0 to 7) of a parameter is 1.
     pub(crate) fn bit(&self, number: u16, bit: u8) -> bool {
         self.value(number) >> bit & 1 == 1
     }
 
-    /// Returns a parameter in 0.001 mm as a length.
+    /// Returns the value of a parameter that is in 0.001 mm, as a length.
     pub(crate) fn length(&self, number: u16) -> Length {
         Length::from_increments(self.value(number).into())
     }
 
-    /// Returns a parameter of each axis as a point.
+    /// Returns the values of a parameter that each axis has, as a point.
     pub(crate) fn point(&self, number: u16) -> MillPosition {
         AxisValues(MillAxis::ALL.map(|axis| self.length(parameter::axis_parameter(number, axis))))
     }
 
-    /// Returns a tool offset, 0 for those never set.
+    /// Returns the tool offset with a number; zeros if it was never set.
     pub(crate) fn offset(&self, number: u16) -> MillOffset {
         self.offsets.get(&number).copied().unwrap_or_default()
     }
 
-    /// Returns the length of a tool with its wear.
+    /// Returns the tool length of an offset number, with its wear.
     pub(crate) fn tool_length(&self, number: u16) -> Length {
         let offset = self.offset(number);
         offset.length + offset.length_wear
     }
 
-    /// Returns the radius of a cutter with its wear, mm.
+    /// Returns the cutter radius of an offset number, with its wear, mm.
     pub(crate) fn cutter_radius(&self, number: u16) -> f64 {
         let offset = self.offset(number);
         let value = (offset.radius + offset.radius_wear).mm();
@@ -254,7 +255,7 @@ impl MillMemory {
             .unwrap_or_default()
     }
 
-    /// Returns a work zero for changing.
+    /// Returns a work zero to change it; `None` if there is no such zero.
     pub(crate) fn zero_mut(&mut self, zero: WorkZero) -> Option<&mut MillPosition> {
         self.zeros.get_mut(usize::from(zero.0))
     }

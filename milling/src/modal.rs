@@ -4,7 +4,7 @@ use gsk_core::compensation::cutter::CutterSide;
 
 use crate::space::Plane;
 
-/// Group 01: the kind of motion.
+/// The modal kind of motion (G codes of group 01).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MillMotion {
     /// Rapid traverse (G00).
@@ -13,7 +13,7 @@ pub enum MillMotion {
     Line,
     /// Arc (G02, G03).
     Arc {
-        /// Whether it is G02.
+        /// Whether the arc is clockwise (G02).
         clockwise: bool,
     },
     /// Thread (G33).
@@ -21,7 +21,7 @@ pub enum MillMotion {
 }
 
 impl MillMotion {
-    /// Returns the number of the G code.
+    /// Returns the number of the motion's G code.
     pub const fn code(self) -> u8 {
         match self {
             Self::Rapid => 0,
@@ -33,7 +33,7 @@ impl MillMotion {
     }
 }
 
-/// Group 08: the tool length offset.
+/// The modal tool length offset (G codes of group 08).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LengthOffset {
     /// No length offset (G49).
@@ -44,7 +44,7 @@ pub enum LengthOffset {
     Minus,
 }
 
-/// Group 09: the hole cycles.
+/// The modal hole cycle (G codes of group 09).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hole {
     /// High-speed peck drilling (G73).
@@ -74,7 +74,7 @@ pub enum Hole {
 }
 
 impl Hole {
-    /// Returns the number of the G code.
+    /// Returns the number of the cycle's G code.
     pub const fn code(self) -> u8 {
         match self {
             Self::HighSpeedPeck => 73,
@@ -93,17 +93,17 @@ impl Hole {
     }
 }
 
-/// Group 14: G54 to G59 are 0 to 5, G54.1 P1 to P48 are 6 to 53.
+/// A work zero (group 14) by its index: G54 to G59 are 0 to 5, G54.1 P1 to P48 are 6 to 53.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WorkZero(pub u8);
 
 impl WorkZero {
-    /// Number of work zeros.
+    /// Number of work zeros of a mill.
     pub const COUNT: usize = 54;
     /// Index of G54.1 P1.
     pub const FIRST_ADDITIONAL: u8 = 6;
 
-    /// Returns the code as written: `G54`, `G54.1P12`.
+    /// Returns the zero's code as it is programmed: `G54`, `G54.1P12`.
     pub fn name(self) -> String {
         match self.0 {
             low @ ..Self::FIRST_ADDITIONAL => format!("G{}", 54 + low),
@@ -115,37 +115,37 @@ impl WorkZero {
 /// The state of the spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SpindleState {
-    /// Stopped (M05).
+    /// The spindle is stopped (M05).
     #[default]
     Stopped,
-    /// Turning forward (M03).
+    /// The spindle turns forward (M03).
     Forward,
-    /// Turning in reverse (M04).
+    /// The spindle turns in reverse (M04).
     Reverse,
 }
 
-/// The modal codes and words of a mill.
+/// The codes and words that remain in force for the next blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MillModal {
     /// The kind of motion (group 01).
     pub motion: MillMotion,
-    /// The plane (group 02).
+    /// The plane of arcs and holes (group 02).
     pub plane: Plane,
-    /// Whether words are incremental (G91, group 03).
+    /// Whether axis words are incremental (G91) instead of absolute (G90, group 03).
     pub incremental: bool,
-    /// Whether F is per revolution (G95, group 05).
+    /// Whether F is a feed per revolution (G95) instead of per minute (G94, group 05).
     pub per_revolution: bool,
-    /// Whether words are in inches (G20, group 06).
+    /// Whether lengths are in inches (G20) instead of mm (G21, group 06).
     pub inch: bool,
-    /// Cutter radius compensation (group 07).
+    /// Side of the cutter radius compensation (group 07).
     pub cutter: CutterSide,
-    /// Tool length offset (group 08).
+    /// Whether the tool length offset is added, subtracted or off (group 08).
     pub length: LengthOffset,
     /// The hole cycle (group 09). `None` is G80.
     pub hole: Option<Hole>,
     /// Whether holes return to R (G99, group 10) instead of the initial level (G98).
     pub to_r: bool,
-    /// The work zero (group 14).
+    /// The work zero in force (group 14).
     pub zero: WorkZero,
     /// Whether every cut ends with an exact stop (G61, group 15).
     pub exact_stop: bool,
@@ -153,28 +153,28 @@ pub struct MillModal {
     pub d: u16,
     /// Number of the tool length offset in force (H).
     pub h: u16,
-    /// F, mm/min or mm/rev. 0 if not yet programmed.
+    /// The feed (F), mm/min or mm/rev. 0 if not yet programmed.
     pub feed: f64,
-    /// F of threads, mm. 0 if not yet programmed.
+    /// The lead of threads (F of G33), mm. 0 if not yet programmed.
     pub lead: f64,
-    /// S, r/min.
+    /// The spindle speed (S), r/min.
     pub speed: f64,
-    /// State of the spindle.
+    /// Whether the spindle turns, and in which direction.
     pub spindle: SpindleState,
     /// Whether taps are rigid (M29).
     pub rigid: bool,
-    /// Whether coolant is on.
+    /// Whether the coolant is on.
     pub coolant: bool,
-    /// The tool in the spindle.
+    /// Number of the tool in the spindle.
     pub tool: u16,
-    /// The tool that the last T word called.
+    /// Number of the tool that the last T word called.
     pub called: u16,
-    /// The last M code.
+    /// Number of the last M code.
     pub m: u16,
 }
 
 impl Default for MillModal {
-    /// The modal state at power-on.
+    /// Returns the modal state at power-on.
     fn default() -> Self {
         Self {
             motion: MillMotion::Rapid,
@@ -204,7 +204,7 @@ impl Default for MillModal {
 }
 
 impl MillModal {
-    /// Returns the G code of group 02.
+    /// Returns the number of the plane's G code (group 02).
     pub(crate) const fn plane_code(&self) -> u8 {
         match self.plane {
             Plane::Xy => 17,
@@ -213,7 +213,7 @@ impl MillModal {
         }
     }
 
-    /// Returns the G code of group 07.
+    /// Returns the number of the cutter compensation's G code (group 07).
     pub(crate) const fn cutter_code(&self) -> u8 {
         match self.cutter {
             CutterSide::On => 40,
@@ -222,7 +222,7 @@ impl MillModal {
         }
     }
 
-    /// Returns the G code of group 08.
+    /// Returns the number of the length offset's G code (group 08).
     pub(crate) const fn length_code(&self) -> u8 {
         match self.length {
             LengthOffset::Off => 49,
@@ -231,7 +231,7 @@ impl MillModal {
         }
     }
 
-    /// Returns the codes in force as written, one of each group.
+    /// Returns the G codes in force as they are programmed, one of each group.
     pub fn codes(&self) -> Vec<String> {
         let numbers = [
             self.motion.code(),

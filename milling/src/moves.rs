@@ -6,16 +6,16 @@ use gsk_core::units::Feed;
 use crate::axes::{Axes, FurtherAxis};
 use crate::space::{MillAxis, MillPosition, Plane, PlanePoint};
 
-/// The kind of a move.
+/// The kind of a previewed move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MillMoveKind {
-    /// At the rapid rates of the axes.
+    /// A move at the rapid rates of the axes.
     Rapid,
     /// A straight cut.
     Feed,
     /// A clockwise cut, seen against the axis across its plane.
     Clockwise,
-    /// A counter-clockwise cut.
+    /// A counter-clockwise cut, seen against the axis across its plane.
     CounterClockwise,
     /// A tap in or out, synchronised with the spindle.
     Tap,
@@ -40,47 +40,48 @@ impl MillMoveKind {
     }
 }
 
-/// The circle of an arc. If the third axis moves too, the path is a helix.
+/// The circle of an arc move. If the third axis moves too, the path is a helix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MillArc {
-    /// The plane of the circle.
+    /// The plane in which the circle is.
     pub plane: Plane,
-    /// Centre, in the coordinates of the move.
+    /// Centre of the circle, in the coordinates of the move, mm.
     pub center: PlanePoint,
 }
 
-/// A move of the preview.
+/// A move or dwell that the preview of a mill program has found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MillMove {
-    /// The block that caused it.
+    /// The block that caused the move.
     pub source: SourcePosition,
-    /// The kind.
+    /// How the tool moves.
     pub kind: MillMoveKind,
     /// Start of the tool tip in work coordinates. With G41 and G42, of the cutter centre.
     pub from: MillPosition,
-    /// End.
+    /// End of the tool tip in work coordinates. With G41 and G42, of the cutter centre.
     pub to: MillPosition,
-    /// The fourth and fifth axis of the machine.
+    /// The fourth and fifth axis of the machine, which give `from` and `to` their meaning.
     pub axes: Axes,
-    /// Machine coordinates of the work zero.
+    /// Machine coordinates of the work zero in force.
     pub zero: MillPosition,
-    /// The circle, if it is an arc.
+    /// The circle of a clockwise or counter-clockwise cut; otherwise `None`.
     pub arc: Option<MillArc>,
-    /// Shares of the duration after which X, Y and Z arrive. Set for a rapid whose axes arrive
-    /// separately (012.7 = 0).
+    /// Fractions of the duration after which X, Y and Z arrive, for a rapid whose axes arrive
+    /// separately (012.7 = 0); otherwise `None`.
     pub arrivals: Option<[f64; 3]>,
-    /// The feed, if it is a cut.
+    /// The feed of a cut; otherwise `None`.
     pub feed: Option<Feed>,
-    /// Start since the start of the program, s.
+    /// Time at which the move starts, s since the start of the program.
     pub start_s: f64,
-    /// Duration, s.
+    /// Duration of the move, s.
     pub duration_s: f64,
-    /// The tool in the spindle.
+    /// Number of the tool in the spindle.
     pub tool: u16,
 }
 
 impl MillMove {
-    /// Returns the angle of an arc, rad, greater than 0.
+    /// Returns the angle that an arc turns through, rad, greater than 0; `None` if the move is
+    /// no arc.
     pub fn sweep(&self) -> Option<f64> {
         let MillArc { plane, center } = self.arc?;
         let (from, to) = (self.from.flat(plane) - center, self.to.flat(plane) - center);
@@ -94,7 +95,7 @@ impl MillMove {
         })
     }
 
-    /// Returns the length of the path along X, Y and Z, mm. A rapid counts as its chord.
+    /// Returns the length of the move along X, Y and Z, mm. A rapid counts as its chord.
     pub fn length(&self) -> f64 {
         let (Some(MillArc { plane, center }), Some(sweep)) = (self.arc, self.sweep()) else {
             return self.from.distance(&self.to);
@@ -107,7 +108,7 @@ impl MillMove {
         libm::sqrt(round * round + rise * rise)
     }
 
-    /// Returns the length of the path along all axes, to which the feed applies. A degree
+    /// Returns the length of the move along all axes, to which the feed applies, mm. A degree
     /// counts as a millimetre.
     pub(crate) fn path_length(&self) -> f64 {
         let distance = self.to - self.from;
@@ -123,7 +124,7 @@ impl MillMove {
         }
     }
 
-    /// Returns the longest distance along one axis, mm.
+    /// Returns the longest distance that the move covers along one axis, mm or degrees.
     pub(crate) fn longest_distance(&self) -> f64 {
         let distance = (self.to - self.from).0;
         distance
@@ -132,14 +133,14 @@ impl MillMove {
             .fold(0.0, f64::max)
     }
 
-    /// Returns each fourth or fifth axis with its start and end, mm or degrees.
+    /// Returns each fourth or fifth axis of the machine with its start and end, mm or degrees.
     pub fn further(&self) -> impl Iterator<Item = (FurtherAxis, f64, f64)> + use<> {
         let (from, to) = (self.from, self.to);
         let all = self.axes.all_further();
         all.map(move |(axis, it)| (it, from.get(axis).mm(), to.get(axis).mm()))
     }
 
-    /// Returns the point at a fraction of the path, mm: 0 is the start, 1 the end.
+    /// Returns X, Y and Z, mm, at a fraction of the move: 0 is the start, 1 the end.
     pub fn at(&self, part: f64) -> [f64; 3] {
         let (from, to) = (self.from.mm(), self.to.mm());
         let arrivals = self.arrivals.unwrap_or([1.0; 3]);

@@ -9,16 +9,17 @@ use crate::memory::{MillMemory, MillOffsetColumn};
 use crate::modal::WorkZero;
 use crate::space::{Length, MillPosition};
 
-/// The reason why the word of an offset or a zero is invalid.
+/// The message about an invalid word of a tool offset, work zero or start position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MillWordError(pub Message);
 
 impl MillMemory {
-    /// Parses a tool offset: `1=H,D`, optionally followed by the wear of both, mm.
+    /// Parses a tool offset, `1=H,D` in mm, optionally followed by the wear of both, and
+    /// stores it.
     ///
     /// # Errors
     ///
-    /// Returns a message if the form or a value is wrong.
+    /// Returns a message if the word has another form or a value is out of range.
     pub fn take_offset(&mut self, word: &str) -> Result<(), MillWordError> {
         let wrong = || MillWordError(say::mill_offset_form(word));
         let (name, values) = word.split_once('=').ok_or_else(wrong)?;
@@ -40,12 +41,12 @@ impl MillMemory {
         Ok(())
     }
 
-    /// Parses a work zero: `54=X,Y,Z`, `54.1P12=X,Y,Z`, or `0=X,Y,Z` for the external offset,
-    /// machine coordinates in mm. Values of a fourth and fifth axis follow.
+    /// Parses a work zero and stores it: `54=X,Y,Z`, `54.1P12=X,Y,Z`, or `0=X,Y,Z` for the
+    /// external offset, machine coordinates in mm. Values of a fourth and fifth axis follow.
     ///
     /// # Errors
     ///
-    /// Returns a message if the form or a value is wrong.
+    /// Returns a message if the word has another form or a value is out of range.
     pub fn take_zero(&mut self, word: &str) -> Result<(), MillWordError> {
         let wrong = || MillWordError(say::mill_zero_form(word));
         let (name, values) = word.split_once('=').ok_or_else(wrong)?;
@@ -73,7 +74,7 @@ impl MillMemory {
 }
 
 /// Parses a point: `X,Y,Z` in mm, optionally followed by the fourth and fifth axis of the
-/// machine, mm or degrees.
+/// machine, mm or degrees. `None` if invalid.
 pub(crate) fn parse_position(memory: &MillMemory, text: &str) -> Option<MillPosition> {
     let count = 3 + Axes::from_memory(memory).all_further().count();
     let values = parse_lengths(text)?;
@@ -87,7 +88,7 @@ pub(crate) fn parse_position(memory: &MillMemory, text: &str) -> Option<MillPosi
     Some(point)
 }
 
-/// Parses lengths in mm, separated by commas.
+/// Parses lengths in mm, separated by commas; `None` if one is invalid.
 fn parse_lengths(text: &str) -> Option<Vec<Length>> {
     let number = |word: &str| {
         let value = parse_finite(word.trim())?;

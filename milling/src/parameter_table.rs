@@ -5,31 +5,31 @@ use std::sync::LazyLock;
 
 const TABLE: &str = include_str!("../../assets/tables/mill-parameters.tsv");
 
-/// A parameter, or a bit of one.
+/// A row of the parameter table: a parameter, or a bit of one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MillParameterRow {
-    /// Its number. For an axis add 10000 (X) to 50000 (fifth).
+    /// Number of the parameter. For an axis add 10000 (X) to 50000 (fifth).
     pub number: u16,
-    /// The bit of a state parameter.
+    /// Number of the bit (0 to 7) in a state parameter; `None` for a whole parameter.
     pub bit: Option<u8>,
-    /// The name of the bit.
+    /// The symbol of the bit in the manual.
     pub symbol: &'static str,
-    /// The axes with a parameter each: 1 X, 2 Y, 3 Z, 4 and 5 the further ones. Empty if there
-    /// is only one parameter.
+    /// The axes that have such a parameter each: 1 X, 2 Y, 3 Z, 4 and 5 the further ones.
+    /// Empty if there is only one parameter.
     pub axes: &'static [u16],
-    /// Its unit: `bit` for a bit, `-` if it has none.
+    /// Unit of the value: `bit` for a bit, `-` if it has none.
     pub unit: &'static str,
-    /// Least and greatest value as written, `-` if the manual has none.
+    /// Least and greatest value as the manual writes them, `-` if it gives none.
     pub range: &'static str,
-    /// Whether it affects `check` and `plot`.
+    /// Whether the parameter affects `check` and `plot`.
     pub acts: bool,
-    /// The description in English.
+    /// The meaning of the parameter in English.
     pub en: &'static str,
-    /// The description in Chinese.
+    /// The meaning of the parameter in Chinese.
     pub zh: &'static str,
 }
 
-/// Returns the table, sorted by number and bit.
+/// Returns all rows of the parameter table, sorted by number and bit.
 pub fn mill_parameter_rows() -> &'static [MillParameterRow] {
     static ROWS: LazyLock<Vec<MillParameterRow>> =
         LazyLock::new(|| TABLE.lines().skip(1).filter_map(row).collect());

@@ -27,25 +27,25 @@ use crate::transform::Transform;
 use crate::travel::{ProgressCallback, ProgressCheck, RunContext};
 use crate::words::BlockWords;
 
-/// Blocks between two progress callbacks.
+/// Number of blocks between two progress callbacks.
 const BLOCKS_PER_CALLBACK: u64 = 1024;
-/// Limit of machine time, s: 1000 hours.
+/// Machine time after which the preview gives up, s: 1000 hours.
 const MAX_TIME_S: f64 = 3.6e6;
-/// Greatest number of further alarms.
+/// Greatest number of alarms that are listed after the first.
 const MAX_FURTHER_ALARMS: usize = 20;
-/// Greatest number of warnings.
+/// Greatest number of warnings that are listed.
 const MAX_CAUTIONS: usize = 50;
-/// Greatest number of runs of a call.
+/// Greatest number of runs of a subprogram call.
 const MAX_RUNS: u16 = 9999;
-/// Blocks searched for further alarms.
+/// Number of blocks that are searched for further alarms.
 const MAX_FURTHER_BLOCKS: u64 = 100_000;
 
-/// The state in which a program starts.
+/// What a program finds when it starts: memory, position, settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MillSetup {
-    /// Parameters, tool offsets and work zeros.
+    /// Parameters, tool offsets and work zeros of the mill.
     pub memory: MillMemory,
-    /// Start position, machine coordinates.
+    /// Position of the axes at the start, machine coordinates.
     pub start: MillPosition,
     /// Whether blocks with `/` are skipped.
     pub block_skip: bool,
@@ -54,7 +54,7 @@ pub struct MillSetup {
 }
 
 impl Default for MillSetup {
-    /// Starts 100 mm above machine zero.
+    /// Returns a mill as delivered, with the tool 100 mm above machine zero.
     fn default() -> Self {
         let mut start = MillPosition::default();
         start.set(MillAxis::Z, Length::from_mm(100.0));
@@ -68,19 +68,19 @@ impl Default for MillSetup {
 }
 
 impl MillSetup {
-    /// Replaces the parameters by those of `model`, which must be a mill.
+    /// Replaces the parameters by those of the control `model`, which must be a mill.
     #[must_use]
     pub fn with(mut self, model: &ControlModel) -> Self {
         self.memory.model.clone_from(model);
         self
     }
 
-    /// Parses the start position: `X,Y,Z` in mm, optionally followed by the fourth and fifth
-    /// axis.
+    /// Parses the start position: machine coordinates `X,Y,Z` in mm, optionally followed by
+    /// the fourth and fifth axis.
     ///
     /// # Errors
     ///
-    /// Returns a message if the form or a value is wrong.
+    /// Returns a message if the word has another form or a value is out of range.
     pub fn take_start(&mut self, word: &str) -> Result<(), MillWordError> {
         let start = parse_position(&self.memory, word);
         self.start = start.ok_or_else(|| MillWordError(say::mill_start_form(word)))?;
@@ -88,47 +88,48 @@ impl MillSetup {
     }
 }
 
-/// The result of running a program.
+/// What the preview of a mill program has found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MillPreview {
-    /// How it ended.
+    /// Whether the program ended, raised an alarm or was stopped.
     pub end: PreviewEnd,
-    /// The alarm that ended it.
+    /// The alarm that ended the program; `None` without one.
     pub alarm: Option<Alarm>,
     /// Alarms after the first one that do not depend on the position of the tool.
     pub further: Vec<Alarm>,
-    /// Warnings, each kind once.
+    /// Warnings about the program, each kind once.
     pub cautions: Vec<MillCaution>,
     /// Machine time of motion and dwells, s. M, S and T take no time.
     pub time_s: f64,
     /// Part of the machine time spent cutting, s.
     pub cutting_s: f64,
-    /// Number of executed blocks.
+    /// Number of executed blocks, each repetition counted.
     pub blocks: u64,
-    /// Number of moves and dwells.
+    /// Number of moves and dwells of the program.
     pub moves: u64,
-    /// Number of M00 stops.
+    /// Number of program stops (M00).
     pub stops: u32,
     /// Number of finished parts.
     pub parts: u32,
-    /// Tools in the order of their first use.
+    /// Numbers of the tools, in the order of their first use.
     pub tools: Vec<u16>,
-    /// The bounding box of the path.
+    /// The bounding box of the path; `None` without motion.
     pub bounds: Option<MillBounds>,
-    /// Path lengths by kind.
+    /// Path lengths by kind of move.
     pub lengths: MillPathLengths,
     /// Final position of the tool tip, work coordinates.
     pub work: MillPosition,
-    /// Final position, machine coordinates.
+    /// Final position of the axes, machine coordinates.
     pub machine: MillPosition,
-    /// The fourth and fifth axis of the machine.
+    /// The fourth and fifth axis of the machine, if it has them.
     pub axes: Axes,
-    /// Modal state at the end.
+    /// Modal codes and words at the end of the program.
     pub modal: MillModal,
 }
 
-/// Runs the selected program. `on_move` receives every move in order. `on_progress` is called every
-/// 1024 blocks and before each repeated hole of a block. The run stops when it returns false.
+/// Previews the selected program. `on_move` receives every move in order. `on_progress` is
+/// called every 1024 blocks and before each repeated hole of a block. The run stops when it
+/// returns false.
 pub fn preview_while(
     setup: &MillSetup,
     programs: &ProgramMemory,
@@ -162,7 +163,7 @@ pub fn preview_while(
     preview
 }
 
-/// A run of a program.
+/// The state of a program that is being previewed.
 struct Run<'a> {
     programs: &'a ProgramMemory,
     main: ProgramId,
@@ -273,7 +274,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Returns the next block after executing macro B statements.
+    /// Returns the next block, after executing the macro B statements before it.
     fn read(&mut self) -> Result<WalkedBlock, Alarm> {
         let syntax = Syntax {
             inch: self.state.modal.inch,
@@ -379,8 +380,9 @@ impl<'a> Run<'a> {
         Ok(None)
     }
 
-    /// Takes the program that M or T of a block calls by 240 to 242 or 040.5. The word has no
-    /// other effect.
+    /// Returns the program that M or T of a block calls by 240 to 242 or 040.5, with its
+    /// number of runs; `None` if neither calls one. Removes the word, which has no other
+    /// effect.
     fn take_call(&mut self, words: &mut BlockWords) -> Result<Option<(PlainCall, u16)>, Alarm> {
         let letters = &mut words.letters;
         let [m, t] = [letters.m, letters.t].map(|it| it.map(WordNumber::integer));
@@ -404,7 +406,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Enters that program. No other word of the block may change the flow.
+    /// Enters the called program. Errors: no other word of the block may change the flow.
     fn enter_called(
         &mut self,
         (call, runs): &(PlainCall, u16),
@@ -441,7 +443,7 @@ impl<'a> Run<'a> {
         self.variables.parts = (self.variables.parts + 1) % Counters::PART_COUNT_LIMIT;
     }
 
-    /// M30: cancels what a reset cancels.
+    /// Cancels at M30 what a reset cancels.
     fn reset(&mut self) {
         self.state.modal.hole = None;
         self.state.modal.cutter = CutterSide::On;
@@ -476,7 +478,8 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// After an alarm: finds blocks that are refused regardless of the tool's position.
+    /// Searches the blocks after an alarm for further ones that are refused regardless of the
+    /// tool's position.
     fn find_further_alarms(
         &mut self,
         first: Option<&Alarm>,
@@ -519,7 +522,8 @@ impl<'a> Run<'a> {
         further
     }
 
-    /// Checks a block by its words alone. Returns whether the program ends with it.
+    /// Checks a block by its words alone, without motion. Returns whether the program ends
+    /// with it.
     fn check_words(&mut self, block: &ProgramBlock) -> Result<bool, Alarm> {
         let mut words = BlockWords::parse(block, self.memory.model.record(), self.state.axes)?;
         let called = self.take_call(&mut words)?;

@@ -7,32 +7,33 @@ use gsk_messages::{Message, say};
 use crate::memory::parameter;
 use crate::parameter_table::{MillParameterRow, mill_parameter_rows};
 
-/// Parameter values read from a file. Missing ones are 0.
+/// Values of mill parameters that were read from a file. Missing ones are 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ParameterValues(BTreeMap<u16, i32>);
 
-/// Switches of the axes, from bit [`FIRST_SWITCH`] on: 1 acts at +24 V, 0 when open.
+/// Parameter whose bits, from [`FIRST_SWITCH`] on, are the zero switches of the axes: 1 acts
+/// at +24 V, 0 when open.
 const SWITCHES: u16 = 4;
 const FIRST_SWITCH: usize = 3;
-/// Bit 2: the jog key of a reference return is self-holding.
+/// Parameter and bit: the jog key of a reference return is self-holding.
 const KEY: (u16, usize) = (11, 2);
-/// The axes that return in minus, from bit 0 on.
+/// Parameter whose bits, from 0 on, are 1 for axes that return in minus.
 const DIRECTIONS: u16 = 13;
-/// Speeds of a reference return, mm/min.
+/// Parameters with the speeds of a reference return, mm/min.
 const FAST: u16 = 31;
 const SLOW: u16 = 32;
-/// Bit 0: absolute encoders.
+/// Parameter and bit: the axes have absolute encoders.
 const ENCODERS: (u16, usize) = (760, 0);
-/// Bit 6 of a fourth or fifth axis: method D.
+/// Parameter and bit of a fourth or fifth axis: the return is method D.
 const METHOD_D: (u16, usize) = (parameter::ROLLOVER, 6);
-/// Of each axis: distance of machine zero from the stop, 0.001 mm.
+/// Parameter of each axis: distance of machine zero from the stop, 0.001 mm.
 const OFFSET: u16 = 1246;
-/// Letters of X, Y and Z.
+/// Letters of the axes X, Y and Z.
 const BASIC: [char; 3] = ['X', 'Y', 'Z'];
 
 impl ParameterValues {
-    /// Parses a line of a file: `13=00001000`, `13.3=1` or `31=3000`. A comment starts with `#`
-    /// or `;`.
+    /// Parses a line of a parameter file and stores its value: `13=00001000`, `13.3=1` or
+    /// `31=3000`. A comment starts with `#` or `;`.
     ///
     /// # Errors
     ///
@@ -88,7 +89,8 @@ impl ParameterValues {
         self.value(number) >> bit & 1 == 1
     }
 
-    /// A speed, or the number of its parameter if the file has none.
+    /// Returns a speed with its parameter number, or the number alone if the file has no
+    /// value.
     fn speed(&self, number: u16) -> String {
         match self.0.get(&number) {
             Some(speed) => format!("{speed} mm/min ({number:03})"),
@@ -97,7 +99,7 @@ impl ParameterValues {
     }
 }
 
-/// The rows of a number, which may be that of an axis.
+/// Returns the table rows of a parameter number, which may be that of one axis.
 fn rows_of_number(number: u16) -> impl Iterator<Item = &'static MillParameterRow> {
     mill_parameter_rows().iter().filter(move |row| {
         let mut own = row.axes.iter().map(|axis| row.number + axis * 10_000);
@@ -115,7 +117,7 @@ fn in_range(row: &MillParameterRow, value: i32) -> bool {
     }
 }
 
-/// Returns a sentence about the reference return of each axis, and one about the key.
+/// Returns a message about the reference return of each axis, and one about the jog key.
 pub fn describe_reference_returns(values: &ParameterValues) -> Vec<Message> {
     let count = usize::try_from(values.value(parameter::AXES))
         .unwrap_or(0)

@@ -6,16 +6,16 @@ use core::ops::{Add, Neg, Sub};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Length(i64);
 
-/// Nanometres in a millimetre.
+/// Number of nanometres in a millimetre.
 const PER_MM: f64 = 1e6;
-/// Nanometres in the least increment, 0.001 mm.
+/// Number of nanometres in the least increment, 0.001 mm.
 const INCREMENT: i64 = 1000;
 
 impl Length {
     /// A length of 0.
     pub const ZERO: Self = Self(0);
 
-    /// Creates a length from nanometres, which are millionths of a number in mm.
+    /// Creates a length from nanometres.
     pub const fn from_nm(nm: i64) -> Self {
         Self(nm)
     }
@@ -51,7 +51,7 @@ impl Length {
         Self(self.0.saturating_add(half) / INCREMENT * INCREMENT)
     }
 
-    /// Returns the absolute value.
+    /// Returns the length without its sign.
     #[must_use]
     pub const fn abs(self) -> Self {
         Self(self.0.saturating_abs())
@@ -79,31 +79,31 @@ impl Neg for Length {
     }
 }
 
-/// An axis of the mill.
+/// An axis of the mill. The value is the index in [`AxisValues`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum MillAxis {
-    /// The table, left and right.
+    /// The axis that moves the table left and right.
     X,
-    /// The table, forward and back.
+    /// The axis that moves the table forward and back.
     Y,
-    /// The spindle.
+    /// The axis that moves the spindle.
     Z,
     /// The fourth axis: A, B or C, if the machine has it (1010, 1020).
     Fourth,
-    /// The fifth axis.
+    /// The fifth axis: A, B or C, if the machine has it.
     Fifth,
 }
 
 impl MillAxis {
-    /// All axes.
+    /// All axes that a mill can have.
     pub const ALL: [Self; 5] = [Self::X, Self::Y, Self::Z, Self::Fourth, Self::Fifth];
-    /// The axes of the planes, which every machine has.
+    /// The axes X, Y and Z, which every machine has.
     pub const BASIC: [Self; 3] = [Self::X, Self::Y, Self::Z];
     /// The fourth and the fifth axis.
     pub const FURTHER: [Self; 2] = [Self::Fourth, Self::Fifth];
 }
 
-/// A value for each axis.
+/// A value for each axis, in the order of [`MillAxis`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct AxisValues<T>(pub [T; 5]);
 
@@ -111,29 +111,30 @@ pub struct AxisValues<T>(pub [T; 5]);
 pub type MillPosition = AxisValues<Length>;
 
 impl<T: Copy> AxisValues<T> {
-    /// Creates values for X, Y and Z, with one value for both further axes.
+    /// Creates values from those of X, Y and Z, and one value for both the fourth and fifth
+    /// axis.
     pub const fn basic([x, y, z]: [T; 3], further: T) -> Self {
         Self([x, y, z, further, further])
     }
 
-    /// Returns the value of an axis.
+    /// Returns the value that belongs to an axis.
     pub const fn get(&self, axis: MillAxis) -> T {
         self.0[axis as usize]
     }
 
-    /// Sets the value of an axis.
+    /// Sets the value that belongs to an axis.
     pub const fn set(&mut self, axis: MillAxis, value: T) {
         self.0[axis as usize] = value;
     }
 }
 
 impl MillPosition {
-    /// Returns X, Y and Z in mm.
+    /// Returns X, Y and Z of the point in mm.
     pub fn mm(&self) -> [f64; 3] {
         MillAxis::BASIC.map(|axis| self.get(axis).mm())
     }
 
-    /// Returns the point with other X, Y and Z.
+    /// Returns the point with X, Y and Z replaced.
     #[must_use]
     pub(crate) fn with_basic(mut self, [x, y, z]: [Length; 3]) -> Self {
         for (axis, value) in MillAxis::BASIC.into_iter().zip([x, y, z]) {
@@ -142,7 +143,7 @@ impl MillPosition {
         self
     }
 
-    /// Returns the point with the fourth and fifth axis of another point.
+    /// Returns the point with its fourth and fifth axis replaced by those of `other`.
     #[must_use]
     pub(crate) const fn with_further_of(mut self, other: &Self) -> Self {
         self.set(MillAxis::Fourth, other.get(MillAxis::Fourth));
@@ -150,13 +151,14 @@ impl MillPosition {
         self
     }
 
-    /// Returns the coordinates along the first and second axis of a plane, mm.
+    /// Returns the point's coordinates along the first and second axis of a plane, mm.
     pub fn flat(&self, plane: Plane) -> PlanePoint {
         let [first, second, _] = plane.axes();
         PlanePoint::new(self.get(first).mm(), self.get(second).mm())
     }
 
-    /// Returns the point moved in a plane to `flat`, rounded to the least increment.
+    /// Returns the point with its coordinates in a plane replaced by `flat`, rounded to the
+    /// least increment.
     #[must_use]
     pub fn moved_to(mut self, plane: Plane, flat: PlanePoint) -> Self {
         let [first, second, _] = plane.axes();
@@ -186,7 +188,7 @@ impl Sub for MillPosition {
     }
 }
 
-/// The plane of arcs, rotation, cutter radius and holes.
+/// The plane in which arcs, rotation and cutter compensation act. Holes are made across it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Plane {
     /// X and Y (G17).
@@ -199,7 +201,7 @@ pub enum Plane {
 }
 
 impl Plane {
-    /// Returns the first and second axis of the plane, and the axis across it.
+    /// Returns the first and second axis of the plane, and the axis perpendicular to it.
     pub const fn axes(self) -> [MillAxis; 3] {
         match self {
             Self::Xy => [MillAxis::X, MillAxis::Y, MillAxis::Z],
@@ -208,7 +210,7 @@ impl Plane {
         }
     }
 
-    /// Returns the axis across the plane.
+    /// Returns the axis perpendicular to the plane.
     pub const fn across(self) -> MillAxis {
         self.axes()[2]
     }
@@ -224,23 +226,24 @@ pub struct PlanePoint {
 }
 
 impl PlanePoint {
-    /// Creates a point from its coordinates.
+    /// Creates a point from its first and second coordinate, mm.
     pub const fn new(first: f64, second: f64) -> Self {
         Self { first, second }
     }
 
-    /// Returns the distance from the origin.
+    /// Returns the distance of the point from the origin, mm.
     pub fn length(self) -> f64 {
         libm::sqrt(self.first * self.first + self.second * self.second)
     }
 
-    /// Returns the point multiplied by a factor.
+    /// Returns the point with both coordinates multiplied by a factor.
     #[must_use]
     pub fn scaled(self, factor: f64) -> Self {
         Self::new(self.first * factor, self.second * factor)
     }
 
-    /// Returns the point rotated counter-clockwise about the origin. Quarter turns are exact.
+    /// Returns the point rotated counter-clockwise about the origin by `degrees`. Quarter
+    /// turns are exact.
     #[must_use]
     pub fn rotated(self, degrees: f64) -> Self {
         let (sine, cosine) = sine_cosine(degrees);
@@ -250,7 +253,7 @@ impl PlanePoint {
         )
     }
 
-    /// Returns the angle from this direction to another, clockwise or counter-clockwise, rad,
+    /// Returns the angle from this direction to `other`, clockwise or counter-clockwise, rad,
     /// from 0 to below a full turn.
     pub fn sweep(self, other: Self, clockwise: bool) -> f64 {
         let cross = self.first * other.second - self.second * other.first;

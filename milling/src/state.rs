@@ -10,24 +10,24 @@ use crate::space::{Length, MillAxis, MillPosition};
 use crate::transform::Transform;
 use crate::words::length;
 
-/// The state after a block.
+/// The state of a program run between two blocks.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MillState {
-    /// The fourth and fifth axis of the machine.
+    /// The fourth and fifth axis of the machine, if it has them.
     pub(crate) axes: Axes,
     pub(crate) modal: MillModal,
     /// Position in machine coordinates, without cutter radius compensation.
     pub(crate) machine: MillPosition,
     /// The programmed point before scaling and rotation, work coordinates.
     pub(crate) programmed: MillPosition,
-    /// The length offset in force.
+    /// The tool length offset in force, added to Z.
     pub(crate) length: Length,
-    /// Shift of all zeros by G92.
+    /// Shift of all work zeros by G92.
     pub(crate) shift: MillPosition,
-    /// Local coordinates of G52.
+    /// Origin of the local coordinates (G52), relative to the work zero.
     pub(crate) local: MillPosition,
     pub(crate) transform: Transform,
-    /// Polar coordinates of G16.
+    /// Radius and angle of polar coordinates (G16); `None` if they are off (G15).
     pub(crate) polar: Option<Polar>,
     /// The intermediate point of the last G28 or G30, machine coordinates.
     pub(crate) intermediate: MillPosition,
@@ -38,7 +38,7 @@ pub(crate) struct MillState {
     pub(crate) changes_tools: bool,
 }
 
-/// The last radius and angle programmed under G16.
+/// The last radius and angle that were programmed under G16.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Polar {
     pub(crate) radius: Length,
@@ -46,12 +46,14 @@ pub(crate) struct Polar {
 }
 
 impl MillState {
-    /// Returns the work zero in machine coordinates.
+    /// Returns the work zero in force in machine coordinates, with external, G92 and G52
+    /// offsets.
     pub(crate) fn zero(&self, memory: &MillMemory) -> MillPosition {
         memory.external + memory.zero(self.modal.zero) + self.shift + self.local
     }
 
-    /// Returns the offset from work to machine coordinates: work zero and length offset.
+    /// Returns the offset that turns work into machine coordinates: work zero and length
+    /// offset.
     pub(crate) fn frame(&self, memory: &MillMemory) -> MillPosition {
         let mut frame = self.zero(memory);
         frame.set(MillAxis::Z, frame.get(MillAxis::Z) + self.length);
@@ -63,25 +65,27 @@ impl MillState {
         self.axes.wrapped(self.machine - self.frame(memory))
     }
 
-    /// Returns a programmed point in machine coordinates. The fourth and fifth axis are neither
-    /// scaled nor rotated. They move by the programmed distance, in whichever turn they are.
+    /// Returns a programmed point in machine coordinates. The fourth and fifth axis are
+    /// neither scaled nor rotated. They move by the programmed distance, whatever turn they
+    /// are in.
     pub(crate) fn to_machine(&self, programmed: MillPosition, memory: &MillMemory) -> MillPosition {
         let distance = programmed - self.programmed;
         let to = self.transform.apply(programmed) + self.frame(memory);
         to.with_further_of(&(self.machine + distance))
     }
 
-    /// Sets the position after a move.
+    /// Sets the machine position after a move, wrapped into one turn.
     pub(crate) fn set_machine(&mut self, machine: MillPosition) {
         self.machine = self.axes.wrapped(machine);
     }
 
-    /// Sets the programmed point after a block.
+    /// Sets the programmed point after a block, wrapped into one turn.
     pub(crate) fn set_programmed(&mut self, programmed: MillPosition) {
         self.programmed = self.axes.wrapped(programmed);
     }
 
-    /// Returns the value of an axis word. Inches apply to lengths, not to angles.
+    /// Returns the value of an axis word as a length or angle. Inches apply to lengths, not to
+    /// angles.
     pub(crate) fn axis_value(&self, axis: MillAxis, value: WordNumber) -> Length {
         let rotary = self.axes.is_rotary(axis);
         let value = length(value, self.modal.inch && !rotary);

@@ -27,20 +27,20 @@ use crate::modal::{Hole, WorkZero};
 use crate::space::{Length, MillAxis, MillPosition};
 use crate::state::MillState;
 
-/// Variables that programs write, and the counters of the control.
+/// The values of variables that programs write, and the counters of the control.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MillVariables {
     common: BTreeMap<u32, f64>,
     registers: Registers,
-    /// #3002 before the run, ms.
+    /// Running time (#3002) before the start of the program, ms.
     hours_before: i64,
-    /// Parts made (#3901). `required` is #3902.
+    /// Number of parts made (#3901). `required` is that of #3902.
     pub(crate) parts: u32,
     required: u32,
 }
 
 impl MillVariables {
-    /// Creates the variables for a run that starts at a clock time.
+    /// Creates the variables for a run that starts at the clock time `day_time`.
     pub(crate) fn new(day_time: DayTime) -> Self {
         Self {
             registers: Registers::new(day_time),
@@ -48,46 +48,47 @@ impl MillVariables {
         }
     }
 
-    /// Sets a common variable.
+    /// Sets a variable that all programs share.
     pub(crate) fn set_common(&mut self, number: u32, value: f64) {
         self.common.insert(number, value);
     }
 }
 
-/// Everything that system variables read.
+/// What a read or written system variable can refer to.
 pub(crate) struct VariableContext<'a> {
     pub(crate) state: &'a mut MillState,
     pub(crate) memory: &'a mut MillMemory,
     pub(crate) variables: &'a mut MillVariables,
     pub(crate) source: SourcePosition,
-    /// Number of the running program.
+    /// Number of the running program, O.
     pub(crate) program: u16,
-    /// Machine time, s.
+    /// Machine time since the start of the program, s.
     pub(crate) now: f64,
-    /// Tool position with cutter radius compensation.
+    /// Position of the tool in machine coordinates, with cutter radius compensation.
     pub(crate) machine: MillPosition,
 }
 
-/// A variable in the mill's memory.
+/// A system variable that is stored in the mill's memory.
 enum StoredVariable {
     Offset(u16, MillOffsetColumn),
     External(MillAxis),
     Zero(WorkZero, MillAxis),
 }
 
-/// Milliseconds in an hour.
+/// Number of milliseconds in an hour.
 const HOUR_MS: f64 = 3.6e6;
-/// The bit of #3005 for G20.
+/// The bit of #3005 that is 1 in inches (G20).
 const INCH: u8 = 4;
 
-/// The axis of a last digit: 4 is the fourth, 5 the fifth, if the machine has them.
+/// Returns the axis of a variable's last digit: 4 is the fourth, 5 the fifth; `None` if the
+/// machine does not have it.
 fn axis(digit: u32, axes: Axes) -> Option<MillAxis> {
     let axis = MillAxis::ALL.get(digit.checked_sub(1)? as usize).copied()?;
     let further = MillAxis::FURTHER.contains(&axis);
     (!further || axes.further(axis).is_some()).then_some(axis)
 }
 
-/// The offset or zero with a variable number.
+/// Returns the offset or work zero that a variable number refers to; `None` if it is neither.
 fn stored_variable(number: u32, axes: Axes) -> Option<StoredVariable> {
     let offset = |first: u32, column| Some(StoredVariable::Offset((number - first) as u16, column));
     match number {
@@ -119,15 +120,16 @@ fn unknown(variable: u32) -> Alarm {
     Alarm::new(number::BAD_VARIABLE).with_detail(detail)
 }
 
-/// Whether all programs share a variable.
+/// Whether all programs share the variable.
 const fn is_common(number: u32) -> bool {
     matches!(number, 100..=199 | 500..=999)
 }
 
-/// The variable with all outputs to the ladder.
+/// The variable that contains all outputs to the ladder as bits.
 const OUTPUTS: u32 = 1132;
 
-/// Least and greatest value of signals to the ladder, and of settings that have no effect here.
+/// Returns the least and greatest value of a variable that is a signal to the ladder, or a
+/// setting without effect here; `None` for others.
 const fn stored_range(number: u32) -> Option<(i64, i64)> {
     Some(match number {
         1100..=1115 => (i64::MIN, i64::MAX),
@@ -199,12 +201,12 @@ impl VariableContext<'_> {
 }
 
 impl VariableContext<'_> {
-    /// Machine time, ms.
+    /// Returns the machine time since the start of the program, ms.
     fn now_ms(&self) -> u64 {
         (self.now * 1000.0) as u64
     }
 
-    /// The value of a signal or setting.
+    /// Returns the stored value of a signal or setting.
     fn stored_value(&self, variable: u32) -> f64 {
         let value = |number: u32| self.variables.common.get(&number).copied().unwrap_or(0.0);
         match variable {
@@ -217,7 +219,7 @@ impl VariableContext<'_> {
         }
     }
 
-    /// Stores a signal or setting. Every value but 0 switches an output on.
+    /// Stores the value of a signal or setting. Every value but 0 switches an output on.
     fn store_value(&mut self, variable: u32, value: i64) {
         let (variable, value) = match variable {
             1100..=1115 => {
@@ -233,7 +235,7 @@ impl VariableContext<'_> {
         self.variables.set_common(variable, value as f64);
     }
 
-    /// Reads timers, clock and counters.
+    /// Returns the value of a timer, clock or counter; `None` for other variables.
     fn control(&self, variable: u32) -> Option<f64> {
         let variables = &self.variables;
         let now = self.now_ms();
@@ -251,7 +253,8 @@ impl VariableContext<'_> {
         })
     }
 
-    /// Writes a timer or counter. Returns whether the variable is one that can be written.
+    /// Writes a timer or counter; `None` counts as 0. Returns `false` if the variable is
+    /// neither. Errors: alarm 111 for a value out of range.
     fn write_control(&mut self, variable: u32, value: Option<f64>) -> Result<bool, Alarm> {
         let now = self.now_ms();
         let variables = &mut self.variables;
@@ -289,7 +292,8 @@ fn out_of_range(variable: u32, value: f64, greatest: impl core::fmt::Display) ->
     Alarm::new(number::MACRO_RANGE).with_detail(detail)
 }
 
-/// Rounds a value to an integer in a range. Errors: alarm 111 outside it.
+/// Rounds a value to an integer in a range; `None` counts as 0. Errors: alarm 111 outside the
+/// range.
 fn round_in_range(
     variable: u32,
     value: Option<f64>,

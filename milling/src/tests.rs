@@ -34,7 +34,6 @@ fn alarm(text: &str) -> (u16, u32) {
     (alarm.number, alarm.source.map_or(0, |source| source.line))
 }
 
-/// A setup with parameter values.
 fn with(parameters: &[(u16, i32)]) -> MillSetup {
     let mut setup = MillSetup::default();
     for (number, value) in parameters {
@@ -145,7 +144,8 @@ fn ladder_codes_and_unused_words_are_reported() {
     assert_eq!((preview.alarm, preview.cautions), (None, Vec::new()));
 }
 
-/// Appendix 2 and parameter 562: an axis without its bit is not scaled, not even by P.
+/// Appendix 2 of the manual and parameter 562: an axis without its bit is not scaled, not even
+/// by P.
 #[test]
 fn only_axes_with_their_bit_are_scaled() {
     let text = "G00 X0 Y0 Z0\nG51 X0 Y0 Z0 P2000\nG01 X1 Y1 Z1 F100\nG50\nM30\n";
@@ -163,7 +163,7 @@ fn only_axes_with_their_bit_are_scaled() {
     assert_eq!(moves.last().map(|it| it.to.mm()), Some([1.0, 1.0, 3.0]));
 }
 
-/// Appendices 1 to 3: ranges of G10, G51 and G68.
+/// Appendices 1 to 3 of the manual: ranges of G10, G51 and G68.
 #[test]
 fn ranges_of_the_appendices() {
     assert_eq!(alarm("G68 X0 Y0 R360.001\n"), (43, 1));
@@ -185,7 +185,7 @@ fn ranges_of_the_appendices() {
     assert_eq!(alarm("G20 G10 L10 P1 R100\n"), (43, 1));
 }
 
-/// Appendix 4, 2: which variables can be written, and their ranges.
+/// Appendix 4, 2 of the manual: which variables can be written, and their ranges.
 #[test]
 fn timers_and_counters_are_written() {
     let text = "#3001=0\nG04 P1000\n#1=#3001\n#3001=65535\n#2=#3001\n#3002=2.25\n#3=#3002\n#3901=7\n#3902=9\nG00 X#1 Y#3901 Z[#3902+#3*100]\n#1103=5\n#4=#1132\n#1132=6\n#5=#1101+#1102*10\nX#4 Y#5\nM30\n";
@@ -213,7 +213,7 @@ fn timers_and_counters_are_written() {
     }
 }
 
-/// Facts C1 to C3: the mirror of the worked example.
+/// Facts C1 to C3 of `tests/model-facts.tsv`: the mirror of the worked example.
 #[test]
 fn mirrors_about_fifty() {
     let setup = with(&[(562, 19)]);
@@ -245,7 +245,8 @@ fn mirrors_about_fifty() {
     );
 }
 
-/// Facts C4 to C6: scaled by half about (300,150), rotated by 45° about (250,125).
+/// Facts C4 to C6 of `tests/model-facts.tsv`: scaled by half about (300,150), rotated by 45°
+/// about (250,125).
 #[test]
 fn scaled_and_turned() {
     let (_, moves) = run_to_end(
@@ -264,7 +265,7 @@ fn scaled_and_turned() {
     );
 }
 
-/// Facts C7 and C8.
+/// Facts C7 and C8 of `tests/model-facts.tsv`: an arc by R under two scales.
 #[test]
 fn arcs_under_two_scales() {
     let setup = with(&[(562, 23)]);
@@ -280,7 +281,7 @@ fn arcs_under_two_scales() {
     assert_eq!(preview.alarm.map(|it| it.number), Some(13));
 }
 
-/// Fact C9, with the resulting offsets read from their variables.
+/// Fact C9 of `tests/model-facts.tsv`, with the resulting offsets read from their variables.
 #[test]
 fn offsets_are_put_in_and_added_to() {
     let (_, moves) = run_to_end(
@@ -473,7 +474,7 @@ fn depth_goes_along_under_compensation() {
     assert_eq!((from[0], from[1]), (to[0], to[1]));
 }
 
-/// Fact C27 as corrected: five holes on a circle by macro B.
+/// Fact C27 of `tests/model-facts.tsv` as corrected: five holes on a circle by macro B.
 #[test]
 fn a_bolt_circle_by_macro() {
     let circle = "O9100\n#3=#4003\nIF [#3 EQ 90] GOTO 1\n#24=#5001+#24\n#25=#5002+#25\nN1 G81 Z#26 R#18 F#9 K0\nWHILE [#11 GT 0] DO 1\n#5=#24+#4*COS[#1]\n#6=#25+#4*SIN[#1]\nG90 X#5 Y#6\n#1=#1+#2\n#11=#11-1\nEND 1\nG#3 G80\nM99\n";
@@ -496,7 +497,7 @@ fn a_bolt_circle_by_macro() {
     );
 }
 
-/// Fact C31: a hole after each of four moves, and its retraction.
+/// Fact C31 of `tests/model-facts.tsv`: a hole after each of four moves, and its retraction.
 #[test]
 fn a_modal_drill_by_macro() {
     let drill = "O9110\n#1=#4001\n#3=#4003\n#4=#4109\n#5=#5003\nG00 G90 Z#18\nG01 Z#26 F#9\nIF [#4010 EQ 98] GOTO 1\nG00 Z#18\nGOTO 2\nN1 G00 Z#5\nN2 G#1 G#3 F#4\nM99\n";
@@ -519,14 +520,14 @@ fn a_modal_drill_by_macro() {
     }
 }
 
-/// Fact C30, for the third axis: the zero of G54.1 P48.
+/// Fact C30 of `tests/model-facts.tsv`, for the third axis: the zero of G54.1 P48.
 #[test]
 fn zeros_by_their_variables() {
     let (preview, _) = run_to_end("#7943=12.5\n#2501=-3\nG54.1 P48 G00 G90 X0 Y0 Z0\nM30\n");
     assert_eq!(preview.machine.mm(), [0.0, 0.0, 12.5]);
 }
 
-/// Facts C32 and C33: M codes that call programs.
+/// Facts C32 and C33 of `tests/model-facts.tsv`: M codes that call programs.
 #[test]
 fn m_codes_call_programs() {
     let setup = with(&[(6044, 2000), (6045, 300), (6046, 100)]);
@@ -553,7 +554,7 @@ fn m_codes_call_programs() {
     assert_near(&ends(&moves), &[[10., 2., 100.]]);
 }
 
-/// Fact C56: 520.7 selects the turn of an angle.
+/// Fact C56 of `tests/model-facts.tsv`: 520.7 selects the turn of an angle.
 #[test]
 fn inverse_functions_by_parameter() {
     let text = "G00 X[ASIN[-1]] Y[ATAN[-1]/[1]] Z[ATAN[0-0]/[-1]]\nM30\n";

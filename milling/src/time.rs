@@ -7,19 +7,19 @@ use crate::space::{AxisValues, Length, MillAxis, MillPosition};
 /// The rates and time constants of the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MillRates {
-    /// Rapid rates, mm/s or degrees/s.
+    /// Rapid rates of the axes, mm/s or degrees/s.
     rapid: AxisValues<f64>,
-    /// Whether the axes of a rapid arrive together.
+    /// Whether all axes of a rapid arrive together (012.7).
     is_straight: bool,
-    /// Time to reach the rapid rate, s.
+    /// Time in which a rapid reaches its rate, s.
     rapid_time_s: f64,
-    /// Greatest feed, mm/s.
+    /// Greatest feed of cuts, mm/s.
     feed: f64,
-    /// Feed that needs no ramp, mm/s.
+    /// Feed up to which a cut needs no ramp, mm/s.
     feed_start: f64,
     /// Time constant of cuts, s.
     feed_time_s: f64,
-    /// Time constants of rigid taps in and out, s.
+    /// Time constants of rigid taps on the way in and out, s.
     tap_times_s: [f64; 2],
 }
 
@@ -48,8 +48,8 @@ impl MillRates {
         }
     }
 
-    /// Returns the shares of a rapid's duration after which X, Y and Z arrive. `None` if they
-    /// arrive together.
+    /// Returns the fractions of a rapid's duration after which X, Y and Z arrive; `None` if
+    /// they arrive together.
     pub(crate) fn arrivals(&self, distance: &MillPosition) -> Option<[f64; 3]> {
         let whole = self.rapid(distance);
         let part = |axis: MillAxis| {
@@ -63,7 +63,8 @@ impl MillRates {
         apart.then(|| MillAxis::BASIC.map(part))
     }
 
-    /// Returns the duration of a rapid from stop to stop, s: that of the slowest axis.
+    /// Returns the duration of a rapid over `distance` from stop to stop, s: that of the
+    /// slowest axis.
     pub(crate) fn rapid(&self, distance: &MillPosition) -> f64 {
         let axis = |axis: MillAxis| {
             let (distance, rate) = (distance.get(axis).abs().mm(), self.rapid.get(axis));
@@ -72,7 +73,7 @@ impl MillRates {
         MillAxis::ALL.map(axis).into_iter().fold(0.0, f64::max)
     }
 
-    /// Duration with a linear rise and fall of the speed.
+    /// Returns the duration of a motion with a linear rise and fall of the speed, s.
     fn stop_to_stop(&self, distance: f64, rate: f64) -> f64 {
         if distance <= 0.0 || rate <= 0.0 {
             return 0.0;
@@ -85,13 +86,13 @@ impl MillRates {
         }
     }
 
-    /// Returns the speed of a cut, mm/s.
+    /// Returns the speed of a cut at `feed` (mm/min), limited to the greatest feed, mm/s.
     pub(crate) fn cutting(&self, feed: f64) -> f64 {
         (feed / 60.0).min(self.feed)
     }
 
-    /// Returns the additional duration of a stop at the end of a cut, s. The ramps cover the
-    /// speed above that at which cuts begin.
+    /// Returns the additional duration of a stop at the end of a cut at `feed` (mm/min), s.
+    /// The ramps cover the speed above that at which cuts begin.
     pub(crate) fn settling(&self, feed: f64) -> f64 {
         let speed = self.cutting(feed);
         if speed <= self.feed_start {
@@ -101,7 +102,8 @@ impl MillRates {
         }
     }
 
-    /// Returns the additional duration of a stop at the end of a rigid tap, s.
+    /// Returns the additional duration of a stop at the end of a rigid tap, s. `out`: whether
+    /// it moves out of the hole.
     pub(crate) const fn tap_settling_s(&self, out: bool) -> f64 {
         self.tap_times_s[out as usize]
     }

@@ -12,7 +12,7 @@ use crate::moves::{MillArc, MillMove, MillMoveKind};
 use crate::space::{MillAxis, MillPosition};
 use crate::time::MillRates;
 
-/// A step of a program, machine coordinates.
+/// A motion or dwell of a program, machine coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PathStep {
     pub(crate) source: SourcePosition,
@@ -24,24 +24,24 @@ pub(crate) struct PathStep {
     pub(crate) zero: MillPosition,
     pub(crate) frame: MillPosition,
     pub(crate) tool: u16,
-    /// Spindle speed for a feed per revolution, r/min.
+    /// Spindle speed that a feed per revolution refers to, r/min.
     pub(crate) speed: f64,
-    /// Whether the motion stops at its end.
+    /// Whether the motion stops at the end of the step.
     pub(crate) exact: bool,
-    /// For a rigid tap, whether it moves out of the hole.
+    /// Whether a rigid tap moves out of the hole; `None` if the step is no rigid tap.
     pub(crate) rigid_out: Option<bool>,
-    /// Duration of a dwell, s.
+    /// Duration of the dwell, s; 0 for a motion.
     pub(crate) dwell_s: f64,
 }
 
-/// Callback that receives each move.
+/// Callback that receives each move of the preview.
 pub(crate) type MoveCallback<'a> = dyn FnMut(&MillMove) + 'a;
 
-/// Turns steps into moves and adds them up.
+/// Turns steps into moves, and adds up their times, lengths and bounds.
 pub(crate) struct Tracker<'a> {
     rates: MillRates,
     axes: Axes,
-    /// Travel limits, if they act.
+    /// Negative and positive travel limits, machine coordinates; `None` if they do not act.
     travel: Option<(MillPosition, MillPosition)>,
     pub(crate) machine: MillPosition,
     pub(crate) now: f64,
@@ -49,8 +49,8 @@ pub(crate) struct Tracker<'a> {
     pub(crate) moves: u64,
     pub(crate) lengths: MillPathLengths,
     pub(crate) bounds: Option<MillBounds>,
-    /// The last cut and the duration of a stop at its end, s. The next step determines whether
-    /// the motion stops there.
+    /// The last cut and the duration of a stop at its end, s; `None` if the last move was no
+    /// cut. The next step determines whether the motion stops there.
     pending: Option<(MillMove, f64)>,
     on_move: &'a mut MoveCallback<'a>,
 }
@@ -81,7 +81,7 @@ impl<'a> Tracker<'a> {
         }
     }
 
-    /// Makes a step. Errors: the alarm of a travel limit.
+    /// Turns a step into a move. Errors: the alarm of a travel limit.
     pub(crate) fn make(&mut self, step: &PathStep) -> Result<(), Alarm> {
         let turns = step.arc.is_some();
         if step.kind != MillMoveKind::Dwell && !turns && step.to == self.machine {
@@ -167,7 +167,7 @@ impl<'a> Tracker<'a> {
         Ok(())
     }
 
-    /// Ends the last cut with a stop.
+    /// Ends the last cut with a stop, and passes it to the callback.
     pub(crate) fn stop(&mut self) {
         if let Some((mut last, settling)) = self.pending.take() {
             last.duration_s += settling;

@@ -2,31 +2,31 @@
 
 use crate::space::{AxisValues, Length, MillAxis, MillPosition, Plane, PlanePoint};
 
-/// Scaling (G51).
+/// Scaling in force (G51).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scaling {
-    /// Fixed point, work coordinates.
+    /// Point that scaling does not move, work coordinates.
     pub(crate) center: MillPosition,
     /// Factors of X, Y and Z. A negative one mirrors. The fourth and fifth axis have 1.
     pub(crate) factors: AxisValues<f64>,
 }
 
-/// Rotation (G68).
+/// Rotation in force (G68).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rotation {
     pub(crate) plane: Plane,
-    /// Fixed point, after scaling.
+    /// Point that the rotation does not move, mm, after scaling.
     pub(crate) center: PlanePoint,
-    /// Effective angle, counter-clockwise.
+    /// Effective angle, degrees counter-clockwise.
     pub(crate) degrees: f64,
-    /// Programmed angle.
+    /// Programmed angle, degrees counter-clockwise.
     pub(crate) programmed: f64,
-    /// Tool position at G68, until the first motion. If that is incremental, the position is
-    /// the centre.
+    /// Tool position at G68, until the first motion; then `None`. If that motion is
+    /// incremental, the position is the centre.
     pub(crate) tool_at_start: Option<PlanePoint>,
 }
 
-/// Scaling and rotation in force.
+/// Scaling and rotation in force; `None` if off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Transform {
     pub(crate) scaling: Option<Scaling>,
@@ -34,23 +34,23 @@ pub(crate) struct Transform {
 }
 
 impl Transform {
-    /// Returns whether neither is in force.
+    /// Returns whether neither scaling nor rotation is in force.
     pub(crate) const fn is_none(&self) -> bool {
         self.scaling.is_none() && self.rotation.is_none()
     }
 
-    /// Returns the scale of an axis.
+    /// Returns the factor by which an axis is scaled, 1 without scaling.
     pub(crate) fn factor(&self, axis: MillAxis) -> f64 {
         self.scaling.map_or(1.0, |it| it.factors.get(axis))
     }
 
-    /// Returns whether a plane is mirrored.
+    /// Returns whether scaling mirrors a plane, so that arcs change their direction.
     pub(crate) fn mirrors(&self, plane: Plane) -> bool {
         let [first, second, _] = plane.axes();
         self.factor(first) * self.factor(second) < 0.0
     }
 
-    /// Returns a point after scaling, before rotation, mm.
+    /// Returns a programmed point after scaling, before rotation: X, Y and Z, mm.
     pub(crate) fn scaled(&self, point: MillPosition) -> [f64; 3] {
         let point = point.mm();
         let Some(Scaling { center, factors }) = self.scaling else {
@@ -60,7 +60,7 @@ impl Transform {
         core::array::from_fn(|axis| center[axis] + factors.0[axis] * (point[axis] - center[axis]))
     }
 
-    /// Transforms a programmed point, rounded to the least increment.
+    /// Returns a programmed point after scaling and rotation, rounded to the least increment.
     pub(crate) fn apply(&self, point: MillPosition) -> MillPosition {
         if self.is_none() {
             return point;
@@ -75,7 +75,7 @@ impl Transform {
         point.with_basic(mm.map(|value| Length::from_mm(value).rounded()))
     }
 
-    /// Returns the programmed point of a transformed one.
+    /// Returns the programmed point that scaling and rotation turn into `point`.
     pub(crate) fn undo(&self, point: MillPosition) -> MillPosition {
         if self.is_none() {
             return point;
@@ -96,7 +96,8 @@ impl Transform {
         point.with_basic(mm.map(Length::from_mm))
     }
 
-    /// Transforms a distance in a plane: from the start of an arc to its centre.
+    /// Returns a distance in a plane after scaling and rotation, mm: that from the start of an
+    /// arc to its centre.
     pub(crate) fn transform_distance(&self, plane: Plane, distance: PlanePoint) -> PlanePoint {
         let [first, second, _] = plane.axes();
         let distance = PlanePoint::new(

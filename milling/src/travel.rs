@@ -19,21 +19,21 @@ use crate::state::{MillState, Polar};
 use crate::tracker::{PathStep, Tracker};
 use crate::words::{BlockWords, length};
 
-/// What the blocks of a run act on.
+/// What the blocks of a run read and change beside the state.
 pub(crate) struct RunContext<'a, 'b> {
     pub(crate) memory: &'a mut MillMemory,
     pub(crate) cutter: &'a mut CutterStream,
     pub(crate) tracker: &'a mut Tracker<'b>,
     pub(crate) source: SourcePosition,
-    /// Whether every block ends with an exact stop (G09).
+    /// Whether the current block ends with an exact stop (G09).
     pub(crate) exact: bool,
-    /// Whether the run continues, checked before each repeated hole of a block.
+    /// Queries the caller, before each repeated hole of a block, whether the run continues.
     pub(crate) progress_check: ProgressCheck<'a>,
 }
 
-/// Lets the caller stop a run within a block.
+/// Lets the caller stop a run within a block that makes many holes.
 pub(crate) struct ProgressCheck<'a> {
-    /// Progress callback, which returns false to stop the run.
+    /// Progress callback; returns false to stop the run.
     pub(crate) on_progress: &'a mut ProgressCallback<'a>,
     /// Progress before the block.
     pub(crate) progress: PreviewProgress,
@@ -41,28 +41,28 @@ pub(crate) struct ProgressCheck<'a> {
     pub(crate) is_stopped: bool,
 }
 
-/// Progress callback, which returns whether the run continues.
+/// Progress callback; returns whether the run continues.
 pub(crate) type ProgressCallback<'a> = dyn FnMut(&PreviewProgress) -> bool + 'a;
 
-/// How a step is made.
+/// How a straight step is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum StepKind {
     Rapid,
-    /// A cut at the feed in force.
+    /// Cuts at the feed in force.
     Cut,
-    /// A cut at another feed, mm/min.
+    /// Cuts at another feed, mm/min.
     CutAt(f64),
-    /// A tap, in or out.
+    /// Taps, in or out, synchronised with the spindle.
     Tap {
-        /// Whether it moves out of the hole.
+        /// Whether the tap moves out of the hole.
         out: bool,
     },
-    /// A thread with this lead, mm.
+    /// Cuts a thread with this lead, mm.
     Thread(f64),
 }
 
 impl RunContext<'_, '_> {
-    /// Whether to make more holes of a block.
+    /// Queries the caller. Returns whether to make more holes of the block.
     fn can_continue(&mut self) -> bool {
         let progress_check = &mut self.progress_check;
         progress_check.progress.moves = self.tracker.moves;
@@ -71,7 +71,7 @@ impl RunContext<'_, '_> {
         !progress_check.is_stopped
     }
 
-    /// A step without an end point.
+    /// Returns a step of this kind that ends where it starts.
     fn step(&self, state: &MillState, kind: MillMoveKind) -> PathStep {
         PathStep {
             source: self.source,
@@ -89,7 +89,7 @@ impl RunContext<'_, '_> {
         }
     }
 
-    /// The feed of a tap. A rigid one moves out with the override of 5211.
+    /// Returns the feed of a tap. A rigid one moves out with the override of 5211.
     fn of_tap(&self, state: &MillState, out: bool, feed: Feed) -> Feed {
         let percent = match self.memory.value(parameter::TAP_OUT) {
             0 => 100,
@@ -125,7 +125,7 @@ impl RunContext<'_, '_> {
     }
 
     /// Makes a straight step to a point in machine coordinates. `apart` marks a step away from
-    /// the contour.
+    /// the contour. Errors: the alarm of feed, compensation or travel limit.
     pub(crate) fn go(
         &mut self,
         state: &mut MillState,
@@ -160,7 +160,7 @@ impl RunContext<'_, '_> {
         Ok(())
     }
 
-    /// Makes a dwell, s. A dwell of 0 is an exact stop.
+    /// Makes a dwell of `seconds`. A dwell of 0 is an exact stop.
     pub(crate) fn dwell(&mut self, state: &MillState, seconds: f64) -> Result<(), Alarm> {
         let step = PathStep {
             dwell_s: seconds,
@@ -187,8 +187,8 @@ pub(crate) fn feed(state: &MillState) -> Result<Feed, Alarm> {
     Ok(Feed::PerRevolution(modal.feed))
 }
 
-/// The feed of a cut of rotary axes alone. An F in inches is no length there, so convert it
-/// back.
+/// Returns the feed of a cut of rotary axes alone. An F in inches is no length there, so
+/// converts it back.
 fn rotary_feed(state: &MillState, to: &MillPosition, feed: Feed) -> Feed {
     let moves = |axis: &MillAxis| to.get(*axis) != state.machine.get(*axis);
     let mut moving = state.axes.all().filter(moves).peekable();
@@ -201,11 +201,11 @@ fn rotary_feed(state: &MillState, to: &MillPosition, feed: Feed) -> Feed {
 
 const MM_PER_INCH: f64 = 25.4;
 
-/// Leads of threads, mm.
+/// Permitted leads of threads, mm.
 const LEAD_RANGE: core::ops::RangeInclusive<f64> = 0.001..=500.0;
 
-/// The lead of G33. Errors: alarm 011 without a lead, 043 outside the range, 094 while the
-/// spindle is stopped.
+/// Returns the lead of G33, mm. Errors: alarm 011 without a lead, 043 outside the range, 094
+/// while the spindle is stopped.
 fn thread_lead(state: &MillState) -> Result<f64, Alarm> {
     let modal = &state.modal;
     if modal.lead == 0.0 {
@@ -268,8 +268,8 @@ pub(crate) fn target(state: &mut MillState, words: &BlockWords) -> MillPosition 
     to.moved_to(modal.plane, center + offset)
 }
 
-/// Sets the centre of G68 before the first motion: with an incremental one it is the position
-/// of the tool.
+/// Sets the centre of a rotation (G68) before the first motion: if that is incremental, to the
+/// position of the tool.
 pub(crate) fn settle_rotation(state: &mut MillState, memory: &MillMemory) {
     let Some(rotation) = &mut state.transform.rotation else {
         return;
@@ -283,7 +283,7 @@ pub(crate) fn settle_rotation(state: &mut MillState, memory: &MillMemory) {
     }
 }
 
-/// Executes G00 to G03 and G33 of a block. Returns whether it moves.
+/// Executes G00 to G03 and G33 of a block. Returns whether the block moves an axis.
 pub(crate) fn execute_motion(
     state: &mut MillState,
     words: &BlockWords,
@@ -388,7 +388,7 @@ pub(crate) fn take_hole_data(state: &mut MillState, words: &BlockWords) -> Resul
 /// Greatest number of holes in one block.
 const MAX_HOLES: i64 = 9999;
 
-/// Makes the holes of a block. Returns whether it moves.
+/// Makes the holes of a block. Returns whether the block moves an axis.
 pub(crate) fn execute_holes(
     hole: Hole,
     state: &mut MillState,
@@ -460,7 +460,8 @@ pub(crate) fn execute_holes(
     Ok(true)
 }
 
-/// R and the bottom of a hole, machine coordinates. Those of G76 are not scaled.
+/// Returns the R level and the bottom of a hole, machine coordinates. Those of G76 are not
+/// scaled.
 fn hole_levels(
     hole: Hole,
     state: &MillState,
@@ -497,7 +498,7 @@ fn hole_levels(
 }
 
 impl Polar {
-    /// Starts at the zero.
+    /// Creates polar coordinates at the zero: radius and angle 0.
     pub(crate) const fn begin() -> Self {
         Self {
             radius: Length::ZERO,

@@ -10,7 +10,7 @@ use crate::axes::Axes;
 use crate::modal::{Hole, LengthOffset, MillMotion, WorkZero};
 use crate::space::{AxisValues, Length, MillAxis, Plane};
 
-/// Group 00: codes that act in their own block only.
+/// A code that acts only in its own block (group 00).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum OneShotCode {
     Dwell,
@@ -26,14 +26,14 @@ pub(crate) enum OneShotCode {
     Coordinates,
 }
 
-/// Whether a code switches on or off.
+/// Whether a code switches a function on or off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum OnOff {
     On,
     Off,
 }
 
-/// The words of a block.
+/// The words of a block, sorted by what they mean; `None` where the block has no such word.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct BlockWords {
     pub(crate) one_shot: Option<OneShotCode>,
@@ -44,7 +44,7 @@ pub(crate) struct BlockWords {
     pub(crate) inch: Option<bool>,
     pub(crate) cutter: Option<CutterSide>,
     pub(crate) length: Option<LengthOffset>,
-    /// `Some(None)` is G80.
+    /// The hole cycle; `Some(None)` is G80, which ends it.
     pub(crate) hole: Option<Option<Hole>>,
     pub(crate) to_r: Option<bool>,
     pub(crate) scaling: Option<OnOff>,
@@ -56,12 +56,12 @@ pub(crate) struct BlockWords {
     pub(crate) rotation: Option<OnOff>,
     pub(crate) polar: Option<OnOff>,
     pub(crate) letters: Letters,
-    /// A word that no code of a mill takes: of an axis that the machine does not have, or of a
-    /// lathe.
+    /// The letter of a word that no code of a mill takes: of an axis that the machine does not
+    /// have, or of a lathe; otherwise `None`.
     pub(crate) unused_word: Option<char>,
 }
 
-/// The numbers after the letters, as programmed.
+/// The numbers after the letters of a block, as programmed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Letters {
     pub(crate) axes: AxisValues<Option<WordNumber>>,
@@ -78,7 +78,7 @@ pub(crate) struct Letters {
     pub(crate) h: Option<WordNumber>,
 }
 
-/// The number of G54.1, in millionths.
+/// The number after G in G54.1, in millionths.
 const ADDITIONAL: i64 = 54_100_000;
 
 impl BlockWords {
@@ -223,7 +223,8 @@ impl BlockWords {
         Ok(())
     }
 
-    /// Refuses a word that no code takes. In a call it is an argument.
+    /// Refuses a word that no code takes. Not called for a macro call, where it is an
+    /// argument.
     pub(crate) fn check_axes(&self) -> Result<(), Alarm> {
         let detail = match self.unused_word {
             Some(letter @ ('U' | 'V' | 'W')) => {
@@ -236,12 +237,12 @@ impl BlockWords {
         Err(Alarm::new(number::BAD_ADDRESS).with_detail(detail))
     }
 
-    /// Returns whether a word names an axis.
+    /// Returns whether a word of the block names an axis.
     pub(crate) fn has_axes(&self) -> bool {
         self.letters.axes.0.iter().any(Option::is_some)
     }
 
-    /// Checks that the codes of a block can be combined. Errors: alarm 024.
+    /// Checks that the codes of a block can be combined. Errors: alarm 024 if not.
     pub(crate) fn check(&self) -> Result<(), Alarm> {
         let holes = self.hole.is_some_and(|hole| hole.is_some());
         // A reference return is a rapid. G53 moves at rapid or feed.
@@ -262,7 +263,7 @@ impl BlockWords {
     }
 }
 
-/// Returns a length from a number in inches or millimetres.
+/// Returns the length of a word whose number is in inches (`inch`) or millimetres.
 pub(crate) fn length(value: WordNumber, inch: bool) -> Length {
     let metric = if inch { value.inches_to_mm() } else { value };
     Length::from_nm(metric.millionths())

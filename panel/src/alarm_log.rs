@@ -9,12 +9,12 @@ use gsk_core::cnc::Cnc;
 /// Greatest number of records. The oldest is removed first.
 pub const MAX_RECORDS: usize = 100;
 
-/// An alarm that was raised.
+/// An alarm that was raised, with the block and the time at which it was raised.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AlarmRecord {
-    /// The alarm with its program, line and rule.
+    /// The raised alarm: number, program, line and reason.
     pub alarm: Alarm,
-    /// The text of the block that raised it at that moment, or empty if no block did.
+    /// Text of the program block that raised the alarm; empty if no block raised it.
     pub block: String,
     /// Machine time since power-on, ms.
     pub at_ms: u64,
@@ -24,22 +24,22 @@ pub struct AlarmRecord {
     pub time: u32,
 }
 
-/// The alarms since the control was opened, the newest first.
+/// The alarms and ladder messages since the control was opened, the newest first.
 #[derive(Clone, Debug, Default)]
 pub struct AlarmLog {
     records: VecDeque<AlarmRecord>,
-    /// Numbers that were active at the last update.
+    /// Numbers of the alarms and messages that were active at the last update.
     active: Vec<u16>,
 }
 
 impl AlarmLog {
-    /// Returns the records, the newest first.
+    /// Returns the recorded alarms, the newest first.
     pub fn newest_first(&self) -> impl Iterator<Item = &AlarmRecord> {
         self.records.iter()
     }
 
-    /// Records new alarms and ladder messages. Call it every tick. Returns whether there is a
-    /// new one.
+    /// Records alarms and ladder messages that have become active. Call it every tick. Returns
+    /// `true` if it recorded at least one.
     pub fn update(&mut self, cnc: &Cnc) -> bool {
         let message = cnc.active_message();
         let active = || cnc.alarms().iter().chain(&message);

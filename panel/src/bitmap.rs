@@ -5,20 +5,20 @@ use crate::lcd::{COLUMNS, HEIGHT, WIDTH};
 /// A 320x240 one-bit picture.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Bitmap {
-    /// 40 bytes a dot row, the leftmost dot in bit 7.
+    /// 40 bytes a dot row; bit 7 of a byte is its leftmost dot.
     bytes: Box<[u8]>,
 }
 
-/// A rectangle of dots that includes both corners.
+/// A rectangle of LCD dots; the edge dots belong to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DotArea {
-    /// Leftmost dot.
+    /// X of the leftmost dots, from 0.
     pub left: i32,
-    /// Topmost dot.
+    /// Y of the topmost dots, from 0 (top of the LCD).
     pub top: i32,
-    /// Rightmost dot.
+    /// X of the rightmost dots.
     pub right: i32,
-    /// Lowest dot.
+    /// Y of the lowest dots.
     pub bottom: i32,
 }
 
@@ -31,23 +31,24 @@ impl DotArea {
         bottom: HEIGHT as i32 - 1,
     };
 
-    /// Returns whether a dot is inside.
+    /// Returns whether the dot (`x`, `y`) is inside the rectangle.
     pub const fn contains(&self, x: i32, y: i32) -> bool {
         x >= self.left && x <= self.right && y >= self.top && y <= self.bottom
     }
 }
 
-/// The pattern of a line.
+/// The dot pattern of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stroke {
-    /// Every dot.
+    /// Draws every dot of the line.
     Solid,
-    /// Every third dot of the LCD's grid, so that segments of a path join without a seam.
+    /// Draws every third dot, counted from the LCD's edge, so that segments of a path join
+    /// without a seam.
     Dotted,
 }
 
 impl Stroke {
-    /// Whether the dot at a coordinate of the longer axis is drawn.
+    /// Whether the line's dot at `along`, its coordinate on the longer axis, is drawn.
     const fn draws(self, along: i32) -> bool {
         match self {
             Self::Solid => true,
@@ -63,26 +64,27 @@ impl Default for Bitmap {
 }
 
 impl Bitmap {
-    /// Creates an empty picture.
+    /// Creates a picture without dots.
     pub fn new() -> Self {
         Self {
             bytes: vec![0; COLUMNS * HEIGHT].into_boxed_slice(),
         }
     }
 
-    /// Removes every dot.
+    /// Clears every dot of the picture.
     pub fn clear(&mut self) {
         self.bytes.fill(0);
     }
 
-    /// Returns the 40 bytes of a dot row, the leftmost dot in bit 7. Empty below the LCD.
+    /// Returns the 40 bytes of dot row `y` (from 0 at the top), the leftmost dot in bit 7 of
+    /// the first. Returns an empty slice below the LCD.
     pub fn row(&self, y: usize) -> &[u8] {
         self.bytes
             .get(y * COLUMNS..(y + 1) * COLUMNS)
             .unwrap_or(&[])
     }
 
-    /// Returns whether a dot is set. Dots outside the LCD never are.
+    /// Returns whether the dot (`x`, `y`) is set; `false` outside the LCD.
     pub fn get(&self, x: i32, y: i32) -> bool {
         if !DotArea::LCD.contains(x, y) {
             return false;
@@ -90,21 +92,22 @@ impl Bitmap {
         self.bytes[y as usize * COLUMNS + x as usize / 8] & (0x80 >> (x % 8)) != 0
     }
 
-    /// Sets a dot. Ignores dots outside the LCD.
+    /// Sets the dot (`x`, `y`). Ignores dots outside the LCD.
     pub fn set(&mut self, x: i32, y: i32) {
         if DotArea::LCD.contains(x, y) {
             self.bytes[y as usize * COLUMNS + x as usize / 8] |= 0x80 >> (x % 8);
         }
     }
 
-    /// Sets every dot that another picture has.
+    /// Sets every dot that is set in `other`.
     pub fn add(&mut self, other: &Self) {
         for (mine, theirs) in self.bytes.iter_mut().zip(&other.bytes) {
             *mine |= theirs;
         }
     }
 
-    /// Sets and optionally inverts the eight dots of a byte column in a dot row.
+    /// Sets those of eight dots that are 1 in `dots` (bit 7 leftmost), then inverts all eight
+    /// if `invert` is true. `column` counts bytes from the left edge.
     pub(crate) fn combine(&mut self, column: usize, y: usize, dots: u8, invert: bool) {
         if column < COLUMNS && y < HEIGHT {
             let byte = &mut self.bytes[y * COLUMNS + column];
@@ -115,7 +118,8 @@ impl Bitmap {
         }
     }
 
-    /// Draws a line between two points in fractions of dots, clipped to an area.
+    /// Draws a line between two points, in dots with fractions. Dots outside `area` are not
+    /// drawn.
     pub fn line(&mut self, from: (f64, f64), to: (f64, f64), stroke: Stroke, area: DotArea) {
         let Some((from, to)) = clip(from, to, area) else {
             return;
@@ -156,7 +160,7 @@ impl core::fmt::Debug for Bitmap {
     }
 }
 
-/// The part of a line inside an area, as dots.
+/// Returns both ends of the line's part inside `area`, as dots; `None` if the line misses it.
 fn clip(from: (f64, f64), to: (f64, f64), area: DotArea) -> Option<((i32, i32), (i32, i32))> {
     let (start, end) = (nearest(from), nearest(to));
     if area.contains(start.0, start.1) && area.contains(end.0, end.1) {
@@ -204,7 +208,7 @@ fn clip(from: (f64, f64), to: (f64, f64), area: DotArea) -> Option<((i32, i32), 
     Some((dot_at(first), dot_at(last)))
 }
 
-/// The dot at a point.
+/// Returns the dot nearest to a point.
 fn nearest((x, y): (f64, f64)) -> (i32, i32) {
     ((x + 0.5).floor() as i32, (y + 0.5).floor() as i32)
 }

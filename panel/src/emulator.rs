@@ -22,13 +22,13 @@ use crate::panel::{KeyEvent, Panel, ReceiveError, SerialFile, contacts};
 use crate::raster;
 use crate::screen::Screen;
 
-/// Time that [`Emulator::press`] holds a key, and pause after it, ticks.
+/// Ticks for which [`Emulator::press`] holds a key, and ticks of the pause after its release.
 pub(crate) const PRESS_TICKS: u64 = 100;
 
 /// Interval between checks of the LCD while waiting for its text, ticks.
 const SCREEN_PERIOD: u64 = 20;
 
-/// A control with its panel and its simulated lathe: the save state.
+/// A control with its operator panel and its simulated lathe. Saving a session stores it.
 ///
 /// ```
 /// use gsk_core::setup::Setup;
@@ -42,9 +42,9 @@ const SCREEN_PERIOD: u64 = 20;
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Emulator {
-    /// Control and lathe.
+    /// The control and the simulated lathe.
     pub simulation: Simulation,
-    /// The panel.
+    /// The operator panel: keys, LCD pages, lamps.
     pub panel: Panel,
 }
 
@@ -55,11 +55,11 @@ pub enum WaitCondition {
     SelfTestOver,
     /// No program runs and the axes are stopped.
     Stopped,
-    /// A block has ended, or the run has stopped.
+    /// The block in execution has ended, or the run has stopped.
     BlockEnd,
     /// An alarm or a message is active.
     Alarm,
-    /// The LCD shows this text in one row. Runs of blanks count as one.
+    /// A row of the LCD contains this text. Runs of blanks count as one.
     Text(String),
     /// A bit of PLC memory has this value.
     Bit(BitAddress, bool),
@@ -75,7 +75,7 @@ pub enum WaitOutcome {
 }
 
 impl Emulator {
-    /// Creates an emulator at power-on.
+    /// Creates an emulator that has just been switched on.
     pub fn new(setup: Setup) -> Self {
         Self {
             simulation: Simulation::new(setup),
@@ -83,12 +83,13 @@ impl Emulator {
         }
     }
 
-    /// Returns the ticks since the start, including power-off.
+    /// Returns the ticks (ms) since the emulator was created, including those with the power
+    /// off.
     pub const fn ticks(&self) -> u64 {
         self.panel.clock()
     }
 
-    /// Runs one millisecond.
+    /// Simulates one millisecond of panel, control and lathe.
     pub fn tick(&mut self) {
         if self.panel.powered() {
             self.simulation.tick();
@@ -104,15 +105,15 @@ impl Emulator {
         self.send_requests(requests);
     }
 
-    /// Runs a number of milliseconds.
+    /// Simulates `ticks` milliseconds.
     pub fn run(&mut self, ticks: u64) {
         for _ in 0..ticks {
             self.tick();
         }
     }
 
-    /// Handles a key event at the start of the next tick. Returns the reason if page, mode or a
-    /// switch prevents its effect. Machine keys are checked later, by
+    /// Handles a key event, which acts in the next tick. Returns the reason if page, mode
+    /// or a switch prevents its effect, otherwise `None`. Machine keys are checked later, by
     /// [`crate::refusal::KeyPress`].
     pub fn key(&mut self, event: KeyEvent) -> Option<Message> {
         let cnc = &self.simulation.cnc;
@@ -135,7 +136,7 @@ impl Emulator {
         refused
     }
 
-    /// Sets the contacts of the machine keys to the state of the keys.
+    /// Sets the X contact of each machine key: closed while the key is held.
     fn connect_keys(&mut self) {
         for (bit, down) in contacts(&self.panel) {
             let address = BitAddress::new(Area::X, bit.byte, bit.bit);
@@ -150,12 +151,13 @@ impl Emulator {
         }
     }
 
-    /// Presses a key down. Returns the reason if it has no effect, as [`Self::key`] does.
+    /// Presses a key and keeps it down. Returns the reason if the key has no effect now,
+    /// otherwise `None`.
     pub fn key_down(&mut self, key: Key) -> Option<Message> {
         self.key(KeyEvent::Down(key))
     }
 
-    /// Releases a key.
+    /// Releases a key that is down.
     pub fn key_up(&mut self, key: Key) {
         self.key(KeyEvent::Up(key));
     }
@@ -168,14 +170,14 @@ impl Emulator {
         self.run(PRESS_TICKS);
     }
 
-    /// Holds a key for a number of milliseconds.
+    /// Holds a key for `ticks` milliseconds, then releases it.
     pub fn hold(&mut self, key: Key, ticks: u64) {
         self.key_down(key);
         self.run(ticks);
         self.key_up(key);
     }
 
-    /// Types characters, 100 ms each.
+    /// Types the characters of a text, one each 100 ms.
     pub fn type_text(&mut self, text: &str) {
         for character in text.chars() {
             self.key(KeyEvent::Type(character));
@@ -183,13 +185,13 @@ impl Emulator {
         }
     }
 
-    /// Turns the handwheel by a number of graduations at once.
+    /// Turns the handwheel at once by a number of graduations, clockwise positive.
     pub fn turn(&mut self, graduations: i32) {
         self.key(KeyEvent::Wheel(graduations));
     }
 
-    /// Runs until a condition is true, at most `limit_ms` milliseconds. Checks the condition
-    /// before the first tick and after each one.
+    /// Simulates until a condition is true, at most `limit_ms` milliseconds. Checks the
+    /// condition before the first tick and after each one.
     pub fn run_until(&mut self, condition: &WaitCondition, limit_ms: u64) -> WaitOutcome {
         let mut watch = ConditionWatch::new(condition.clone(), self);
         for _ in 0..limit_ms {
@@ -207,11 +209,11 @@ impl Emulator {
     }
 
     /// Stores a program in the program memory and selects it. A text without a program number
-    /// takes that of its name (`O0001`, `o12.nc`).
+    /// takes the number in `name` (`O0001`, `o12.nc`).
     ///
     /// # Errors
     ///
-    /// Returns the alarm with which the control refuses it.
+    /// Returns the alarm with which the control refuses the program.
     pub fn load_program(&mut self, name: &str, text: &str) -> Result<(), Alarm> {
         let program = Program::new(text);
         let text = match (program.number(), number_of_name(name)) {
@@ -223,11 +225,11 @@ impl Emulator {
             .request(ControlRequest::StoreProgram(text))
     }
 
-    /// Receives a file through the serial port.
+    /// Starts receiving a file through the serial port, as if its partner sent it.
     ///
     /// # Errors
     ///
-    /// Returns the reason why the control does not accept it.
+    /// Returns the reason why the control does not receive the file.
     pub fn receive(&mut self, file: SerialFile) -> Result<(), ReceiveError> {
         let mut requests = Vec::new();
         let taken = self
@@ -241,31 +243,31 @@ impl Emulator {
     ///
     /// # Errors
     ///
-    /// Returns the alarm with which the control refuses it.
+    /// Returns the alarm with which the control refuses to open the program.
     pub fn load_external(&mut self, program: Program) -> Result<(), Alarm> {
         self.simulation
             .cnc
             .request(ControlRequest::OpenExternal(program))
     }
 
-    /// Sets the graphic page to the extents of a program and starts drawing, unless the
-    /// operator has entered extents. X is a radius.
+    /// Sets the graphic page to the extents `min` to `max` of a program, mm with X as a
+    /// radius, and starts drawing. Does nothing if the operator has entered extents.
     pub fn fit_graphic(&mut self, min: Point, max: Point) {
         self.panel.fit_graphic(min, max, &self.simulation.cnc);
     }
 
-    /// Returns what the LCD shows.
+    /// Returns the current picture of the LCD.
     pub fn screen(&self) -> Screen {
         self.panel.screen(&self.simulation.cnc)
     }
 
-    /// Returns the LCD in the language that it is not set to.
+    /// Returns the LCD in the other language: English if it is set to Chinese, and vice versa.
     pub fn translated_screen(&self) -> Screen {
         self.panel.translated(&self.simulation.cnc)
     }
 
-    /// Draws the whole panel at `scale` pixels a panel unit. The LCD has two units a dot.
-    /// `None` if the picture does not fit into memory.
+    /// Draws the whole panel at `scale` pixels a panel unit (half an LCD dot). Returns `None`
+    /// if the picture does not fit into memory.
     pub fn panel_picture(&self, scale: f32) -> Option<Pixmap> {
         let lcd = if self.panel.powered() {
             raster::render(&self.screen(), 1, self.panel.view().brightness)
@@ -283,13 +285,14 @@ impl Emulator {
         faceplate::paint(faceplate::PanelArea::WHOLE, &state, scale)
     }
 
-    /// Returns whether a lamp is lit.
+    /// Returns whether the lamp at this Y bit is lit; `false` while the power is off.
     pub fn lamp(&self, lamp: Bit) -> bool {
         let memory = self.simulation.cnc.plc().memory();
         self.panel.powered() && memory.bit(BitAddress::new(Area::Y, lamp.byte, lamp.bit))
     }
 
-    /// Returns the Y memory for the lamps of the faceplate.
+    /// Returns bytes 0 to 19 of the Y memory, which light the lamps; zeros while the power is
+    /// off.
     pub fn lamps(&self) -> [u8; 20] {
         let memory = self.simulation.cnc.plc().memory();
         core::array::from_fn(|byte| {
@@ -301,14 +304,14 @@ impl Emulator {
         })
     }
 
-    /// Stores the text in the editor, as leaving its page does, when a session ends with the
-    /// power on.
+    /// Stores the program text that is open in the editor. Call it when a session ends with
+    /// the power on.
     pub fn store_edited(&mut self) {
         let requests = self.panel.requests_to_store();
         self.send_requests(requests);
     }
 
-    /// Switches the power off. The lathe stops.
+    /// Switches the power off: the LCD goes dark, keys are released, the lathe stops.
     pub(crate) fn power_off(&mut self) {
         self.panel.power_off();
         self.connect_keys();
@@ -324,7 +327,7 @@ impl Emulator {
         self.connect_keys();
     }
 
-    /// Switches the power off and on. Retained memory is kept.
+    /// Switches the power off and on again. Retained memory is kept.
     pub fn power_cycle(&mut self) {
         self.power_off();
         self.power_on();
@@ -337,7 +340,8 @@ impl Emulator {
     }
 }
 
-/// A condition to wait for.
+/// Watches a [`WaitCondition`]; stores the block at the start and the time of the last LCD
+/// check.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ConditionWatch {
     condition: WaitCondition,
@@ -381,7 +385,7 @@ impl ConditionWatch {
     }
 }
 
-/// Whether a row of the screen contains a text with single blanks.
+/// Whether a row of the LCD contains `text`, with every run of blanks as one.
 fn has_row_with(screen: &Screen, text: &str) -> bool {
     (0..crate::screen::ROWS).any(|row| fold_blanks(&screen.row(row)).contains(text))
 }

@@ -1,6 +1,6 @@
 //! Contains the geometry of the panel: a table of parts in panel units (manual III-1.2). The
 //! window and the painter draw it, and the pointer is looked up in it. In a narrow window the
-//! panel is split into [areas](PanelArea::SECTIONS).
+//! panel is split into [sections](PanelArea::SECTIONS).
 //!
 //! One panel unit is half a dot of the LCD. At every scale that is a multiple of one half, LCD
 //! dots are whole pixels.
@@ -25,38 +25,39 @@ pub(crate) const LINE_HEIGHT: f32 = 16.0;
 /// A rectangle in panel units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rect {
-    /// Left edge.
+    /// X of the left edge, increasing to the right.
     pub x: f32,
-    /// Top edge.
+    /// Y of the top edge, increasing downwards.
     pub y: f32,
-    /// Width.
+    /// Width, panel units.
     pub w: f32,
-    /// Height.
+    /// Height, panel units.
     pub h: f32,
 }
 
 impl Rect {
-    /// Creates a rectangle from its upper left corner and size.
+    /// Creates a rectangle from its upper left corner (`x`, `y`), width and height.
     pub const fn new(x: f32, y: f32, w: f32, h: f32) -> Self {
         Self { x, y, w, h }
     }
 
-    /// Creates the square around a circle.
+    /// Creates the square around a circle with centre (`x`, `y`).
     pub const fn around(x: f32, y: f32, diameter: f32) -> Self {
         Self::new(x - diameter / 2.0, y - diameter / 2.0, diameter, diameter)
     }
 
-    /// Returns the centre.
+    /// Returns the centre (x, y) of the rectangle.
     pub const fn center(&self) -> (f32, f32) {
         (self.x + self.w / 2.0, self.y + self.h / 2.0)
     }
 
-    /// Returns whether a point is inside.
+    /// Returns whether the point (`x`, `y`) is inside the rectangle. The right and lower edges
+    /// are outside.
     pub fn contains(&self, x: f32, y: f32) -> bool {
         (self.x..self.x + self.w).contains(&x) && (self.y..self.y + self.h).contains(&y)
     }
 
-    /// Returns whether another rectangle is inside.
+    /// Returns whether all of `inner` is inside this rectangle. Edges may touch.
     pub fn encloses(&self, inner: &Self) -> bool {
         self.x <= inner.x
             && self.y <= inner.y
@@ -64,7 +65,7 @@ impl Rect {
             && inner.y + inner.h <= self.y + self.h
     }
 
-    /// Returns whether two rectangles overlap.
+    /// Returns whether this rectangle overlaps `other`. Touching edges do not overlap.
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         self.x < other.x + other.w
             && other.x < self.x + self.w
@@ -73,35 +74,35 @@ impl Rect {
     }
 }
 
-/// The outline of a part.
+/// The outline of a panel part inside its rectangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outline {
-    /// A rectangle with rounded corners of this radius.
+    /// A rectangle whose corners are rounded with this radius, panel units.
     Rounded(f32),
-    /// A circle.
+    /// The circle whose diameter is the rectangle's width.
     Round,
 }
 
 /// The kind of a panel part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PartKind {
-    /// The panel itself.
+    /// The background of the panel.
     Housing,
-    /// A plate with a group of keys.
+    /// A raised plate on which keys or print are placed.
     Plate,
-    /// The frame of the LCD.
+    /// The dark frame around the LCD.
     Bezel,
-    /// The LCD.
+    /// The LCD's picture.
     Lcd,
-    /// A lamp of the status strip: its index in [`crate::keys::STRIP`].
+    /// A lamp of the status strip, by its index in [`crate::keys::STRIP`].
     Strip(usize),
-    /// A key or button.
+    /// A key or button, with its lamp and legend.
     Key(Key),
-    /// The handwheel.
+    /// The handwheel with its pointer.
     Handwheel,
-    /// The name of the control model.
+    /// The printed name of the control model.
     Model,
-    /// Printed text centred in its rectangle, with its line height.
+    /// Printed text, centred in the part's rectangle, and its line height in panel units.
     Text(&'static str, f32),
     /// The label that the machine is simulated. Blank for a real machine.
     Emulator,
@@ -109,53 +110,53 @@ pub enum PartKind {
     RealMotion,
 }
 
-/// A colour by its use.
+/// A colour of the panel, named by the parts that have it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PanelColour {
-    /// The panel.
+    /// Background colour of the panel.
     Housing,
-    /// A plate.
+    /// Colour of the plates on which keys are placed.
     Plate,
-    /// The frame of the LCD.
+    /// Colour of the frame of the LCD.
     Bezel,
-    /// The LCD without a picture.
+    /// Colour of the LCD while it shows no picture.
     Lcd,
-    /// Print on plates.
+    /// Colour of printed text on plates.
     Print,
-    /// Fainter print.
+    /// Colour of printed text that is fainter than [`Self::Print`].
     Hint,
-    /// Address keys.
+    /// Colour of the address keys.
     Address,
-    /// Number keys.
+    /// Colour of the number keys.
     Number,
-    /// Function keys of the edit keyboard.
+    /// Colour of the function keys of the edit keyboard.
     Function,
-    /// Page keys.
+    /// Colour of the page keys.
     Page,
-    /// Reset, and the mushroom button.
+    /// Colour of the reset key and the mushroom button.
     Danger,
-    /// Machine keys.
+    /// Colour of the machine keys without a colour for their function.
     Machine,
-    /// Machine keys that select a mode.
+    /// Colour of the machine keys that select a mode.
     Mode,
-    /// Direction keys.
+    /// Colour of the axis direction keys.
     Direction,
-    /// Cycle start.
+    /// Colour of the cycle start key.
     Start,
-    /// Feed hold.
+    /// Colour of the feed hold key.
     Hold,
-    /// Dark parts: handwheel, release button, screws.
+    /// Colour of the dark parts: handwheel, release button, screws.
     Dark,
-    /// A lamp that is on.
+    /// Colour of a lit lamp.
     LampOn,
-    /// The lamp of feed hold when it is on.
+    /// Colour of the lit lamp of feed hold.
     LampHold,
-    /// A lamp that is off.
+    /// Colour of a lamp that is not lit.
     LampOff,
 }
 
 impl PanelColour {
-    /// Returns red, green and blue.
+    /// Returns the red, green and blue of the colour.
     pub const fn rgb(self) -> [u8; 3] {
         match self {
             Self::Housing => [98, 116, 134],
@@ -181,7 +182,7 @@ impl PanelColour {
         }
     }
 
-    /// Returns the colour of print on a part of this colour.
+    /// Returns the red, green and blue of print on a part that has this colour.
     pub const fn ink(self) -> [u8; 3] {
         match self {
             Self::Address
@@ -195,23 +196,23 @@ impl PanelColour {
     }
 }
 
-/// A part of the panel.
+/// A part of the panel: what it is, and how and where it is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PanelPart {
-    /// The kind of the part.
+    /// What the part is and what it shows.
     pub what: PartKind,
-    /// The rectangle, panel units.
+    /// Position and size on the panel, panel units.
     pub rect: Rect,
     /// The outline inside the rectangle.
     pub outline: Outline,
     /// Drawing order, 0 at the bottom. Parts of one layer do not overlap.
     pub layer: u8,
-    /// The colour.
+    /// The colour in which the part is painted.
     pub colour: PanelColour,
 }
 
 impl PanelPart {
-    /// Returns the key that the part is.
+    /// Returns the key if the part is one, otherwise `None`.
     pub const fn key(&self) -> Option<Key> {
         match self.what {
             PartKind::Key(key) => Some(key),
@@ -219,7 +220,8 @@ impl PanelPart {
         }
     }
 
-    /// Returns the rectangle of the lamp in a key, if it has one.
+    /// Returns the rectangle of the lamp in a key, panel units; `None` if the part has no
+    /// lamp.
     pub fn lamp(&self) -> Option<Rect> {
         let key = self.key()?;
         key.row().lamp?;
@@ -228,7 +230,8 @@ impl PanelPart {
         Some(Rect::new(x, self.rect.y + 4.0, width, 5.0))
     }
 
-    /// Returns the lines of a key's legend. Each is centred in its rectangle and as high as it.
+    /// Returns the lines of the key's legend, each with its rectangle (panel units), in which
+    /// it is centred and whose height is its line height. Empty if the part is not a key.
     pub fn legend(&self) -> Vec<(&'static str, Rect)> {
         let Some(key) = self.key() else {
             return Vec::new();
@@ -259,30 +262,30 @@ impl PanelPart {
     }
 }
 
-/// Returns all parts in drawing order.
+/// Returns all parts of the panel in drawing order, the lowest layer first.
 pub fn parts() -> &'static [PanelPart] {
     static PARTS: LazyLock<Vec<PanelPart>> = LazyLock::new(layout::parts);
     &PARTS
 }
 
-/// A section of the panel with a housing around it.
+/// A rectangular section of the panel that is drawn with its own housing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PanelArea {
-    /// The rectangle of the section, panel units.
+    /// Position and size of the section on the panel, panel units.
     pub rect: Rect,
 }
 
 impl PanelArea {
-    /// The whole panel.
+    /// The area of the whole panel.
     pub const WHOLE: Self = Self {
         rect: Rect::new(0.0, 0.0, SIZE.0, SIZE.1),
     };
 
-    /// LCD, name plate, edit keyboard, modes and directions, spindle and start, additional
-    /// panel.
+    /// The sections of the panel: LCD, name plate, edit keyboard, modes and directions,
+    /// spindle and start, additional panel.
     pub const SECTIONS: [Self; 6] = layout::SECTIONS;
 
-    /// Returns whether the area contains a part.
+    /// Returns whether the area contains a part completely. The housing is in every area.
     pub fn contains(&self, part: &PanelPart) -> bool {
         part.what == PartKind::Housing || self.rect.encloses(&part.rect)
     }
@@ -300,17 +303,17 @@ impl PanelArea {
     }
 }
 
-/// Returns the part of a key.
+/// Returns the panel part that is this key; `None` if the panel has no such key.
 pub fn part_of(key: Key) -> Option<&'static PanelPart> {
     parts().iter().find(|part| part.key() == Some(key))
 }
 
-/// Returns the rectangle of the LCD.
+/// Returns the rectangle of the LCD on the panel, panel units.
 pub const fn lcd() -> Rect {
     layout::LCD
 }
 
-/// Returns the topmost part at a point, panel units.
+/// Returns the topmost part at the point (`x`, `y`), panel units; `None` outside the panel.
 pub fn part_at(x: f32, y: f32) -> Option<&'static PanelPart> {
     let hit = |part: &&PanelPart| match part.outline {
         Outline::Rounded(_) => part.rect.contains(x, y),

@@ -8,14 +8,14 @@ use skrifa::instance::{LocationRef, Size};
 use skrifa::outline::{DrawSettings, OutlinePen};
 use skrifa::{FontRef, GlyphId, MetadataProvider};
 
-/// Letters, digits and signs.
+/// Noto Sans with letters, digits and signs, as a TrueType file.
 pub static LATIN: &[u8] = include_bytes!("../../assets/fonts/latin.ttf");
-/// Letters, digits and more signs, all of one width.
+/// Noto Sans Mono with letters, digits and more signs, all equally wide, as a TrueType file.
 pub static MONO: &[u8] = include_bytes!("../../assets/fonts/mono.ttf");
-/// Chinese characters and their punctuation.
+/// Noto Sans with Chinese characters and their punctuation, as an OpenType file.
 pub static CHINESE: &[u8] = include_bytes!("../../assets/fonts/chinese.otf");
 
-/// The fonts in the order of their search.
+/// Returns the fonts in the order in which a character is searched.
 fn faces() -> &'static [FontRef<'static>] {
     static FACES: LazyLock<Vec<FontRef<'static>>> = LazyLock::new(|| {
         let files = [LATIN, MONO, CHINESE].into_iter();
@@ -24,19 +24,19 @@ fn faces() -> &'static [FontRef<'static>] {
     &FACES
 }
 
-/// A character in the first font that has it.
+/// Returns a character's glyph in the first font that has one; `None` if none has.
 fn find(character: char) -> Option<(&'static FontRef<'static>, GlyphId)> {
     let mut faces = faces().iter();
     faces.find_map(|face| Some((face, face.charmap().map(character)?)))
 }
 
-/// Returns whether one of the fonts has a character.
+/// Returns whether one of the outline fonts has a glyph for this character.
 pub fn has(character: char) -> bool {
     find(character).is_some()
 }
 
-/// Returns the width of a character whose em is `size` high, in the same unit. 0 if no font has
-/// it.
+/// Returns the width of a character whose em is `size` high, in the same unit; 0 if no font
+/// has a glyph for it.
 pub fn advance(character: char, size: f32) -> f32 {
     let metrics = |(face, glyph): (&FontRef<'_>, GlyphId)| {
         let metrics = face.glyph_metrics(Size::new(size), LocationRef::default());
@@ -45,8 +45,8 @@ pub fn advance(character: char, size: f32) -> f32 {
     find(character).and_then(metrics).unwrap_or_default()
 }
 
-/// Draws the outline of a character whose em is `size` high, from its origin on the base line,
-/// y upwards. Draws nothing if no font has it.
+/// Draws the outline of a character whose em is `size` high into `pen`, from its origin on the
+/// base line, y upwards. Draws nothing if no font has a glyph for it.
 pub(crate) fn outline(character: char, size: f32, pen: &mut impl OutlinePen) {
     let Some((face, glyph)) = find(character) else {
         return;
@@ -71,7 +71,6 @@ mod tests {
     /// draws.
     const DOTS: &str = "𝄞٣글한ァ⬅⬆∬⌀";
 
-    /// All texts that the window can show.
     fn texts() -> String {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
         let mut texts = String::new();
@@ -122,7 +121,7 @@ mod tests {
         assert!(advance('i', 16.0) < advance('M', 16.0));
     }
 
-    /// The commands of an outline as letters.
+    /// Writes the drawing commands of an outline as letters.
     struct Letters<'a>(&'a mut String);
 
     impl OutlinePen for Letters<'_> {

@@ -7,23 +7,23 @@ use unifont::Glyph;
 // glyphs of all runs.
 include!(concat!(env!("OUT_DIR"), "/glyphs.rs"));
 
-/// Dot rows of a character.
+/// Height of a character on the LCD, dots.
 pub(crate) const GLYPH_HEIGHT: usize = 16;
 
-/// Shown for a character without a glyph.
+/// The character that is drawn instead of one without a glyph.
 const REPLACEMENT: char = '?';
 
-/// The dots of a character.
+/// The dots of a character on the LCD.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GlyphDots {
     /// Rows of 16 dots, the leftmost dot in bit 15. A half-width character uses the upper byte
     /// only.
     pub rows: [u16; GLYPH_HEIGHT],
-    /// Columns of 8 dots: 1 or 2.
+    /// Width in LCD columns of 8 dots: 1 or 2.
     pub columns: usize,
 }
 
-/// Returns the glyph of a character, if the program has one.
+/// Returns the Unifont glyph of a character; `None` if the program contains none.
 pub fn glyph(character: char) -> Option<&'static Glyph> {
     let character = u32::from(character);
     let mut before = 0;
@@ -36,7 +36,7 @@ pub fn glyph(character: char) -> Option<&'static Glyph> {
     None
 }
 
-/// Returns the dots of a character, or those of a question mark.
+/// Returns the dots of a character, or those of `?` if it has no glyph.
 pub fn dots(character: char) -> GlyphDots {
     match glyph(character).or_else(|| glyph(REPLACEMENT)) {
         Some(Glyph::Halfwidth(rows)) => GlyphDots {
@@ -54,7 +54,7 @@ pub fn dots(character: char) -> GlyphDots {
     }
 }
 
-/// Returns the number of LCD columns that a character takes: 1 or 2.
+/// Returns the number of LCD columns (8 dots wide) that a character takes: 1 or 2.
 pub fn columns(character: char) -> usize {
     if character.is_ascii() {
         return 1;
@@ -63,7 +63,7 @@ pub fn columns(character: char) -> usize {
     1 + usize::from(wide)
 }
 
-/// Returns the number of LCD columns that a text takes.
+/// Returns the number of LCD columns (8 dots wide) that all characters of a text take.
 pub fn text_columns(text: &str) -> usize {
     text.chars().map(columns).sum()
 }

@@ -10,210 +10,213 @@ pub use table::KEYS;
 /// A key or button of the panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Key {
-    /// 复位: reset.
+    /// 复位: resets the control and stops the run.
     Reset,
-    /// Address O.
+    /// Types the address letter O, which begins a program number.
     O,
-    /// Address N.
+    /// Types the address letter N, which begins a sequence number.
     N,
-    /// Address G.
+    /// Types the address letter G.
     G,
-    /// Address X.
+    /// Types the address letter X.
     X,
-    /// Address Z.
+    /// Types the address letter Z.
     Z,
-    /// Compound key D/U: `U`, pressed again `D`.
+    /// Compound key D/U: types `U`; pressed again, replaces it by `D`.
     U,
-    /// Address W.
+    /// Types the address letter W.
     W,
-    /// Address S.
+    /// Types the address letter S.
     S,
-    /// Address T.
+    /// Types the address letter T.
     T,
-    /// Address M.
+    /// Types the address letter M.
     M,
-    /// Compound key P/Q: `P`, pressed again `Q`.
+    /// Compound key P/Q: types `P`; pressed again, replaces it by `Q`.
     P,
-    /// Address R.
+    /// Types the address letter R.
     R,
-    /// Address I.
+    /// Types the address letter I.
     I,
-    /// Address K.
+    /// Types the address letter K.
     K,
-    /// Compound key J/C: `J`, pressed again `C`.
+    /// Compound key J/C: types `J`; pressed again, replaces it by `C`.
     J,
-    /// Address F.
+    /// Types the address letter F.
     F,
-    /// Address L.
+    /// Types the address letter L.
     L,
-    /// Compound key H/Y: `H`, pressed again `Y`.
+    /// Compound key H/Y: types `H`; pressed again, replaces it by `Y`.
     H,
-    /// Compound key: `/`, pressed again `#`.
+    /// Compound key: types `/`; pressed again, replaces it by `#`.
     Slash,
-    /// EOB: end of block.
+    /// EOB: enters the end of a block.
     Eob,
-    /// Digit 0.
+    /// Types the digit 0.
     Digit0,
-    /// Digit 1.
+    /// Types the digit 1.
     Digit1,
-    /// Digit 2.
+    /// Types the digit 2.
     Digit2,
-    /// Digit 3.
+    /// Types the digit 3.
     Digit3,
-    /// Digit 4.
+    /// Types the digit 4.
     Digit4,
-    /// Digit 5.
+    /// Types the digit 5.
     Digit5,
-    /// Digit 6.
+    /// Types the digit 6.
     Digit6,
-    /// Digit 7.
+    /// Types the digit 7.
     Digit7,
-    /// Digit 8.
+    /// Types the digit 8.
     Digit8,
-    /// Digit 9.
+    /// Types the digit 9.
     Digit9,
-    /// Minus sign.
+    /// Types a minus sign.
     Minus,
-    /// Decimal point.
+    /// Types a decimal point.
     Point,
-    /// 输入: enter what was typed.
+    /// 输入: enters the typed value.
     Input,
-    /// 输出: file output; starts the MDI block with 004.2 = 1.
+    /// 输出: sends programs or data through the serial port; starts the MDI block with 004.2 =
+    /// 1.
     Output,
-    /// 转换: change of presentation, search.
+    /// 转换: changes what a page shows or how values are entered; starts a search in the
+    /// program.
     Change,
-    /// 取消: delete the last character typed.
+    /// 取消: deletes the last typed character.
     Cancel,
-    /// 插入/修改: insert or alter.
+    /// 插入/修改: switches between inserting and altering program text.
     Insert,
-    /// 删除: delete.
+    /// 删除: deletes program text or a whole program.
     Delete,
-    /// Previous page.
+    /// Shows the previous screen or page.
     PageUp,
-    /// Next page.
+    /// Shows the next screen or page.
     PageDown,
-    /// Cursor up.
+    /// Moves the cursor up.
     Up,
-    /// Cursor left.
+    /// Moves the cursor left.
     Left,
-    /// Cursor right.
+    /// Moves the cursor right.
     Right,
-    /// Cursor down.
+    /// Moves the cursor down.
     Down,
-    /// 位置: position pages.
+    /// 位置: opens the position pages.
     Position,
-    /// 程序: program pages.
+    /// 程序: opens the program pages.
     Program,
-    /// 刀补: offset pages.
+    /// 刀补: opens the offset pages.
     Offset,
-    /// 报警: alarm pages.
+    /// 报警: opens the alarm pages.
     Alarm,
-    /// 设置: setting pages.
+    /// 设置: opens the setting pages.
     Setting,
-    /// 参数: parameter pages.
+    /// 参数: opens the parameter pages.
     Parameter,
-    /// 诊断: diagnosis pages.
+    /// 诊断: opens the diagnosis pages.
     Diagnosis,
-    /// 编辑方式: edit mode.
+    /// 编辑方式: selects edit mode.
     Edit,
-    /// 自动方式: automatic mode.
+    /// 自动方式: selects automatic mode.
     Auto,
-    /// 录入方式: MDI mode.
+    /// 录入方式: selects MDI mode.
     Mdi,
-    /// 机械零点: machine zero mode.
+    /// 机械零点: selects machine zero mode.
     MachineZero,
-    /// 单步/手轮方式: step or handwheel mode.
+    /// 单步/手轮方式: selects step or handwheel mode.
     Handwheel,
-    /// 手动方式: jog mode.
+    /// 手动方式: selects jog mode.
     Jog,
-    /// 程序零点: program zero mode.
+    /// 程序零点: selects program zero mode.
     ProgramZero,
-    /// 单段: single block.
+    /// 单段: switches single block on or off.
     SingleBlock,
-    /// 跳段: block skip.
+    /// 跳段: switches block skip on or off.
     BlockSkip,
-    /// 机床锁: machine lock.
+    /// 机床锁: switches machine lock on or off.
     MachineLock,
-    /// 辅助锁: auxiliary function lock.
+    /// 辅助锁: switches the auxiliary function lock on or off.
     AuxiliaryLock,
-    /// 空运行: dry run.
+    /// 空运行: switches dry run on or off.
     DryRun,
-    /// 增量 0.001: increment 0.001.
+    /// 增量 0.001: selects an increment of 0.001 mm for step and handwheel.
     Increment1,
-    /// 增量 0.01: increment 0.01.
+    /// 增量 0.01: selects an increment of 0.01 mm for step and handwheel.
     Increment10,
-    /// 增量 0.1: increment 0.1.
+    /// 增量 0.1: selects an increment of 0.1 mm for step and handwheel.
     Increment100,
-    /// 手轮 X 轴: handwheel axis X.
+    /// 手轮 X 轴: the handwheel moves the X axis.
     WheelX,
-    /// 手轮 Y 轴(未装): handwheel axis Y (not fitted).
+    /// 手轮 Y 轴(未装): selects the Y axis for the handwheel (not fitted).
     WheelY,
-    /// 手轮 Z 轴: handwheel axis Z.
+    /// 手轮 Z 轴: the handwheel moves the Z axis.
     WheelZ,
-    /// X 轴向上: X axis, arrow up.
+    /// X 轴向上: jogs the X axis in the direction of the arrow that points up.
     XUp,
-    /// X 轴向下: X axis, arrow down.
+    /// X 轴向下: jogs the X axis in the direction of the arrow that points down.
     XDown,
-    /// Z 轴向左: Z axis, arrow left.
+    /// Z 轴向左: jogs the Z axis in the direction of the arrow that points left.
     ZLeft,
-    /// Z 轴向右: Z axis, arrow right.
+    /// Z 轴向右: jogs the Z axis in the direction of the arrow that points right.
     ZRight,
-    /// Y 轴负向(未装): Y axis minus (not fitted).
+    /// Y 轴负向(未装): jogs the Y axis in minus direction (not fitted).
     YMinus,
-    /// Y 轴正向(未装): Y axis plus (not fitted).
+    /// Y 轴正向(未装): jogs the Y axis in plus direction (not fitted).
     YPlus,
-    /// 手动快速: manual rapid.
+    /// 手动快速: jogs at rapid rate.
     Rapid,
-    /// 主轴正转: spindle forward.
+    /// 主轴正转: starts the spindle forward.
     SpindleForward,
-    /// 主轴停止: spindle stop.
+    /// 主轴停止: stops the spindle.
     SpindleStop,
-    /// 主轴反转: spindle reverse.
+    /// 主轴反转: starts the spindle in reverse.
     SpindleReverse,
-    /// 冷却: coolant.
+    /// 冷却: switches the coolant on or off.
     Coolant,
-    /// 润滑/主轴点动: lubrication or spindle jog.
+    /// 润滑/主轴点动: lubrication, or jogs the spindle.
     Lubrication,
-    /// 换刀: tool change.
+    /// 换刀: changes to the next tool.
     ToolChange,
-    /// 主轴倍率增: spindle override up.
+    /// 主轴倍率增: raises the spindle override.
     SpindleOverrideUp,
-    /// 主轴倍率减: spindle override down.
+    /// 主轴倍率减: lowers the spindle override.
     SpindleOverrideDown,
-    /// 快速倍率增: rapid override up.
+    /// 快速倍率增: raises the rapid override.
     RapidOverrideUp,
-    /// 快速倍率减: rapid override down.
+    /// 快速倍率减: lowers the rapid override.
     RapidOverrideDown,
-    /// 进给倍率增: feed override up.
+    /// 进给倍率增: raises the feed override.
     FeedOverrideUp,
-    /// 进给倍率减: feed override down.
+    /// 进给倍率减: lowers the feed override.
     FeedOverrideDown,
-    /// 暂停(进给保持): feed hold.
+    /// 暂停(进给保持): holds the feed of the running program.
     FeedHold,
-    /// 运行(循环启动): cycle start.
+    /// 运行(循环启动): starts the selected program or the MDI block.
     CycleStart,
-    /// 急停: the mushroom button; pressing latches it, pressing again turns it free.
+    /// 急停: the mushroom button. Pressing it latches it; pressing it again releases it.
     EmergencyStop,
     /// 超程解除: bridges the limit switches while held.
     OvertravelRelease,
 }
 
-/// A bit of the X or Y memory.
+/// The address of a bit in the X or Y memory of the PLC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Bit {
-    /// Byte number.
+    /// Number of the byte in its memory, from 0.
     pub byte: u16,
-    /// Bit number, 0 to 7.
+    /// Number of the bit in its byte, 0 to 7.
     pub bit: u8,
 }
 
 impl Bit {
-    /// Creates a bit address.
+    /// Creates the address of bit `bit` (0 to 7) of byte `byte`.
     pub const fn new(byte: u16, bit: u8) -> Self {
         Self { byte, bit }
     }
 
-    /// Returns whether the bit is set in a memory. Bits outside it are not.
+    /// Returns whether the bit is set in `bytes`, a copy of the memory from byte 0; `false`
+    /// beyond its end.
     pub fn is_set_in(self, bytes: &[u8]) -> bool {
         bytes
             .get(usize::from(self.byte))
@@ -221,59 +224,59 @@ impl Bit {
     }
 }
 
-/// The effect of a key.
+/// The effect of a panel key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeyRole {
-    /// Closes an X contact. The ladder does the rest.
+    /// Closes this X contact while held. The ladder does the rest.
     Machine(Bit),
-    /// Enters a character. A compound key has a second one, which replaces the first when the
-    /// key is pressed again.
+    /// Enters the first character. A compound key has a second one, which replaces the first
+    /// when the key is pressed again.
     Character(char, Option<char>),
-    /// A key of the edit keyboard that acts on the display.
+    /// Acts on the display; a key of the edit keyboard other than a character or page key.
     Edit,
-    /// Selects a group of pages.
+    /// Opens a group of pages on the LCD.
     Page,
-    /// Opens the emergency stop contact and latches.
+    /// Latches and opens the emergency stop contact, until the key is pressed again.
     EmergencyStop,
-    /// Bridges the limit switches.
+    /// Bridges the limit switches while held.
     OvertravelRelease,
 }
 
-/// A row of the key table.
+/// A row of the key table: what a panel key is called, shows and does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KeyRow {
-    /// The key.
+    /// The key that this row describes.
     pub key: Key,
-    /// Its name in operator scripts and in `gsk980td keys`.
+    /// The key's name in operator scripts and in `gsk980td keys`.
     pub id: &'static str,
-    /// The lines printed on it.
+    /// The lines printed on the key, from the top.
     pub legend: &'static [&'static str],
-    /// Accessible name, Chinese.
+    /// The key's accessible name in Chinese.
     pub name_zh: &'static str,
-    /// Accessible name, English.
+    /// The key's accessible name in English.
     pub name_en: &'static str,
-    /// Its effect.
+    /// What pressing the key does.
     pub role: KeyRole,
-    /// The Y bit of the lamp in it.
+    /// The Y bit that lights the lamp in the key; `None` if the key has no lamp.
     pub lamp: Option<Bit>,
-    /// The key of a PC keyboard that presses it: modifiers joined with `+`, keys with egui's
-    /// names, characters as they are.
+    /// The key of a PC keyboard that presses this key: modifiers joined with `+`, keys with
+    /// egui's names, characters as they are.
     pub pc: &'static str,
 }
 
 impl Key {
-    /// Returns the key's row in the table.
+    /// Returns the row of the key table that describes this key.
     pub const fn row(self) -> &'static KeyRow {
         // The table has the order of the enum. A test checks it.
         &KEYS[self as usize]
     }
 
-    /// Returns the name in operator scripts.
+    /// Returns the key's name in operator scripts, for example `RESET`.
     pub const fn id(self) -> &'static str {
         self.row().id
     }
 
-    /// Returns the X contact of a machine key.
+    /// Returns the PLC input (X address) that this machine key closes; `None` for other keys.
     pub const fn contact(self) -> Option<Bit> {
         match self.row().role {
             KeyRole::Machine(bit) => Some(bit),
@@ -281,7 +284,8 @@ impl Key {
         }
     }
 
-    /// Returns whether the key repeats while held: cursor and page keys (manual III-2.6.1).
+    /// Returns whether the key repeats while it is held: cursor and page keys do (manual
+    /// III-2.6.1).
     pub const fn repeats(self) -> bool {
         matches!(
             self,
@@ -289,8 +293,8 @@ impl Key {
         )
     }
 
-    /// Returns the key with an id, ignoring case. A compound key also has the id printed on it
-    /// (`D/U`).
+    /// Returns the key with this name in operator scripts, ignoring case; `None` if no key has
+    /// it. A compound key is also found by its legend (`D/U`).
     pub fn from_id(id: &str) -> Option<Self> {
         let found = KEYS.iter().find(|row| {
             let printed = row.id.len() == 1 && row.legend.len() == 2;
@@ -300,13 +304,15 @@ impl Key {
         found.map(|row| row.key)
     }
 
-    /// Returns the key that a PC key presses, by the name of [`KeyRow::pc`].
+    /// Returns the panel key that a key of the PC keyboard presses, by its name as in
+    /// [`KeyRow::pc`]; `None` if it presses none.
     pub fn from_pc_key(name: &str) -> Option<Self> {
         KEYS.iter().find(|row| row.pc == name).map(|row| row.key)
     }
 }
 
-/// Returns the ids that resemble a word, the nearest first, for error messages.
+/// Returns at most five script names of keys that resemble `word`, the nearest first, for
+/// error messages.
 pub(crate) fn near_ids(word: &str) -> Vec<&'static str> {
     let word = word.to_ascii_uppercase();
     let mut near: Vec<(usize, &'static str)> = KEYS
@@ -326,7 +332,8 @@ pub(crate) fn near_ids(word: &str) -> Vec<&'static str> {
     near.into_iter().map(|(_, id)| id).take(5).collect()
 }
 
-/// Returns the number of insertions, deletions and replacements between two words.
+/// Returns the least number of insertions, deletions and replacements of characters that turn
+/// `a` into `b`.
 pub(crate) fn distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();
@@ -342,20 +349,21 @@ pub(crate) fn distance(a: &str, b: &str) -> usize {
     row[b.len()]
 }
 
-/// A lamp of the status strip (manual III-1.2.2).
+/// A lamp of the status strip above the LCD (manual III-1.2.2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StripLamp {
-    /// Its name in operator scripts.
+    /// The lamp's name in operator scripts.
     pub id: &'static str,
-    /// The label printed beside it.
+    /// The label printed beside the lamp.
     pub label: &'static str,
-    /// Accessible name, Chinese.
+    /// The lamp's accessible name in Chinese.
     pub name_zh: &'static str,
-    /// Accessible name, English.
+    /// The lamp's accessible name in English.
     pub name_en: &'static str,
-    /// The Y bit that lights it.
+    /// The Y bit that lights the lamp.
     pub lamp: Bit,
-    /// Whether it is fitted. The machine has no Y axis.
+    /// Whether the lamp is fitted. Those of the Y axis, which the machine does not have, are
+    /// not.
     pub fitted: bool,
 }
 
@@ -416,7 +424,8 @@ pub const STRIP: [StripLamp; 9] = [
     strip("S-DRN", "空运行", "空运行", "Dry run", Bit::new(9, 1)),
 ];
 
-/// Returns the Y bit of a lamp by the id of its key or of the strip.
+/// Returns the Y bit that lights a lamp, by the script name of its key or of the strip's lamp;
+/// `None` if no lamp has this name.
 pub(crate) fn lamp_of(id: &str) -> Option<Bit> {
     if let Some(key) = Key::from_id(id) {
         return key.row().lamp;

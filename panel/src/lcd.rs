@@ -1,10 +1,10 @@
 //! Defines the size of the LCD in cells and dots.
 
-/// Columns of cells.
+/// Cells in a row of the LCD.
 pub const COLUMNS: usize = 40;
-/// Rows of cells.
+/// Rows of cells on the LCD.
 pub const ROWS: usize = 15;
-/// Dots from left to right.
+/// Width of the LCD, dots.
 pub const WIDTH: usize = 320;
-/// Dots from top to bottom.
+/// Height of the LCD, dots.
 pub const HEIGHT: usize = 240;

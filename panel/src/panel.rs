@@ -28,20 +28,20 @@ use crate::keys::{KEYS, Key, KeyRole};
 use crate::pages::{self, GraphicSettings, POWER_ON_TICKS, PageId, PageKey, PageView};
 use crate::screen::Screen;
 
-/// Greatest number of characters in the input line.
+/// Greatest number of characters that the input line accepts.
 pub(crate) const INPUT_LENGTH: usize = 20;
 
-/// Time until a held cursor or page key repeats, ticks.
+/// Time until a held cursor or page key repeats, ticks (ms).
 pub(crate) const REPEAT_DELAY: u64 = 500;
-/// Interval between repetitions, ticks.
+/// Interval between repetitions of a held key, ticks (ms).
 pub(crate) const REPEAT_PERIOD: u64 = 100;
 
 /// An operator's action on the panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum KeyEvent {
-    /// Presses a key. The emergency stop toggles.
+    /// Presses a key. The emergency stop latches, and is released by the next press.
     Down(Key),
-    /// Releases a key.
+    /// Releases a key that was pressed.
     Up(Key),
     /// Releases all held keys, because the window lost the focus.
     ReleaseAll,
@@ -54,51 +54,54 @@ pub enum KeyEvent {
 /// The settings of the panel that survive power-off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PanelRetained {
-    /// Brightness of the LCD.
+    /// Brightness of the LCD, 0 (darkest) to 15.
     pub brightness: u8,
-    /// Settings of the graphic page.
+    /// Plane, scale, centre and extents of the graphic page.
     pub graphic: GraphicSettings,
 }
 
-/// The state of the panel.
+/// The operator panel: keys, selected page, typed text, serial port.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Panel {
     page: PageId,
     view: PageView,
-    /// The last page of each group that remembers it.
+    /// The last page of the groups POS, PRG, OFT and ALM.
     last_shown: [PageId; 4],
-    /// Keys that are down and accepted, in the order of pressing.
+    /// Keys that are held and accepted, in the order of pressing.
     held: Vec<Key>,
     emergency_stop: bool,
     repeat: Option<Repeat>,
-    /// The compound key that entered the last character of the input line.
+    /// The compound key that entered the last character of the input line; `None` if another
+    /// key did.
     compound: Option<Key>,
     powered: bool,
-    /// Ticks since the emulator was started, including power-off.
+    /// Ticks (ms) since the emulator was created, including power-off.
     clock: u64,
-    /// Tick until which the self-test picture is shown.
+    /// Clock tick until which the self-test picture is shown; `None` after the self-test.
     picture_until: Option<u64>,
-    /// Whether the picture stays until a page key is pressed (173.2 SWAT).
+    /// Whether the self-test picture stays until a page key is pressed (173.2 SWAT).
     picture_waits: bool,
     mode: Option<OperatingMode>,
-    /// Numbers of the active alarms.
+    /// Numbers of the alarms that were active at the last tick.
     alarms: Vec<u16>,
-    /// Numbers of the active ladder messages.
+    /// Numbers of the ladder messages that were active at the last tick.
     messages: Vec<u16>,
-    /// The program whose text the editor has changed but not stored.
+    /// Number of the program whose text the editor has changed but not stored; `None` without
+    /// changes.
     edited: Option<u16>,
-    /// A program that has just been requested.
+    /// Number of a program whose creation has just been requested, otherwise `None`.
     created: Option<u16>,
-    /// Selected program and line of the control at the last tick.
+    /// Selected program and line (from 1) of the control at the last tick; `None` before the
+    /// first.
     followed: Option<(Option<ProgramId>, u32)>,
     traced: Option<(Frame, Point)>,
-    /// Number of pulse board stops at the last tick.
+    /// Number of pulse board stops that the path has followed.
     stops: u64,
     wheel: i32,
     transfer: Transfer,
 }
 
-/// A held key that repeats.
+/// A held key that repeats, and the clock tick of the next repetition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Repeat {
     key: Key,
@@ -112,7 +115,7 @@ impl Default for Panel {
 }
 
 impl Panel {
-    /// Creates a panel at power-on.
+    /// Creates a panel that has just been switched on.
     pub fn new() -> Self {
         Self {
             page: PageId::PosRel,
@@ -139,8 +142,8 @@ impl Panel {
         }
     }
 
-    /// Switches the panel on with the self-test picture. Brightness, graphic settings and
-    /// latched buttons are kept.
+    /// Switches the panel on with the self-test picture. Keeps brightness, graphic settings
+    /// and latched buttons.
     pub fn power_on(&mut self, cnc: &Cnc) {
         let mut new = Self::new();
         new.restore(&self.retained());
@@ -153,7 +156,7 @@ impl Panel {
         *self = new;
     }
 
-    /// Returns the settings that survive power-off.
+    /// Returns the panel's settings that survive power-off.
     pub const fn retained(&self) -> PanelRetained {
         PanelRetained {
             brightness: self.view.brightness,
@@ -161,53 +164,54 @@ impl Panel {
         }
     }
 
-    /// Restores the settings that survive power-off.
+    /// Restores the panel's settings that survive power-off.
     pub fn restore(&mut self, retained: &PanelRetained) {
         self.view.brightness = retained.brightness.min(pages::BRIGHTNESS_STEPS - 1);
         self.view.graphic = retained.graphic;
         self.view.graphic.drawing = false;
     }
 
-    /// Returns the requests that store the text in the editor, when the window closes.
+    /// Returns the requests that store the program text in the editor. Call it when the window
+    /// closes.
     pub(crate) fn requests_to_store(&mut self) -> Vec<ControlRequest> {
         let mut requests = Vec::new();
         self.store_edited(&mut requests);
         requests
     }
 
-    /// Switches the panel off. The LCD is dark and all keys are released.
+    /// Switches the panel off: the LCD is dark and all keys are released.
     pub(crate) fn power_off(&mut self) {
         self.powered = false;
         self.held.clear();
         self.repeat = None;
     }
 
-    /// Returns whether the power is on.
+    /// Returns whether the control's power is on.
     pub const fn powered(&self) -> bool {
         self.powered
     }
 
-    /// Returns the ticks since the emulator was started.
+    /// Returns the ticks (ms) since the emulator was created, including power-off.
     pub const fn clock(&self) -> u64 {
         self.clock
     }
 
-    /// Returns the selected page.
+    /// Returns the selected page, which the LCD shows after the self-test.
     pub const fn page(&self) -> PageId {
         self.page
     }
 
-    /// Returns the state that pages draw.
+    /// Returns the panel's state that the pages draw.
     pub const fn view(&self) -> &PageView {
         &self.view
     }
 
-    /// Returns the keys that are down and accepted.
+    /// Returns the keys that are held and accepted, in the order of pressing.
     pub fn held(&self) -> &[Key] {
         &self.held
     }
 
-    /// Returns whether a key is down and accepted.
+    /// Returns whether this key is held and accepted.
     pub fn is_held(&self, key: Key) -> bool {
         self.held.contains(&key)
     }
@@ -217,7 +221,7 @@ impl Panel {
         self.emergency_stop
     }
 
-    /// Returns the position of the handwheel, graduations.
+    /// Returns the position of the handwheel, graduations, clockwise positive.
     pub const fn wheel(&self) -> i32 {
         self.wheel
     }
@@ -227,18 +231,19 @@ impl Panel {
         self.picture_until.is_some()
     }
 
-    /// Shows a page immediately without keys, for pictures of single pages.
+    /// Shows a page immediately without keys, for pictures of single pages. Ends the
+    /// self-test.
     pub fn show(&mut self, page: PageId) {
         self.picture_until = None;
         self.go_to(page);
     }
 
-    /// Returns what the LCD shows. Empty while the power is off.
+    /// Returns the picture of the LCD; empty while the power is off.
     pub fn screen(&self, cnc: &Cnc) -> Screen {
         self.screen_in(pages::language(cnc), cnc)
     }
 
-    /// Returns the LCD in the language that it is not set to.
+    /// Returns the LCD in the other language: English if it is set to Chinese, and vice versa.
     pub fn translated(&self, cnc: &Cnc) -> Screen {
         self.screen_in(pages::language(cnc).other(), cnc)
     }
@@ -262,8 +267,8 @@ impl Panel {
         pressed
     }
 
-    /// Handles a key event. Returns the requests to the control. [`Self::is_held`] gives the
-    /// contacts of machine keys.
+    /// Handles a key event. Returns the requests to the control that follow. [`Self::is_held`]
+    /// gives the contacts of machine keys.
     pub fn key(&mut self, event: KeyEvent, cnc: &Cnc) -> Vec<ControlRequest> {
         let mut requests = Vec::new();
         match event {
@@ -286,7 +291,8 @@ impl Panel {
         requests
     }
 
-    /// Whether the display reacts to keys.
+    /// Returns whether the display reacts to keys: the power is on and the self-test has
+    /// ended.
     const fn is_awake(&self) -> bool {
         self.powered && !self.in_self_test()
     }
@@ -325,7 +331,7 @@ impl Panel {
         }
     }
 
-    /// Acts on the display for a key.
+    /// Carries out what a key does on the display; `requests` receives those to the control.
     fn act(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         self.clear_transfer_error();
         let compound = self.compound.take();
@@ -397,7 +403,8 @@ impl Panel {
         };
     }
 
-    /// Runs one millisecond, after the control.
+    /// Advances the panel by one millisecond, after the control. Returns the requests to the
+    /// control.
     pub fn tick(&mut self, cnc: &Cnc) -> Vec<ControlRequest> {
         self.clock += 1;
         if !self.powered {
@@ -432,8 +439,8 @@ impl Panel {
         });
     }
 
-    /// A change of mode clears the input line and stores the text in the editor. EDIT has no
-    /// MDI page and no directory.
+    /// Clears the input line and stores the text in the editor when the mode has changed. EDIT
+    /// has no MDI page and no directory.
     fn follow_mode(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         let mode = cnc.mode();
         if self.mode.replace(mode).is_none_or(|before| before == mode) {
@@ -477,7 +484,7 @@ impl Panel {
     }
 }
 
-/// The page group of a page key.
+/// Returns the page group that a key opens; `None` if it is not a page key.
 const fn page_group(key: Key) -> Option<PageKey> {
     Some(match key {
         Key::Position => PageKey::Pos,
@@ -491,7 +498,7 @@ const fn page_group(key: Key) -> Option<PageKey> {
     })
 }
 
-/// Returns each machine key's contact with its state.
+/// Returns the X contact of each machine key, and whether the key closes it.
 pub(crate) fn contacts(panel: &Panel) -> impl Iterator<Item = (crate::keys::Bit, bool)> {
     KEYS.iter().filter_map(|row| {
         let contact = row.key.contact()?;

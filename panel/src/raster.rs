@@ -6,28 +6,28 @@ use crate::bitmap::Bitmap;
 use crate::glyphs::{self, GLYPH_HEIGHT};
 use crate::screen::{BigText, COLUMNS, Cell, CellStyle, HEIGHT, ROWS, Screen, WIDTH};
 
-/// Bytes of a 320x240 RGBA picture.
+/// Number of bytes of a 320x240 RGBA picture.
 pub(crate) const RGBA_BYTES: usize = WIDTH * HEIGHT * 4;
 
-/// Greatest scale of [`render`].
+/// Greatest scale of [`render`], pixels a dot.
 pub(crate) const MAX_SCALE: u32 = 16;
 
-/// A colour: red, green, blue.
+/// A colour: red, green, blue, 0 to 255 each.
 pub type Rgb = [u8; 3];
 
 /// Dot rows of a cell that the bar of [`CellStyle::Underline`] covers.
 const BAR: core::ops::Range<usize> = 14..16;
 
-/// The two colours of the LCD.
+/// The two colours of the LCD at a brightness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Palette {
-    /// The lit background.
+    /// Colour of the background, lit blue.
     pub background: Rgb,
-    /// Text and lines.
+    /// Colour of text and lines.
     pub text: Rgb,
 }
 
-/// Returns the colours for a brightness of 0 (darkest, still readable) to 15.
+/// Returns the LCD's colours for a brightness of 0 (darkest, still readable) to 15.
 pub fn palette(brightness: u8) -> Palette {
     let level = u32::from(brightness.min(15));
     // Dim the blue background more than the text.
@@ -42,7 +42,7 @@ pub fn palette(brightness: u8) -> Palette {
     }
 }
 
-/// Returns the dots of a screen, text and graphic combined.
+/// Returns the dots of a screen: cells, double-size texts and graphic combined.
 pub fn bitmap(screen: &Screen) -> Bitmap {
     let mut dots = screen.graphic().cloned().unwrap_or_default();
     for row in 0..ROWS {
@@ -99,23 +99,23 @@ fn draw_big(dots: &mut Bitmap, text: &BigText) {
     }
 }
 
-/// Repeats every bit.
+/// Returns the bits with each one doubled, for a double-size dot row.
 fn double(bits: u16) -> u32 {
     (0..16)
         .filter(|bit| bits & (1 << bit) != 0)
         .fold(0, |wide, bit| wide | 0b11 << (2 * bit))
 }
 
-/// Returns the 320x240 picture as RGBA bytes, top row first.
+/// Returns the LCD's 320x240 picture as RGBA bytes, top row first. `brightness` is 0 to 15.
 pub fn rgba(screen: &Screen, brightness: u8) -> Vec<u8> {
     let mut pixels = vec![0; RGBA_BYTES];
     paint_rgba(&bitmap(screen), palette(brightness), 1, &mut pixels);
     pixels
 }
 
-/// Returns the picture at an integer scale, 1 to 16.
+/// Returns the LCD's picture with `scale` (1 to 16) pixels a dot. `brightness` is 0 to 15.
 ///
-/// `None` if it does not fit into memory.
+/// `None` if the picture does not fit into memory.
 pub fn render(screen: &Screen, scale: u32, brightness: u8) -> Option<Pixmap> {
     let scale = scale.clamp(1, MAX_SCALE);
     let mut pixmap = Pixmap::new(WIDTH as u32 * scale, HEIGHT as u32 * scale)?;
@@ -128,7 +128,8 @@ pub fn render(screen: &Screen, scale: u32, brightness: u8) -> Option<Pixmap> {
     Some(pixmap)
 }
 
-/// Paints the picture into another one with any position and scale, as a part of the faceplate.
+/// Paints the LCD's picture into another one, at any position and scale. `brightness` is 0 to
+/// 15.
 pub fn paint(screen: &Screen, brightness: u8, target: &mut PixmapMut, transform: Transform) {
     let Some(picture) = render(screen, 1, brightness) else {
         return;
@@ -145,7 +146,7 @@ pub fn paint(screen: &Screen, brightness: u8, target: &mut PixmapMut, transform:
     target.draw_pixmap(0, 0, picture.as_ref(), &paint, transform, None);
 }
 
-/// Writes every dot as a square of `scale` pixels.
+/// Writes every dot to `pixels` (RGBA) as a square of `scale` pixels.
 fn paint_rgba(dots: &Bitmap, palette: Palette, scale: usize, pixels: &mut [u8]) {
     let opaque = |[red, green, blue]: Rgb| [red, green, blue, u8::MAX];
     let colours = [opaque(palette.background), opaque(palette.text)];

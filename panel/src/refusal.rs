@@ -16,7 +16,7 @@ use crate::keys::Key;
 /// and the whole ladder has run with it.
 pub const CHECK_DELAY_TICKS: u64 = 48;
 
-/// Signals by which the ladder answers machine keys.
+/// PLC signals by which the ladder answers machine keys.
 const START: BitAddress = BitAddress::new(Area::G, 7, 2);
 const NEXT_TOOL: BitAddress = BitAddress::new(Area::G, 44, 7);
 const TOOL_STROBE: BitAddress = BitAddress::new(Area::F, 7, 3);
@@ -25,11 +25,11 @@ const REVERSE: BitAddress = BitAddress::new(Area::G, 74, 5);
 const WHEEL_X: BitAddress = BitAddress::new(Area::G, 18, 0);
 const WHEEL_Z: BitAddress = BitAddress::new(Area::G, 18, 1);
 
-/// The state that the press of a machine key can change.
+/// The control's state before a key press, to find out whether the press changed it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct StateBefore {
     run: RunState,
-    /// Override of feed, rapid and spindle, %.
+    /// Overrides of feed, rapid and spindle, %.
     overrides: [u8; 3],
 }
 
@@ -46,7 +46,7 @@ impl StateBefore {
     }
 }
 
-/// A pressed machine key with the state of the control at that moment.
+/// A pressed machine key, with the state of the control at that moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KeyPress {
     key: Key,
@@ -54,7 +54,7 @@ pub struct KeyPress {
 }
 
 impl KeyPress {
-    /// Records that a key is pressed. `None` if it is not a machine key.
+    /// Records that a key was pressed; `None` if it is not a machine key.
     pub fn new(key: Key, cnc: &Cnc) -> Option<Self> {
         key.contact().map(|_| Self {
             key,
@@ -62,17 +62,18 @@ impl KeyPress {
         })
     }
 
-    /// Returns why the key has no effect, if it was pressed [`CHECK_DELAY_TICKS`] ticks ago and is
-    /// still down. `None` if it acts or the ladder has not read it yet.
+    /// Returns why the key has no effect, if it was pressed [`CHECK_DELAY_TICKS`] ticks ago
+    /// and is still down. Returns `None` if it acts or the ladder has not read it yet.
     pub fn refusal_reason(&self, cnc: &Cnc) -> Option<Message> {
         machine_key_reason(self.key, cnc).or_else(|| no_change_reason(self.key, self.before, cnc))
     }
 }
 
-/// The least and greatest override of feed, rapid (F0) and spindle, % (G12, G14, G30).
+/// The least and greatest override of feed, rapid and spindle, % (G12, G14, G30).
 const OVERRIDE_LIMITS: [(u8, u8); 3] = [(0, 150), (0, 100), (50, 120)];
 
-/// Keys whose press must change something.
+/// Returns why the press of an override or hold key has changed nothing; `None` if it did or
+/// the key does not have to.
 fn no_change_reason(key: Key, before: StateBefore, cnc: &Cnc) -> Option<Message> {
     let now = StateBefore::read(cnc);
     let index = match key {
@@ -103,7 +104,8 @@ fn feed_hold_reason(before: RunState) -> Option<Message> {
     }
 }
 
-/// Why a machine key that is down has no effect in the current state.
+/// Returns why a machine key that is down has no effect in the current state; `None` if it
+/// acts.
 fn machine_key_reason(key: Key, cnc: &Cnc) -> Option<Message> {
     let contact = key.contact()?;
     let memory = cnc.plc().memory();
@@ -142,7 +144,7 @@ fn machine_key_reason(key: Key, cnc: &Cnc) -> Option<Message> {
     Some(why)
 }
 
-/// Whether the mode allows keys of spindle, tool post and lubrication.
+/// Returns whether the mode allows the keys of spindle, tool post and lubrication.
 const fn is_manual(cnc: &Cnc) -> bool {
     cnc.mode().is_manual()
 }
@@ -152,7 +154,8 @@ fn cycle_start_reason(cnc: &Cnc, passed: bool) -> Option<Message> {
         .or_else(|| (!passed).then(say::key_ladder_holds_cycle_start))
 }
 
-/// A message of the ladder explains it already.
+/// Returns why a spindle key has no effect; `None` in an alarm, which the ladder's message
+/// explains already.
 fn spindle_reason(cnc: &Cnc) -> Option<Message> {
     if !is_manual(cnc) {
         return Some(say::key_acts_in_manual_modes());

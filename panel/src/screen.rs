@@ -9,52 +9,53 @@ use crate::glyphs;
 
 pub use crate::lcd::{COLUMNS, HEIGHT, ROWS, WIDTH};
 
-/// The right half of a full-width character.
+/// Stored in the right half of a full-width character.
 const TAIL: char = '\0';
 
-/// The style of a cell.
+/// How a cell of the LCD is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CellStyle {
-    /// Pale on blue.
+    /// Draws pale text on blue.
     #[default]
     Plain,
-    /// Blue on pale.
+    /// Draws blue text on pale.
     Inverse,
-    /// Pale on blue with a bar below.
+    /// Draws pale text on blue with a bar below.
     Underline,
-    /// In the text here, but drawn elsewhere at double size.
+    /// Keeps the character in the row's text, but draws it elsewhere at double size.
     Big,
-    /// In the text, but not drawn: the dark phase of flashing.
+    /// Keeps the character in the row's text, but does not draw it: the dark phase of
+    /// flashing.
     Dark,
 }
 
-/// One of the 40x15 cells.
+/// One of the 40x15 character cells of the LCD.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cell {
-    /// The character, or NUL in the right half of a full-width one.
+    /// The character in the cell, or NUL in the right half of a full-width one.
     pub character: char,
-    /// The style.
+    /// How the cell is drawn.
     pub style: CellStyle,
 }
 
-/// An empty cell.
+/// A cell with a blank.
 const BLANK: Cell = Cell {
     character: ' ',
     style: CellStyle::Plain,
 };
 
-/// A text drawn at double size.
+/// A text that is drawn at double size over two rows of cells.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BigText {
-    /// Upper one of its two rows.
+    /// Upper one of the two rows that the text takes, from 0.
     pub row: usize,
-    /// Column of its left edge. A half-width character takes two columns.
+    /// Column of the text's left edge, from 0. A half-width character takes two columns.
     pub column: usize,
-    /// The text.
+    /// The characters that are drawn.
     pub text: String,
 }
 
-/// One picture of the LCD.
+/// What the LCD shows at one moment.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Screen {
     cells: [[Cell; COLUMNS]; ROWS],
@@ -70,7 +71,7 @@ impl Default for Screen {
 }
 
 impl Screen {
-    /// Creates an empty screen.
+    /// Creates an empty Chinese screen.
     pub const fn new() -> Self {
         Self {
             cells: [[BLANK; COLUMNS]; ROWS],
@@ -87,20 +88,21 @@ impl Screen {
         screen
     }
 
-    /// Returns the language of its texts.
+    /// Returns the language in which messages are written to the screen.
     pub const fn language(&self) -> Language {
         self.language
     }
 
-    /// Writes a message in the language of the screen. Returns the column after the Chinese
-    /// text, for English as well, because every page has one layout.
+    /// Writes a message in the screen's language. Returns the column after the Chinese text,
+    /// for English as well, because every page has one layout.
     pub fn put_message(&mut self, row: usize, column: usize, message: &Message) -> usize {
         self.put(row, column, &message.text(self.language));
         let width = glyphs::text_columns(&message.text(Language::Zh));
         (column + width).min(COLUMNS)
     }
 
-    /// Writes a flashing message. It is always in the text, but drawn only while `lit`.
+    /// Writes a flashing message. The row's text always contains it, but it is drawn only
+    /// while `lit`.
     pub(crate) fn put_flashing_message(
         &mut self,
         row: usize,
@@ -116,12 +118,14 @@ impl Screen {
         self.put_as(row, column, &message.text(self.language), style);
     }
 
-    /// Writes a text from a column on, cut at the end of the row. Returns the column after it.
+    /// Writes a text from cell (`row`, `column`) on, cut at the end of the row. Returns the
+    /// column after the text.
     pub fn put(&mut self, row: usize, column: usize, text: &str) -> usize {
         self.put_as(row, column, text, CellStyle::Plain)
     }
 
-    /// Writes a text in a style. Returns the column after it.
+    /// Writes a text in a cell style, cut at the end of the row. Returns the column after the
+    /// text.
     pub(crate) fn put_as(
         &mut self,
         row: usize,
@@ -154,7 +158,7 @@ impl Screen {
         column
     }
 
-    /// Writes a text that ends before a column.
+    /// Writes a text that ends before column `end`.
     pub(crate) fn put_right(&mut self, row: usize, end: usize, text: &str) {
         let width = glyphs::text_columns(text);
         self.put(row, end.saturating_sub(width), text);
@@ -171,7 +175,7 @@ impl Screen {
         });
     }
 
-    /// Changes the style of a range of columns.
+    /// Changes the cell style of a range of columns in a row.
     pub(crate) fn set_style(
         &mut self,
         row: usize,
@@ -187,7 +191,8 @@ impl Screen {
         }
     }
 
-    /// Blanks a full-width character that is about to lose one of its halves.
+    /// Blanks a full-width character of which the cell at `column` is one half, before it is
+    /// overwritten.
     fn erase(&mut self, row: usize, column: usize) {
         let cells = &mut self.cells[row];
         if cells[column].character == TAIL && column > 0 {
@@ -199,7 +204,7 @@ impl Screen {
         cells[column] = BLANK;
     }
 
-    /// Returns a cell, blank outside the screen.
+    /// Returns the cell at `row` and `column`, from 0; a blank one outside the screen.
     pub fn cell(&self, row: usize, column: usize) -> Cell {
         self.cells
             .get(row)
@@ -208,22 +213,23 @@ impl Screen {
             .unwrap_or(BLANK)
     }
 
-    /// Returns the double-size texts.
+    /// Returns the texts that are drawn at double size.
     pub(crate) fn big_texts(&self) -> &[BigText] {
         &self.big
     }
 
-    /// Returns the graphic layer, if anything was drawn.
+    /// Returns the graphic layer; `None` if nothing was drawn.
     pub const fn graphic(&self) -> Option<&Bitmap> {
         self.graphic.as_ref()
     }
 
-    /// Returns the graphic layer for drawing.
+    /// Returns the graphic layer for drawing, created if necessary.
     pub(crate) fn graphic_mut(&mut self) -> &mut Bitmap {
         self.graphic.get_or_insert_default()
     }
 
-    /// Returns the text of a row: 40 columns, of which a full-width character takes two.
+    /// Returns the text of row `row` (from 0): 40 columns, of which a full-width character
+    /// takes two.
     pub fn row(&self, row: usize) -> String {
         let Some(cells) = self.cells.get(row) else {
             return String::new();
@@ -235,7 +241,7 @@ impl Screen {
             .collect()
     }
 
-    /// Returns all rows: 15 lines of 40 columns.
+    /// Returns the text of the screen: 15 lines of 40 columns.
     pub fn text(&self) -> String {
         let rows: Vec<String> = (0..ROWS).map(|row| self.row(row)).collect();
         rows.join("\n")

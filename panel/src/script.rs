@@ -21,7 +21,7 @@ pub use state::{ExpectedState, OffsetField, ValueRange};
 use crate::emulator::WaitCondition;
 use crate::keys::Key;
 
-/// The actions with their forms, for help and error messages.
+/// The names of the actions with their forms, for help and error messages.
 pub const FORMS: [(&str, &str); 20] = [
     ("press", "press KEY"),
     ("hold", "hold KEY 2s"),
@@ -53,95 +53,97 @@ pub const FORMS: [(&str, &str); 20] = [
     ("shot", "shot FILE.png [--panel]"),
 ];
 
-/// A valid script.
+/// A script whose lines are valid.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Script {
-    /// The lines with actions.
+    /// The lines that contain an action, in order.
     pub lines: Vec<ScriptLine>,
 }
 
-/// A line of a script.
+/// A line of a script with its action.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScriptLine {
-    /// Line of the file, from 1.
+    /// Number of the line in the script file, from 1.
     pub number: u32,
-    /// The text of the line.
+    /// Text of the line without its comment.
     pub text: String,
-    /// The tick of the action, counted from the start of the script.
+    /// The tick (ms) at which the action starts, counted from the start of the script; `None`
+    /// starts it after the line before.
     pub at: Option<u64>,
-    /// The action.
+    /// What the line does.
     pub action: ScriptAction,
 }
 
-/// The action of a line.
+/// What a line of a script does.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ScriptAction {
-    /// Presses a key for 100 ms, then waits 100 ms. After `@tick` without the wait.
+    /// Presses a key for 100 ms, then waits 100 ms. A line with `@tick` does not wait.
     Press(Key),
-    /// Holds a key for a number of milliseconds.
+    /// Holds a key for this number of milliseconds.
     Hold(Key, u64),
-    /// Presses a key.
+    /// Presses a key and keeps it down.
     Down(Key),
-    /// Releases a key.
+    /// Releases a key that is down.
     Up(Key),
-    /// Types characters, 100 ms each.
+    /// Types these characters, one each 100 ms.
     Type(String),
-    /// Loads a program file into the program memory.
+    /// Loads the program file with this path into the program memory.
     Load(String),
-    /// Receives a file through the serial port.
+    /// Receives the file with this path through the serial port.
     Receive(String),
-    /// Connects a partner that sends this file whenever DNC mode requests a program. `None`
-    /// disconnects it.
+    /// Connects a partner that sends the file with this path whenever DNC mode requests a
+    /// program. `None` disconnects the partner.
     Dnc(Option<String>),
-    /// Switches the power off (`false`) or on.
+    /// Switches the power on (`true`) or off.
     Power(bool),
-    /// Sets or clears a fault of the lathe.
+    /// Sets (`true`) or clears a fault of the lathe.
     Fault(LatheFault, bool),
     /// Turns the handwheel by a number of graduations in a number of milliseconds, by default
     /// at two turns a second. After `@tick` the default is at once.
     Turn(i32, Option<u64>),
-    /// Waits, milliseconds.
+    /// Waits for this number of milliseconds.
     Wait(u64),
-    /// Waits for a condition with a least and a greatest time, milliseconds.
+    /// Waits for a condition. It must become true not earlier than the first and not later
+    /// than the second time, milliseconds.
     WaitFor(WaitCondition, u64, u64),
-    /// Holds a machine input at a value.
+    /// Forces a machine input to a value instead of its sensor's.
     Set(BitAddress, bool),
-    /// Releases a machine input to its sensor.
+    /// Gives a machine input the value of its sensor again.
     Free(BitAddress),
-    /// Forces a bit of PLC memory against the ladder. `None` releases it.
+    /// Forces a bit of PLC memory to a value against the ladder. `None` releases the bit.
     Force(BitAddress, Option<bool>),
-    /// Checks an expectation.
+    /// Fails the script if an expectation is not met.
     Expect(Expectation),
-    /// Prints the LCD.
+    /// Prints the text of the LCD.
     Show,
-    /// Saves a picture of the LCD or of the whole panel.
+    /// Saves a picture of the LCD or of the whole panel to a file.
     Shot {
-        /// Path of the picture.
+        /// Path of the picture file.
         path: String,
-        /// Whether it shows the whole panel.
+        /// Whether the picture shows the whole panel instead of the LCD.
         panel: bool,
     },
 }
 
-/// The reason why a line is invalid.
+/// The reason why a line of a script is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub struct ScriptError {
-    /// Line of the file, from 1.
+    /// Number of the line in the script file, from 1.
     pub line: u32,
-    /// The error, with a correct form.
+    /// The error in the line, with a correct form.
     pub cause: ParseError,
 }
 
 impl ScriptError {
-    /// Returns the message with its line number.
+    /// Returns the message that a script line is invalid, with its number and the reason.
     pub fn message(&self) -> Message {
         say::in_line(self.line, self.cause.message())
     }
 }
 
 impl Script {
-    /// Parses a script.
+    /// Parses the text of a script.
     ///
     /// # Errors
     ///

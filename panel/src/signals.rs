@@ -8,22 +8,23 @@ static TABLE: &str = include_str!("../../assets/tables/plc-signals.tsv");
 static SIGNALS: LazyLock<Vec<Signal>> =
     LazyLock::new(|| TABLE.lines().skip(1).filter_map(Signal::read).collect());
 
-/// A signal between machine, PLC and control.
+/// A row of the PLC signal table: a signal between machine, PLC and control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Signal {
-    /// Its address: a bit (`X0.5`) or a range of bytes.
+    /// The signal's address: a bit (`X0.5`) or a range of bytes.
     pub address: &'static str,
-    /// Its abbreviation, or empty.
+    /// The signal's abbreviation; empty if it has none.
     pub symbol: &'static str,
-    /// Its sender and receiver: `machine>PLC`.
+    /// The signal's sender and receiver, for example `machine>PLC`.
     pub direction: &'static str,
-    /// Its meaning in Chinese.
+    /// The signal's meaning in Chinese.
     pub text_zh: &'static str,
-    /// Its meaning in English.
+    /// The signal's meaning in English.
     pub text_en: &'static str,
-    /// The sections of the manual.
+    /// The sections of the manual that describe the signal.
     pub manual: &'static str,
-    /// Where it acts: in the control, in the ladder, nowhere.
+    /// What reacts to the signal: `control`, `ladder` or both; otherwise `free` or why none
+    /// does.
     pub acts: &'static str,
 }
 
@@ -45,12 +46,12 @@ impl Signal {
     }
 }
 
-/// Returns all signals in the order of the table.
+/// Returns all rows of the PLC signal table, in its order.
 pub fn rows() -> &'static [Signal] {
     &SIGNALS
 }
 
-/// Returns the signal with an address.
+/// Returns the signal with an address as written in the table; `None` if the table has none.
 pub fn find(address: &str) -> Option<&'static Signal> {
     SIGNALS.iter().find(|row| row.address == address)
 }

@@ -8,77 +8,78 @@ use gsk_core::command::Frame;
 use gsk_core::units::Point;
 use serde::{Deserialize, Serialize};
 
-/// Greatest number of segments. Beyond it the oldest thousand is removed.
+/// Greatest number of segments of a path. Beyond it the oldest 1024 are removed.
 pub const MAX_SEGMENTS: usize = 64 * CHUNK;
 
-/// Segments of a shared chunk.
+/// Number of segments in a chunk that copies of a path share.
 const CHUNK: usize = 1024;
 
-/// Greatest number of ticks that a pulse board may not have executed. It is more than the
-/// board's lookahead, except in a thread pass that the board cuts autonomously.
+/// Greatest number of ticks of motion that are kept as pending on a pulse board. It is more
+/// than the board's lookahead, except in a thread pass that the board cuts autonomously.
 const MAX_PENDING_TICKS: usize = 2048;
 
 /// Ticks that are kept after the board has executed them, because a stop is reported up to 250
 /// ms later.
 const STOP_REPORT_DELAY_TICKS: u64 = 500;
 
-/// Greatest distance of a straight segment from the points it replaces, mm.
+/// Greatest distance of a straight segment from the points it joins, mm.
 const TOLERANCE: f64 = 0.001;
 
-/// A straight segment of the path, work coordinates (X as a radius, mm).
+/// A straight segment of the tool path, in work coordinates (X as a radius, mm).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PathSegment {
-    /// Start.
+    /// Point at which the segment starts.
     pub from: Point,
-    /// End.
+    /// Point at which the segment ends.
     pub to: Point,
-    /// Whether it is a rapid move.
+    /// Whether the tool moved at rapid traverse.
     pub rapid: bool,
 }
 
-/// The path of the tool.
+/// The tool path that the graphic page draws.
 ///
-/// It joins the motion of successive ticks into straight segments, within 0.001 mm of every
+/// Motion of successive ticks is joined into straight segments, within 0.001 mm of every
 /// point.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PathTrace {
     full: Vec<Arc<Vec<PathSegment>>>,
     last: Vec<PathSegment>,
     open: Option<GrowingSegment>,
-    /// Motion that a pulse board may not have executed yet, by tick.
+    /// Motion that a pulse board may not have executed yet, one entry a tick.
     ahead: VecDeque<PendingMotion>,
-    /// The last tick that the board is known to have executed.
+    /// The last tick whose motion the board has reported as executed.
     made: u64,
 }
 
-/// The motion of a tick that may still be cancelled.
+/// The motion of one tick that a pulse board may still cancel.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PendingMotion {
-    /// The tick.
+    /// The tick (ms since the emulator was created) of the motion.
     pub tick: u64,
-    /// Its coordinate frame.
+    /// The coordinate frame in which the motion was commanded.
     pub frame: Frame,
-    /// Its motion.
+    /// The motion of the tick, in work coordinates.
     pub piece: PathSegment,
 }
 
-/// The last segment, with the directions in which it can still grow.
+/// The last segment of the path, which can still grow straight.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct GrowingSegment {
     piece: PathSegment,
     reach: f64,
-    /// Directions within the tolerance of every point so far: from the first, turning left, to
-    /// the second.
+    /// Directions within the tolerance of every point up to now: from the first, turning left,
+    /// to the second. `None` while all directions are.
     cone: Option<(Point, Point)>,
 }
 
 impl PathTrace {
-    /// Creates an empty path.
+    /// Creates a path without segments.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Appends a straight motion.
+    /// Appends a straight motion in work coordinates (X as a radius, mm); joins it with the
+    /// last segment if they are in line.
     pub fn push(&mut self, from: Point, to: Point, rapid: bool) {
         if let Some(open) = &mut self.open {
             if open.extend(from, to, rapid) {
@@ -98,7 +99,8 @@ impl PathTrace {
         }
     }
 
-    /// Records that the board is known to have executed all motion up to a tick.
+    /// Records that the board has executed all motion up to tick `made`. Motion that a late
+    /// stop report can still cancel remains pending.
     pub fn confirm_until(&mut self, made: u64) {
         self.made = made;
         let sure = made.saturating_sub(STOP_REPORT_DELAY_TICKS);
@@ -113,8 +115,9 @@ impl PathTrace {
         }
     }
 
-    /// Ends the path where the board has stopped (machine coordinates), at the pass nearest to
-    /// the time of the stop. Drops the rest. Returns false if there was no pending motion.
+    /// Ends the path where the board has stopped (machine coordinates, mm), at the pass
+    /// nearest to the time of the stop. Drops the motion after it. Returns `false` if there
+    /// was no pending motion.
     pub fn end_at_stop(&mut self, board_position: Point) -> bool {
         let off =
             |ahead: &PendingMotion| ahead.piece.distance(ahead.frame.to_program(board_position));
@@ -138,7 +141,7 @@ impl PathTrace {
         true
     }
 
-    /// Stores a complete segment.
+    /// Stores a segment that no longer grows. Removes the oldest if there are too many.
     fn store_segment(&mut self, piece: PathSegment) {
         self.last.push(piece);
         if self.last.len() < CHUNK {
@@ -150,23 +153,23 @@ impl PathTrace {
         }
     }
 
-    /// Clears the path.
+    /// Removes all segments of the path.
     pub fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// Returns whether the path is empty.
+    /// Returns whether the path has no segments.
     pub fn is_empty(&self) -> bool {
         self.open.is_none() && self.ahead.is_empty()
     }
 
-    /// Returns the number of segments.
+    /// Returns the number of segments, with pending ones.
     pub fn len(&self) -> usize {
         let made = self.full.len() * CHUNK + self.last.len() + usize::from(self.open.is_some());
         made + self.ahead.len()
     }
 
-    /// Returns all segments in the order of execution.
+    /// Returns all segments in the order of execution, pending ones last.
     pub fn segments(&self) -> impl Iterator<Item = &PathSegment> {
         let open = self.open.as_ref().map(|open| &open.piece);
         let full = self.full.iter().flat_map(|chunk| chunk.iter());
@@ -176,7 +179,7 @@ impl PathTrace {
 }
 
 impl PathSegment {
-    /// The distance of a point from the segment, mm.
+    /// Returns the distance of a point from the segment, mm.
     fn distance(&self, point: Point) -> f64 {
         let (along, arm) = (self.to - self.from, point - self.from);
         let length = along.dot(along);
@@ -199,7 +202,8 @@ impl GrowingSegment {
         open
     }
 
-    /// Extends the segment by a motion, if it stays straight. Returns whether it did.
+    /// Extends the segment by a motion, if the motion continues straight. Returns whether it
+    /// did.
     fn extend(&mut self, from: Point, to: Point, rapid: bool) -> bool {
         if rapid != self.piece.rapid || from != self.piece.to {
             return false;
@@ -218,7 +222,7 @@ impl GrowingSegment {
         true
     }
 
-    /// Keeps only the directions that pass close enough to a point.
+    /// Keeps only the directions in which the segment passes close enough to a point.
     fn narrow(&mut self, arm: Point) {
         let length = arm.length();
         self.reach = length;

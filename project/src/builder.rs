@@ -24,14 +24,15 @@ use crate::key::{
 use crate::project_state::{FORMAT_VERSION, ProjectState, RETAINED_MACRO_B_VARIABLES};
 use crate::value::ProjectValue;
 
-/// A value that breaks a rule of the control.
+/// A value of a project that breaks a rule of the control, and the rule.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InvalidValue {
-    /// Key of the value.
+    /// Key of the invalid value.
     pub key: ProjectKey,
-    /// Line in the ladder text, from 1; `None` for values that are not the ladder.
+    /// Line of the fault in the ladder text, from 1; `None` for values that are not the
+    /// ladder.
     pub line: Option<u32>,
-    /// The rule that is broken, as a message.
+    /// The message about the rule that the value breaks.
     pub rule: Message,
 }
 
@@ -85,7 +86,7 @@ impl StateBuilder<'_> {
         });
     }
 
-    /// Removes and returns a value; reports it if it is missing.
+    /// Removes and returns the value of a key; reports it and returns `None` if it is missing.
     fn take_required(&mut self, key: ProjectKey) -> Option<ProjectValue> {
         let value = self.remaining.remove(&key).cloned();
         if value.is_none() {
@@ -94,7 +95,8 @@ impl StateBuilder<'_> {
         value
     }
 
-    /// Removes and returns an integer; reports it and returns 0 if it is missing or out of range.
+    /// Removes and returns the integer of a key; reports it and returns 0 if it is missing or
+    /// outside `range`.
     fn take_integer(&mut self, key: ProjectKey, range: core::ops::RangeInclusive<i64>) -> i64 {
         match self.take_required(key) {
             Some(ProjectValue::Whole(value)) if range.contains(&value) => value,
@@ -456,7 +458,7 @@ impl StateBuilder<'_> {
     }
 }
 
-/// Checks that the control stores this value unchanged.
+/// Checks that the control stores `value` of the offset `single` unchanged, without rounding.
 fn check_storable(single: ToolOffset, value: f64) -> Result<(), Message> {
     let mut offsets = Offsets::default();
     offsets.set(1, single).map_err(|alarm| alarm.reason())?;

@@ -9,9 +9,9 @@ use crate::key::{ProjectKey, ProjectSection};
 /// A difference that the control refuses to apply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DeniedChange {
-    /// Key of the value.
+    /// Key of the value that would change.
     pub key: ProjectKey,
-    /// The condition that is not met.
+    /// The switch, level or mode that forbids the change.
     pub refusal: WriteRefusal,
 }
 

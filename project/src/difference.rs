@@ -9,10 +9,10 @@ use crate::key::{ProjectKey, ProjectSection};
 use crate::project_state::ProjectState;
 use crate::value::ProjectValue;
 
-/// A value that differs between two states.
+/// A value that differs between an old and a new project state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProjectDifference {
-    /// Key of the value.
+    /// Key of the differing value.
     pub key: ProjectKey,
     /// Value in the old state; `None` if it is missing there.
     pub old: Option<ProjectValue>,
@@ -21,7 +21,7 @@ pub struct ProjectDifference {
 }
 
 impl ProjectDifference {
-    /// The section that the value belongs to.
+    /// Returns the section of the project to which the value belongs.
     pub const fn section(&self) -> ProjectSection {
         ProjectSection::from_key(self.key)
     }

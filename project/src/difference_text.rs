@@ -11,8 +11,8 @@ use crate::ladder_diff::{changed_range, describe_ladder_changes};
 use crate::project_state::ProjectState;
 use crate::value::ProjectValue;
 
-/// Describes a difference in one line: `No.022 X rapid speed: 3800 → 7600 mm/min`. The name
-/// comes from `new`, or from `old` if the value is missing in `new`.
+/// Returns a line that describes a difference: `No.022 X rapid speed: 3800 → 7600 mm/min`. The
+/// name comes from `new`, or from `old` if the value is missing in `new`.
 pub fn describe_difference(
     difference: &ProjectDifference,
     old: &ProjectState,
@@ -50,8 +50,9 @@ pub fn find_whole_disk(difference: &ProjectDifference) -> Option<DataSet> {
     (set != DataSet::Control && is_one_sided).then_some(set)
 }
 
-/// Describes the changes of a text value: the lines of a program, or the messages, comments,
-/// start values and rungs of a ladder. Empty for values that are not texts.
+/// Returns messages about the changes of a text value: the lines of a program, or the
+/// messages, comments, start values and rungs of a ladder. Empty for values that are not
+/// texts.
 pub fn describe_text_changes(difference: &ProjectDifference) -> Vec<Message> {
     let text = |value: &Option<ProjectValue>| match value {
         Some(ProjectValue::Text(text)) => Some(Arc::clone(text)),
@@ -78,7 +79,7 @@ fn shown_line(lines: &[&str], at: usize) -> String {
     }
 }
 
-/// Describes the lines between the first and the last difference of two texts.
+/// Returns a message about the lines from the first to the last difference of two texts.
 fn describe_line_changes(old: &str, new: &str) -> Message {
     let [old, new] = [old, new].map(|text| text.lines().collect::<Vec<_>>());
     let (first, old_count, new_count) = changed_range(&old, &new);

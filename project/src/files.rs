@@ -15,24 +15,26 @@ use crate::value::{ProjectValue, parse_value};
 /// The files of a project: text by path. Paths are relative to the folder and use `/`.
 pub type ProjectFiles = BTreeMap<String, String>;
 
-/// Most problems that [`import`] lists. One more entry gives the number of the rest.
+/// Greatest number of problems that [`import`] lists. One more entry gives the number of the
+/// rest.
 pub const MAX_PROBLEMS: usize = 100;
 
 const COMMENT_START: char = ';';
 
-/// A rule that a file of a project folder breaks.
+/// A fault in a file of a project folder: the rule that the file breaks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProjectProblem {
-    /// Path of the file in the folder.
+    /// Path of the faulty file in the project folder.
     pub file: String,
-    /// Line, from 1; `None` for a whole file or a missing line.
+    /// Line of the fault, from 1; `None` if the fault is the whole file or a missing line.
     pub line: Option<u32>,
-    /// The rule that is broken, as a message.
+    /// The message about the rule that the file breaks.
     pub rule: Message,
 }
 
 impl ProjectProblem {
-    /// Returns the rule with file and line in front: `parameters.txt:12: …`.
+    /// Returns the message about the fault with file and line in front: `parameters.txt:12:
+    /// …`.
     pub fn message(&self) -> Message {
         match self.line {
             Some(line) => {
@@ -49,8 +51,8 @@ impl core::fmt::Display for ProjectProblem {
     }
 }
 
-/// Whether a path in the folder is a project file. Export replaces or deletes only these;
-/// other files at the top of the folder (a README, `.git`) belong to the user.
+/// Returns whether a path in the project folder is a project file. Export replaces or deletes
+/// only these; other files at the top of the folder (a README, `.git`) belong to the user.
 pub fn is_project_file(path: &str) -> bool {
     let below = ["programs/", "ladder/", "disks/"];
     path == MACHINE_FILE
@@ -58,8 +60,8 @@ pub fn is_project_file(path: &str) -> bool {
         || below.iter().any(|folder| path.starts_with(folder))
 }
 
-/// Writes a project as files. The same state and language always give the same bytes. The
-/// comments in the files are names in `language`; [`import`] ignores them.
+/// Returns the files of a project as texts. The same state and language always give the same
+/// bytes. The comments in the files are names in `language`; [`import`] ignores them.
 pub fn export(state: &ProjectState, language: Language) -> ProjectFiles {
     let mut files = ProjectFiles::new();
     let mut widths: BTreeMap<ProjectTable, usize> = BTreeMap::new();
@@ -95,10 +97,10 @@ pub fn export(state: &ProjectState, language: Language) -> ProjectFiles {
     files
 }
 
-/// The line in which each value is defined.
+/// The line, from 1, in which each value is defined.
 type LineNumbers = BTreeMap<ProjectKey, u32>;
 
-/// Parses the files of a project.
+/// Parses the files of a project to its state.
 ///
 /// # Errors
 /// All problems in the order of file and line, up to [`MAX_PROBLEMS`]. Nothing is corrected and
@@ -150,8 +152,8 @@ fn file_problem(file: &str, rule: Message) -> ProjectProblem {
     }
 }
 
-/// Reports required files that are missing. Optional are the files of empty electronic disks,
-/// of the panel, and of models without parameters of their own.
+/// Returns a problem for each required file that is missing. Optional are the files of empty
+/// electronic disks, of the panel, and of models without separate parameters.
 fn find_missing_files(files: &ProjectFiles) -> Vec<ProjectProblem> {
     let has_disk = |set: DataSet| {
         let tables = [

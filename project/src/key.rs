@@ -5,7 +5,7 @@ use gsk_core::plc::{Area, ByteAddress};
 use gsk_core::program;
 use gsk_core::units::Axis;
 
-/// Selects a set of parameters, tool offsets and pitch errors.
+/// One of the sets of parameters, tool offsets and pitch errors that a control stores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum DataSet {
     /// The set that the control uses.
@@ -21,7 +21,7 @@ pub enum DataSet {
 }
 
 impl DataSet {
-    /// The writable electronic disks with their names.
+    /// The writable electronic disks with their names, for example `N1`.
     pub const DISKS: [(Self, ElectronicDisk, &'static str); 4] = [
         (Self::N1, ElectronicDisk::N1, "N1"),
         (Self::N2, ElectronicDisk::N2, "N2"),
@@ -29,30 +29,31 @@ impl DataSet {
         (Self::N4, ElectronicDisk::N4, "N4"),
     ];
 
-    /// Returns the name of the electronic disk (`N1`); `None` for the set in use.
+    /// Returns the name of the set's electronic disk, for example `N1`; `None` for the set in
+    /// use.
     pub fn disk_name(self) -> Option<&'static str> {
         let row = Self::DISKS.iter().find(|(set, ..)| *set == self);
         row.map(|(_, _, name)| *name)
     }
 }
 
-/// A switch of the setting page, or the option of macro B.
+/// A switch of the setting page, or the macro B option, which projects store like one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SettingSwitch {
-    /// Enables macro B.
+    /// Whether the control has macro B, which is an option.
     MacroB,
-    /// 奇偶校检: parity check.
+    /// 奇偶校检: whether received programs are checked for parity.
     Parity,
-    /// ISO 代码: program transfer in ISO code, otherwise EIA.
+    /// ISO 代码: whether programs are transferred in ISO code, otherwise in EIA code.
     Iso,
-    /// 英制编程: programs in inches.
+    /// 英制编程: whether programs are in inches.
     Inch,
-    /// 自动序号: automatic sequence numbers.
+    /// 自动序号: whether the editor inserts sequence numbers.
     Numbering,
 }
 
 impl SettingSwitch {
-    /// All switches with their names in the file.
+    /// All switches with their names in `project.gpr`.
     pub const ALL: [(Self, &'static str); 5] = [
         (Self::MacroB, "macro-b"),
         (Self::Parity, "parity"),
@@ -62,12 +63,12 @@ impl SettingSwitch {
     ];
 }
 
-/// A column of the offset page.
+/// A column of the offset page, which stores one value of a tool offset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum OffsetColumn {
     /// X in mm as the offset page shows it: a diameter, or a radius with 004.4 ORC = 1.
     X,
-    /// Z in mm.
+    /// Z offset in mm.
     Z,
     /// Nose radius in mm.
     R,
@@ -76,7 +77,7 @@ pub enum OffsetColumn {
 }
 
 impl OffsetColumn {
-    /// All columns with their names in the file.
+    /// All columns with their names in `offsets.txt`.
     pub const ALL: [(Self, &'static str); 4] = [
         (Self::X, "X"),
         (Self::Z, "Z"),
@@ -85,21 +86,21 @@ impl OffsetColumn {
     ];
 }
 
-/// A counter of the control.
+/// A counter that the control retains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ProjectCounter {
-    /// Machined parts, 0 to 9999.
+    /// Number of machined parts, 0 to 9999.
     Parts,
-    /// Cutting feed time, ms.
+    /// Time spent cutting, ms.
     CuttingMs,
-    /// Required parts, 0 to 9999. Without a line: 0.
+    /// Number of required parts, 0 to 9999; 0 if the file has no line for it.
     Required,
-    /// Time with cycle start on, ms. Without a line: 0.
+    /// Time with cycle start on, ms; 0 if the file has no line for it.
     StartedMs,
 }
 
 impl ProjectCounter {
-    /// All counters with their names in the file.
+    /// All counters with their names in `counters.txt`.
     pub const ALL: [(Self, &'static str); 4] = [
         (Self::Parts, "parts"),
         (Self::CuttingMs, "cutting-ms"),
@@ -107,19 +108,20 @@ impl ProjectCounter {
         (Self::StartedMs, "started-ms"),
     ];
 
-    /// Whether the line is omitted at 0. Folders of older versions lack these lines.
+    /// Returns whether the counter's line is omitted at 0. Folders of older versions lack
+    /// these lines.
     pub const fn is_optional(self) -> bool {
         matches!(self, Self::Required | Self::StartedMs)
     }
 }
 
-/// A setting of the panel: LCD brightness or an item of the graphic page. Lengths of the
-/// graphic page are in µm.
+/// A panel setting: LCD brightness or an item of the graphic page. Lengths of the graphic page
+/// are in µm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum PanelSetting {
-    /// LCD brightness, in steps from 0.
+    /// LCD brightness, 0 (darkest) to 15.
     Brightness,
-    /// 坐标选择: coordinate system; `on` is ZX.
+    /// 坐标选择: plane of the graphic; `on` is ZX, `off` is XZ.
     Zx,
     /// 缩放比例: scale, in hundredths of a dot per millimetre.
     Scale,
@@ -135,12 +137,12 @@ pub enum PanelSetting {
     MinX,
     /// Z最小值: lower Z limit of the graphic, µm.
     MinZ,
-    /// Whether the graphic page records motion.
+    /// Whether the graphic page is adding motion to its picture.
     Drawing,
 }
 
 impl PanelSetting {
-    /// All settings with their names in the file.
+    /// All settings with their names in `panel.txt`.
     pub const ALL: [(Self, &'static str); 10] = [
         (Self::Brightness, "brightness"),
         (Self::Zx, "zx"),
@@ -155,16 +157,16 @@ impl PanelSetting {
     ];
 }
 
-/// Names one value of a project. The order is the order of the lines in the files.
+/// Names one value of a project. The order of keys is the order of the lines in the files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ProjectKey {
-    /// Version of the folder format.
+    /// Version of the folder format, in `project.gpr`.
     Format,
-    /// The control model.
+    /// The model of the control.
     Model,
-    /// A switch of the setting page, or the option of macro B.
+    /// A switch of the setting page, or the macro B option.
     Setting(SettingSwitch),
-    /// The selected program.
+    /// The number of the selected program.
     Selected,
     /// A parameter that only this model has, by its number.
     ModelParameter(u16),
@@ -174,15 +176,15 @@ pub enum ProjectKey {
     Offset(DataSet, u8, OffsetColumn),
     /// A pitch error in µm: set, point, axis.
     Pitch(DataSet, u8, Axis),
-    /// A retained macro variable, by its number.
+    /// The value of a retained macro variable, by its number.
     Variable(u16),
-    /// A counter.
+    /// The value of a counter.
     Counter(ProjectCounter),
-    /// A setting of the panel.
+    /// The value of a panel setting.
     Panel(PanelSetting),
-    /// A retained PLC address: K, D300 to D999, T80 to T99, C, DC, DT.
+    /// The value at a retained PLC address: K, D300 to D999, T80 to T99, C, DC, DT.
     Data(ByteAddress),
-    /// The text of the ladder.
+    /// The text of the ladder, as instruction list.
     Ladder,
     /// The text of a program, by its number.
     Program(u16),
@@ -192,32 +194,32 @@ pub enum ProjectKey {
     Machine,
 }
 
-/// A project file with one value per line.
+/// A project file that has one value on each line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ProjectTable {
-    /// `project.gpr`: format, model, settings, selected program.
+    /// `project.gpr`: format version, model, setting switches, selected program.
     Head,
     /// `model-parameters.txt`: parameters that only this model has.
     ModelParameters,
-    /// `parameters.txt`: parameters of a set.
+    /// `parameters.txt`: parameters of the control or a disk.
     Parameters(DataSet),
-    /// `offsets.txt`: tool offsets of a set.
+    /// `offsets.txt`: tool offsets of the control or a disk.
     Offsets(DataSet),
-    /// `pitch.txt`: pitch errors of a set.
+    /// `pitch.txt`: pitch errors of the control or a disk.
     Pitch(DataSet),
-    /// `variables.txt`: macro variables.
+    /// `variables.txt`: values of the macro variables.
     Variables,
-    /// `counters.txt`: counters.
+    /// `counters.txt`: counts of parts and times.
     Counters,
-    /// `panel.txt`: settings of the panel.
+    /// `panel.txt`: settings of panel and graphic page.
     Panel,
-    /// `ladder/data.txt`: retained PLC data.
+    /// `ladder/data.txt`: PLC data that are retained over power-off.
     Data,
 }
 
-/// A folder with this file is a project.
+/// The file by which a folder is recognized as a project.
 pub(crate) const HEAD_FILE: &str = "project.gpr";
-/// The ladder as instruction list.
+/// The file with the ladder as instruction list.
 pub(crate) const LADDER_FILE: &str = "ladder/main.il";
 pub(crate) const MACHINE_FILE: &str = "machine.ron";
 const PARAMETERS_FILE: &str = "parameters.txt";
@@ -226,7 +228,7 @@ const PITCH_FILE: &str = "pitch.txt";
 const PROGRAMS_FOLDER: &str = "programs/";
 
 impl ProjectTable {
-    /// Returns the path of the file in the folder.
+    /// Returns the path of this table's file in the project folder.
     pub fn path(self) -> String {
         let in_set_folder = |set: DataSet, name: &str| match set.disk_name() {
             Some(disk) => format!("disks/{disk}/{name}"),
@@ -245,7 +247,7 @@ impl ProjectTable {
         }
     }
 
-    /// Lists all tables, those of the electronic disks included.
+    /// Returns all tables, those of the electronic disks included.
     pub fn all() -> Vec<Self> {
         let mut all = vec![
             Self::Head,
@@ -262,12 +264,13 @@ impl ProjectTable {
         all
     }
 
-    /// Finds the table of a path.
+    /// Returns the table whose file has this path; `None` if it is no table.
     pub(crate) fn from_path(path: &str) -> Option<Self> {
         Self::all().into_iter().find(|table| table.path() == path)
     }
 
-    /// Parses the name of a line in this file. The key need not exist in the control.
+    /// Returns the key of a line with this name in this file; `None` if the form is invalid.
+    /// The key need not exist in the control.
     pub(crate) fn parse_key(self, name: &str) -> Option<ProjectKey> {
         match self {
             Self::Head => match name {
@@ -340,13 +343,13 @@ pub(crate) fn find_name<T: Copy + PartialEq>(words: &[(T, &'static str)], item: 
     found.map_or("", |(_, word)| word)
 }
 
-/// Parses a number without sign and blanks.
+/// Parses a number without sign and blanks; `None` if invalid.
 fn parse_number(digits: &str) -> Option<u16> {
     let plain = digits.bytes().all(|byte| byte.is_ascii_digit());
     plain.then(|| digits.parse().ok())?
 }
 
-/// Parses a program name like `O0001`.
+/// Parses a program name like `O0001` to its number; `None` if invalid.
 fn parse_program_number(name: &str) -> Option<u16> {
     let digits = name.strip_prefix('O').filter(|digits| digits.len() == 4)?;
     parse_number(digits).filter(|number| program::PROGRAM_NUMBERS.contains(number))
@@ -365,7 +368,8 @@ impl ProjectKey {
         }
     }
 
-    /// Finds the key of a file that holds only one value.
+    /// Returns the key of a file that holds only one value; `None` if the path is not such a
+    /// file.
     pub(crate) fn from_path(path: &str) -> Option<Self> {
         match path {
             LADDER_FILE => return Some(Self::Ladder),
@@ -380,7 +384,8 @@ impl ProjectKey {
         }
     }
 
-    /// Returns the table that has a line for the key; `None` for a value that is stored in a separate file.
+    /// Returns the table that has a line for the key; `None` for a value that is stored in a
+    /// separate file.
     pub fn table(self) -> Option<ProjectTable> {
         match self {
             Self::Format | Self::Model | Self::Setting(_) | Self::Selected => {
@@ -398,7 +403,7 @@ impl ProjectKey {
         }
     }
 
-    /// Returns the path of the file that holds the value.
+    /// Returns the path of the file that holds the key's value.
     pub fn path(self) -> String {
         match self.table() {
             Some(table) => table.path(),
@@ -406,7 +411,8 @@ impl ProjectKey {
         }
     }
 
-    /// Returns the name of the line in the file; for a value in a separate file its path.
+    /// Returns the name of the key's line in the file; for a value in a separate file its
+    /// path.
     pub fn name(self) -> String {
         match self {
             Self::Format => "format".to_owned(),
@@ -433,41 +439,41 @@ impl ProjectKey {
     }
 }
 
-/// A group of values that can be imported separately.
+/// A group of project values that can be imported separately.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ProjectSection {
     /// The control model and the parameters that only it has.
     Model,
     /// The switches of the setting page and the option of macro B.
     Settings,
-    /// Parameters in use.
+    /// Parameters that the control uses.
     Parameters,
-    /// Tool offsets in use.
+    /// Tool offsets that the control uses.
     Offsets,
-    /// Pitch errors in use.
+    /// Pitch errors that the control uses.
     Pitch,
-    /// Macro variables.
+    /// Values of the macro variables.
     Variables,
-    /// Counters.
+    /// Counts of parts, and times.
     Counters,
-    /// The electronic disks.
+    /// Parameters, offsets and pitch errors on the electronic disks.
     Disks,
-    /// Settings of the panel.
+    /// LCD brightness and settings of the graphic page.
     Panel,
-    /// Programs and the selection of one.
+    /// Programs, and which one is selected.
     Programs,
     /// The ladder with its messages, comments and start values.
     Ladder,
-    /// Retained PLC data.
+    /// PLC data that are retained over power-off.
     Data,
-    /// The machine file.
+    /// The machine file, which describes the lathe.
     Machine,
-    /// The jobs of programs.
+    /// The jobs of programs: blank and tools.
     Jobs,
 }
 
 impl ProjectSection {
-    /// All sections with their words on the command line.
+    /// All sections with the words that name them on the command line.
     pub const ALL: [(Self, &'static str); 14] = [
         (Self::Model, "model"),
         (Self::Settings, "settings"),
@@ -485,22 +491,22 @@ impl ProjectSection {
         (Self::Jobs, "jobs"),
     ];
 
-    /// Whether a control stores this section. The others exist only in the folder.
+    /// Returns whether a control stores this section. The others exist only in the folder.
     pub const fn is_in_control(self) -> bool {
         !matches!(self, Self::Machine | Self::Jobs)
     }
 
-    /// Returns the word of the section on the command line.
+    /// Returns the word that names the section on the command line.
     pub fn word(self) -> &'static str {
         find_name(&Self::ALL, self)
     }
 
-    /// Finds the section of a command line word.
+    /// Returns the section that a command line word names; `None` for an unknown word.
     pub fn from_word(name: &str) -> Option<Self> {
         find_by_name(&Self::ALL, name)
     }
 
-    /// Returns the section that a key belongs to.
+    /// Returns the section to which a key's value belongs.
     pub const fn from_key(key: ProjectKey) -> Self {
         match key {
             ProjectKey::Format | ProjectKey::Model | ProjectKey::ModelParameter(_) => Self::Model,

@@ -19,7 +19,7 @@ const fn localized(language: Language, zh: &'static str, en: &'static str) -> &'
     }
 }
 
-/// Returns the comment line at the top of a file, with its line end.
+/// Returns the comment line at the top of a table's file, with its line end.
 pub(crate) fn file_heading(table: ProjectTable, language: Language) -> String {
     let heading = match table {
         ProjectTable::Head => say::project_heading(),
@@ -35,7 +35,7 @@ pub(crate) fn file_heading(table: ProjectTable, language: Language) -> String {
     format!("; {}\n", heading.text(language))
 }
 
-/// Returns the comment after a value in its file; empty for none.
+/// Returns the comment after a key's value in its file; empty for none.
 pub(crate) fn line_comment(key: ProjectKey, state: &ProjectState, language: Language) -> String {
     match key {
         ProjectKey::Parameter(..) | ProjectKey::ModelParameter(_) => {
@@ -60,7 +60,7 @@ fn parameter_row(key: ProjectKey) -> Option<&'static ParameterRow> {
     }
 }
 
-/// Returns the unit of a value (`mm`, `µm`, `mm/min`); empty for a value without a unit.
+/// Returns the unit of a key's value (`mm`, `µm`, `mm/min`); empty for a value without a unit.
 pub fn unit(key: ProjectKey, model: ModelId) -> &'static str {
     match key {
         ProjectKey::Parameter(..) => parameter_row(key).map_or("", |row| row.unit),
@@ -99,8 +99,8 @@ fn ladder_comment(key: ProjectKey, ladder: &Ladder, language: Language) -> Strin
     })
 }
 
-/// Returns the display name of a value with its number: `No.022 X rapid rate`. The name of a
-/// PLC address is its comment in the ladder of `state`.
+/// Returns the display name of a key's value with its number: `No.022 X rapid rate`. The name
+/// of a PLC address is its comment in the ladder of `state`.
 pub fn label(key: ProjectKey, state: &ProjectState, language: Language) -> String {
     let name: Message = match key {
         ProjectKey::Format => say::project_of_format(),
@@ -173,7 +173,7 @@ fn with_disk_name(key: ProjectKey, name: String, language: Language) -> String {
     }
 }
 
-/// Returns the message for a refusal: why the control does not accept a value now.
+/// Returns the message that the control does not accept a value now, with the reason.
 pub fn refusal_message(refusal: WriteRefusal) -> Message {
     match refusal {
         WriteRefusal::Mode => say::request_needs_mdi(),

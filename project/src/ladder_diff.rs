@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use gsk_core::plc::{Ladder, Mnemonic, Operand, Rung};
 use gsk_messages::{Message, say};
 
-/// A rung without its source lines.
+/// A rung's title and statements, without its source lines.
 #[derive(PartialEq)]
 struct RungContent {
     title: Option<String>,
@@ -21,8 +21,8 @@ fn rung_content(rung: Rung<'_>) -> RungContent {
     }
 }
 
-/// Lists the changes between two ladders: header, messages, comments, start values, M codes,
-/// rungs. If only remarks differ, the list has one message for that.
+/// Returns messages about the changes between two ladder texts: header, messages, comments,
+/// start values, M codes, rungs. If only remarks differ, there is one message for that.
 pub(crate) fn describe_ladder_changes(old: &str, new: &str) -> Vec<Message> {
     // Both compile: the import has compiled them.
     let (Ok(old), Ok(new)) = (Ladder::compile(old), Ladder::compile(new)) else {
@@ -99,8 +99,8 @@ fn compare_named(
     }
 }
 
-/// Finds the range that differs between two lists: the index of the first difference, and the
-/// number of differing items in `old` and in `new`. The items after the range are equal.
+/// Returns the range that differs between two lists: the index of the first difference, and
+/// the number of differing items in `old` and in `new`. The items after the range are equal.
 pub(crate) fn changed_range<T: PartialEq>(old: &[T], new: &[T]) -> (usize, usize, usize) {
     let count_equal = |pairs: &mut dyn Iterator<Item = (&T, &T)>| {
         let mut count = 0;

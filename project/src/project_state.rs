@@ -26,22 +26,22 @@ pub(crate) const FORMAT_VERSION: i64 = 1;
 /// Variables that only macro B has and that are retained over power-off (manual III-11).
 pub(crate) const RETAINED_MACRO_B_VARIABLES: core::ops::RangeInclusive<u16> = 500..=999;
 
-/// Whether a project stores this macro variable: all of macro A, and those of macro B that are
-/// retained over power-off (500 to 999).
+/// Returns whether a project stores this macro variable: all of macro A, and those of macro B
+/// that are retained over power-off (500 to 999).
 pub fn is_retained_variable(variable: u16) -> bool {
     Variables::has_integer(variable) || RETAINED_MACRO_B_VARIABLES.contains(&variable)
 }
 
-/// The retained data of a control: battery memory, ladder, PLC data, panel settings, and for a
-/// folder the machine file and jobs. Operation level, passwords and slide positions are not
-/// part of it.
+/// The data of a control that a project stores: battery memory, ladder, PLC data, panel
+/// settings, and for a folder the machine file and jobs. Operation level, passwords and slide
+/// positions are not stored.
 #[derive(Clone, Debug)]
 pub struct ProjectState {
     memory: BatteryMemory,
     retained: RetainedMemory,
     ladder: Arc<Ladder>,
     panel: Option<PanelRetained>,
-    /// Machine file and jobs; `None` for a control, which stores no such files.
+    /// Texts of machine file and jobs; `None` for a control, which stores no such files.
     texts: Option<BTreeMap<ProjectKey, Arc<str>>>,
 }
 
@@ -53,9 +53,9 @@ impl PartialEq for ProjectState {
 }
 
 impl ProjectState {
-    /// Takes the state of a control. Without `retained` the PLC data are the start values of the
-    /// ladder. `panel` is `None` if the panel has never been opened. Values that are lost at
-    /// power-off, the operation level and the passwords are dropped.
+    /// Creates the project state of a control. Without `retained` the PLC data are the start
+    /// values of the ladder. `panel` is `None` if the panel has never been opened. Values that
+    /// are lost at power-off, the operation level and the passwords are dropped.
     pub fn new(
         memory: &BatteryMemory,
         retained: Option<&RetainedMemory>,
@@ -91,7 +91,7 @@ impl ProjectState {
         }
     }
 
-    /// Takes the state that a control starts from.
+    /// Creates the project state of a control that starts with this set-up.
     pub fn from_setup(setup: &Setup) -> Self {
         let retained = setup.plc_retained.as_ref();
         Self::new(&setup.memory, retained, setup.ladder.compiled(), None)
@@ -122,32 +122,33 @@ impl ProjectState {
         }
     }
 
-    /// The battery memory. Its operation level and passwords are those of delivery.
+    /// Returns the battery memory. Its operation level and passwords are those of delivery.
     pub const fn memory(&self) -> &BatteryMemory {
         &self.memory
     }
 
-    /// The PLC data that are retained over power-off.
+    /// Returns the PLC data that are retained over power-off.
     pub const fn retained(&self) -> &RetainedMemory {
         &self.retained
     }
 
-    /// The compiled ladder.
+    /// Returns the compiled ladder of the project.
     pub const fn ladder(&self) -> &Arc<Ladder> {
         &self.ladder
     }
 
-    /// The panel settings; `None` if the panel has never been opened.
+    /// Returns the panel settings; `None` if the panel has never been opened.
     pub const fn panel(&self) -> Option<PanelRetained> {
         self.panel
     }
 
-    /// The texts of machine file and jobs; `None` for a control, which stores no such files.
+    /// Returns the texts of machine file and jobs; `None` for a control, which stores no such
+    /// files.
     pub const fn texts(&self) -> Option<&BTreeMap<ProjectKey, Arc<str>>> {
         self.texts.as_ref()
     }
 
-    /// Lists every value by its key.
+    /// Returns every value of the project by its key.
     pub fn entries(&self) -> BTreeMap<ProjectKey, ProjectValue> {
         let memory = &self.memory;
         let mut entries = BTreeMap::new();
@@ -226,7 +227,8 @@ impl ProjectState {
     }
 }
 
-/// Copies a model without parameters that are at their delivered value: they compare as unset.
+/// Returns a copy of a model without parameters that are at their delivered value: such
+/// parameters compare as unset.
 fn drop_delivered_values(model: &ControlModel) -> ControlModel {
     let mut changed = ControlModel::new(model.id());
     for (number, parameter) in &model.record().parameters {

@@ -8,18 +8,18 @@ use gsk_messages::{Message, say};
 
 use crate::key::{PanelSetting, ProjectKey};
 
-/// A value of the control, as a project stores it.
+/// One value of a project, as its files store it.
 #[derive(Clone, Debug)]
 pub enum ProjectValue {
     /// An integer: parameter, pitch error, counter, PLC data.
     Whole(i64),
     /// A real number: tool offset (mm), macro variable.
     Real(f64),
-    /// A switch, `on` or `off`.
+    /// The state of a switch, written as `on` or `off`.
     Switch(bool),
-    /// A control model.
+    /// The model of the control.
     Model(ModelId),
-    /// The number of the selected program; `None` for no selection.
+    /// The number of the selected program; `None` if none is selected.
     Selected(Option<u16>),
     /// The content of a file: program, ladder, job or machine file.
     Text(Arc<str>),
@@ -40,7 +40,8 @@ impl PartialEq for ProjectValue {
     }
 }
 
-/// Formats the value as in its file. A text is stored in a separate file and is empty here.
+/// Formats the value as its file writes it. A text is stored in a separate file and is empty
+/// here.
 impl core::fmt::Display for ProjectValue {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
@@ -55,7 +56,7 @@ impl core::fmt::Display for ProjectValue {
     }
 }
 
-/// Formats the shortest decimal that parses to the same bits; with an exponent below 1e-6 and
+/// Returns the shortest decimal that parses to the same bits; with an exponent below 1e-6 and
 /// from 1e15.
 fn format_shortest(value: f64) -> String {
     match value.abs() {
@@ -86,7 +87,7 @@ const fn value_type(key: ProjectKey) -> ValueType {
     }
 }
 
-/// Parses the value of a key.
+/// Parses the text of a key's value.
 ///
 /// # Errors
 /// A message with the text and the expected form.

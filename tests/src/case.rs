@@ -6,37 +6,38 @@ use serde::Deserialize;
 
 use crate::setup::SetupWords;
 
-/// A case as defined by its `case.ron`.
+/// A test case as its `case.ron` defines it.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TestCase {
-    /// Part programs; the first one is executed, the others are subprograms.
+    /// Files of the part programs. The first program is executed, the others are subprograms.
     pub programs: Vec<String>,
-    /// An operator script instead of programs.
+    /// File of an operator script that is run instead of programs; `None` for a case with
+    /// programs.
     pub script: Option<String>,
-    /// The execution paths of a program; both by default.
+    /// Whether the programs are interpreted, run by the kernel, or both (the default).
     pub paths: Vec<ProgramPath>,
-    /// Whether a partner is connected to the serial port.
+    /// Whether a partner is connected to the serial port of the control.
     pub partner: bool,
-    /// Initial state of control and lathe.
+    /// Initial state of control and lathe, as set-up words.
     pub setup: SetupWords,
-    /// Tolerance of times, s.
+    /// Difference up to which two times count as equal, s.
     pub time_tolerance: f64,
-    /// Why the case is known to fail; it must fail then.
+    /// Why the case is known to fail; it must fail then. `None` for a case that must pass.
     pub known_failure: Option<String>,
 }
 
-/// The way a program is executed: interpretation alone or the full kernel.
+/// How a program is executed: by interpretation alone or by the full kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum ProgramPath {
-    /// The preview, as in `check`.
+    /// The preview interprets the program, as in `check`.
     Check,
-    /// Every tick, with PLC and simulated lathe, as in `run`.
+    /// The kernel runs every tick, with PLC and simulated lathe, as in `run`.
     Run,
 }
 
 impl ProgramPath {
-    /// Its name in messages.
+    /// Returns the name of the path in messages: `check` or `run`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Check => "check",
@@ -60,10 +61,10 @@ impl Default for TestCase {
 }
 
 impl TestCase {
-    /// Reads the `case.ron` of a folder.
+    /// Reads and parses the `case.ron` of a case's folder.
     ///
     /// # Errors
-    /// The file is missing or invalid.
+    /// Returns a message if the file is missing or invalid.
     pub fn read(folder: &Path) -> Result<Self, String> {
         let text = crate::read_case_file(folder, "case.ron")?;
         let options = ron::Options::default()

@@ -2,11 +2,12 @@
 
 use serde_json::Value;
 
-/// Tolerance of coordinates, mm: they are equal when displayed alike.
+/// Greatest difference of two coordinates that the display shows alike, mm.
 const COORDINATE_TOLERANCE_MM: f64 = 0.000_6;
 
-/// Lists the differences between an expectation and a result, a line each. Only the fields in
-/// the expectation are compared. `time_tolerance`, s, applies to fields of time.
+/// Returns the differences between an expectation and a result, a line each. Only the fields
+/// in the expectation are compared. `path` names the result in the lines. `time_tolerance`, s,
+/// applies to fields of time.
 pub fn list_differences(
     path: &str,
     expected: &Value,
@@ -57,7 +58,7 @@ pub fn list_differences(
     }
 }
 
-/// The expectation with the values of the result in its fields.
+/// Returns the expectation with its values replaced by those of the result.
 pub fn update_expectation(expected: &Value, actual: &Value) -> Value {
     match (expected, actual) {
         (Value::Object(expected), Value::Object(seen)) => Value::Object(

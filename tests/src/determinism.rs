@@ -4,8 +4,8 @@ use gsk_core::setup::Setup;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::script::{Effect, Runner, Script, ScriptProgress};
 
-/// Hash of the positions of the session. A change of motion, ladder or script changes it. Only
-/// then replace it with the value that the test prints.
+/// Expected hash of the positions in the session. A change of motion, ladder or script changes
+/// it. Only then replace it with the value that the test prints.
 pub const GOLDEN: u64 = 0x2b0d_c502_6b99_8055;
 
 const PART: &str = "O0001;
@@ -66,31 +66,31 @@ wait 500ms
 expect alarm none
 ";
 
-/// The hashes of a session.
+/// Hashes of a session over all its ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SessionTrace {
-    /// Hash of the machine positions of every tick.
+    /// Hash of the machine positions at every tick.
     pub positions: u64,
-    /// Hash of the LCD, four times a second.
+    /// Hash of the LCD's text, four times a second.
     pub screens: u64,
-    /// Hash of PLC memory, at the same times.
+    /// Hash of the PLC memory, four times a second.
     pub plc: u64,
-    /// Ticks so far.
+    /// Number of ticks (ms) of the session up to now.
     pub ticks: u64,
 }
 
-/// Adds bytes to a hash (FNV-1a).
+/// Adds bytes to a hash (FNV-1a), which is stored in `state`.
 fn add_to_hash(state: &mut u64, bytes: impl IntoIterator<Item = u8>) {
     for byte in bytes {
         *state = (*state ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     }
 }
 
-/// Runs the session. At the ticks of `saves` the machine is saved, and the session continues
-/// with the restored copy.
+/// Runs the session and returns its hashes. At the ticks of `saves` the emulator is saved, and
+/// the session continues with the restored copy.
 ///
 /// # Errors
-/// A line of the session fails, or a restored state differs.
+/// Returns a message if a line of the session fails, or a restored state differs.
 pub fn trace_session(saves: &[u64]) -> Result<SessionTrace, String> {
     const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
     let mut trace = SessionTrace {

@@ -13,7 +13,7 @@ use gsk_runner::move_output;
 use gsk_runner::report::{self, AlarmReport, ProgramReport};
 use serde_json::{Value, json};
 
-/// One part, within half an hour of machine time.
+/// Limits of a kernel run: one part, within half an hour of machine time.
 const RUN_LIMITS: ExecutionLimits = ExecutionLimits {
     parts: 1,
     time_ms: 1_800_000,
@@ -21,17 +21,17 @@ const RUN_LIMITS: ExecutionLimits = ExecutionLimits {
 /// Number of blocks without motion after which a preview is cancelled.
 const MOTIONLESS_BLOCKS: u64 = 1_500_000;
 
-/// The results of a path.
+/// The moves and the report of a program that was executed on one path.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PathResult {
-    /// The moves in the order of execution.
+    /// The moves in the order of execution, as JSON objects.
     pub moves: Vec<Value>,
-    /// The result, without the fields that the path does not compute.
+    /// The report as a JSON object, without the fields that the path does not compute.
     pub result: Value,
 }
 
 impl PathResult {
-    /// Parses the written output, as a reader of the file does.
+    /// Parses moves and report as they are written to files.
     fn parse(moves: &[u8], report: &ProgramReport) -> Self {
         let lines = moves.split(|byte| *byte == b'\n');
         let lines = lines.filter(|line| !line.is_empty());
@@ -66,7 +66,7 @@ fn program_name(program: ProgramId) -> String {
     }
 }
 
-/// Writes the moves as the command line does.
+/// Collects the moves as the lines that the command line writes.
 #[derive(Default)]
 struct MoveWriter {
     written: Vec<u8>,
@@ -94,7 +94,7 @@ impl ExecutionWatcher for MoveWriter {
     fn show(&mut self, _message: &Message) {}
 }
 
-/// Executes the path of `check`.
+/// Interprets the selected program of a lathe as `check` does, and returns the result.
 pub fn run_check(setup: &Setup) -> PathResult {
     let mut moves = MoveWriter::default();
     let report = report::check_program(
@@ -107,7 +107,7 @@ pub fn run_check(setup: &Setup) -> PathResult {
     PathResult::parse(&moves.written, &report)
 }
 
-/// Executes the path of `check` with a mill.
+/// Interprets the selected program of a mill as `check` does, and returns the result.
 pub fn run_mill_check(setup: &MillSetup, programs: &ProgramMemory) -> PathResult {
     let mut written = Vec::new();
     let report = gsk_runner::mill::check_program(
@@ -124,7 +124,7 @@ pub fn run_mill_check(setup: &MillSetup, programs: &ProgramMemory) -> PathResult
     PathResult::parse(&written, &report)
 }
 
-/// Executes the path of `run_kernel`.
+/// Runs the selected program tick by tick as `run` does, and returns the result.
 pub fn run_kernel(setup: &Setup) -> PathResult {
     let mut moves = MoveWriter::default();
     let simulation = Simulation::new(setup.clone());

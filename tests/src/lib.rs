@@ -22,18 +22,18 @@ use std::path::{Path, PathBuf};
 pub use case::{ProgramPath, TestCase};
 pub use tree::case_dir;
 
-/// The root folder of the repository.
+/// Returns the root folder of the repository.
 pub fn repository() -> PathBuf {
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
     manifest.parent().unwrap_or(manifest).to_path_buf()
 }
 
-/// Runs the case in a folder. With `update` the values of its expectation files are rewritten
-/// where they differ.
+/// Runs the test case in a folder. With `update` the values of its expectation files are
+/// rewritten where they differ.
 ///
 /// # Errors
-/// The differences, a line each; or that the case cannot be read; or that a case marked as a
-/// known failure passes.
+/// Returns the differences, a line each; or that the case cannot be read; or that a case
+/// marked as a known failure passes.
 pub fn run_case(folder: &Path, update: bool) -> Result<(), String> {
     let case = TestCase::read(folder)?;
     let outcome = run_loaded_case(&case, folder, update);
@@ -46,10 +46,10 @@ pub fn run_case(folder: &Path, update: bool) -> Result<(), String> {
     }
 }
 
-/// Runs a case, which may have been changed after reading.
+/// Runs a test case that was read before, and may have been changed since.
 ///
 /// # Errors
-/// The differences, a line each.
+/// Returns the differences from the expectation, a line each.
 pub fn run_loaded_case(case: &TestCase, folder: &Path, update: bool) -> Result<(), String> {
     match &case.script {
         Some(script) => operate::run_script_case(case, folder, script, update),
@@ -57,12 +57,12 @@ pub fn run_loaded_case(case: &TestCase, folder: &Path, update: bool) -> Result<(
     }
 }
 
-/// Reads a file of a case.
+/// Reads a file of a test case.
 fn read_case_file(folder: &Path, name: &str) -> Result<String, String> {
     std::fs::read_to_string(folder.join(name)).map_err(|error| format!("{name}: {error}"))
 }
 
-/// Reads an optional file of a case.
+/// Reads an optional file of a test case; `None` if it does not exist.
 fn read_optional_file(folder: &Path, name: &str) -> Result<Option<String>, String> {
     if folder.join(name).exists() {
         read_case_file(folder, name).map(Some)
@@ -71,7 +71,7 @@ fn read_optional_file(folder: &Path, name: &str) -> Result<Option<String>, Strin
     }
 }
 
-/// Rewrites an expectation.
+/// Rewrites an expectation file of a test case.
 fn write_expectation(folder: &Path, name: &str, text: &str) -> Result<(), String> {
     std::fs::write(folder.join(name), text).map_err(|error| format!("{name}: {error}"))
 }

@@ -17,7 +17,8 @@ const SCREEN_FILE: &str = "screen.txt";
 const SENT_FILE: &str = "sent.txt";
 const PICTURE_FILE: &str = "screen.png";
 
-/// Runs the script and compares the LCD at its end, as text and as a picture.
+/// Runs the operator script of a case, and compares the LCD at its end, as text and as a
+/// picture.
 pub(crate) fn run_script_case(
     case: &TestCase,
     folder: &Path,
@@ -44,7 +45,7 @@ pub(crate) fn run_script_case(
     compare_picture(folder, &emulator, update)
 }
 
-/// The files of a case, by the names in its script.
+/// Gives a script access to the files in the folder of its case.
 struct CaseFiles<'a> {
     folder: &'a Path,
 }
@@ -90,8 +91,8 @@ impl ScriptHost for CaseFiles<'_> {
     }
 }
 
-/// Compares the files that the partner at the serial port received, in their order. A last
-/// line `…` matches everything that follows.
+/// Compares the files that the partner at the serial port has received with the expected ones,
+/// in their order. A last line `…` in the expectation matches everything that follows.
 fn compare_sent(folder: &Path, emulator: &mut Emulator, update: bool) -> Result<(), String> {
     let Some(expected) = crate::read_optional_file(folder, SENT_FILE)? else {
         return Ok(());
@@ -135,7 +136,8 @@ fn compare_text(folder: &Path, emulator: &Emulator, update: bool) -> Result<(), 
     Err(lines.join("\n"))
 }
 
-/// The picture shows more than the text: character styles, large figures, the graphic.
+/// Compares the LCD with the picture of the case, if there is one. The picture shows more than
+/// the text: character styles, large figures, the graphic.
 fn compare_picture(folder: &Path, emulator: &Emulator, update: bool) -> Result<(), String> {
     let path = folder.join(PICTURE_FILE);
     if !path.exists() {
@@ -158,7 +160,7 @@ fn screen_lines(text: &str) -> impl Iterator<Item = &str> {
     text.lines().chain(core::iter::repeat(""))
 }
 
-/// The LCD as 15 lines without trailing spaces.
+/// Returns the text of the LCD as 15 lines without trailing spaces.
 fn screen_text(emulator: &Emulator) -> String {
     let screen = emulator.screen().text();
     screen

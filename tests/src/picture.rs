@@ -4,10 +4,10 @@ use gsk_panel::raster::{self, Palette};
 use gsk_panel::screen::{HEIGHT, Screen, WIDTH};
 use png::{BitDepth, ColorType, Compression, Decoder, Encoder};
 
-/// Pixels of a dot.
+/// Width and height of a dot in the picture, pixels.
 const DOT_PIXELS: usize = 2;
 
-/// One bit a pixel, rows of whole bytes.
+/// Returns the pixels of the LCD, one bit each, in rows of whole bytes.
 fn pack_pixels(screen: &Screen) -> Vec<u8> {
     let dots = raster::bitmap(screen);
     let mut pixels = Vec::with_capacity(WIDTH * HEIGHT * DOT_PIXELS * DOT_PIXELS / 8);
@@ -24,7 +24,7 @@ fn pack_pixels(screen: &Screen) -> Vec<u8> {
     pixels
 }
 
-/// Doubles every bit.
+/// Returns a byte with each bit doubled, as two bytes.
 fn double_bits(byte: u8) -> [u8; 2] {
     let wide = (0..8)
         .filter(|bit| byte >> bit & 1 == 1)
@@ -36,10 +36,10 @@ fn palette_bytes(palette: Palette) -> Vec<u8> {
     [palette.background, palette.text].concat()
 }
 
-/// The picture as a PNG file.
+/// Returns the picture of the LCD as the bytes of a PNG file.
 ///
 /// # Errors
-/// The error of the encoder.
+/// Returns the error of the PNG encoder.
 pub(crate) fn encode(screen: &Screen, brightness: u8) -> Result<Vec<u8>, String> {
     let mut file = Vec::new();
     let (width, height) = ((WIDTH * DOT_PIXELS) as u32, (HEIGHT * DOT_PIXELS) as u32);
@@ -56,14 +56,15 @@ pub(crate) fn encode(screen: &Screen, brightness: u8) -> Result<Vec<u8>, String>
     Ok(file)
 }
 
-/// Whether a PNG file shows this screen, with the same dots and colours.
+/// Returns whether a PNG file shows this screen at this brightness (0 to 15), with the same
+/// dots and colours.
 pub(crate) fn is_same_picture(file: &[u8], screen: &Screen, brightness: u8) -> bool {
     decode(file).is_some_and(|(palette, stored)| {
         palette == palette_bytes(raster::palette(brightness)) && stored == pack_pixels(screen)
     })
 }
 
-/// Palette and pixels of a file.
+/// Returns palette and pixels of a PNG file; `None` if it cannot be decoded.
 fn decode(file: &[u8]) -> Option<(Vec<u8>, Vec<u8>)> {
     let mut reader = Decoder::new(std::io::Cursor::new(file)).read_info().ok()?;
     let mut pixels = vec![0; reader.output_buffer_size()?];

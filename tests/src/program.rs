@@ -12,10 +12,11 @@ use crate::setup;
 const MOVES_FILE: &str = "moves.ndjson";
 const RESULT_FILE: &str = "result.json";
 
-/// Fields of the result that only the preview computes.
+/// Fields of the report that only the preview computes.
 const CHECK_ONLY: [&str; 3] = ["more_alarms", "unchecked_behind", "warnings"];
 
-/// Runs the case on its paths.
+/// Executes the programs of a case on its paths, and compares moves and reports with the
+/// expected ones.
 pub(crate) fn run_program_case(case: &TestCase, folder: &Path, update: bool) -> Result<(), String> {
     let texts: Vec<String> = case
         .programs
@@ -121,7 +122,8 @@ impl ExpectedResult {
         all
     }
 
-    /// Rewrites the values of the existing fields. A new case gets the usual fields.
+    /// Rewrites the values in the expectation files by those of `actual`. The files of a new
+    /// case get the usual fields.
     fn update(&self, folder: &Path, actual: &PathResult) -> Result<(), String> {
         let mut fields = json!({"line": 0, "kind": 0, "x0": 0, "z0": 0, "x": 0, "z": 0});
         if actual.moves.iter().any(|it| !it["y"].is_null()) {

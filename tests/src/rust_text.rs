@@ -1,25 +1,25 @@
 //! Splits Rust sources into identifiers and comments, for tests of names and comments.
 
-/// A token of a source with its line, from 1.
+/// An identifier or a comment of a Rust source, with its line.
 #[derive(Debug, PartialEq, Eq)]
 pub enum RustToken {
-    /// A name or a keyword.
+    /// A name or a keyword of the code.
     Identifier {
-        /// The name as written, without `r#`.
+        /// The name as the source writes it, without `r#`.
         name: String,
-        /// Line of the token, from 1.
+        /// Line of the identifier, from 1.
         line: usize,
     },
     /// A comment or a doc comment of one line, without its slashes.
     Comment {
-        /// The text as written.
+        /// The text of the comment as the source writes it.
         text: String,
-        /// Line of the token, from 1.
+        /// Line of the comment, from 1.
         line: usize,
     },
 }
 
-/// All identifiers and line comments of a source, in their order. Strings, characters,
+/// Returns all identifiers and line comments of a source, in their order. Strings, characters,
 /// numbers and block comments are left out.
 pub fn split_tokens(source: &str) -> Vec<RustToken> {
     let mut reader = TokenReader {
@@ -38,7 +38,8 @@ struct TokenReader<'a> {
 }
 
 impl TokenReader<'_> {
-    /// Reads one piece; false at the end.
+    /// Reads one piece of the source, and stores its token if it has one. Returns `false` at
+    /// the end of the source.
     fn read_token(&mut self) -> bool {
         let Some(first) = self.rest.chars().next() else {
             return false;
@@ -83,20 +84,22 @@ fn word_length(text: &str) -> usize {
     text.find(ends).unwrap_or(text.len())
 }
 
-/// The length of the text up to and including the first `end` at or after `from`.
+/// Returns the length of the text in bytes up to and including the first `end` at or after
+/// `from`.
 fn length_to(text: &str, from: usize, end: &str) -> usize {
     let found = text[from..].find(end);
     found.map_or(text.len(), |at| from + at + end.len())
 }
 
-/// Where the quote or the number signs of a string begin: 0 in `"…"`, 1 in `r#"…"#`.
+/// Returns the byte at which the quote or the number signs of a string begin: 0 in `"…"`, 1 in
+/// `r#"…"#`. Returns `None` if the text does not begin with a string.
 fn literal_prefix(text: &str) -> Option<usize> {
     let at = text.find(|letter| !matches!(letter, 'r' | 'b' | 'c'))?;
     let rest = text[at..].trim_start_matches('#');
     (at <= 2 && rest.starts_with('"')).then_some(at)
 }
 
-/// The length of the literal whose quote or number signs begin at `at`.
+/// Returns the length in bytes of the literal whose quote or number signs begin at `at`.
 fn literal_length(text: &str, at: usize) -> usize {
     let signs = text[at..].chars().take_while(|sign| *sign == '#').count();
     if text[..at].contains('r') {
@@ -106,7 +109,7 @@ fn literal_length(text: &str, at: usize) -> usize {
     string_length(text, at)
 }
 
-/// The length of a string with escapes whose first quote is at `at`.
+/// Returns the length in bytes of a string with escapes whose first quote is at `at`.
 fn string_length(text: &str, at: usize) -> usize {
     let mut escaped = false;
     for (offset, letter) in text[at + 1..].char_indices() {
@@ -119,7 +122,7 @@ fn string_length(text: &str, at: usize) -> usize {
     text.len()
 }
 
-/// The length of a character literal, or 1 at a lifetime.
+/// Returns the length in bytes of a character literal, or 1 at a lifetime.
 fn character_length(text: &str) -> usize {
     let mut letters = text.chars().skip(1);
     match (letters.next(), letters.next()) {
@@ -129,8 +132,8 @@ fn character_length(text: &str) -> usize {
     }
 }
 
-/// The words of an identifier in lower case: `FollowingError` and `following_error` have
-/// the words `following` and `error`.
+/// Returns the words of an identifier in lower case: `FollowingError` and `following_error`
+/// have the words `following` and `error`.
 pub fn split_words(identifier: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut after_small = false;

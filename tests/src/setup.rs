@@ -14,74 +14,83 @@ use gsk_core::units::{Axis, Diameter, Point};
 use gsk_milling::{MillSetup, MillWordError};
 use serde::Deserialize;
 
-/// Head of the program that fills the memory.
+/// Start of the program that fills the memory up to a number of characters.
 const FILLER_HEAD: &str = "O9999;\n(";
 
-/// The differences of a case from the dry-run set-up.
+/// The set-up of a test case: its differences from the set-up of a dry run.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SetupWords {
-    /// Starts from the machine as delivered instead: factory parameters, no reference.
+    /// Whether to start from the machine as delivered: factory parameters, axes not
+    /// referenced.
     pub delivered: bool,
-    /// Tool position at the start: X as a diameter, Z.
+    /// Tool position at the start, mm: X as a diameter, Z; `None` leaves the default.
     pub start: Option<(f64, f64)>,
-    /// Position of the work zero in machine coordinates; `start` counts from it.
+    /// Position of the work zero in machine coordinates, mm: X as a diameter, Z. `start` then
+    /// counts from the work zero. `None` keeps the default zero.
     pub work_zero: Option<(f64, f64)>,
-    /// Speed of a spindle that is already on, r/min.
+    /// Speed of a spindle that is already on at the start, r/min; `None` for a stopped
+    /// spindle.
     pub spindle: Option<f64>,
-    /// Wires the lathe for the parameters without `params`.
+    /// Whether to wire the lathe for the parameters before those of `params` are set.
     pub as_built: bool,
-    /// Parameters: `"22=3800"`, `"001.4=0"`.
+    /// Parameters that differ, by number: `"22=3800"`, `"001.4=0"`.
     pub params: Vec<String>,
-    /// Offsets: `"01=2,1.5,0,0"`.
+    /// Tool offsets by number, with X, Z, nose radius and tip: `"01=2,1.5,0,0"`.
     pub offsets: Vec<String>,
     /// Number of characters of a program O9999 that fills the memory.
     pub filled: usize,
-    /// Points of the pitch error table, µm: `"Z 1=7"`.
+    /// Points of the pitch error table, by axis and point: `"Z 1=7"` (µm).
     pub pitch: Vec<String>,
-    /// Machine inputs held at a value: `"X0.4=1"`.
+    /// Machine inputs that are held at a value: `"X0.4=1"`.
     pub inputs: Vec<String>,
-    /// Whether the axes are referenced.
+    /// Whether the axes are referenced at the start; `None` leaves the default.
     pub referenced: Option<bool>,
-    /// Whether programs are in inches.
+    /// Whether the setting for programs in inches is on.
     pub inch: bool,
     /// Whether the control has the option of macro B.
     pub macro_b: bool,
-    /// The control model: `"ncb08"`.
+    /// The control model by its word on the command line: `"ncb08"`. `None` leaves the default
+    /// model.
     pub model: Option<String>,
-    /// Parameters of this model alone: `"17=6000"`.
+    /// Parameters that only this model has, by number: `"17=6000"`.
     pub model_params: Vec<String>,
-    /// For a mill: slides, zeros, tools.
+    /// Start position, work zeros and tools of a mill.
     pub mill: MillWords,
-    /// Date and time of day at the start: `"1993-03-28 15:34:56"`.
+    /// Date and time of day of the control's clock at the start: `"1993-03-28 15:34:56"`.
+    /// `None` leaves the default.
     pub clock: Option<String>,
-    /// The part counter.
+    /// Number of parts that the part counter shows at the start.
     pub parts: u32,
-    /// The cutting time: `"05:28:08"`.
+    /// Cutting time that the counter shows at the start: `"05:28:08"`. `None` leaves the
+    /// default.
     pub cutting: Option<String>,
-    /// A ladder of `assets/ladder/`: `"bar-feeder.il"`.
+    /// The ladder, by its file in `assets/ladder/`: `"bar-feeder.il"`. `None` leaves the
+    /// default.
     pub ladder: Option<String>,
-    /// A machine file of `assets/machines/`: `"small-flat-bed.ron"`.
+    /// The machine file, by its name in `assets/machines/`: `"small-flat-bed.ron"`. `None`
+    /// leaves the default lathe.
     pub machine: Option<String>,
 }
 
-/// The words of a mill, in the form of the command line.
+/// The set-up words that only a mill has, in the form of the command line.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MillWords {
-    /// Position of the slides: `"0,0,100"`.
+    /// Start position of the axes, machine coordinates, mm: `"0,0,100"`. `None` leaves the
+    /// default.
     pub start: Option<String>,
-    /// Zeros of the work: `"54=100,50,0"`.
+    /// Work zeros by code, machine coordinates, mm: `"54=100,50,0"`.
     pub zeros: Vec<String>,
-    /// Tools: `"1=50,5"`.
+    /// Tool offsets by number, with length and radius, mm: `"1=50,5"`.
     pub offsets: Vec<String>,
 }
 
 impl SetupWords {
-    /// The set-up of a mill; `None` if the model is a lathe.
+    /// Returns the set-up of a case with a mill; `None` if the model is a lathe.
     ///
     /// # Errors
-    /// A word is invalid.
+    /// Returns a message if a word is invalid.
     pub fn mill_setup(&self, setup: &Setup) -> Result<Option<MillSetup>, String> {
         let model = &setup.memory.model;
         if !model.id().is_mill() {
@@ -102,18 +111,18 @@ impl SetupWords {
         Ok(Some(mill))
     }
 
-    /// The set-up of a program case.
+    /// Returns the set-up of a case with a part program.
     ///
     /// # Errors
-    /// A word is invalid or refused.
+    /// Returns a message if a word is invalid or refused by the control.
     pub fn program_setup(&self) -> Result<Setup, String> {
         self.apply_to(Setup::default())
     }
 
-    /// The set-up of an operator script.
+    /// Returns the set-up of a case with an operator script.
     ///
     /// # Errors
-    /// As for [`Self::program_setup`].
+    /// Returns a message if a word is invalid or refused by the control.
     pub fn script_setup(&self) -> Result<Setup, String> {
         self.apply_to(Setup::for_operator_script())
     }
@@ -193,7 +202,7 @@ impl SetupWords {
     }
 }
 
-/// Reads a file of `assets/`.
+/// Reads a file in a folder of `assets/`.
 fn read_asset(folder: &str, name: &str) -> Result<String, String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
     crate::read_case_file(&root.join(folder), name)
@@ -222,7 +231,7 @@ fn split_assignment(word: &str) -> Result<(&str, &str), String> {
         .ok_or_else(|| format!("{word}: write it as NAME=VALUE"))
 }
 
-/// Hours, minutes and seconds as milliseconds.
+/// Parses a time `hh:mm:ss` and returns it in milliseconds.
 fn parse_clock_ms(clock: &str) -> Result<u64, String> {
     let parts: Vec<u64> = clock
         .split(':')
@@ -290,11 +299,11 @@ fn set_offset(setup: &mut Setup, word: &str) -> Result<(), String> {
         .map_err(refusal)
 }
 
-/// Program memory with these texts; the first one is selected. A text without an O word is
-/// opened as an external program.
+/// Returns a program memory with these texts; the first one is selected. A text without an O
+/// word is opened as an external program.
 ///
 /// # Errors
-/// The alarm with which the memory refuses a text.
+/// Returns the alarm with which the memory refuses a text, as a line.
 pub fn build_memory(texts: &[String]) -> Result<ProgramMemory, String> {
     let mut memory = ProgramMemory::default();
     let mut first = None;

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 use crate::repository;
 
-/// The packages whose tests a table may name.
+/// The packages in which [`has_test`] searches for a test.
 const TESTED_PACKAGES: [&str; 6] = ["core", "milling", "panel", "app", "twins", "tests"];
 
-/// The folders of the packages of the workspace, sorted.
+/// Returns the folder names of the packages of the workspace, sorted.
 pub fn packages() -> Vec<String> {
     let entries = fs::read_dir(repository()).into_iter().flatten().flatten();
     let packages = entries.filter(|entry| entry.path().join("Cargo.toml").is_file());
@@ -19,7 +19,7 @@ pub fn packages() -> Vec<String> {
     names
 }
 
-/// The Rust files in a folder and its subfolders, sorted.
+/// Returns the Rust files in a folder and its subfolders, sorted.
 pub fn rust_files(folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -34,7 +34,7 @@ pub fn rust_files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// Whether a Rust test function with this name exists.
+/// Returns whether a Rust test function with this name exists in the workspace.
 pub fn has_test(name: &str) -> bool {
     let wanted = format!("fn {name}()");
     TESTED_PACKAGES
@@ -55,20 +55,20 @@ fn contains_text(folder: &Path, wanted: &str) -> bool {
     })
 }
 
-/// A source file without its tests.
+/// A Rust source file without its tests.
 pub struct SourceFile {
-    /// Path in the repository.
+    /// Path of the file in the repository.
     pub path: PathBuf,
-    /// The text without its tests.
+    /// Text of the file without its tests.
     pub text: String,
 }
 
-/// The sources of control, link, panel and program, without their tests.
+/// Returns the sources of control, link, mill, panel and program, without their tests.
 pub fn control_sources() -> Vec<SourceFile> {
     package_sources(&["core", "link", "milling", "panel", "app"])
 }
 
-/// The sources of packages, by their folders.
+/// Returns the sources of packages without their tests. `packages` are their folders.
 pub fn package_sources(packages: &[&str]) -> Vec<SourceFile> {
     let mut sources = Vec::new();
     for package in packages {

@@ -4,39 +4,40 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Number of folders above a case: its subject and its code.
+/// Number of folders above the folder of a case: its subject and its code.
 const FOLDERS_ABOVE: usize = 2;
 /// The file that makes a folder a case.
 const CASE_FILE: &str = "case.ron";
 
-/// A case folder.
+/// The folder of a test case, by name and by path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CaseFolder {
-    /// Its name, which is unique.
+    /// Name of the case, which is that of its folder and unique.
     pub name: String,
-    /// Its path as the runner shows it: `cycles/G71/roughing-turn-arc`.
+    /// Path of the case as the runner shows it: `cycles/G71/roughing-turn-arc`.
     pub path: String,
-    /// The folder on disk.
+    /// Path of the case's folder on disk.
     pub folder: PathBuf,
 }
 
-/// The folder of the cases.
+/// Returns the folder that contains all cases.
 fn cases_root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("cases")
 }
 
-/// All cases, sorted by path.
+/// Returns all test cases, sorted by path.
 ///
 /// # Errors
-/// The faults of the folders, a line each.
+/// Returns the faults in the tree of folders, a line each.
 pub fn list_cases() -> Result<Vec<CaseFolder>, String> {
     list_cases_in(&cases_root())
 }
 
-/// All cases below a folder.
+/// Returns all test cases below a folder, sorted by path.
 ///
 /// # Errors
-/// A folder without a case, a case at the wrong depth, a name of two cases.
+/// Returns the faults, a line each: a folder without a case, a case at the wrong depth, a name
+/// of two cases.
 pub fn list_cases_in(root: &Path) -> Result<Vec<CaseFolder>, String> {
     let mut seen = CaseWalk::default();
     seen.walk(root, &mut Vec::new());
@@ -48,7 +49,7 @@ pub fn list_cases_in(root: &Path) -> Result<Vec<CaseFolder>, String> {
     }
 }
 
-/// The folder of the case with a name.
+/// Returns the folder of the case with this name; `None` if there is none.
 pub fn case_dir(name: &str) -> Option<PathBuf> {
     let codes = sorted_folders(&cases_root())
         .into_iter()
@@ -58,7 +59,7 @@ pub fn case_dir(name: &str) -> Option<PathBuf> {
         .find(|folder| folder.join(CASE_FILE).exists())
 }
 
-/// The folders in a folder, sorted.
+/// Returns the paths of the folders in a folder, sorted.
 fn sorted_folders(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let mut folders: Vec<PathBuf> = entries
@@ -69,7 +70,7 @@ fn sorted_folders(folder: &Path) -> Vec<PathBuf> {
     folders
 }
 
-/// The result of a walk over the folders.
+/// The cases and faults that a walk over the folders has found.
 #[derive(Default)]
 struct CaseWalk {
     cases: Vec<CaseFolder>,

@@ -10,12 +10,12 @@ use super::{build_proposal, set_bit, set_value};
 use crate::measurement::SlideTravel;
 use crate::parameter_change::{ParameterChange, Proposal, select_by_axis};
 
-/// Type of the axis drives.
+/// Type of the motors that drive the axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriveKind {
-    /// Stepping motors.
+    /// The axes have stepping motors.
     Stepper,
-    /// Servo motors.
+    /// The axes have servo motors.
     Servo,
 }
 
@@ -23,7 +23,7 @@ pub enum DriveKind {
 /// within the limits of the manual stay.
 ///
 /// # Errors
-/// None in practice: the control accepts the values.
+/// Never fails in practice: the control accepts the values.
 pub fn propose_acceleration(
     kind: DriveKind,
     parameters: &ControlParameters,
@@ -73,7 +73,7 @@ pub fn propose_acceleration(
     build_proposal(changes, Vec::new(), parameters)
 }
 
-/// Largest following error in a rapid move, and its limit.
+/// Largest following error that was measured in a rapid move, and its limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FollowingErrorReading {
     /// Measured following error, mm of slide travel.
@@ -82,14 +82,14 @@ pub struct FollowingErrorReading {
     pub allowed: SlideTravel,
 }
 
-/// Usable share of the allowed following error in a rapid move.
+/// Fraction of the allowed following error that a rapid move may use.
 const USABLE_SHARE: f64 = 0.8;
 
 /// Proposes a rapid rate that keeps a fifth of the allowed following error in reserve. The
 /// following error is proportional to the rate.
 ///
 /// # Errors
-/// A value that is not a finite number above 0.
+/// Returns a message if a value is not a finite number above 0.
 pub fn propose_rapid_rate(
     axis: Axis,
     following_error: FollowingErrorReading,

@@ -10,7 +10,7 @@ use crate::gear_ratio::{DriveTrain, find_nearest_ratio};
 use crate::measurement::SlideTravel;
 use crate::parameter_change::{Proposal, axis_letter, select_by_axis};
 
-/// A commanded move and the measured slide travel.
+/// A commanded move of a slide, and the slide travel that was measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredMove {
     /// Commanded slide travel, mm; X as a radius.
@@ -22,7 +22,8 @@ pub struct MeasuredMove {
 /// Proposes the electronic gear of an axis from the nameplates of its drive.
 ///
 /// # Errors
-/// A nameplate value that is not above 0, or a ratio outside 1/127 to 127.
+/// Returns a message for a nameplate value that is not above 0, or a ratio outside 1/127 to
+/// 127.
 pub fn propose_gear_from_drive(
     axis: Axis,
     drive: &DriveTrain,
@@ -38,15 +39,15 @@ pub fn propose_gear_from_drive(
     )
 }
 
-/// Relative error of a screw lead and its measurement. A ratio of small numbers within it is
-/// taken as the true one (decision COMMISSION-2).
+/// Relative error that a screw lead and its measurement may have. A ratio of small numbers
+/// within it is taken as the true one (decision COMMISSION-2).
 const LEAD_TOLERANCE: f64 = 200e-6;
 
 /// Proposes the electronic gear of an axis from a long measured move.
 ///
 /// # Errors
-/// A commanded move below 1 mm, a measured move in the other direction, or a ratio outside
-/// 1/127 to 127.
+/// Returns a message for a commanded move below 1 mm, a measured move in the other direction,
+/// or a ratio outside 1/127 to 127.
 pub fn propose_gear_from_move(
     axis: Axis,
     slide_move: MeasuredMove,
@@ -110,7 +111,8 @@ fn propose_gear(
     build_proposal(changes, notes, parameters)
 }
 
-/// Largest approach rate (113) for the largest rate of an axis. The control halves 113 for X.
+/// Returns the largest approach rate (113) at which an axis stays within its rate `limit`. The
+/// control halves 113 for X.
 const fn max_approach_rate(axis: Axis, limit: f64) -> f64 {
     match axis {
         Axis::X => 2.0 * limit,
@@ -118,7 +120,8 @@ const fn max_approach_rate(axis: Axis, limit: f64) -> f64 {
     }
 }
 
-/// Limits an approach rate to what both axes reach: parameter 113 applies to both.
+/// Limits an approach rate to what the gears of both axes permit: parameter 113 applies to
+/// both.
 pub(super) fn limit_approach_rate(requested_rate: i32, parameters: &ControlParameters) -> i32 {
     let limits = [Axis::X, Axis::Z].into_iter().filter_map(|axis| {
         let limit = gear_speed_limit(axis, parameters)?;

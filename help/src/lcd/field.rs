@@ -11,14 +11,14 @@ use super::words;
 use crate::subject::Subject;
 use crate::table::{Topic, topic, topics};
 
-/// Rows that every page has: title, input line, and state with mode.
+/// LCD rows that every page has, from 0: title, input line, and state with mode.
 const TITLE_ROW: usize = 0;
 const INPUT_ROW: usize = 13;
 const STATE_ROW: usize = 14;
-/// Page name of fields that several pages share.
+/// Page name in the subjects of fields that several pages share.
 const ANY: &str = "*";
 
-/// Rows whose labels are column headings: page, heading row, rows below it.
+/// Where labels are column headings: page, row of the headings, rows below them (from 0).
 const HEADINGS: [(PageId, usize, RangeInclusive<usize>); 12] = [
     (PageId::Oft, 1, 2..=9),
     (PageId::Macro, 1, 2..=9),
@@ -34,7 +34,7 @@ const HEADINGS: [(PageId, usize, RangeInclusive<usize>); 12] = [
     (PageId::Dir, 4, 5..=12),
 ];
 
-/// Texts of the mode in the state row, and the subjects that explain them.
+/// Texts of the operating mode in the state row, and the subjects that explain them.
 const MODES: [(fn() -> Message, Subject<'static>); 12] = [
     (say::lcd_mode_teach_handwheel, Subject::Notion("teach-in")),
     (say::lcd_mode_teach_jog, Subject::Notion("teach-in")),
@@ -49,10 +49,11 @@ const MODES: [(fn() -> Message, Subject<'static>); 12] = [
     (say::lcd_mode_program_zero, Subject::Key("PZRN")),
     (say::lcd_mode_step, Subject::Key("HND")),
 ];
-/// Columns that contain the mode.
+/// LCD columns, from 0, that contain the operating mode.
 const MODE_COLUMNS: Range<usize> = 20..30;
 
-/// Returns the topic about the field at a row and column.
+/// Returns the topic about the field of a page at a row and column of the LCD, from 0; `None`
+/// if no topic is about it.
 pub fn field_topic(
     page: PageId,
     screen: &Screen,
@@ -81,10 +82,11 @@ pub fn field_topic(
         .map(|label| label.topic)
 }
 
-/// Rows inside the frame of a page.
+/// LCD rows inside the frame of a page, from 0.
 const INSIDE: RangeInclusive<usize> = 1..=12;
 
-/// Returns the topic of the column heading whose middle is nearest to a column.
+/// Returns the topic of the column heading in `row` whose middle is nearest to the column
+/// `middle`; `None` if the row has no heading.
 fn headed(page: PageId, screen: &Screen, row: usize, middle: usize) -> Option<&'static Topic> {
     let labels = labels(page, screen, row);
     let nearest = labels.into_iter().min_by_key(|label| {
@@ -94,14 +96,14 @@ fn headed(page: PageId, screen: &Screen, row: usize, middle: usize) -> Option<&'
     nearest.map(|label| label.topic)
 }
 
-/// A label on the screen.
+/// A label on the LCD: its columns, and the topic about its field.
 struct Label {
     columns: Range<usize>,
     topic: &'static Topic,
 }
 
-/// Returns the labels in a row from left to right. Labels of this page exclude those that
-/// several pages share.
+/// Returns the labels in a row from left to right. Labels of this page alone exclude those
+/// that several pages share.
 fn labels(page: PageId, screen: &Screen, row: usize) -> Vec<Label> {
     let cells: Vec<(usize, char)> = (0..COLUMNS)
         .map(|column| (column, screen.cell(row, column).character))
@@ -140,8 +142,8 @@ fn labels(page: PageId, screen: &Screen, row: usize) -> Vec<Label> {
     labels
 }
 
-/// Whether a shared label is possible in a row: O, N, S and T in their rows of the frame,
-/// coordinate letters inside the frame.
+/// Returns whether a label that pages share is possible in a row: O, N, S and T in their rows
+/// of the frame, coordinate letters inside the frame.
 fn is_possible_in(label: &str, row: usize) -> bool {
     match label {
         "O" | "N" => row == TITLE_ROW,
@@ -152,8 +154,8 @@ fn is_possible_in(label: &str, row: usize) -> bool {
     }
 }
 
-/// Returns the columns of a label in a row, in each of its languages. Blanks are ignored.
-/// Letters inside a longer word do not match.
+/// Returns the columns at which a row contains a label, in any of its languages. Blanks are
+/// ignored. Letters inside a longer word do not match.
 fn in_row<'a>(
     cells: &'a [(usize, char)],
     label: &'a str,

@@ -11,17 +11,17 @@ use crate::models::topic_of;
 use crate::subject::Subject;
 use crate::table::{Topic, topic};
 
-/// Rows inside the frame of a page.
+/// LCD rows inside the frame of a page, from 0.
 const INSIDE: core::ops::RangeInclusive<usize> = 1..=12;
-/// First row of the program text on the page that also shows the position.
+/// First LCD row, from 0, of the program text on the page that also shows the position.
 const BELOW_POSITION: usize = 5;
 /// Words that begin a macro B statement.
 const STATEMENTS: [&str; 6] = ["IF", "WHILE", "GOTO", "THEN", "END", "DO"];
-/// Texts of the graphic page during teaching.
+/// Titles of the graphic page during teach-in.
 const TEACHING: [&str; 2] = ["示教", "TEACH"];
 
-/// Returns the topic about the program word at a row and column, or `None` where the page shows
-/// no program.
+/// Returns the topic about the program word at a row and column of the LCD, from 0. Returns
+/// `None` where the page shows no program.
 pub fn word_topic(
     model: ModelId,
     page: PageId,

@@ -9,7 +9,8 @@ use crate::pages::Communication;
 use crate::panel::{FileId, FileRefusal, SerialFile, file_of, read_data};
 
 impl Emulator {
-    /// Sets the state of the serial port: the word on the LCD, and F213.
+    /// Sets the state of the serial port: shows it in the LCD's status row and puts it into
+    /// the PLC signals F213.
     pub fn show_port_state(&mut self, shown: Communication) {
         let mut requests = Vec::new();
         self.panel.show_port_state(shown, &mut requests);
@@ -27,11 +28,12 @@ impl Emulator {
             .collect()
     }
 
-    /// Checks whether a file can be received. An insufficient authority level raises its alarm.
+    /// Checks whether the control would receive a file. `overwrite` permits replacing an
+    /// existing file. An insufficient authority level raises its alarm.
     ///
     /// # Errors
     ///
-    /// Returns the reason for refusing the file.
+    /// Returns the reason for refusing the file, for example that it exists.
     pub fn check_receive(&mut self, id: FileId, overwrite: bool) -> Result<(), FileRefusal> {
         self.store_edited();
         let cnc = &mut self.simulation.cnc;
@@ -54,12 +56,13 @@ impl Emulator {
         }
     }
 
-    /// Receives a file completely or not at all. A program gets the number of its name. If that
-    /// exists, `overwrite` replaces it, otherwise alarm 073 is raised.
+    /// Receives a file completely or not at all. `id` gives a program its number. If that
+    /// program exists, `overwrite` replaces it.
     ///
     /// # Errors
     ///
-    /// Returns the reason for refusing the file.
+    /// Returns the reason for refusing the file; for an existing program without `overwrite`
+    /// that it exists.
     pub fn receive_file(
         &mut self,
         id: FileId,
@@ -90,11 +93,11 @@ impl Emulator {
         self.request_transfer(received)
     }
 
-    /// Returns a file that a client requests.
+    /// Returns the text of a file that a client requests.
     ///
     /// # Errors
     ///
-    /// Returns the reason for refusing it, or that the file is missing.
+    /// Returns the reason for refusing to send the file, or that the file is missing.
     pub fn send_file(&mut self, id: FileId) -> Result<SerialFile, FileRefusal> {
         self.store_edited();
         let cnc = &self.simulation.cnc;
@@ -109,17 +112,17 @@ impl Emulator {
     ///
     /// # Errors
     ///
-    /// Returns the reason for refusing it.
+    /// Returns the reason for refusing to delete the program.
     pub fn delete_file(&mut self, id: FileId) -> Result<(), FileRefusal> {
         let number = self.changeable_program(id)?;
         self.request_transfer(ReceivedData::Deletion(number))
     }
 
-    /// Renumbers a program for a client at the port.
+    /// Gives a program another number, for a client at the port.
     ///
     /// # Errors
     ///
-    /// Returns the reason for refusing it.
+    /// Returns the reason for refusing the new number, for example that it is in use.
     pub fn rename_file(&mut self, from: FileId, to: FileId) -> Result<(), FileRefusal> {
         let from = self.changeable_program(from)?;
         let FileId::Program(to) = to else {
@@ -133,7 +136,7 @@ impl Emulator {
         self.request_transfer(ReceivedData::Renaming { from, to })
     }
 
-    /// The number of a program that may be deleted or renamed.
+    /// Returns the number of a program that may be deleted or renamed, otherwise the refusal.
     fn changeable_program(&mut self, id: FileId) -> Result<u16, FileRefusal> {
         self.store_edited();
         let FileId::Program(number) = id else {
@@ -176,7 +179,6 @@ mod tests {
         }
     }
 
-    /// Switched on, with O0001 and O9500.
     fn emulator() -> Emulator {
         let mut setup = Setup::default();
         for text in ["O0001;\nM30;\n", "O9500;\nM99;\n"] {

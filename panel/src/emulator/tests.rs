@@ -2,7 +2,6 @@ use gsk_core::operation::OperatingMode;
 
 use super::*;
 
-/// An emulator after its self-test picture.
 fn awake() -> Emulator {
     let mut emulator = Emulator::new(Setup::default());
     let outcome = emulator.run_until(&WaitCondition::SelfTestOver, 10_000);

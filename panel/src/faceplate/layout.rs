@@ -3,7 +3,7 @@
 use super::{Outline, PanelArea, PanelColour, PanelPart, PartKind, Rect, SIZE};
 use crate::keys::{Key, STRIP};
 
-/// The LCD.
+/// Rectangle of the LCD, panel units.
 pub(super) const LCD: Rect = Rect::new(28.0, 60.0, 640.0, 480.0);
 
 const BEZEL: Rect = Rect::new(14.0, 46.0, 668.0, 508.0);
@@ -11,9 +11,9 @@ const STRIP_PLATE: Rect = Rect::new(14.0, 10.0, 668.0, 30.0);
 const NAME_PLATE: Rect = Rect::new(694.0, 10.0, 572.0, 60.0);
 const EDIT_PLATE: Rect = Rect::new(694.0, 78.0, 572.0, 372.0);
 const PAGE_PLATE: Rect = Rect::new(694.0, 458.0, 572.0, 96.0);
-/// Modes, toggles and directions.
+/// Plate of the mode, toggle and direction keys, panel units.
 const MACHINE_PLATE: Rect = Rect::new(14.0, 562.0, 592.0, 184.0);
-/// Spindle and auxiliary functions, overrides, hold and start.
+/// Plate of the keys of spindle, auxiliary functions, overrides, hold and start, panel units.
 const RUN_PLATE: Rect = Rect::new(614.0, 562.0, 346.0, 184.0);
 const ADDITIONAL_PLATE: Rect = Rect::new(970.0, 562.0, 296.0, 184.0);
 
@@ -40,10 +40,10 @@ pub(super) const SECTIONS: [PanelArea; 6] = [
     },
 ];
 
-/// Space between keys.
+/// Space between keys, panel units.
 const GAP: f32 = 6.0;
 
-/// Layers, from below.
+/// Drawing layers, from the lowest.
 const HOUSING: u8 = 0;
 const PLATE: u8 = 1;
 const ON_PLATE: u8 = 2;
@@ -122,7 +122,7 @@ fn print(
     });
 }
 
-/// The status lamps, a strip above the LCD.
+/// Adds the strip of status lamps above the LCD.
 fn strip(parts: &mut Vec<PanelPart>) {
     let width = STRIP_PLATE.w / STRIP.len() as f32;
     for index in 0..STRIP.len() {
@@ -171,8 +171,8 @@ fn name_plate(parts: &mut Vec<PanelPart>) {
     }
 }
 
-/// The edit keyboard: RESET, page and cursor keys; addresses; numbers; the row of functions
-/// below.
+/// Adds the edit keyboard: RESET, page and cursor keys; addresses; numbers; the row of
+/// functions below.
 fn edit_keyboard(parts: &mut Vec<PanelPart>) {
     let (w, h) = (47.0, 60.0);
     let left = EDIT_PLATE.x + 14.0;
@@ -253,7 +253,7 @@ fn page_keys(parts: &mut Vec<PanelPart>) {
     grid(parts, &pages, first, PanelColour::Page);
 }
 
-/// Rows of keys of one size. The first rectangle is that of the first key.
+/// Adds rows of keys of one size. `first` is the rectangle of the first key.
 fn grid<const N: usize>(
     parts: &mut Vec<PanelPart>,
     rows: &[[Key; N]],
@@ -278,7 +278,7 @@ fn grid<const N: usize>(
     }
 }
 
-/// The machine panel: modes, toggles and increments; directions; spindle and auxiliary
+/// Adds the machine keys: modes, toggles and increments; directions; spindle and auxiliary
 /// functions; overrides, hold and start.
 fn machine_keys(parts: &mut Vec<PanelPart>) {
     let (w, h) = (56.0, 50.0);
@@ -378,7 +378,7 @@ fn machine_keys(parts: &mut Vec<PanelPart>) {
     key(parts, Key::CycleStart, start, PanelColour::Start);
 }
 
-/// The additional panel: mushroom button, overtravel release and handwheel.
+/// Adds the parts of the additional panel: mushroom button, overtravel release and handwheel.
 fn additional_panel(parts: &mut Vec<PanelPart>) {
     let Rect { x, y, .. } = ADDITIONAL_PLATE;
     let mut round = |what: PartKind, rect: Rect, colour: PanelColour| {

@@ -15,38 +15,39 @@ use super::{LINE_HEIGHT, Outline, PanelArea, PanelColour, PanelPart, PartKind, R
 use crate::keys::{Bit, Key, KeyRole, STRIP, StripLamp};
 use additional::GRADUATIONS;
 
-/// The panel is printed in both languages.
+/// Languages of the panel's print: both.
 const BOTH: [Language; 2] = [Language::Zh, Language::En];
 
-/// Size of the control's name on its plate, panel units.
+/// Line height of the control's name on the name plate, panel units.
 const NAME_SIZE: f32 = 32.0;
 
-/// Greatest scale of [`paint`].
+/// Greatest `scale` of [`paint`], pixels a panel unit.
 const MAX_SCALE: f32 = 8.0;
-/// Distance that a part paints beyond its rectangle: shadow, glow, pointer of the handwheel.
+/// Distance that a part paints beyond its rectangle (shadow, glow), panel units.
 const REACH: f32 = 3.0;
 const REACH_OF_WHEEL: f32 = 8.0;
 /// Margin painted around a section of the picture and cut off, pixels.
 const MARGIN: u32 = 4;
 
-/// The variable state of the panel.
+/// What changes on the panel between two pictures: lamps, keys, LCD, handwheel.
 #[derive(Clone, Copy, Default)]
 pub struct FaceState<'a> {
-    /// The Y memory with the lamps.
+    /// The Y memory of the PLC, whose bits light the lamps.
     pub y: &'a [u8],
-    /// Keys held down, and the mushroom button while it is latched.
+    /// Keys drawn as pressed: those held down, and the mushroom button while it is latched.
     pub pressed: &'a [Key],
-    /// The picture of the LCD, 320x240 or an integer multiple.
+    /// The picture of the LCD, 320x240 or an integer multiple; `None` draws the LCD dark.
     pub lcd: Option<PixmapRef<'a>>,
-    /// Position of the handwheel, graduations.
+    /// Position of the handwheel, graduations, clockwise positive.
     pub wheel: i32,
-    /// Whether the keys move a real machine.
+    /// Whether the keys move a real machine; the panel then shows the label that says it.
     pub real: bool,
-    /// The control model, whose name is on the plate.
+    /// The control model, whose name is printed on the name plate.
     pub model: ModelId,
 }
 
-/// Returns a value that changes whenever the picture of a part changes.
+/// Returns a value that changes whenever the picture of `part` changes, so that unchanged
+/// parts need no repainting.
 pub fn part_state(part: &PanelPart, state: &FaceState<'_>) -> u32 {
     match part.what {
         PartKind::Key(key) => {
@@ -64,8 +65,8 @@ pub fn part_state(part: &PanelPart, state: &FaceState<'_>) -> u32 {
     }
 }
 
-/// Paints an area of the panel at `scale` pixels a panel unit. `None` if the picture does not
-/// fit into memory.
+/// Paints an area of the panel at `scale` pixels a panel unit. Returns `None` if the picture
+/// does not fit into memory.
 pub fn paint(area: PanelArea, state: &FaceState<'_>, scale: f32) -> Option<Pixmap> {
     let scale = scale.clamp(0.1, MAX_SCALE);
     let size = |units: f32| (units * scale).round() as u32;
@@ -80,8 +81,8 @@ pub fn paint(area: PanelArea, state: &FaceState<'_>, scale: f32) -> Option<Pixma
     Some(painter.pixmap)
 }
 
-/// Paints the section of [`paint`]'s picture that contains a part. Returns it with its upper
-/// left corner in that picture, pixels.
+/// Paints the rectangle of [`paint`]'s picture that contains `part`. Returns it and its upper
+/// left corner in that picture, pixels; `None` if it does not fit into memory.
 pub fn paint_part(
     area: PanelArea,
     part: &PanelPart,
@@ -113,7 +114,7 @@ pub fn paint_part(
     Some((section, [(left - x) as u32, (top - y) as u32]))
 }
 
-/// The pixel of the panel where the picture of an area begins.
+/// Returns the pixel of the whole panel's picture where the picture of an area begins.
 fn corner(area: PanelArea, scale: f32) -> (f32, f32) {
     ((area.rect.x * scale).round(), (area.rect.y * scale).round())
 }
@@ -129,12 +130,12 @@ fn painted_rect(part: &PanelPart) -> Rect {
 struct Painter {
     pixmap: Pixmap,
     scale: f32,
-    /// The pixel of the whole picture where the pixmap begins.
+    /// The pixel of the whole panel's picture that is the pixmap's upper left corner.
     corner: (f32, f32),
 }
 
 impl Painter {
-    /// Converts panel units to pixels.
+    /// Returns the transform from panel units to pixels of the pixmap.
     fn transform(&self) -> Transform {
         let (left, top) = self.corner;
         Transform::from_row(self.scale, 0.0, 0.0, self.scale, -left, -top)
@@ -178,7 +179,7 @@ impl Painter {
         );
     }
 
-    /// A red plate with white print.
+    /// Paints the label that the machine is real: a red plate with white print.
     fn real_motion(&mut self, part: &PanelPart) {
         let Rect { x, y, w, h } = part.rect;
         if let Some(path) = outline(part.rect, part.outline) {
@@ -307,7 +308,7 @@ impl Painter {
         self.text(lamp.label, LINE_HEIGHT, label, part.colour.rgb());
     }
 
-    /// A lamp, with a glow when it is on.
+    /// Paints a lamp, with a glow when it is lit.
     fn bulb(&mut self, rect: Rect, shape: Outline, colour: PanelColour) {
         if colour != PanelColour::LampOff {
             for (reach, strength) in [(4.0, 0.14), (2.0, 0.22)] {
@@ -431,7 +432,7 @@ fn outline(rect: Rect, shape: Outline) -> Option<Path> {
     path.finish()
 }
 
-/// Makes a colour lighter (towards white) or darker (towards black).
+/// Returns a colour mixed with white (`by` from 0 to 1) or with black (`by` from 0 to -1).
 fn lighter(colour: [u8; 3], by: f32) -> [u8; 3] {
     let target = if by > 0.0 { 255.0 } else { 0.0 };
     colour.map(|part| (f32::from(part) + (target - f32::from(part)) * by.abs()) as u8)

@@ -215,7 +215,6 @@ fn a_change_of_the_picture_changes_the_state() {
     }
 }
 
-/// Each name is on the plate and fits into it.
 #[test]
 fn the_name_is_that_of_the_model() {
     let part = parts()

@@ -6,21 +6,22 @@ use tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, PixmapPaint, Shader
 use super::Rect;
 use crate::fonts;
 
-/// Em size as a fraction of the line height. Chinese characters leave a margin.
+/// Em size of printed text as a fraction of the line height. Chinese characters leave a
+/// margin.
 const EM: f32 = 0.94;
-/// The middle of capitals and of Chinese characters above the base line, ems.
+/// Height above the base line of the middle of capitals and of Chinese characters, ems.
 const MIDDLE: f32 = 0.37;
 
-/// Returns the width of a text for a line height, in the same unit.
+/// Returns the width of a printed text whose line height is `line`, in the same unit.
 pub(crate) fn width(text: &str, line: f32) -> f32 {
     let size = line * EM;
     text.chars().map(|it| fonts::advance(it, size)).sum()
 }
 
-/// Adds outlines to a path, y downwards.
+/// Adds the outline of a character to a path, y downwards.
 struct Pen {
     path: PathBuilder,
-    /// Origin of the character on the base line, pixels.
+    /// Horizontal origin of the character on the base line, pixels.
     x: f32,
     y: f32,
 }
@@ -57,8 +58,8 @@ impl OutlinePen for Pen {
     }
 }
 
-/// Draws a text centred in a rectangle of panel units. `size` is the line height. `corner` is
-/// the pixel of the whole picture where the target begins.
+/// Draws a text centred in `rect` (panel units). `size` is the line height in panel units,
+/// `corner` the pixel of the whole panel's picture where `target` begins.
 pub(super) fn draw(
     target: &mut Pixmap,
     corner: (f32, f32),
@@ -113,7 +114,7 @@ pub(super) fn draw(
     target.draw_pixmap(x, y, picture.as_ref(), &plain, transform, None);
 }
 
-/// Returns an opaque colour.
+/// Returns a colour without transparency, from red, green and blue.
 pub(super) fn opaque([red, green, blue]: [u8; 3]) -> Color {
     Color::from_rgba8(red, green, blue, u8::MAX)
 }

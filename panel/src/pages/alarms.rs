@@ -8,11 +8,11 @@ use gsk_messages::Language;
 use crate::glyphs;
 use crate::screen::{COLUMNS, Screen};
 
-/// The rows of the list.
+/// First and last screen row of the list, from 0.
 const FIRST_ROW: usize = 2;
 const LAST_ROW: usize = 12;
 
-/// Draws the ladder messages (外部信息).
+/// Draws the list of active ladder messages (外部信息).
 pub fn messages(screen: &mut Screen, cnc: &Cnc) {
     let english = screen.language() == Language::En;
     let messages = cnc.plc_messages().map(|(number, text)| {
@@ -23,7 +23,7 @@ pub fn messages(screen: &mut Screen, cnc: &Cnc) {
     list(screen, messages);
 }
 
-/// Draws the alarms (报警信息).
+/// Draws the list of active alarms of the control (报警信息).
 pub fn alarms(screen: &mut Screen, cnc: &Cnc) {
     let language = screen.language();
     let lines = cnc.alarms().iter().map(|alarm| line(alarm, language));
@@ -43,7 +43,7 @@ fn line(alarm: &Alarm, language: Language) -> String {
     }
 }
 
-/// Writes one entry after the other. A long one continues in the next row.
+/// Writes the entries below each other. An entry longer than a row continues in the next one.
 fn list(screen: &mut Screen, entries: impl Iterator<Item = String>) {
     let mut row = FIRST_ROW;
     for entry in entries {

@@ -16,21 +16,23 @@ use super::table::PageId;
 use super::view::PageView;
 use crate::screen::Screen;
 
-/// Count of diagnosis numbers, and of those on one screen.
+/// Number of diagnosis bytes, and of those on one screen.
 pub(crate) const DIAGNOSES: usize = 128;
 const SCREEN: usize = 16;
 
-/// A register of contacts or outputs.
+/// A diagnosis number whose bits show PLC inputs or outputs.
 struct Register {
     number: usize,
     group: fn() -> Message,
     area: Area,
-    /// Byte and bit of each position, bit 7 first. `None` where nothing is wired.
+    /// X or Y byte and bit that each of the eight bits shows, bit 7 first; `None` where
+    /// nothing is wired.
     bits: [Option<(u16, u8)>; 8],
     names: [&'static str; 8],
 }
 
-/// A register of signals other than contacts: names, bit 7 first, and meanings.
+/// A diagnosis number whose bits show signals other than contacts: names, bit 7 first, and
+/// meanings.
 struct Signals {
     number: usize,
     group: fn() -> Message,
@@ -38,7 +40,7 @@ struct Signals {
     meanings: [Option<fn() -> Message>; 8],
 }
 
-/// Zero signals, drives and the encoder (manual III-12.7.1).
+/// The diagnosis numbers of zero signals, drives and the encoder (manual III-12.7.1).
 const SIGNALS: [Signals; 3] = [
     Signals {
         number: 8,
@@ -69,7 +71,7 @@ const SIGNALS: [Signals; 3] = [
     },
 ];
 
-/// The registers of the machine interface (manual IV-2).
+/// The diagnosis numbers of the machine interface (manual IV-2).
 const REGISTERS: [Register; 5] = [
     Register {
         number: 0,
@@ -163,16 +165,16 @@ const fn wired(bits: [(u16, u8); 8]) -> [Option<(u16, u8)>; 8] {
     wired_bits
 }
 
-/// Diagnosis number of the current tool.
+/// Diagnosis number that shows the current tool.
 const TOOL: usize = 75;
-/// Diagnosis numbers that mirror the status parameters a hundred higher.
+/// Diagnosis numbers that show the state parameter whose number is 100 greater.
 const MIRRORED: [usize; 5] = [64, 68, 72, 73, 74];
-/// Times and limits of gear change, pressure, tool change, M and S. An earlier control set them
-/// here. They are now the data parameters of the same numbers (manual I-3.5, IV-2.8), shown in
-/// decimal.
+/// Diagnosis numbers that show times and limits of gear change, pressure, tool change, M and
+/// S. An earlier control set them here. They are now the data parameters of the same numbers
+/// (manual I-3.5, IV-2.8), shown in decimal.
 const TIMES: [u16; 12] = [65, 66, 67, 69, 76, 78, 80, 81, 82, 83, 84, 85];
 
-/// The data parameter that a diagnosis number shows.
+/// Returns the data parameter that a diagnosis number shows; `None` if it shows none.
 fn time_of(number: usize) -> Option<u16> {
     let number = u16::try_from(number).ok()?;
     TIMES.contains(&number).then_some(number)
@@ -195,7 +197,8 @@ impl Register {
     }
 }
 
-/// Draws the page.
+/// Draws the diagnosis page: the values of the screen, and the names and meaning of the bits
+/// at the cursor.
 pub fn draw(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let cursor = view.cursors.get(PageId::Dgn);
     let item = cursor.item.min(DIAGNOSES - 1);
@@ -253,8 +256,8 @@ fn value(number: usize, cnc: &Cnc) -> u8 {
     }
 }
 
-/// DGN.008. The manual's picture of an idle machine, 00110011, has both axes on their zero
-/// signals and both drives ready.
+/// Returns DGN.008: zero signals, index and drives. The manual's picture of an idle machine,
+/// 00110011, has both axes on their zero signals and both drives ready.
 fn sensor_bits(sensors: Sensors) -> u8 {
     u8::from(sensors.zero_signal.x)
         | u8::from(sensors.zero_signal.z) << 1

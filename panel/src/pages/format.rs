@@ -12,14 +12,15 @@ const PER_REVOLUTION_UNIT: f64 = 100.0;
 /// How coordinates are shown: X as diameter or radius, mm or inch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CoordinateFormat {
-    /// Whether X is a diameter (001.2 = 0).
+    /// Whether X is shown as a diameter (001.2 = 0) instead of a radius.
     pub diameter: bool,
-    /// Whether the machine is in inches (004.0 SCW), with four decimals.
+    /// Whether lengths are shown in inches with four decimals (004.0 SCW) instead of mm with
+    /// three.
     pub inch: bool,
 }
 
 impl CoordinateFormat {
-    /// Reads the format from the parameters of a control.
+    /// Reads the format from the parameters of the control.
     pub fn of(cnc: &Cnc) -> Self {
         Self {
             diameter: !cnc.parameters().is_radius_programming(),
@@ -27,7 +28,7 @@ impl CoordinateFormat {
         }
     }
 
-    /// Formats a coordinate. X is given as a radius, mm.
+    /// Formats a coordinate given in mm (X as a radius), as a diameter or in inches if set.
     pub fn coordinate(self, axis: Axis, value: f64) -> String {
         match axis {
             Axis::X if self.diameter => self.length(value * 2.0),
@@ -35,7 +36,7 @@ impl CoordinateFormat {
         }
     }
 
-    /// Formats a length given in mm.
+    /// Formats a length given in mm, in inches if set.
     pub fn length(self, value: f64) -> String {
         if self.inch {
             decimals(value / INCH, 4)
@@ -45,7 +46,7 @@ impl CoordinateFormat {
     }
 }
 
-/// A number with fixed decimals, never "-0.000".
+/// Formats a number with `count` decimals, never "-0.000".
 fn decimals(value: f64, count: usize) -> String {
     let text = format!("{value:.count$}");
     let zero = text.bytes().all(|byte| matches!(byte, b'-' | b'0' | b'.'));
@@ -55,12 +56,12 @@ fn decimals(value: f64, count: usize) -> String {
     }
 }
 
-/// Formats a length in thousandths of a millimetre, the unit of settings.
+/// Formats a length given in thousandths of a millimetre as millimetres with three decimals.
 pub fn thousandths(value: i32) -> String {
     decimals(f64::from(value) / 1000.0, 3)
 }
 
-/// Formats a rate per minute without decimals. Above 15000 it shows `***`.
+/// Formats a feed rate in mm/min without decimals, rounded down; `***` above 15000.
 pub fn per_minute(rate: f64) -> String {
     if rate > 15_000.0 {
         return "***".to_owned();
@@ -68,8 +69,8 @@ pub fn per_minute(rate: f64) -> String {
     format!("{:.0}", integer_part(rate))
 }
 
-/// Formats a rate per revolution, mm, in hundredths of a millimetre, rounded down. Above 500 mm
-/// it shows `***`.
+/// Formats a feed rate given in mm/r, as hundredths of a millimetre rounded down; `***` above
+/// 500 mm/r.
 pub fn per_revolution(rate: f64) -> String {
     if rate > 500.0 {
         return "***".to_owned();
@@ -78,12 +79,13 @@ pub fn per_revolution(rate: f64) -> String {
     format!("{:.0}", (units / PER_REVOLUTION_UNIT).floor())
 }
 
-/// The integer part. A value a rounding error below an integer counts as that integer.
+/// Returns the integer part. A value that is a rounding error below an integer counts as that
+/// integer.
 fn integer_part(value: f64) -> f64 {
     (value + 1e-6).floor()
 }
 
-/// Formats a jog rate as the manual's table does, with one decimal below 20.
+/// Formats a jog rate in mm/min as the manual's table does: with one decimal below 20.
 pub fn jog_rate(rate: f64) -> String {
     if rate > 0.0 && rate < 19.95 {
         format!("{rate:.1}")
@@ -92,7 +94,7 @@ pub fn jog_rate(rate: f64) -> String {
     }
 }
 
-/// Formats the rapid override: a percentage, or `F0`.
+/// Formats the rapid override as a percentage; 0 is shown as `F0`.
 pub fn rapid_override(percent: u8) -> String {
     match percent {
         0 => "F0".to_owned(),
@@ -100,19 +102,19 @@ pub fn rapid_override(percent: u8) -> String {
     }
 }
 
-/// Formats hours, minutes and seconds. After 99:59:59 it restarts at 0.
+/// Formats a duration given in milliseconds as `hh:mm:ss`. After 99:59:59 it restarts at 0.
 pub fn clock(milliseconds: u64) -> String {
     let seconds = milliseconds / 1000;
     let (hours, minutes) = (seconds / 3600 % 100, seconds / 60 % 60);
     format!("{hours:02}:{minutes:02}:{:02}", seconds % 60)
 }
 
-/// Formats eight binary digits, bit 7 first.
+/// Formats a byte as eight binary digits, bit 7 first.
 pub fn byte(value: u8) -> String {
     format!("{value:08b}")
 }
 
-/// Formats a number with four digits, at most 9999.
+/// Formats the absolute value, rounded, with four digits; 9999 if greater.
 pub fn four_digits(value: f64) -> String {
     format!("{:04.0}", value.abs().round().min(9999.0))
 }

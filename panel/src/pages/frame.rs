@@ -12,23 +12,24 @@ use super::table::PageId;
 use super::view::{Communication, PageView};
 use crate::screen::{CellStyle, Screen};
 
-/// Row of the input line, and of the S and T display.
+/// Screen row of the input line, and of the S and T display.
 pub(crate) const INPUT_ROW: usize = 13;
-/// Row of state and mode.
+/// Screen row of run state and operating mode.
 const STATUS_ROW: usize = 14;
-/// Columns of program and sequence number in the title row.
+/// Columns of the program number and the sequence number in the title row.
 const PROGRAM_COLUMN: usize = 28;
 const SEQUENCE_COLUMN: usize = 34;
-/// The input line ends before this column.
+/// Column before which the input line ends.
 const INPUT_END: usize = 27;
 
-/// Columns of the texts in the status row.
+/// Columns in the status row: alarm, feed hold, mode, serial communication.
 const ALARM_COLUMN: usize = 0;
 const HOLD_COLUMN: usize = 5;
 const MODE_COLUMN: usize = 20;
 const COMMUNICATION_COLUMN: usize = 30;
 
-/// Draws the frame of a page.
+/// Draws what all pages have: title, program and sequence number, spindle, tool, run state,
+/// mode.
 pub fn draw(screen: &mut Screen, page: PageId, view: &PageView, cnc: &Cnc) {
     screen.put_message(0, 0, &page.title());
     screen.put(0, PROGRAM_COLUMN, &format!("O{:04}", program_number(cnc)));
@@ -45,7 +46,7 @@ pub fn draw(screen: &mut Screen, page: PageId, view: &PageView, cnc: &Cnc) {
     draw_communication(screen, view);
 }
 
-/// 准备未绪 replaces both 报警 and 暂停.
+/// Draws alarm and feed hold in the status row. 准备未绪 replaces both 报警 and 暂停.
 fn draw_state(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let lit = view.flash_on();
     if cnc.is_shown_not_ready() {
@@ -60,7 +61,7 @@ fn draw_state(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     }
 }
 
-/// The text of the mode in the status row.
+/// Returns the text of an operating mode for the status row.
 fn mode_text(mode: OperatingMode) -> Message {
     match mode {
         OperatingMode::Edit => say::lcd_mode_edit(),
@@ -102,8 +103,8 @@ pub(crate) fn setting_line(screen: &mut Screen, name: &str, view: &PageView) {
     keyed_in(screen, end, view);
 }
 
-/// Draws the typed text from a column on. A trailing address letter flashes until its number
-/// follows.
+/// Draws the typed text from a column on; of a long text its end. A trailing address letter
+/// flashes until its number follows.
 fn keyed_in(screen: &mut Screen, start: usize, view: &PageView) {
     let width_left = INPUT_END.saturating_sub(start);
     let length = view.input.chars().count();
@@ -118,7 +119,7 @@ fn keyed_in(screen: &mut Screen, start: usize, view: &PageView) {
     }
 }
 
-/// Returns the selected program.
+/// Returns the text of the selected program; `None` if none is selected.
 pub(crate) fn current_program(cnc: &Cnc) -> Option<&Program> {
     cnc.programs().get(selected(cnc)?)
 }
@@ -128,7 +129,7 @@ pub(crate) fn program_is_hidden(cnc: &Cnc) -> bool {
     matches!(selected(cnc), Some(ProgramId::Stored(number)) if cnc.rights().is_hidden(number))
 }
 
-/// The selected program, also while an MDI block runs.
+/// Returns the selected program, also while an MDI block runs; `None` if none is selected.
 fn selected(cnc: &Cnc) -> Option<ProgramId> {
     match cnc.cursor().program {
         Some(ProgramId::Mdi) | None => cnc.programs().selected(),
@@ -152,7 +153,7 @@ fn program_number(cnc: &Cnc) -> u16 {
     }
 }
 
-/// The sequence number of the block in execution, or of the block at the cursor.
+/// Returns the sequence number of the block in execution, or of the block at the cursor.
 fn sequence(view: &PageView, cnc: &Cnc) -> u32 {
     let cursor = cnc.cursor();
     if let Some(sequence) = cursor.sequence {
@@ -167,7 +168,7 @@ fn sequence(view: &PageView, cnc: &Cnc) -> u32 {
         .unwrap_or(0)
 }
 
-/// The N word at the start of a block.
+/// Returns the number of the N word at the start of a block; `None` if it has none.
 fn sequence_of(line: &str) -> Option<u32> {
     let head = line.trim_start_matches(|c: char| c == '/' || c.is_whitespace());
     let digits = head.strip_prefix(['N', 'n'])?.trim_start();
@@ -177,8 +178,8 @@ fn sequence_of(line: &str) -> Option<u32> {
     digits[..end].parse().ok()
 }
 
-/// Returns the measured speed with an encoder, otherwise the commanded one. With stepped speeds
-/// (001.4 = 0) it is the step.
+/// Returns the spindle speed to show, r/min: measured if the spindle has an encoder, otherwise
+/// commanded. With stepped speeds (001.4 = 0) it is the number of the step.
 pub fn spindle_speed(cnc: &Cnc) -> f64 {
     if let Some(measured) = cnc.spindle_measured() {
         return measured;

@@ -13,7 +13,7 @@ use crate::bitmap::{Bitmap, DotArea, Stroke};
 use crate::screen::Screen;
 use crate::trace::PathTrace;
 
-/// The area of the path.
+/// The area of the LCD in which the path is drawn.
 pub(crate) const PLOT: DotArea = DotArea {
     left: 8,
     top: 24,
@@ -21,13 +21,13 @@ pub(crate) const PLOT: DotArea = DotArea {
     bottom: 199,
 };
 
-/// The dot of 图形中心.
+/// The dot at which the centre of the picture (图形中心) is drawn.
 const CENTER: (f64, f64) = (116.0, 112.0);
 
 /// Half the length of the tool marker's arms, dots.
 const MARKER: f64 = 3.0;
 
-/// Draws the page of the graphic parameters.
+/// Draws the page with the settings of the graphic: plane, scale, centre, extents.
 pub fn parameters(screen: &mut Screen, view: &PageView) {
     let settings = &view.graphic;
     let rows: [(Message, String, Option<Message>); 8] = [
@@ -68,7 +68,7 @@ pub fn parameters(screen: &mut Screen, view: &PageView) {
     frame::setting_line(screen, &format!("{:03}", cursor + 1), view);
 }
 
-/// Draws the page with the picture of the path.
+/// Draws the page with the picture of the tool path.
 pub fn picture(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let display = CoordinateFormat::of(cnc);
     let at = cnc.position_absolute();
@@ -93,7 +93,7 @@ pub fn picture(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     plot.marker(dots, at);
 }
 
-/// Converts work coordinates to dots.
+/// Converts work coordinates (X as a radius, mm) to dots of the LCD.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Plot {
     center: Point,
@@ -134,7 +134,7 @@ impl Plot {
         }
     }
 
-    /// Draws a cross at the position of the tool.
+    /// Draws a cross at the position `at` of the tool, in work coordinates.
     fn marker(&self, dots: &mut Bitmap, at: Point) {
         let (x, y) = self.dot(at);
         dots.line((x - MARKER, y), (x + MARKER, y), Stroke::Solid, PLOT);

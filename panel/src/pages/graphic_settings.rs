@@ -7,31 +7,32 @@ use serde::{Deserialize, Serialize};
 /// the display's unit (diameter), Z in mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GraphicSettings {
-    /// 坐标选择: false is XZ (0), true is ZX (1, Z horizontal).
+    /// 坐标选择, the plane: `false` is XZ (0), `true` is ZX (1, Z horizontal).
     pub zx: bool,
-    /// 缩放比例: hundredths of a dot for a millimetre.
+    /// 缩放比例, the scale: hundredths of a dot for a millimetre.
     pub scale: u32,
-    /// 图形中心, X.
+    /// 图形中心, X of the picture's centre, 0.001 mm.
     pub center_x: i32,
-    /// 图形中心, Z.
+    /// 图形中心, Z of the picture's centre, 0.001 mm.
     pub center_z: i32,
-    /// X最大值.
+    /// X最大值, the greatest X that the picture shows, 0.001 mm.
     pub max_x: i32,
-    /// Z最大值.
+    /// Z最大值, the greatest Z that the picture shows, 0.001 mm.
     pub max_z: i32,
-    /// X最小值.
+    /// X最小值, the least X that the picture shows, 0.001 mm.
     pub min_x: i32,
-    /// Z最小值.
+    /// Z最小值, the least Z that the picture shows, 0.001 mm.
     pub min_z: i32,
-    /// Whether motion is recorded (S) or not (T).
+    /// Whether motion is added to the picture; key S starts it, key T stops it.
     pub drawing: bool,
 }
 
-/// Dots for the larger range, in hundredths, times 1000.
+/// 150 dots, which the larger range takes, in hundredths of a dot, times 1000 (0.001 mm in a
+/// mm).
 const SPREAD: i64 = 15_000 * 1000;
 
 impl GraphicSettings {
-    /// Computes scale and centre from the extents, once both ranges are positive.
+    /// Computes scale and centre from the extents. Keeps both if a range is not positive.
     pub fn recompute(&mut self) {
         let range_x = i64::from(self.max_x) - i64::from(self.min_x);
         let range_z = i64::from(self.max_z) - i64::from(self.min_z);
@@ -44,20 +45,20 @@ impl GraphicSettings {
         self.center_z = center(self.max_z, self.min_z);
     }
 
-    /// Returns the dots for a millimetre.
+    /// Returns the scale of the picture, dots for a millimetre.
     pub(crate) fn dots_per_mm(&self) -> f64 {
         f64::from(self.scale) / 100.0
     }
 
-    /// Returns the centre of the picture with X as a radius. `diameter`: whether the display
-    /// shows X as a diameter.
+    /// Returns the centre of the picture in mm, X as a radius. `diameter`: whether the
+    /// settings contain X as a diameter.
     pub fn center(&self, diameter: bool) -> Point {
         let x = f64::from(self.center_x) / 1000.0;
         let x = if diameter { x / 2.0 } else { x };
         Point::new(x, f64::from(self.center_z) / 1000.0)
     }
 
-    /// Returns the axis drawn from left to right.
+    /// Returns the axis that the picture shows from left to right.
     pub const fn horizontal(&self) -> Axis {
         if self.zx { Axis::Z } else { Axis::X }
     }

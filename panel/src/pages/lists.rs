@@ -4,21 +4,21 @@
 use crate::glyphs;
 use crate::screen::{COLUMNS, Screen};
 
-/// Rows of a list on one screen.
+/// Number of list rows on one screen.
 pub(crate) const LIST_ROWS: usize = 8;
-/// Row of the headings.
+/// Screen row of a list's headings.
 pub(crate) const HEADING_ROW: usize = 1;
-/// Row of the first item.
+/// Screen row of a list's first item.
 pub(crate) const FIRST_ROW: usize = 2;
 
-/// Columns of one half of a list.
+/// LCD columns of one half of a list, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ListColumns {
-    /// Column of the cursor.
+    /// Column in which the cursor is drawn.
     pub cursor: usize,
-    /// First column of the number.
+    /// First column of the item's number.
     pub number: usize,
-    /// Column before which the value ends.
+    /// Column before which the item's value ends.
     pub value_end: usize,
 }
 
@@ -36,15 +36,17 @@ pub(crate) const NUMBERED: [ListColumns; 2] = [
     },
 ];
 
-/// An item: its number as shown, and its value.
+/// An item of a list: its number as shown, and its value.
 pub type ListItem = (String, String);
 
-/// The row of an item on its screen, and its half.
+/// Returns the screen row of an item and its half of the list, both from 0. `index` counts
+/// from the screen's first item.
 fn row_and_half(index: usize) -> (usize, usize) {
     (FIRST_ROW + index % LIST_ROWS, index / LIST_ROWS)
 }
 
-/// Writes the items of one screen, the first half before the second.
+/// Writes the items of one screen, the first half before the second. `cursor` is the index of
+/// the item at the cursor, from 0.
 pub fn draw(
     screen: &mut Screen,
     halves: &[ListColumns],
@@ -64,8 +66,8 @@ pub fn draw(
     }
 }
 
-/// Writes the names of the eight bits, bit 7 first. If they do not fit in the row, the longest
-/// ones are cut.
+/// Writes the names of eight bits in a row, bit 7 first. `name` gives the name of a bit. If
+/// they do not fit in the row, the longest ones are cut.
 pub(crate) fn bit_names<N: AsRef<str>>(screen: &mut Screen, row: usize, name: impl Fn(u8) -> N) {
     let names: Vec<N> = (0..8).rev().map(name).collect();
     let cut = |width: usize| {
@@ -82,7 +84,7 @@ pub(crate) fn bit_names<N: AsRef<str>>(screen: &mut Screen, row: usize, name: im
     screen.put(row, 0, &text.unwrap_or_default());
 }
 
-/// The start of a text, at most `width` columns wide.
+/// Returns the start of a text, at most `width` columns wide.
 fn head(text: &str, width: usize) -> &str {
     let mut column = 0;
     for (at, character) in text.char_indices() {

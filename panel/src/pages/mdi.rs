@@ -10,11 +10,11 @@ use super::frame;
 use super::view::PageView;
 use crate::screen::Screen;
 
-/// The words of the left side, in their rows from R2 on.
+/// Addresses of the words on the left side, one a screen row from row 2 on.
 const WORDS: &[u8] = b"XZUWRFMSTPQ";
-/// The words of lengths, shown with decimals.
+/// Addresses of the words that are lengths, shown with decimals.
 const LENGTHS: &[u8] = b"XZUWR";
-/// Row of the first word.
+/// Screen row of the first word.
 const FIRST_ROW: usize = 2;
 /// Columns: address and end of the value on the left; codes, address and end of the value on
 /// the right.
@@ -25,10 +25,10 @@ const MODAL_COLUMN: usize = 30;
 const MODAL_END: usize = 39;
 /// Row of a macro B statement, which has no words.
 const STATEMENT_ROW: usize = 1;
-/// Greatest speed, which means no limit.
+/// Greatest spindle speed limit, r/min; the control then has no limit.
 const NO_LIMIT: f64 = 9999.0;
 
-/// Draws the page.
+/// Draws the MDI page: the words of the block and the modal values.
 pub fn draw(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     screen.put_message(1, 4, &say::lcd_block_and_modal());
     if let Some((block, text)) = shown_block(cnc) {
@@ -48,7 +48,8 @@ pub fn draw(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     }
 }
 
-/// The MDI block, or in AUTO the block in execution, with its text.
+/// Returns the MDI block, or in AUTO the block in execution, with its text; `None` if there is
+/// no such block.
 fn shown_block(cnc: &Cnc) -> Option<(ProgramBlock, String)> {
     let syntax = Syntax::from(cnc.parameters());
     if !matches!(cnc.mode(), OperatingMode::Auto | OperatingMode::Dnc) {

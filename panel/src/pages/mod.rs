@@ -51,7 +51,7 @@ pub use view::{Communication, EditorState, FLASH_TICKS, PageCursor, PageCursors,
 
 use crate::screen::Screen;
 
-/// Returns the language of the LCD (184.0 CH_EN).
+/// Returns the language that the LCD is set to (184.0 CH_EN).
 pub fn language(cnc: &Cnc) -> Language {
     if cnc.parameters().is_english() {
         Language::En
@@ -60,12 +60,12 @@ pub fn language(cnc: &Cnc) -> Language {
     }
 }
 
-/// Draws a page in the language of the LCD.
+/// Draws a page, in the language that the LCD is set to.
 pub fn draw(page: PageId, view: &PageView, cnc: &Cnc) -> Screen {
     draw_in(language(cnc), page, view, cnc)
 }
 
-/// Draws a page in a language.
+/// Draws a page in the given language.
 pub fn draw_in(language: Language, page: PageId, view: &PageView, cnc: &Cnc) -> Screen {
     let mut screen = Screen::in_language(language);
     let target = &mut screen;
@@ -110,7 +110,7 @@ mod tests {
 
     use crate::glyphs::text_columns;
 
-    /// A text of the table without its values.
+    /// A text of the table without its placeholders.
     fn words(text: &str) -> String {
         let parts = text.split('{');
         let rests = parts.map(|part| part.split_once('}').map_or(part, |(_, rest)| rest));

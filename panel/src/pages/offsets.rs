@@ -12,14 +12,14 @@ use super::table::PageId;
 use super::view::PageView;
 use crate::screen::Screen;
 
-/// Variables on one screen.
+/// Number of variables on one screen.
 const VARIABLE_SCREEN: usize = 16;
-/// Shown for a value that does not fit (manual I-3.7.3.3).
+/// The text instead of a value with too many digits (manual I-3.7.3.3).
 const TOO_LONG: &str = "******";
-/// The greatest value that fits.
+/// Greatest absolute value of an integer variable that is shown.
 const GREATEST_SHOWN: u64 = 9_999_999;
 
-/// Least and greatest real values that fit.
+/// Least and greatest absolute values of a real variable that are shown.
 const LEAST_REAL: f64 = 0.000_000_1;
 const GREATEST_REAL: f64 = 99_999_999.0;
 
@@ -36,7 +36,7 @@ const VARIABLE_COLUMNS: [ListColumns; 2] = [
     },
 ];
 
-/// Draws the offsets (偏置).
+/// Draws the list of tool offsets (偏置).
 pub fn offsets(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let item = view.cursors.get(PageId::Oft).item.min(OFFSET_ROWS - 1);
     let display = CoordinateFormat::of(cnc);
@@ -57,7 +57,7 @@ pub fn offsets(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     frame::input_line(screen, &say::lcd_address_prompt(), view);
 }
 
-/// Draws the macro variables (宏变量).
+/// Draws the list of macro variables (宏变量).
 pub fn variables(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let numbers = cnc.variable_numbers();
     let real = cnc.are_variables_real();
@@ -83,8 +83,8 @@ pub fn variables(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     frame::input_line(screen, &say::lcd_address_prompt(), view);
 }
 
-/// A real value with eight digits. Null is blank, and a value with too many digits is stars
-/// (manual of macro B, 2.3).
+/// Formats a real variable with eight digits. `None` (null) is blank, and a value with too
+/// many digits is stars (manual of macro B, 2.3).
 fn real_value(value: Option<f64>) -> String {
     /// Digits that a variable keeps.
     const DIGITS: i32 = 8;

@@ -14,13 +14,13 @@ use super::view::PageView;
 use crate::glyphs;
 use crate::screen::Screen;
 
-/// Parameters on one screen.
+/// Number of parameters on one screen.
 const SCREEN: usize = 16;
-/// Points of the pitch error table, and of one of its screens.
+/// Number of points in the pitch error table, and of those on one of its screens.
 pub(crate) const PITCH_POINTS: usize = 256;
 const PITCH_SCREEN: usize = 8;
 
-/// Columns of pages with eight binary digits a number.
+/// Columns of a list whose values have eight binary digits.
 pub const BITS: [ListColumns; 2] = [
     ListColumns {
         cursor: 0,
@@ -53,7 +53,7 @@ fn numbers(state: bool) -> impl Iterator<Item = u16> {
         .map(|row| row.number)
 }
 
-/// Draws the state parameters (状态参数).
+/// Draws the list of state parameters (状态参数).
 pub fn states(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let cursor = view.cursors.get(PageId::ParBit);
     let values: Vec<u16> = state_numbers().collect();
@@ -78,7 +78,7 @@ pub fn states(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     frame::input_line(screen, &prompt, view);
 }
 
-/// Returns the meaning of a parameter in the language of the screen.
+/// Returns the meaning of a parameter in the screen's language.
 pub(super) const fn meaning(screen: &Screen, row: &ParameterRow) -> &'static str {
     match screen.language() {
         Language::En => row.meaning_en,
@@ -86,7 +86,7 @@ pub(super) const fn meaning(screen: &Screen, row: &ParameterRow) -> &'static str
     }
 }
 
-/// The short name of a bit, as wide as the Chinese one.
+/// Returns the short name of a parameter bit, padded to the width of the Chinese one.
 fn name(number: u16, bit: u8, language: Language) -> String {
     if let Some(name) = chinese_name(number, bit) {
         let width = glyphs::text_columns(&name.text(Language::Zh));
@@ -99,7 +99,7 @@ fn name(number: u16, bit: u8, language: Language) -> String {
     if symbol.is_empty() { "**" } else { symbol }.to_owned()
 }
 
-/// The bits whose short name is Chinese.
+/// Returns the short name of a bit that has a Chinese one, otherwise `None`.
 fn chinese_name(number: u16, bit: u8) -> Option<Message> {
     Some(match (number, bit) {
         (1, 4) => say::lcd_bit_analog_spindle(),
@@ -112,7 +112,7 @@ fn chinese_name(number: u16, bit: u8) -> Option<Message> {
     })
 }
 
-/// Draws the data parameters (数据参数).
+/// Draws the list of data parameters (数据参数).
 pub fn data(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let values: Vec<u16> = data_numbers().collect();
     let item = view.cursors.get(PageId::ParData).item;
@@ -139,7 +139,7 @@ fn heading(screen: &mut Screen) {
     screen.put_message(HEADING_ROW, 0, &say::lcd_parameters_heading());
 }
 
-/// Draws the pitch error table (螺距补偿参数).
+/// Draws the list of the pitch error table (螺距补偿参数).
 pub fn pitch(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let item = view.cursors.get(PageId::Pitch).item.min(PITCH_POINTS - 1);
     screen.put_message(HEADING_ROW, 0, &say::lcd_pitch_heading());

@@ -8,7 +8,7 @@ use super::table::PageId;
 use super::view::PageView;
 use crate::screen::Screen;
 
-/// Draws the page.
+/// Draws the password page: the level, the typed digits as stars, and the response.
 pub fn draw(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let level = cnc.authority().level().number();
     screen.put_message(3, 1, &say::lcd_level(level));

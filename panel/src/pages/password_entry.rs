@@ -3,21 +3,21 @@
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-/// The response of the page to the last key.
+/// The password page's response to the last entry.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Hint {
-    /// None.
+    /// No response is shown.
     #[default]
     None,
-    /// No level has this password.
+    /// No level has the entered password.
     Wrong,
-    /// The two new passwords differ, or are not as long as the old one.
+    /// The two new passwords differ, or their length is not that of the old one.
     Different,
-    /// The level of the password is in force.
+    /// The password was right, and its operation level is now in force.
     LevelEntered,
-    /// The level was left.
+    /// The operation level was lowered by the operator.
     LevelLeft,
-    /// The password was replaced.
+    /// The password of the level was replaced by the new one.
     Changed,
 }
 
@@ -34,17 +34,17 @@ impl Hint {
     }
 }
 
-/// The input of the page.
+/// The typed digits of the password page and its response.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PasswordEntry {
-    /// 输入密码, 更改密码, 确认密码.
+    /// The digits typed in 输入密码 (password), 更改密码 (new) and 确认密码 (new again).
     pub rows: [String; 3],
-    /// The response of the page.
+    /// The response to the last entry.
     pub hint: Hint,
 }
 
 impl PasswordEntry {
-    /// Clears all digits.
+    /// Clears all typed digits and the response.
     pub fn clear(&mut self) {
         *self = Self::default();
     }

@@ -15,7 +15,7 @@ use super::table::PageId;
 use super::view::PageView;
 use crate::screen::Screen;
 
-/// The areas of the signal page and of the value page, in their order.
+/// PLC memory areas of the signal page and of the value page, in the order of display.
 const BIT_AREAS: [Area; 7] = [
     Area::X,
     Area::Y,
@@ -27,35 +27,37 @@ const BIT_AREAS: [Area; 7] = [
 ];
 const VALUE_AREAS: [Area; 3] = [Area::D, Area::T, Area::C];
 
-/// Bytes on one screen of the signal page.
+/// Number of bytes on one screen of the signal page.
 const BIT_SCREEN: usize = 2 * LIST_ROWS;
 
-/// Returns the address of an item of the signal page. Items are counted through all areas.
+/// Returns the PLC address that an item of the signal page shows. Items are counted from 0
+/// through all areas.
 pub(crate) fn bit_item(item: usize) -> ByteAddress {
     address(&BIT_AREAS, item)
 }
 
-/// Returns the item of an address on the signal page.
+/// Returns the item of the signal page (from 0) that shows a PLC address; `None` if none does.
 pub(crate) fn bit_item_of(address: ByteAddress) -> Option<usize> {
     item(&BIT_AREAS, address)
 }
 
-/// Returns the number of items on the signal page.
+/// Returns the number of items on the signal page, over all areas.
 pub(crate) fn bit_items() -> usize {
     count(&BIT_AREAS)
 }
 
-/// Returns the address of an item of the value page.
+/// Returns the PLC address that an item of the value page shows. Items are counted from 0
+/// through all areas.
 pub(crate) fn value_item(item: usize) -> ByteAddress {
     address(&VALUE_AREAS, item)
 }
 
-/// Returns the item of an address on the value page.
+/// Returns the item of the value page (from 0) that shows a PLC address; `None` if none does.
 pub(crate) fn value_item_of(address: ByteAddress) -> Option<usize> {
     item(&VALUE_AREAS, address)
 }
 
-/// Returns the number of items on the value page.
+/// Returns the number of items on the value page, over all areas.
 pub(crate) fn value_items() -> usize {
     count(&VALUE_AREAS)
 }
@@ -64,7 +66,7 @@ fn count(areas: &[Area]) -> usize {
     areas.iter().map(|area| usize::from(area.count())).sum()
 }
 
-/// Items beyond the end give the last address.
+/// Returns the address of an item of these areas; beyond the end the last address.
 fn address(areas: &[Area], item: usize) -> ByteAddress {
     let mut rest = item;
     for area in areas {
@@ -84,7 +86,8 @@ fn item(areas: &[Area], address: ByteAddress) -> Option<usize> {
     inside.then(|| count(&areas[..at]) + usize::from(address.byte))
 }
 
-/// The addresses on the screen with an address. Each area starts a new screen.
+/// Returns the addresses on the screen of `size` addresses that shows `address`. Each area
+/// starts a new screen.
 fn screen_of(address: ByteAddress, size: usize) -> impl Iterator<Item = ByteAddress> {
     let size = size as u16;
     let first = address.byte / size * size;
@@ -92,7 +95,7 @@ fn screen_of(address: ByteAddress, size: usize) -> impl Iterator<Item = ByteAddr
         .map(move |byte| ByteAddress::new(address.area, byte))
 }
 
-/// Draws the PLC signals (PLC信号状态).
+/// Draws the page of PLC signals (PLC信号状态): bytes of memory as bits.
 pub fn signals(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let cursor = view.cursors.get(PageId::PlcBits);
     let at = bit_item(cursor.item);
@@ -120,7 +123,7 @@ pub fn signals(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     frame::input_line(screen, &say::lcd_number_prompt(at), view);
 }
 
-/// Draws the PLC values (PLC数值诊断).
+/// Draws the page of PLC values (PLC数值诊断): counters, timers and data of memory.
 pub fn values(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let at = value_item(view.cursors.get(PageId::PlcValues).item);
     screen.put_message(HEADING_ROW, 0, &say::lcd_plc_values_heading());
@@ -144,7 +147,7 @@ pub fn values(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     frame::input_line(screen, &say::lcd_number_prompt(at), view);
 }
 
-/// Draws the soft machine panel (机床面板) with the states that the ladder has set.
+/// Draws the soft machine panel (机床面板): switches with the states that the ladder has set.
 pub fn soft_panel(screen: &mut Screen, cnc: &Cnc) {
     let texts = [
         say::lcd_machine_lock(),
@@ -168,7 +171,7 @@ pub fn soft_panel(screen: &mut Screen, cnc: &Cnc) {
     }
 }
 
-/// Draws the version page (系统版本信息).
+/// Draws the version page (系统版本信息): model, software, hardware and ladder.
 pub fn version(screen: &mut Screen, cnc: &Cnc) {
     let header = cnc.plc().ladder().header();
     // Row, label, blanks after it, value.

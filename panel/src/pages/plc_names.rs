@@ -8,7 +8,7 @@ use gsk_messages::Language;
 
 use crate::signals::{self, Signal};
 
-/// The signals of one bit, by address.
+/// The signals of the signal table whose address is one bit, sorted by address.
 static ROWS: LazyLock<Vec<(BitAddress, &'static Signal)>> = LazyLock::new(|| {
     let bit = |row: &'static Signal| Some((row.address.parse().ok()?, row));
     let mut rows: Vec<_> = signals::rows().iter().filter_map(bit).collect();
@@ -21,7 +21,8 @@ fn row(address: BitAddress) -> Option<&'static Signal> {
     ROWS.get(at).map(|(_, row)| *row)
 }
 
-/// Returns the short name for a row of eight names: the first of several, or a dash.
+/// Returns the short name of a PLC bit for a row of eight names: of several the first, or `-`
+/// without a name.
 pub fn short(address: BitAddress) -> &'static str {
     let name = row(address).map_or("", |row| row.symbol);
     match name.split('/').next() {
@@ -30,7 +31,8 @@ pub fn short(address: BitAddress) -> &'static str {
     }
 }
 
-/// Returns the meaning of a bit: the ladder's comment, or else the text of the signal table.
+/// Returns the meaning of a PLC bit: the ladder's comment, or else the text of the signal
+/// table.
 pub fn meaning(ladder: &Ladder, address: BitAddress, language: Language) -> String {
     let english = language == Language::En;
     let comment = ladder.comment(PlcAddress::Bit(address));
@@ -43,7 +45,7 @@ pub fn meaning(ladder: &Ladder, address: BitAddress, language: Language) -> Stri
     }
 }
 
-/// Returns the meaning of a bit from the signal table in Chinese or English, or an empty text.
+/// Returns the meaning of a PLC bit from the signal table; empty if the table has none.
 pub fn signal_meaning(address: BitAddress, language: Language) -> &'static str {
     row(address).map_or("", |row| match language {
         Language::Zh => row.text_zh,

@@ -11,22 +11,23 @@ use super::program_text::{self, Listing};
 use super::view::PageView;
 use crate::screen::{CellStyle, Screen};
 
-/// Group-01 codes whose F word is a lead.
+/// Group-01 G codes of thread cutting, whose F word is a lead.
 const THREADS: [u8; 5] = [32, 33, 34, 76, 92];
 
-/// The rows of the big figures.
+/// Screen rows of the big figures of X and Z.
 const BIG_ROWS: [usize; 2] = [3, 6];
-/// Columns of the big letters, and end columns of the figures: in the text, and on the picture.
+/// Columns of the big letters, and end columns of the big figures: in the row's text, and on
+/// the picture.
 const BIG_LETTER: (usize, usize) = (4, 4);
 const BIG_FIGURE_END: (usize, usize) = (24, 34);
 
-/// Draws the relative coordinates.
+/// Draws the page of relative coordinates (U and W) in big figures.
 pub fn relative(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     big_figures(screen, ["U", "W"], cnc.position_relative(), view, cnc);
     state_rows(screen, view, cnc);
 }
 
-/// Draws the absolute coordinates.
+/// Draws the page of absolute coordinates (X and Z) in big figures.
 pub fn absolute(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     big_figures(screen, ["X", "Z"], cnc.position_absolute(), view, cnc);
     state_rows(screen, view, cnc);
@@ -49,7 +50,7 @@ fn big_figures(screen: &mut Screen, letters: [&str; 2], at: Point, view: &PageVi
     }
 }
 
-/// Rates, overrides, G codes, part count and cutting time.
+/// Draws rates, overrides, G codes, part count and cutting time.
 fn state_rows(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let modal = cnc.modal();
     let (programmed_label, programmed) = first_rate(cnc);
@@ -86,7 +87,8 @@ fn state_rows(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     screen.put(12, 30, &format::clock(counters.cutting_ms));
 }
 
-/// The first of the rate rows, which depends on the mode.
+/// Returns label and value of the first rate row: jog rate, increment or programmed rate, by
+/// mode.
 fn first_rate(cnc: &Cnc) -> (Message, String) {
     match cnc.mode().motion_mode() {
         OperatingMode::Jog => (say::lcd_jog_rate(), format::jog_rate(cnc.jog_rate())),
@@ -96,14 +98,15 @@ fn first_rate(cnc: &Cnc) -> (Message, String) {
     }
 }
 
-/// The increment of step and handwheel, mm: MP1 and MP2, G19.4 and G19.5.
+/// Returns the increment of step and handwheel, mm, that the ladder selects with MP1 and MP2
+/// (G19.4, G19.5).
 fn increment(cnc: &Cnc) -> String {
     const INCREMENTS: [&str; 4] = ["0.001", "0.01", "0.1", "1"];
     let code = cnc.plc().memory().g(19) >> 4 & 0b11;
     INCREMENTS[usize::from(code)].to_owned()
 }
 
-/// The actual rate: F with override. In manual modes the speed of motion.
+/// Returns the actual rate: F with the feed override; in manual modes the speed of motion.
 fn actual_rate(cnc: &Cnc) -> String {
     match cnc.mode().motion_mode() {
         OperatingMode::Jog | OperatingMode::Step | OperatingMode::Handwheel => {
@@ -135,7 +138,7 @@ fn threads(cnc: &Cnc) -> bool {
     THREADS.contains(&cnc.modal().motion)
 }
 
-/// Draws all coordinates.
+/// Draws the page of all coordinates: relative, absolute, machine, and distance to go.
 pub(crate) fn overall(screen: &mut Screen, cnc: &Cnc) {
     group(screen, 2, 2, RELATIVE, cnc.position_relative(), cnc);
     group(screen, 2, 22, ABSOLUTE, cnc.position_absolute(), cnc);
@@ -148,7 +151,7 @@ pub(crate) fn overall(screen: &mut Screen, cnc: &Cnc) {
     }
 }
 
-/// A heading and its two axis letters.
+/// The heading of a group of coordinates, and the letters of its two axes.
 type Heading = (fn() -> Message, [&'static str; 2]);
 const RELATIVE: Heading = (say::lcd_coordinates_relative, ["U", "W"]);
 const ABSOLUTE: Heading = (say::lcd_coordinates_absolute, ["X", "Z"]);
@@ -165,7 +168,8 @@ fn group(screen: &mut Screen, row: usize, column: usize, what: Heading, at: Poin
     }
 }
 
-/// Draws coordinates and program. With 180.0 SPOS it shows the distance to go.
+/// Draws the page of coordinates and program. With 180.0 SPOS it shows the distance to go
+/// instead of the relative coordinates.
 pub fn with_program(screen: &mut Screen, cnc: &Cnc) {
     let (what, at) = if cnc.parameters().shows_remaining() {
         (REMAINING, cnc.distance_to_go())

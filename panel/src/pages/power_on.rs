@@ -5,10 +5,10 @@ use gsk_messages::{Language, say};
 
 use crate::screen::Screen;
 
-/// Duration of the self-test picture, ticks.
+/// Duration of the self-test picture, ticks (ms).
 pub const POWER_ON_TICKS: u64 = 3000;
 
-/// Draws the picture.
+/// Draws the self-test picture with the name of the control model.
 pub fn draw(language: Language, model: ModelId) -> Screen {
     let mut screen = Screen::in_language(language);
     screen.put(4, 13, model.name());

@@ -9,10 +9,10 @@ use super::program_text::{self, ListingMark};
 use super::view::PageView;
 use crate::screen::Screen;
 
-/// Programs on one screen of the directory, and in one of its rows.
+/// Number of programs on one screen of the directory, and in one of its rows.
 pub(crate) const DIRECTORY_SCREEN: usize = 36;
 const DIRECTORY_ROW: usize = 6;
-/// The version in the directory.
+/// The control's version that the directory shows.
 const VERSION: &str = "Gsk-980TD V05.05.12";
 
 /// Draws the program page: the editor in EDIT, otherwise the block in execution.
@@ -56,12 +56,13 @@ pub fn text(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     program_text::draw(screen, program, listing, mark, cnc);
 }
 
-/// Returns the number of screens of the directory.
+/// Returns the number of screens of the program directory, at least 1.
 pub(crate) fn directory_screens(cnc: &Cnc) -> usize {
     listed(cnc).count().div_ceil(DIRECTORY_SCREEN).max(1)
 }
 
-/// The program numbers in the directory, ascending.
+/// Returns the program numbers in the directory, ascending; without those that 012.4 PRG9
+/// hides.
 fn listed(cnc: &Cnc) -> impl Iterator<Item = u16> {
     let rights = cnc.rights();
     cnc.programs()
@@ -70,7 +71,7 @@ fn listed(cnc: &Cnc) -> impl Iterator<Item = u16> {
         .filter(move |number| !rights.is_hidden(*number))
 }
 
-/// Draws the directory.
+/// Draws the program directory: version, memory used, and the numbers of the programs.
 pub fn directory(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let memory = cnc.programs();
     let (stored, free_programs) = (memory.count(), memory.free_count());

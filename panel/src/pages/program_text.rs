@@ -8,36 +8,38 @@ use gsk_core::program::{Program, without_end_sign};
 use crate::glyphs;
 use crate::screen::{COLUMNS, CellStyle, Screen};
 
-/// The rows of the program page.
+/// Number of screen rows in which the program page lists text.
 pub(crate) const PAGE_ROWS: usize = 12;
 
-/// The part of a program that is listed, and its rows on the screen.
+/// Which part of a program is listed, and in which rows of the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Listing {
-    /// First screen row.
+    /// First screen row of the listing, from 0.
     pub top: usize,
-    /// Number of screen rows.
+    /// Number of screen rows of the listing.
     pub rows: usize,
-    /// First line, from 1.
+    /// Program line at the top of the listing, from 1.
     pub first: u32,
-    /// Number of rows of the first line that are left out, if it is longer than the screen.
+    /// Number of rows of the first line that are left out at the top, because the line is too
+    /// long for the screen.
     pub skip: usize,
 }
 
-/// The mark in a listing.
+/// What is marked in the listing of a program: a running block or the edit cursor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ListingMark {
-    /// The block in execution, inverse, by its line.
+    /// The block in execution, by its line (from 1). It is drawn inverse.
     Block(u32),
-    /// The edit cursor.
+    /// The edit cursor, at a character of a line.
     Edit {
-        /// Its line.
+        /// Line of the cursor, from 1.
         line: u32,
-        /// Its character in the line, from 0.
+        /// Character in the line at which the cursor is, from 0.
         column: u32,
-        /// Whether alter mode is on. The cursor is then inverse, otherwise a bar.
+        /// Whether alter mode is on. The cursor is then an inverse character, otherwise a bar.
         alter: bool,
-        /// Whether the block has not ended yet, so that it has no sign.
+        /// Whether the block at the cursor has not ended yet. It is then shown without its end
+        /// sign.
         open: bool,
     },
 }
@@ -48,7 +50,8 @@ impl ListingMark {
     }
 }
 
-/// A block as the control writes it: without trailing blanks, with the end-of-block sign.
+/// Returns a block as the control writes it: without trailing blanks, with the end-of-block
+/// sign.
 fn shown(line: &str, end_of_block: char) -> String {
     let text = line.trim_end();
     if text == "%" {
@@ -61,7 +64,7 @@ fn shown(line: &str, end_of_block: char) -> String {
     block
 }
 
-/// The end-of-block sign: 012.1 EBCL.
+/// Returns the character that ends blocks: `;` or `*` by parameter 012.1 EBCL.
 fn end_of_block(cnc: &Cnc) -> char {
     if cnc.parameters().semicolon_ends_blocks() {
         ';'
@@ -70,7 +73,8 @@ fn end_of_block(cnc: &Cnc) -> char {
     }
 }
 
-/// A line of the listing, or `None` outside it.
+/// Returns the text of a line (from 1) in the listing; `None` outside the program. The last
+/// line is `%`.
 fn listed(program: &Program, line: u32, end_of_block: char) -> Option<String> {
     let last = program.last_listed();
     if line < last {
@@ -79,7 +83,7 @@ fn listed(program: &Program, line: u32, end_of_block: char) -> Option<String> {
     (line == last).then(|| "%".to_owned())
 }
 
-/// Byte ranges of the rows that a text takes.
+/// Returns the byte ranges of the screen rows that a text takes, at most `most`.
 fn wrap(text: &str, most: usize) -> Vec<Range<usize>> {
     let mut rows = Vec::new();
     let (mut start, mut column) = (0, 0);
@@ -98,8 +102,8 @@ fn wrap(text: &str, most: usize) -> Vec<Range<usize>> {
     rows
 }
 
-/// Returns the listing of the program page with a position of the program. Pages are a fixed
-/// twelve lines, shifted only as far as wrapped lines require.
+/// Returns the listing of the program page that contains a position (line from 1, column from
+/// 0). Pages are a fixed twelve lines, shifted only as far as wrapped lines require.
 pub(crate) fn page_of(program: &Program, line: u32, column: u32) -> Listing {
     let top = program.first_listed();
     let line = line.max(top);
@@ -120,7 +124,7 @@ pub(crate) fn page_of(program: &Program, line: u32, column: u32) -> Listing {
     }
 }
 
-/// The row of a text with a character.
+/// Returns the screen row, from 0, of a text's character at `column` (from 0).
 fn row_of(text: &str, column: u32) -> usize {
     let at = byte_of(text, column);
     wrap(text, usize::MAX)
@@ -129,7 +133,8 @@ fn row_of(text: &str, column: u32) -> usize {
         .unwrap_or(0)
 }
 
-/// The byte of a character, or of the last one if the text is shorter.
+/// Returns the byte offset of the character at `column` (from 0); that of the last character
+/// if the text is shorter.
 fn byte_of(text: &str, column: u32) -> usize {
     let mut last = 0;
     for (index, (at, _)) in text.char_indices().enumerate() {
@@ -141,7 +146,7 @@ fn byte_of(text: &str, column: u32) -> usize {
     last
 }
 
-/// Draws a listing.
+/// Draws the listing of a program with its mark.
 pub fn draw(
     screen: &mut Screen,
     program: &Program,

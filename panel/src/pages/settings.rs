@@ -8,7 +8,7 @@ use super::table::PageId;
 use super::view::PageView;
 use crate::screen::Screen;
 
-/// Draws the settings (设置): codes.
+/// Draws the first setting page (设置): the code settings TV, ISO, INCH and SEQ.
 pub fn codes(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let settings = cnc.settings();
     let rows = [
@@ -28,7 +28,7 @@ pub fn codes(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     }
 }
 
-/// Draws the settings (设置): parameter switch and program switch.
+/// Draws the second setting page (设置): parameter switch and program switch.
 pub fn switches(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let cursor = view.cursors.get(PageId::SetSwitch).item.min(1);
     let rows = [
@@ -45,7 +45,7 @@ pub fn switches(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     }
 }
 
-/// Draws the electronic disk (电子盘设置).
+/// Draws the page of the electronic disk (电子盘设置): keys that read and save, last result.
 pub fn disk(screen: &mut Screen, view: &PageView) {
     for disk in 0..5 {
         screen.put_message(2 + disk, 0, &say::lcd_disk_read(disk, disk));

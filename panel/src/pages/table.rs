@@ -4,96 +4,96 @@
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-/// A page of the LCD.
+/// Identifies a page of the LCD.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
 pub enum PageId {
-    /// Relative coordinates.
+    /// Position page with the relative coordinates.
     #[default]
     PosRel,
-    /// Absolute coordinates.
+    /// Position page with the absolute coordinates.
     PosAbs,
-    /// All coordinates (综合).
+    /// Position page with all coordinates (综合).
     PosAll,
-    /// Coordinates and program.
+    /// Position page with coordinates and program text.
     PosPrg,
-    /// Program text and editor.
+    /// Program text, and its editor in EDIT.
     Prg,
-    /// MDI: words and modal values.
+    /// MDI page: words of the block and modal values.
     Mdi,
-    /// Program directory.
+    /// Directory of the stored programs.
     Dir,
-    /// Tool offsets.
+    /// Table of the tool offsets.
     Oft,
-    /// Macro variables.
+    /// Values of the macro variables.
     Macro,
-    /// Messages of the PLC (外部信息).
+    /// Active messages of the PLC ladder (外部信息).
     Msg,
-    /// Alarms of the control (报警信息).
+    /// Active alarms of the control (报警信息).
     Alm,
-    /// Settings: codes.
+    /// Setting page with TV check, ISO code, inch and automatic numbering.
     SetCode,
-    /// Settings: parameter and program switch.
+    /// Setting page with the parameter switch and the program switch.
     SetSwitch,
-    /// Electronic disk.
+    /// Page that saves data to the electronic disk and reads it.
     Edisk,
-    /// Password.
+    /// Page that enters and changes the password of the operation level.
     Password,
-    /// Parameters of the graphic page.
+    /// Settings of the graphic page: plane, scale, centre, extents.
     GraphPar,
-    /// The graphic page.
+    /// Picture of the tool path.
     Graph,
-    /// State parameters.
+    /// State parameters: eight bits a number.
     ParBit,
-    /// Data parameters.
+    /// Data parameters: one decimal value a number.
     ParData,
     /// Pitch error compensation table.
     Pitch,
-    /// Diagnosis.
+    /// Diagnosis page: contacts, drives, current tool.
     Dgn,
-    /// PLC signals.
+    /// PLC signals, as bits.
     PlcBits,
-    /// PLC values.
+    /// PLC values: timers, counters and data.
     PlcValues,
-    /// Soft machine panel.
+    /// Switches of the soft machine panel, operated by number keys.
     Softpanel,
-    /// Version information.
+    /// Versions of control and ladder.
     Version,
 }
 
-/// The key that opens a group of pages.
+/// A page key of the panel. Each opens a group of pages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum PageKey {
-    /// 位置 POS.
+    /// 位置 POS: opens the position pages.
     Pos,
-    /// 程序 PRG.
+    /// 程序 PRG: opens the program pages.
     Prg,
-    /// 刀补 OFT.
+    /// 刀补 OFT: opens the pages of offsets and macro variables.
     Oft,
-    /// 报警 ALM.
+    /// 报警 ALM: opens the message and alarm pages.
     Alm,
-    /// 设置 SET.
+    /// 设置 SET: opens the setting and graphic pages.
     Set,
-    /// 参数 PAR.
+    /// 参数 PAR: opens the parameter pages.
     Par,
-    /// 诊断 DGN.
+    /// 诊断 DGN: opens the diagnosis and PLC pages.
     Dgn,
 }
 
-/// A row of the page table.
+/// A row of the page table: how a page is reached and named.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PageRow {
-    /// The page.
+    /// The page that this row describes.
     pub page: PageId,
-    /// Its name on the command line.
+    /// The page's name on the command line.
     pub name: &'static str,
-    /// The key of its group.
+    /// The page key that opens the page's group.
     pub key: PageKey,
-    /// Its display of that key. Pressing the key again selects the next display. The page keys
-    /// stay inside one.
+    /// The display that the page belongs to, from 0. Pressing the page key again selects the
+    /// next display. The page-up and page-down keys stay inside one.
     pub display: u8,
-    /// Number of screens of the page. The page keys step through them first.
+    /// Number of screens of the page. The page-up and page-down keys step through them first.
     pub screens: u16,
 }
 
@@ -107,10 +107,10 @@ const fn row(page: PageId, name: &'static str, key: PageKey, display: u8, screen
     }
 }
 
-/// Number of pages.
+/// Number of pages of the LCD.
 pub(crate) const PAGE_COUNT: usize = 25;
 
-/// All pages, in the order of the page keys.
+/// The table of pages, in the order of [`PageId`] and of the page-up and page-down keys.
 pub const PAGES: [PageRow; PAGE_COUNT] = {
     use PageId as P;
     use PageKey as K;
@@ -144,17 +144,17 @@ pub const PAGES: [PageRow; PAGE_COUNT] = {
 };
 
 impl PageId {
-    /// Returns the page's row in the table.
+    /// Returns the row of the page table that describes this page.
     pub fn row(self) -> &'static PageRow {
         &PAGES[self as usize]
     }
 
-    /// Returns the name on the command line.
+    /// Returns the page's name on the command line, for example `pos-rel`.
     pub fn name(self) -> &'static str {
         self.row().name
     }
 
-    /// Returns the title.
+    /// Returns the title that the LCD shows in its first row.
     pub fn title(self) -> Message {
         match self {
             Self::PosRel => say::lcd_position_relative(),
@@ -180,7 +180,7 @@ impl PageId {
         }
     }
 
-    /// Returns the page with a name.
+    /// Returns the page with this name on the command line; `None` if no page has it.
     pub fn from_name(name: &str) -> Option<Self> {
         PAGES
             .iter()
@@ -188,7 +188,8 @@ impl PageId {
             .map(|row| row.page)
     }
 
-    /// Returns the next or previous page of the same display, wrapping at both ends.
+    /// Returns the next (`forward`) or previous page of the same display, wrapping at both
+    /// ends.
     pub(crate) fn neighbour(self, forward: bool) -> Self {
         let own = self.row();
         let group: Vec<Self> = PAGES
@@ -201,7 +202,8 @@ impl PageId {
         group[(at + step) % group.len()]
     }
 
-    /// Returns the first page of a display of a key. Display numbers wrap.
+    /// Returns the first page of a display (from 0) that a page key opens. A display number
+    /// beyond the last one continues with the first.
     pub fn first_of(key: PageKey, display: u8) -> Self {
         let displays = PAGES
             .iter()

@@ -2,29 +2,30 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The points taught since power-on.
+/// A program that the operator teaches by moving the axes to its points.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TaughtProgram {
-    /// The number of the program.
+    /// The number under which the program is stored.
     pub program: u16,
-    /// Whether the next point is reached by G00.
+    /// Whether the next taught point is reached by rapid traverse (G00) instead of a cut
+    /// (G01).
     pub rapid: bool,
-    /// The F of cuts as typed.
+    /// The feed of the next cuts (F word), as typed; empty until entered.
     pub feed: String,
-    /// The points, in order.
+    /// The taught points, in the order of execution.
     pub points: Vec<TaughtPoint>,
-    /// 命令: whether the first points are shown instead of the last.
+    /// Whether the page shows the first points instead of the last (命令).
     pub from_first: bool,
 }
 
-/// A taught point.
+/// A point to which the operator has moved the tool.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TaughtPoint {
-    /// The F of a G01 to the point. `None` for G00.
+    /// The F word of the G01 to the point, empty without one; `None` for G00.
     pub feed: Option<String>,
-    /// X as programmed.
+    /// The X word as it is written in the program.
     pub x: String,
-    /// Z as programmed.
+    /// The Z word as it is written in the program.
     pub z: String,
 }
 
@@ -41,7 +42,8 @@ impl Default for TaughtProgram {
 }
 
 impl TaughtProgram {
-    /// Returns the blocks of the program: number, G0 or G1 and end point. The last block is M2.
+    /// Returns the blocks of the program: sequence number, G0 or G1 and end point. The last
+    /// block is M2.
     pub fn blocks(&self) -> Vec<String> {
         let points = (1..).zip(&self.points).map(|(number, point)| {
             let TaughtPoint { feed, x, z } = point;
@@ -55,7 +57,7 @@ impl TaughtProgram {
         points.chain([end]).collect()
     }
 
-    /// Returns the text of the program.
+    /// Returns the text of the program: its O number and the blocks.
     pub fn text(&self) -> String {
         let mut text = format!("O{:04};\n", self.program);
         for block in self.blocks() {

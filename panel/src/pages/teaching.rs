@@ -12,14 +12,15 @@ use super::taught::TaughtProgram;
 use super::view::PageView;
 use crate::screen::Screen;
 
-/// Rows of taught blocks.
+/// First screen row and number of rows that show taught blocks.
 const FIRST_ROW: usize = 2;
 const ROWS: usize = 8;
-/// Rows of the position and of the words for the next point.
+/// Screen rows of the position, and of the words for the next point.
 const POSITION_ROW: usize = 11;
 const NEXT_ROW: usize = 12;
 
-/// Returns whether the graphic page teaches: the model supports it and the mode is manual.
+/// Returns whether the graphic page stores taught points now: the model supports it, and the
+/// mode is jog, step or handwheel.
 pub fn teaches(cnc: &Cnc) -> bool {
     let by_hand = matches!(
         cnc.mode(),
@@ -28,7 +29,7 @@ pub fn teaches(cnc: &Cnc) -> bool {
     by_hand && cnc.model().record().teaches
 }
 
-/// Draws the page.
+/// Draws the teaching page: taught blocks, position, and the words for the next point.
 pub fn draw(screen: &mut Screen, view: &PageView, cnc: &Cnc) {
     let teaching = &view.teaching;
     screen.put_message(1, 14, &say::lcd_teaching());

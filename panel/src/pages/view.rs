@@ -10,45 +10,47 @@ use super::table::{PAGE_COUNT, PageId};
 use super::taught::TaughtProgram;
 use crate::trace::PathTrace;
 
-/// Half a period of flashing, ticks.
+/// Duration for which flashing texts are visible, and then invisible, ticks (ms).
 pub const FLASH_TICKS: u64 = 500;
 
-/// Steps of the LCD's brightness.
+/// Number of brightness steps of the LCD.
 pub const BRIGHTNESS_STEPS: u8 = 16;
 
-/// Brightness of a new panel.
+/// Brightness of a new panel, as a step from 0 (darkest) to 15.
 pub(crate) const DEFAULT_BRIGHTNESS: u8 = 8;
 
-/// The state of the panel that pages show.
+/// The state of the panel that the pages draw, beside that of the control.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PageView {
-    /// Ticks since power-on, the phase of flashing.
+    /// Ticks (ms) since power-on; they time flashing.
     pub ticks: u64,
-    /// Brightness, 0 (darkest) to 15.
+    /// Brightness of the LCD, 0 (darkest) to 15.
     pub brightness: u8,
-    /// Characters typed but not committed.
+    /// Characters in the input line that have not been entered yet.
     pub input: String,
-    /// The axis whose letter flashes on the relative page after U or W.
+    /// The axis whose letter flashes on the relative page after key U or W; `None` if none
+    /// does.
     pub flashing: Option<Axis>,
     /// Whether the position pages show the spindle override instead of the rapid override (转换).
     pub spindle_override: bool,
-    /// Cursors of the list pages.
+    /// The cursor of each page.
     pub cursors: PageCursors,
-    /// The program editor.
+    /// The program editor: text, cursor and mode.
     pub editor: EditorState,
-    /// The screen of 36 programs that the directory shows, from 0.
+    /// Which screen of 36 programs the directory shows, from 0.
     pub directory_screen: usize,
-    /// The input of the password page.
+    /// The digits typed on the password page, and its response.
     pub password: PasswordEntry,
-    /// Whether the last operation on an electronic disk succeeded.
+    /// Whether the last operation on the electronic disk was permitted; `None` if there was
+    /// none since the page was opened.
     pub disk_done: Option<bool>,
-    /// Settings of the graphic page.
+    /// Settings of the graphic page: plane, scale, centre, extents.
     pub graphic: GraphicSettings,
-    /// The path drawn on the graphic page.
+    /// The tool path that the graphic page draws.
     pub trace: PathTrace,
-    /// State of serial communication in the status row.
+    /// State of serial communication that the status row shows.
     pub communication: Communication,
-    /// Points taught by hand.
+    /// The program that is taught by moving the axes.
     #[serde(default)]
     pub teaching: TaughtProgram,
 }
@@ -75,29 +77,29 @@ impl Default for PageView {
 }
 
 impl PageView {
-    /// Returns whether flashing texts are visible now.
+    /// Returns whether flashing texts are visible at this tick.
     pub(crate) const fn flash_on(&self) -> bool {
         (self.ticks / FLASH_TICKS).is_multiple_of(2)
     }
 }
 
-/// The cursor of a list page.
+/// The cursor of a page with items.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PageCursor {
-    /// The selected item, from 0. Its screen is shown.
+    /// The selected item, from 0. The page shows the screen that contains it.
     pub item: usize,
-    /// The selected bit, on pages with bits.
+    /// The selected bit of the item, 0 to 7, on pages with bits.
     pub bit: u8,
-    /// Whether `转换` selected the entry of single bits.
+    /// Whether `转换` has switched the page to entering single bits.
     pub bit_entry: bool,
 }
 
-/// A cursor for each page.
+/// The cursor of each page, in the order of [`PageId`].
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PageCursors([PageCursor; PAGE_COUNT]);
 
 impl Default for PageCursors {
-    /// Every cursor is on the first item, but on the second of the password page.
+    /// Returns cursors on the first item, but on the second item of the password page.
     fn default() -> Self {
         let mut cursors = Self([PageCursor::default(); PAGE_COUNT]);
         cursors.get_mut(PageId::Password).item = 1;
@@ -106,40 +108,41 @@ impl Default for PageCursors {
 }
 
 impl PageCursors {
-    /// Returns the cursor of a page.
+    /// Returns a copy of a page's cursor.
     pub const fn get(&self, page: PageId) -> PageCursor {
         self.0[page as usize]
     }
 
-    /// Returns the cursor of a page for moving.
+    /// Returns a page's cursor, to move it.
     pub const fn get_mut(&mut self, page: PageId) -> &mut PageCursor {
         &mut self.0[page as usize]
     }
 }
 
-/// The state of the program editor.
+/// What the program editor edits and how.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EditorState {
-    /// Text and cursor. `None` shows the stored program at the control's cursor.
+    /// The text in the editor with its cursor. `None` shows the stored program at the
+    /// control's cursor.
     pub editing: Option<ProgramEditor>,
-    /// Whether alter mode (inverse cursor) is on instead of insert mode (bar).
+    /// Whether alter mode is on (inverse cursor) instead of insert mode (bar).
     pub alter: bool,
-    /// Whether `转换` has started a search, which changes the prompt.
+    /// Whether `转换` has started a search, which changes the prompt of the input line.
     pub searching: bool,
 }
 
 /// The state of the serial port in the status row (manual III-9.8).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Communication {
-    /// Nothing is shown.
+    /// No transfer and no error; the status row shows nothing.
     #[default]
     Idle,
-    /// Receiving.
+    /// The control is receiving a file.
     Receiving,
-    /// Sending. The text flashes.
+    /// The control is sending a file. The text flashes.
     Sending,
-    /// The connection failed.
+    /// No partner answers, or the baud rate is too low.
     NotConnected,
-    /// The connection was lost during a transfer.
+    /// The file could not be received, or the connection was lost during a transfer.
     Failed,
 }

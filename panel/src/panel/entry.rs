@@ -8,7 +8,7 @@ use super::{INPUT_LENGTH, Panel};
 use crate::keys::Key;
 use crate::pages::PageId;
 
-/// Characters of a search. The last one is overwritten.
+/// Greatest number of characters of a search. Further ones overwrite the last.
 const SEARCH_LENGTH: usize = 5;
 
 /// Returns whether a character can be typed: ASCII without the quotation mark, which no program
@@ -17,13 +17,13 @@ pub(crate) fn is_typable(character: char) -> bool {
     character == ' ' || character.is_ascii_graphic() && character != '"'
 }
 
-/// Whether a mode selects and searches programs on the program page.
+/// Whether a mode selects and searches programs on the program page: EDIT, teach-in and AUTO.
 const fn lists_programs(mode: OperatingMode) -> bool {
     mode.edits() || matches!(mode, OperatingMode::Auto)
 }
 
 impl Panel {
-    /// Handles a character from the PC keyboard.
+    /// Handles a character typed on the PC keyboard, as if it had its own key.
     pub(super) fn type_character(
         &mut self,
         character: char,
@@ -41,8 +41,8 @@ impl Panel {
         }
     }
 
-    /// Handles a character key. A compound key pressed again immediately replaces its character
-    /// by the other one.
+    /// Handles a character key. `first` and `second` are its characters. A compound key that
+    /// was also the key before (`before`) replaces its character by the other one.
     pub(super) fn character_key(
         &mut self,
         key: Key,
@@ -106,7 +106,7 @@ impl Panel {
         }
     }
 
-    /// Handles a character while 取消 is held.
+    /// Handles a character key pressed while 取消 is held: clears a coordinate or a counter.
     fn cancel_chord(&self, character: char, requests: &mut Vec<ControlRequest>) {
         let relative = matches!(self.page, PageId::PosRel | PageId::PosAll);
         let counters = matches!(self.page, PageId::PosRel | PageId::PosAbs);
@@ -125,7 +125,7 @@ impl Panel {
         }
     }
 
-    /// W and D move the bit cursor. The key D/U enters U first.
+    /// Moves the bit cursor for W and D (the key D/U enters U first). Returns whether it did.
     fn bit_command(&mut self, character: char) -> bool {
         let bits = matches!(self.page, PageId::ParBit | PageId::Dgn | PageId::PlcBits);
         if !bits || !self.view.input.is_empty() {
@@ -139,7 +139,7 @@ impl Panel {
         true
     }
 
-    /// Returns whether the page has an input line.
+    /// Returns whether the page has an input line in the current mode.
     pub(super) fn takes_input(&self, cnc: &Cnc) -> bool {
         match self.page {
             PageId::Prg => lists_programs(cnc.mode()),
@@ -166,7 +166,7 @@ impl Panel {
         }
     }
 
-    /// 输入: reads and clears the input line.
+    /// Handles 输入: enters the input line as a value, a search or a password, and clears it.
     pub(super) fn commit_input(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         match self.page {
             PageId::Password => return self.password_input(cnc, requests),
@@ -180,7 +180,7 @@ impl Panel {
         self.clear_input();
     }
 
-    /// Handles 转换.
+    /// Handles 转换: changes what the page shows, or starts a search.
     pub(super) fn change_key(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         match self.page {
             PageId::Prg if self.edits(cnc) && self.view.input.starts_with('O') => {
@@ -203,7 +203,7 @@ impl Panel {
         }
     }
 
-    /// Handles the cursor keys.
+    /// Handles a cursor key: moves in the program text or the list of the page.
     pub(super) fn cursor_key(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         if self.page == PageId::Prg && lists_programs(cnc.mode()) {
             self.program_cursor(key, cnc, requests);

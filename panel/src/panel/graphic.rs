@@ -7,13 +7,14 @@ use super::Panel;
 use crate::pages::PageId;
 use crate::trace::{PathSegment, PendingMotion};
 
-/// Greatest value of a row, thousandths of a millimetre.
+/// Greatest value that a setting of the graphic accepts, thousandths of a millimetre.
 const LARGEST: i64 = 9_999_999;
-/// A number without a point is in millimetres up to this value, in thousandths above.
+/// Greatest number without a point that is read as millimetres. Above it is read as
+/// thousandths.
 const LARGEST_MM: i64 = 9999;
 
 impl Panel {
-    /// S draws, T stops, R clears.
+    /// Handles a key of the graphic page: S starts drawing, T stops it, R clears the path.
     pub(super) fn graphic_command(&mut self, character: char, cnc: &Cnc) {
         match character {
             'S' => {
@@ -66,8 +67,8 @@ impl Panel {
         }
     }
 
-    /// Enters the extents of an opened program, as an operator would, and starts drawing.
-    /// Existing extents are kept. `min` and `max` are points of the program (X as a radius).
+    /// Enters the extents `min` to `max` of an opened program, mm with X as a radius, and
+    /// starts drawing. Keeps extents that are set.
     pub fn fit_graphic(&mut self, min: Point, max: Point, cnc: &Cnc) {
         let settings = &mut self.view.graphic;
         let unset = settings.scale == 0 && settings.max_x == 0 && settings.max_z == 0;
@@ -89,8 +90,8 @@ impl Panel {
         self.graphic_command('S', cnc);
     }
 
-    /// Stores the input line in the row at the cursor. Ignores invalid values. New extents
-    /// recompute scale and centre.
+    /// Stores the input line as the graphic setting at the cursor. Ignores invalid values. New
+    /// extents recompute scale and centre.
     pub(super) fn set_graphic(&mut self, cnc: &Cnc) {
         let input = self.view.input.trim();
         let settings = &mut self.view.graphic;
@@ -130,8 +131,8 @@ impl Panel {
     }
 }
 
-/// Parses a length in thousandths: in millimetres with a point or up to 9999, otherwise in
-/// thousandths.
+/// Parses a length and returns it in thousandths of a millimetre; `None` if invalid. With a
+/// point, or up to 9999, the text is in millimetres, otherwise in thousandths.
 fn thousandths(text: &str) -> Option<i32> {
     let (sign, digits) = match text.strip_prefix('-') {
         Some(rest) => (-1, rest),

@@ -6,12 +6,12 @@ use super::{Panel, page_group};
 use crate::keys::Key;
 use crate::pages::{self, PageId, PageKey};
 
-/// Count of tool offsets and of diagnosis bytes.
+/// Number of tool offsets and of diagnosis bytes in their lists.
 const OFFSETS: usize = 33;
 const DIAGNOSES: usize = 128;
 
 impl Panel {
-    /// Selects a page and clears the input line of the old one.
+    /// Selects a page, and clears the input line of the page before.
     pub(super) fn go_to(&mut self, page: PageId) {
         if page == self.page {
             return;
@@ -34,8 +34,8 @@ impl Panel {
         self.last_shown[slot] = page;
     }
 
-    /// POS, PRG, OFT and ALM open their last page. SET, PAR and DGN open their first display,
-    /// and step through the displays when pressed again.
+    /// Handles a page key. POS, PRG, OFT and ALM open the last page of their group. SET, PAR
+    /// and DGN open their first display, and step through the displays when pressed again.
     pub(super) fn page_key(&mut self, key: Key, cnc: &Cnc) {
         let Some(group) = page_group(key) else {
             return;
@@ -57,7 +57,8 @@ impl Panel {
         self.go_to(page);
     }
 
-    /// The page keys step through the screens of a page, then to the next page.
+    /// Handles page up and page down: steps through the screens of a page, then to the next
+    /// page.
     pub(super) fn turn_page(
         &mut self,
         forward: bool,
@@ -83,7 +84,8 @@ impl Panel {
         self.enter(forward, cnc);
     }
 
-    /// A page entered from its end shows its last screen.
+    /// Shows the first screen of a page entered forward, and the last screen of one entered
+    /// backward.
     fn enter(&mut self, forward: bool, cnc: &Cnc) {
         let page = self.page;
         if page == PageId::Dir {
@@ -100,7 +102,7 @@ impl Panel {
         }
     }
 
-    /// Steps through the directory. Returns false at its end.
+    /// Shows the next or previous screen of the directory. Returns `false` at its end.
     fn turn_directory(&mut self, forward: bool, cnc: &Cnc) -> bool {
         let shown = self.view.directory_screen;
         let last = pages::directory_screens(cnc) - 1;
@@ -116,13 +118,14 @@ impl Panel {
         true
     }
 
-    /// Shows the next screen of the directory, cyclic.
+    /// Shows the next screen of the directory; after the last the first.
     pub(super) fn next_directory_screen(&mut self, cnc: &Cnc) {
         let screens = pages::directory_screens(cnc);
         self.view.directory_screen = (self.view.directory_screen + 1) % screens;
     }
 
-    /// Moves the cursor of a list page, cyclic.
+    /// Moves the cursor of a list page to the next (`forward`) or previous item, wrapping at
+    /// both ends.
     pub(super) fn move_item(&mut self, forward: bool, cnc: &Cnc) {
         let items = item_count(self.page, cnc);
         if items == 0 {
@@ -134,14 +137,15 @@ impl Panel {
         cursor.item = (item + step) % items;
     }
 
-    /// Moves the bit cursor, cyclic.
+    /// Moves the bit cursor to the next higher or lower bit, wrapping at both ends.
     pub(super) fn move_bit(&mut self, next: bool) {
         let cursor = self.view.cursors.get_mut(self.page);
         cursor.bit = (cursor.bit + if next { 1 } else { 7 }) % 8;
     }
 }
 
-/// Returns the number of items on a page.
+/// Returns the number of items that the cursor of a page can select; 0 on a page without
+/// items.
 pub(super) fn item_count(page: PageId, cnc: &Cnc) -> usize {
     match page {
         PageId::Oft => OFFSETS,
@@ -159,7 +163,7 @@ pub(super) fn item_count(page: PageId, cnc: &Cnc) -> usize {
     }
 }
 
-/// A list page of several screens.
+/// A page whose list takes several screens.
 #[derive(Clone, Copy, Debug)]
 struct ListScreen {
     page: PageId,
@@ -178,7 +182,8 @@ fn list_screen(page: PageId, cnc: &Cnc) -> Option<ListScreen> {
 }
 
 impl ListScreen {
-    /// The first item of the screen that shows an item. Each PLC area starts a new screen.
+    /// Returns the first item of the screen that shows `item`. Each PLC area starts a new
+    /// screen.
     fn start(self, item: usize) -> usize {
         let within = match self.page {
             PageId::PlcBits => usize::from(pages::bit_item(item).byte),
@@ -188,8 +193,8 @@ impl ListScreen {
         item - within % self.size
     }
 
-    /// The first item of the next or previous screen. `None` beyond the end of a page that has
-    /// a neighbour.
+    /// Returns the first item of the next or previous screen. Beyond an end it wraps, or
+    /// returns `None` if the page has a neighbour.
     fn turn(self, item: usize, forward: bool) -> Option<usize> {
         let items = self.items;
         let start = self.start(item.min(items - 1));

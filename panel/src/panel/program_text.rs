@@ -14,13 +14,14 @@ use crate::pages::{PAGE_ROWS, PageId};
 const ALL_PROGRAMS: [&str; 2] = ["999", "9999"];
 
 impl Panel {
-    /// Returns whether keys change a program text: on the program page in EDIT and in teach-in.
+    /// Returns whether keys change a program text: they do on the program page in EDIT and
+    /// teach-in.
     pub(super) fn edits(&self, cnc: &Cnc) -> bool {
         self.page == PageId::Prg && cnc.mode().edits()
     }
 
-    /// Returns whether a character goes into the editor's input line instead of the text: in a
-    /// search, or for a program number.
+    /// Returns whether a typed character goes into the editor's input line instead of the
+    /// text: in a search, or for a program number.
     pub(super) fn goes_to_input_line(&self, character: char, cnc: &Cnc) -> bool {
         let editor = &self.view.editor;
         let editing = editor.editing.as_ref();
@@ -32,8 +33,8 @@ impl Panel {
         editor.searching || !self.view.input.is_empty() || names_program
     }
 
-    /// Types a character into the text. `key`: a compound key, whose other character may
-    /// replace it.
+    /// Types a character into the program text. `key`: the compound key that was pressed,
+    /// whose other character may replace this one; `None` for other keys.
     pub(super) fn type_into_text(
         &mut self,
         character: char,
@@ -57,8 +58,8 @@ impl Panel {
         }
     }
 
-    /// Replaces the character just typed by the other one of the compound key. Returns whether
-    /// it did.
+    /// Replaces the character just typed by the other one (`first` and `second`) of the
+    /// compound key. Returns `false` if the text changed otherwise in the meantime.
     pub(super) fn alternate_in_text(
         &mut self,
         key: Key,
@@ -129,7 +130,8 @@ impl Panel {
         }
     }
 
-    /// Handles `O`, a number and a key, which create, save, rename or delete the program.
+    /// Handles the input line `O` with a number and a key: creates, saves, renames or deletes
+    /// the program.
     fn program_command(&mut self, key: Key, digits: &str, requests: &mut Vec<ControlRequest>) {
         let all = is_all_programs(digits);
         let number = number(digits);
@@ -152,7 +154,8 @@ impl Panel {
         self.clear_input();
     }
 
-    /// Search state, `N`, a number, 删除: deletes from the cursor to the end of that block.
+    /// Handles 删除 with `N` and a number in search state: deletes from the cursor to the end of
+    /// the block with that number.
     fn delete_range(&mut self, input: &str, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         let Some(sequence) = input.strip_prefix('N').and_then(number) else {
             return;
@@ -167,8 +170,8 @@ impl Panel {
         }
     }
 
-    /// Handles a cursor key on the program page in EDIT or AUTO. With `O` typed it selects a
-    /// program, in search state it searches, in EDIT it moves the cursor.
+    /// Handles a cursor key on the program page. With `O` typed it selects a program, in
+    /// search state it searches, in EDIT it moves the cursor.
     pub(super) fn program_cursor(
         &mut self,
         key: Key,
@@ -216,7 +219,7 @@ impl Panel {
         }
     }
 
-    /// Handles 转换, up to five characters and a cursor key.
+    /// Searches up to five typed characters after 转换, in the direction of the cursor key.
     fn search_text(
         &mut self,
         wanted: &str,
@@ -243,7 +246,7 @@ impl Panel {
         }
     }
 
-    /// Moves one screen forward or back in EDIT.
+    /// Moves the edit cursor one screen forward or back.
     pub(super) fn turn_text_page(
         &mut self,
         forward: bool,
@@ -256,14 +259,15 @@ impl Panel {
         }
     }
 
-    /// The next run starts at the cursor.
+    /// Requests the control's cursor to follow the edit cursor. The next run starts there.
     fn cursor_moved(&mut self, requests: &mut Vec<ControlRequest>) {
         if let Some(editing) = &self.view.editor.editing {
             requests.push(ControlRequest::CursorTo(editing.cursor().0));
         }
     }
 
-    /// The editor of the selected program, opened at the control's cursor.
+    /// Returns the editor of the selected program, opened at the control's cursor if it is not
+    /// open; `None` if there is no program or it is hidden.
     fn editing(&mut self, cnc: &Cnc) -> Option<&mut ProgramEditor> {
         let hidden = stored_number(cnc).is_some_and(|number| cnc.rights().is_hidden(number));
         let program = current(cnc).filter(|_| !hidden)?;
@@ -272,7 +276,8 @@ impl Panel {
         Some(self.view.editor.editing.get_or_insert_with(begun))
     }
 
-    /// Whether the selected program may be edited. The control reports the reason if not.
+    /// Returns whether the selected program may be edited. If not, the control reports the
+    /// reason.
     fn has_edit_right(&self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) -> bool {
         // A program outside the memory is read-only.
         let Some(number) = stored_number(cnc) else {
@@ -287,8 +292,8 @@ impl Panel {
         }
     }
 
-    /// Changes the text, if that is allowed and the memory has enough space. Returns whether it
-    /// did.
+    /// Changes the program text with `change`, if that is allowed and the memory has enough
+    /// space. Returns whether the text changed.
     pub(super) fn edit(
         &mut self,
         cnc: &Cnc,
@@ -321,8 +326,8 @@ impl Panel {
         true
     }
 
-    /// Returns the edited program as it would be stored now. The battery of the control's
-    /// memory keeps every key press.
+    /// Returns number and text of the program in the editor, as it would be stored now; `None`
+    /// without changes. The battery of the control's memory keeps every key press.
     pub fn edited(&self) -> Option<(u16, Program)> {
         let number = self.edited?;
         let editing = self.view.editor.editing.as_ref()?;
@@ -331,7 +336,8 @@ impl Panel {
             .then(|| (number, editing.clone().finish().clone()))
     }
 
-    /// Stores the text if it has changed: before another program, page or mode.
+    /// Requests storing the program text if it has changed. Call it before another program,
+    /// page or mode.
     pub(super) fn store_edited(&mut self, requests: &mut Vec<ControlRequest>) {
         let (Some(editing), Some(number)) = (&mut self.view.editor.editing, self.edited.take())
         else {
@@ -349,8 +355,8 @@ impl Panel {
         editing.mark_saved(program);
     }
 
-    /// Stores the text when its page or mode is left. Moves the editor when the control shows
-    /// another program or line.
+    /// Stores the program text when its page or mode is left. Moves the editor when the
+    /// control shows another program or line.
     pub(super) fn follow_program(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         if self.view.editor.editing.is_none() && self.created.is_none() {
             return;
@@ -385,12 +391,12 @@ impl Panel {
     }
 }
 
-/// The selected program.
+/// Returns the selected program; `None` if none is selected.
 fn current(cnc: &Cnc) -> Option<&Program> {
     cnc.programs().get(cnc.programs().selected()?)
 }
 
-/// The number of the selected program, if it is in the memory.
+/// Returns the number of the selected program; `None` if it is not in the memory.
 fn stored_number(cnc: &Cnc) -> Option<u16> {
     match cnc.programs().selected()? {
         ProgramId::Stored(number) => Some(number),
@@ -402,7 +408,8 @@ fn is_running(cnc: &Cnc) -> bool {
     cnc.rights().operating
 }
 
-/// 自动序号 and decimal points, by the settings of the control.
+/// Returns what the editor adds to typed text (sequence numbers, decimal points), by the
+/// settings of the control.
 fn completion(cnc: &Cnc) -> Completion {
     let step = cnc.parameters().block_number_step();
     Completion {
@@ -411,7 +418,8 @@ fn completion(cnc: &Cnc) -> Completion {
     }
 }
 
-/// The stored program after the selected one, or the first after the last.
+/// Returns the number of the stored program after the selected one; after the last the first.
+/// `None` if no program is stored.
 fn next_program(cnc: &Cnc) -> Option<u16> {
     let rights = cnc.rights();
     let listed = cnc.programs().iter().map(|(number, _)| number);
@@ -421,13 +429,13 @@ fn next_program(cnc: &Cnc) -> Option<u16> {
     after.or(numbers.first()).copied()
 }
 
-/// Returns whether the digits after the O are `-999`: every program.
+/// Returns whether the digits typed after `O` are `-999` or `-9999`, which mean every program.
 pub(super) fn is_all_programs(digits: &str) -> bool {
     let digits = digits.strip_prefix('-');
     digits.is_some_and(|digits| ALL_PROGRAMS.contains(&digits))
 }
 
-/// Parses a number of up to four digits.
+/// Parses a program or sequence number; `None` above 9999 or if it is not a number.
 pub(super) fn number(digits: &str) -> Option<u16> {
     let number: u16 = digits.trim().parse().ok()?;
     (number <= 9999).then_some(number)

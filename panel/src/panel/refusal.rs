@@ -10,8 +10,8 @@ use crate::keys::{Key, KeyRole};
 use crate::pages::PageId;
 
 impl Panel {
-    /// Returns why a key would have no effect if it were pressed now. `None` if it acts, if the
-    /// control reports the reason, or if it is neither a page nor a text key.
+    /// Returns why a key would have no effect if it were pressed now. Returns `None` if it
+    /// acts, if the control reports the reason, or if it is neither a page nor a text key.
     pub fn refuses(&self, key: Key, cnc: &Cnc) -> Option<Message> {
         if !self.powered() {
             return (key != Key::EmergencyStop && key != Key::OvertravelRelease)
@@ -39,7 +39,7 @@ impl Panel {
         }
     }
 
-    /// Returns the reason for a character of the PC keyboard.
+    /// Returns why a character of the PC keyboard would have no effect now; `None` if it acts.
     pub(crate) fn refuses_character(&self, character: char, cnc: &Cnc) -> Option<Message> {
         if !self.powered() || self.in_self_test() || self.is_held(Key::Cancel) {
             return None;
@@ -65,7 +65,8 @@ impl Panel {
         }
     }
 
-    /// Reasons for keys of the program text.
+    /// Returns why a key of the program text has no effect; `None` if it acts. `input`:
+    /// whether the key is 输入.
     fn refuses_text(&self, input: bool, cnc: &Cnc) -> Option<Message> {
         match cnc.mode() {
             OperatingMode::Edit if input => None,
@@ -86,7 +87,8 @@ impl Panel {
         }
     }
 
-    /// An invalid value is ignored.
+    /// Returns the message that the typed value is invalid here, if 输入 would ignore it;
+    /// otherwise `None`.
     fn refuses_value(&self, cnc: &Cnc) -> Option<Message> {
         let mut requests = Vec::new();
         let entered = !self.view().input.trim().is_empty();

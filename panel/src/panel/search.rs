@@ -8,7 +8,8 @@ use super::navigation::item_count;
 use crate::pages::{self, PageId};
 
 impl Panel {
-    /// Moves the cursor to the item in the input line, if it exists.
+    /// Moves the cursor of a list page to the item in the input line (`P` and a number), if it
+    /// exists.
     pub(super) fn search_item(&mut self, cnc: &Cnc) {
         let Some(wanted) = self.view.input.strip_prefix('P') else {
             return;
@@ -38,8 +39,9 @@ fn found(page: PageId, wanted: &str, cnc: &Cnc) -> Option<usize> {
     }
 }
 
-/// A PLC address. Letters without a key have substitutes: H is Y, I is A, J is C. U, the first
-/// character of its key, is D.
+/// Returns the item of a PLC address on the page, from 0; `None` if the address is not shown.
+/// Letters without a key have substitutes: H is Y, I is A, J is C. U, the first character of
+/// its key, is D.
 fn plc_item(page: PageId, wanted: &str) -> Option<usize> {
     let letter = wanted.chars().next()?;
     let byte: u16 = wanted.get(1..)?.parse().ok()?;

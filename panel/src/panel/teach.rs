@@ -13,8 +13,8 @@ use crate::pages::{PageId, TaughtPoint, teaches};
 const MM_PER_INCH: f64 = 25.4;
 
 impl Panel {
-    /// 输入 in a teach-in mode: sets the axis word at the cursor to the absolute coordinate,
-    /// unless an axis moves.
+    /// Handles 输入 in a teach-in mode: sets the axis word at the cursor to the absolute
+    /// coordinate, unless an axis moves.
     pub(super) fn teach(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         if self.view.editor.searching || !self.view.input.is_empty() || cnc.is_moving() {
             return;
@@ -28,17 +28,17 @@ impl Panel {
     }
 }
 
-/// Digits of a feed and of a program number.
+/// Greatest number of digits of a feed and of a program number.
 const DIGITS: usize = 5;
 
-/// Points taught by hand (NC-B08, key 示教, on the graphic page).
+/// Teaches points by hand (NC-B08, key 示教, on the graphic page).
 impl Panel {
-    /// Returns whether keys teach.
+    /// Returns whether keys teach points: they do on the graphic page in a manual mode.
     pub(super) fn is_teaching(&self, cnc: &Cnc) -> bool {
         self.page == PageId::Graph && teaches(cnc)
     }
 
-    /// Handles a teaching key. Returns whether it was one.
+    /// Handles a key of the teaching page. Returns `false` if the key does not teach.
     pub(super) fn teaching_key(
         &mut self,
         key: Key,
@@ -75,7 +75,8 @@ impl Panel {
         true
     }
 
-    /// G changes between G00 and G01. F and P begin a word.
+    /// Handles a character of the teaching page: G changes between G00 and G01; F and P begin
+    /// a word.
     pub(super) fn teaching_character(&mut self, character: char) {
         let input = &mut self.view.input;
         match character {
@@ -89,7 +90,8 @@ impl Panel {
         }
     }
 
-    /// F sets the feed of cuts. P selects another program without points.
+    /// Enters the typed word: F sets the feed of cuts, P selects another program without
+    /// points.
     fn take_teaching_word(&mut self) {
         let input = core::mem::take(&mut self.view.input);
         let teaching = &mut self.view.teaching;
@@ -113,7 +115,7 @@ impl Panel {
     }
 }
 
-/// The position of an axis as programmed: diameter or radius, mm or inch.
+/// Returns the position of an axis as a program word: diameter or radius, mm or inch.
 fn programmed(cnc: &Cnc, axis: Axis) -> String {
     let at = cnc.position_absolute().get(axis);
     let radius = axis == Axis::Z || cnc.parameters().is_radius_programming();
@@ -125,7 +127,7 @@ fn programmed(cnc: &Cnc, axis: Axis) -> String {
     }
 }
 
-/// A number with fixed decimals, never "-0.000".
+/// Formats a number with `decimals` decimals, never "-0.000".
 fn signed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {

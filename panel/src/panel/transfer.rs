@@ -16,9 +16,9 @@ use crate::pages::{Communication, PageId};
 pub use files::DataLineError;
 pub use line::{FileId, FileRefusal, file_of, number_of_name, read_data};
 
-/// Least rate of a PC connection, bit/s (manual III-9.3).
+/// Least baud rate at which a PC connection works, bit/s (manual III-9.3).
 const MIN_BAUD: u64 = 4800;
-/// Bits of a character: start bit, eight data bits, stop bit.
+/// Bits of a character on the line: start bit, eight data bits, stop bit.
 const CHARACTER_BITS: u64 = 10;
 /// Ticks in a second.
 const SECOND: u64 = 1000;
@@ -27,30 +27,30 @@ const SECOND: u64 = 1000;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum ReceiveError {
-    /// The port is off (parameter 002.5).
+    /// The serial port is off (parameter 002.5).
     PortOff,
-    /// Another transfer is in progress.
+    /// Another transfer through the port is in progress.
     Busy,
-    /// The rate of the port is too low.
+    /// The baud rate of the port is too low for the partner.
     TooSlow,
-    /// The content of the file is invalid.
+    /// The content of the received file is invalid.
     Unreadable {
-        /// The name of the file.
+        /// The name of the received file.
         name: String,
-        /// The invalid line.
+        /// The invalid line and the reason.
         cause: DataLineError,
     },
-    /// The control refuses the file in its current state.
+    /// The control refuses the file in its current mode, switch setting or level.
     Refused {
-        /// The name of the file.
+        /// The name of the refused file.
         name: String,
-        /// The reason.
+        /// The right, switch or mode that forbids receiving the file.
         why: WriteRefusal,
     },
 }
 
 impl ReceiveError {
-    /// Returns the message to the partner.
+    /// Returns the message to the sender: why the control does not receive a file.
     pub fn message(&self) -> Message {
         match self {
             Self::PortOff => say::transfer_port_off(),
@@ -62,16 +62,16 @@ impl ReceiveError {
     }
 }
 
-/// A file that passes through the port.
+/// A text file that is sent or received through the serial port.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SerialFile {
-    /// Its name.
+    /// Name of the file, with its extension.
     pub name: String,
-    /// Its content.
+    /// Content of the file.
     pub text: String,
 }
 
-/// What 输出 sends.
+/// The programs or data that 输出 sends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Wanted {
     Program(u16),
@@ -81,40 +81,41 @@ enum Wanted {
     Parameters,
 }
 
-/// The partner at the other end of the port.
+/// What is connected at the other end of the serial port.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Partner {
-    /// No partner.
+    /// No cable is connected.
     #[default]
     #[serde(rename = "Nobody")]
     Disconnected,
-    /// A simulated partner that accepts everything, without a port of the computer.
+    /// A simulated partner that accepts every file, without a port of the computer.
     #[serde(rename = "Imagined")]
     Simulated,
-    /// A partner at a port of the computer.
+    /// A port of the computer, through which the files pass.
     Line,
 }
 
-/// The state of the serial port.
+/// The state of the serial port and its transfers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Transfer {
     partner: Partner,
-    /// Starts at the next tick, after the editor has stored its text.
+    /// What 输出 has requested; `None` without a request. It starts at the next tick, after the
+    /// editor has stored its text.
     wanted: Option<Wanted>,
-    /// Outgoing files, incoming file, and the tick at which the transfer ends.
+    /// Outgoing files, incoming file, and the clock tick at which the transfer ends.
     files: Vec<SerialFile>,
     incoming: Option<SerialFile>,
     until: u64,
-    /// Files that have arrived at the partner.
+    /// Files that the simulated partner has received.
     sent: Vec<SerialFile>,
-    /// Files to send through a port of the computer.
+    /// Files that wait to be sent through a port of the computer.
     for_line: Vec<SerialFile>,
     /// Whether 复位 has aborted a transfer through a port of the computer.
     broken_off: bool,
 }
 
 impl Transfer {
-    /// The cable remains connected over power-off.
+    /// Returns the state after power-on. The cable remains connected.
     pub(super) fn after_power_on(&self) -> Self {
         Self {
             partner: self.partner,
@@ -125,7 +126,7 @@ impl Transfer {
 }
 
 impl Panel {
-    /// Connects a simulated partner, or disconnects the cable.
+    /// Connects a simulated partner (`true`), or disconnects the cable (`false`).
     pub const fn connect(&mut self, partner: bool) {
         self.transfer.partner = match partner {
             true => Partner::Simulated,
@@ -133,17 +134,17 @@ impl Panel {
         };
     }
 
-    /// Takes the files that have arrived at the partner.
+    /// Takes the files that the simulated partner has received.
     pub fn take_sent(&mut self) -> Vec<SerialFile> {
         core::mem::take(&mut self.transfer.sent)
     }
 
-    /// Shows that the partner could not receive the files.
+    /// Shows in the status row that the partner could not receive the files.
     pub const fn transfer_failed(&mut self) {
         self.view.communication = Communication::Failed;
     }
 
-    /// Clears the error in the status row after a key press.
+    /// Clears the error of the last transfer from the status row, after a key press.
     pub(super) const fn clear_transfer_error(&mut self) {
         if matches!(
             self.view.communication,
@@ -153,7 +154,7 @@ impl Panel {
         }
     }
 
-    /// 复位 aborts a transfer.
+    /// Aborts the current transfer, because 复位 was pressed.
     pub(super) fn abort_transfer(&mut self, requests: &mut Vec<ControlRequest>) {
         self.transfer.wanted = None;
         if self.client_port_is_busy() {
@@ -186,17 +187,17 @@ impl Panel {
             || self.client_port_is_busy()
     }
 
-    /// Duration of a number of characters on the line, ticks.
+    /// Returns the time that a number of characters takes on the line, ticks (ms).
     fn line_time(characters: usize, cnc: &Cnc) -> u64 {
         let bits = characters as u64 * CHARACTER_BITS;
         (bits * SECOND).div_ceil(baud_rate_of(cnc).max(1))
     }
 
-    /// Starts receiving a file from the partner. The operator does not have to do anything.
+    /// Starts receiving a file from the partner. It needs no action of the operator.
     ///
     /// # Errors
     ///
-    /// Returns the reason why the control does not receive it.
+    /// Returns the reason why the control does not receive the file.
     pub fn receive(
         &mut self,
         file: SerialFile,
@@ -244,7 +245,7 @@ impl Panel {
         Ok(())
     }
 
-    /// 输出 in EDIT: sends what the page shows.
+    /// Handles 输出 in EDIT: sends the programs or data that the page shows.
     pub(super) fn output(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         requests.push(ControlRequest::SetOutputKey(true));
         if cnc.mode() != OperatingMode::Edit || self.port_is_busy() {
@@ -315,7 +316,7 @@ impl Panel {
         }
     }
 
-    /// Starts or ends a transfer at a tick.
+    /// Starts or ends a transfer that is due at this tick.
     pub(super) fn follow_transfer(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         if let Some(wanted) = self.transfer.wanted.take() {
             let files = files::files_to_send(wanted, cnc);
@@ -344,7 +345,7 @@ impl Panel {
     }
 }
 
-/// The reason for a refusal, for the partner.
+/// Returns the message about a refusal, for the partner.
 fn reason(refusal: WriteRefusal) -> Message {
     match refusal {
         WriteRefusal::Mode => say::refusal_mode(),

@@ -9,13 +9,13 @@ use gsk_core::units::{Axis, parse_finite};
 use super::Panel;
 use crate::pages::{self, Hint, PageId};
 
-/// Digits of a state parameter.
+/// Number of binary digits of a state parameter.
 const BITS: usize = 8;
 /// Greatest number of digits in a row of the password page.
 const PASSWORD_LENGTH: usize = 8;
-/// Diagnosis number of the current tool.
+/// Diagnosis number that shows the current tool.
 const TOOL: usize = 75;
-/// The rows of the setting page.
+/// The rows of the setting page, in the order of the cursor.
 const SETTINGS: [SettingRow; 4] = [
     SettingRow::Parity,
     SettingRow::Iso,
@@ -31,8 +31,8 @@ const DISKS: [ElectronicDisk; 5] = [
 ];
 
 impl Panel {
-    /// 输入 on a data page: requests the input line as a value of the item at the cursor. Returns
-    /// `false` if the line cannot be a value there. It may then be a search.
+    /// Handles 输入 on a data page: requests the input line as the value of the item at the
+    /// cursor. Returns `false` if the line cannot be a value there. It may then be a search.
     pub(super) fn commit_value(&self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) -> bool {
         let input = self.view.input.trim();
         let cursor = self.view.cursors.get(self.page);
@@ -89,7 +89,8 @@ impl Panel {
         true
     }
 
-    /// Handles a key that acts immediately on its page. Returns whether it was one.
+    /// Handles a character that acts immediately on the page. Returns `false` if the page has
+    /// no such characters.
     pub(super) fn command_character(
         &mut self,
         character: char,
@@ -121,7 +122,7 @@ impl Panel {
         true
     }
 
-    /// 0 to 4 read a disk, 5 to 8 save to one.
+    /// Handles a digit of the disk page: 0 to 4 read that disk, 5 to 8 save to disk 1 to 4.
     fn disk_command(&mut self, character: char, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         let Some(key) = character.to_digit(10) else {
             return;
@@ -164,14 +165,15 @@ impl Panel {
         }
     }
 
-    /// 取消 on the password page.
+    /// Deletes the last digit of the password row at the cursor (取消).
     pub(super) fn password_cancel(&mut self) {
         if let Some(row) = self.password_row() {
             row.pop();
         }
     }
 
-    /// 输入 on the password page (manual III-2.5.1.4).
+    /// Handles 输入 on the password page: enters, changes or leaves the level (manual
+    /// III-2.5.1.4).
     pub(super) fn password_input(&mut self, cnc: &Cnc, requests: &mut Vec<ControlRequest>) {
         if cnc.rights().check_password().is_err() {
             return;
@@ -215,7 +217,8 @@ impl Panel {
     }
 }
 
-/// Parses an entry of the offset page: a letter with a number, or U or W alone.
+/// Parses an entry of the offset page: a letter with a number, or U or W alone. `None` if
+/// invalid.
 fn offset_entry(input: &str) -> Option<OffsetEntry> {
     let letter = input.chars().next()?;
     let value = input.get(1..)?.trim();
@@ -233,7 +236,8 @@ fn offset_entry(input: &str) -> Option<OffsetEntry> {
     })
 }
 
-/// Parses an entry of the pitch error table: X or Z with a number.
+/// Parses an entry for a point of the pitch error table: X or Z with a number. `None` if
+/// invalid.
 fn pitch_entry(input: &str, point: usize) -> Option<ControlRequest> {
     let axis = match input.chars().next()? {
         'X' => Axis::X,
@@ -249,7 +253,7 @@ fn pitch_entry(input: &str, point: usize) -> Option<ControlRequest> {
     })
 }
 
-/// Parses a decimal number: digits, one point, a minus sign in front.
+/// Parses a decimal number: digits, one point, a minus sign in front. `None` if invalid.
 fn number(text: &str) -> Option<f64> {
     let digits = text.strip_prefix('-').unwrap_or(text);
     let plain = digits
@@ -263,7 +267,8 @@ fn number(text: &str) -> Option<f64> {
     }
 }
 
-/// Parses an integer. A value that no parameter can hold becomes the greatest or least.
+/// Parses an integer; `None` if invalid. A value that no parameter can hold becomes the
+/// greatest or least.
 fn whole(text: &str) -> Option<i32> {
     let digits = text.strip_prefix('-').unwrap_or(text);
     if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
@@ -277,8 +282,8 @@ fn whole(text: &str) -> Option<i32> {
     Some(text.parse().unwrap_or(limit))
 }
 
-/// Parses binary digits with optional leading ones. More or other digits give a number beyond a
-/// byte.
+/// Parses the value of a state parameter, binary digits without the leading zeros; `None` if
+/// it is no integer. More or other digits give a number beyond a byte.
 fn word(text: &str) -> Option<i32> {
     let number = whole(text)?;
     let binary = text.bytes().all(|byte| matches!(byte, b'0' | b'1'));
@@ -296,7 +301,7 @@ fn digit(text: &str) -> Option<bool> {
     }
 }
 
-/// Parses a tool number, or the eight binary digits that the page shows.
+/// Parses a tool number, or the eight binary digits that the page shows. `None` if invalid.
 fn tool(text: &str) -> Option<u8> {
     if text.len() == BITS {
         return u8::from_str_radix(text, 2).ok();

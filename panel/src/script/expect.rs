@@ -10,22 +10,22 @@ use super::state::ExpectedState;
 use crate::emulator::{Emulator, fold_blanks};
 use crate::keys::Bit;
 
-/// Coordinates are equal if the display shows them alike.
+/// Greatest difference of two coordinates that the display shows alike, mm.
 const TOLERANCE: f64 = 0.000_500_1;
 
-/// A set of coordinates.
+/// One of the coordinate systems that the LCD shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CoordinateSystem {
-    /// 绝对坐标.
+    /// 绝对坐标: coordinates of the workpiece.
     Absolute,
-    /// 机床坐标.
+    /// 机床坐标: coordinates from the machine zero.
     Machine,
-    /// 相对坐标.
+    /// 相对坐标: coordinates from where the operator has cleared U and W.
     Relative,
 }
 
 impl CoordinateSystem {
-    /// Returns X as displayed (diameter or radius) and Z, mm.
+    /// Returns X as displayed (diameter or radius) and Z in this system, mm.
     pub(super) fn shown(self, emulator: &Emulator) -> (f64, f64) {
         let cnc = &emulator.simulation.cnc;
         let at = match self {
@@ -40,69 +40,71 @@ impl CoordinateSystem {
     }
 }
 
-/// An expectation of a script.
+/// An expectation of a script about control, panel or lathe.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Expectation {
-    /// A row of the LCD contains a text. Runs of blanks count as one.
+    /// This row of the LCD, from 0, contains this text. Runs of blanks count as one.
     Row(usize, String),
-    /// X as displayed (diameter or radius) and Z, mm.
+    /// The displayed coordinates are these: system, X as displayed (diameter or radius), Z,
+    /// mm.
     Position(CoordinateSystem, f64, f64),
-    /// Position of the machine's slides: X as a diameter and Z, mm from the reference point.
+    /// The machine's slides are at this position: X as a diameter and Z, mm from the reference
+    /// point.
     Slides(f64, f64),
-    /// The command pulses since power-on, X and Z.
+    /// The numbers of command pulses since power-on, X and Z, are in these ranges.
     Pulses(RangeInclusive<i64>, RangeInclusive<i64>),
-    /// The analog spindle output, V.
+    /// The analog spindle output has this voltage, V.
     Volts(f64),
-    /// A lamp, with its name in the script, is on or off.
+    /// The lamp with this name in the script, at this Y bit, is lit (`true`) or dark.
     Lamp(String, Bit, bool),
     /// An alarm or a message with this number is active.
     Alarm(u16),
     /// No alarm and no message is active.
     NoAlarm,
-    /// The operating mode.
+    /// The control is in this operating mode.
     Mode(OperatingMode),
-    /// A bit of PLC memory.
+    /// A bit of PLC memory has this value.
     Bit(BitAddress, bool),
-    /// A byte or entry of PLC memory.
+    /// A byte of PLC memory, or an entry of timers, counters or data, has this value.
     Value(ByteAddress, i32),
-    /// A state of control, panel or lathe.
+    /// A state of control, panel or lathe, as lessons expect it.
     State(ExpectedState),
-    /// The expectation is not met.
+    /// The inner expectation is not met.
     Not(Box<Expectation>),
 }
 
-/// The actual state instead of the expected one.
+/// The actual state, where it differs from the expected one.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum UnmetExpectation {
-    /// A row of the LCD.
+    /// The row of the LCD, from 0, and its actual text.
     Row(usize, String),
-    /// Coordinates as displayed, mm.
+    /// The actual coordinates X and Z as displayed, mm.
     Position(f64, f64),
-    /// Position of the slides, X as a diameter, mm.
+    /// The actual position of the slides: X as a diameter and Z, mm.
     Slides(f64, f64),
-    /// Pulses to the drives.
+    /// The actual numbers of pulses sent to the drives, X and Z.
     Pulses(i64, i64),
-    /// The analog spindle output, V.
+    /// The actual voltage of the analog spindle output, V.
     Volts(f64),
-    /// A lamp.
+    /// The lamp's name, and `on` or `off` as it actually is.
     Lamp(String, &'static str),
-    /// Active alarms and messages.
+    /// The alarms and messages that are actually active.
     Alarms(Vec<String>),
-    /// The mode.
+    /// The actual operating mode, as the LCD shows it.
     Mode(&'static str),
-    /// A bit of PLC memory.
+    /// A bit of PLC memory, and its actual value (0 or 1).
     Bit(BitAddress, u8),
-    /// A byte or entry of PLC memory.
+    /// A byte or entry of PLC memory, and its actual value.
     Value(ByteAddress, i32),
-    /// A state of control, panel or lathe.
+    /// The message about the actual state of control, panel or lathe.
     State(Message),
-    /// The state that a `not` excludes.
+    /// The state that a `not` excludes is present.
     Holds,
 }
 
 impl UnmetExpectation {
-    /// Returns the message about the actual state.
+    /// Returns the message that shows the actual state instead of the expected one.
     pub fn message(&self) -> Message {
         match self {
             Self::Row(row, text) => say::script_row_reads(row, text),
@@ -123,7 +125,7 @@ impl UnmetExpectation {
 }
 
 impl Expectation {
-    /// Returns whether it is about the position of the slides.
+    /// Returns whether the expectation is about a position of the axes or slides.
     pub fn is_position(&self) -> bool {
         match self {
             Self::Position(..) | Self::Slides(..) | Self::State(ExpectedState::At(..)) => true,
@@ -132,11 +134,11 @@ impl Expectation {
         }
     }
 
-    /// Compares the expectation with the emulator.
+    /// Checks whether control, panel and lathe are as expected.
     ///
     /// # Errors
     ///
-    /// Returns the actual state.
+    /// Returns the actual state if it differs.
     pub fn check(&self, emulator: &Emulator) -> Result<(), UnmetExpectation> {
         let cnc = &emulator.simulation.cnc;
         match self {
@@ -218,7 +220,7 @@ fn verdict(fits: bool, seen: impl FnOnce() -> UnmetExpectation) -> Result<(), Un
     if fits { Ok(()) } else { Err(seen()) }
 }
 
-/// Active alarms and messages.
+/// Returns number and text of each active alarm and message.
 fn active_alarms(emulator: &Emulator) -> Vec<(u16, String)> {
     let cnc = &emulator.simulation.cnc;
     let alarms = cnc.alarms().iter();

@@ -16,7 +16,7 @@ use crate::keys::{self, Key};
 use crate::panel::is_typable;
 use crate::screen::ROWS;
 
-/// Time limit of `wait` without one, milliseconds.
+/// Time limit of a `wait` that does not give one, milliseconds.
 const DEFAULT_LIMIT: u64 = 60_000;
 /// Greatest time in a script, milliseconds: a hundred days.
 const LONGEST: f64 = 100.0 * 24.0 * 3600.0 * 1000.0;
@@ -41,7 +41,7 @@ pub(super) fn script(text: &str) -> Result<Script, Vec<ScriptError>> {
     }
 }
 
-/// A word of a line.
+/// A word of a script line; `quoted`: it was in quotation marks.
 #[derive(Clone, Debug, PartialEq)]
 struct Word<'a> {
     text: &'a str,
@@ -72,7 +72,7 @@ fn line(number: u32, text: &str) -> Result<Option<ScriptLine>, ParseError> {
     }))
 }
 
-/// The line up to a `#` that begins a word outside quotation marks.
+/// Returns the line up to a `#` that begins a word outside quotation marks.
 fn without_comment(text: &str) -> Result<&str, ParseError> {
     let (mut quoted, mut blank) = (false, true);
     for (at, character) in text.char_indices() {
@@ -109,7 +109,7 @@ fn words(text: &str) -> Vec<Word<'_>> {
     words
 }
 
-/// The form of an action, for messages.
+/// Returns the correct form of an action, for messages; empty if the action is unknown.
 fn form(verb: &str) -> &'static str {
     let found = FORMS.iter().find(|(name, _)| *name == verb);
     found.map_or("", |(_, form)| form)
@@ -166,7 +166,7 @@ fn shot(path: &str, panel: bool) -> ScriptAction {
     }
 }
 
-/// A file name in quotation marks, or else the rest of the line.
+/// Returns a file name in quotation marks, or else the rest of the line.
 fn path(rest: &str, words: &[Word<'_>]) -> String {
     match words {
         [Word { text, quoted: true }] => (*text).to_owned(),
@@ -227,7 +227,7 @@ fn graduations(text: &str) -> Result<i32, ParseError> {
     })
 }
 
-/// A time in milliseconds: `500ms`, `2s`, `1.5s`, `10m`, `10min`.
+/// Parses a time (`500ms`, `2s`, `1.5s`, `10m`, `10min`) and returns it in milliseconds.
 fn duration(text: &str) -> Result<u64, ParseError> {
     let end = text
         .find(|c: char| c.is_ascii_alphabetic())
@@ -278,7 +278,7 @@ fn bit(text: &str) -> Result<BitAddress, ParseError> {
     Ok(text.parse()?)
 }
 
-/// A byte or entry of PLC memory.
+/// Parses the address of a byte or entry of PLC memory.
 fn byte(text: &str) -> Result<ByteAddress, ParseError> {
     Ok(text.parse()?)
 }
@@ -288,7 +288,8 @@ fn whole_number(text: &str) -> Result<i32, ParseError> {
         .map_err(|_| ParseError::NotWhole(text.to_owned()))
 }
 
-/// A machine input: X0.0 to X3.7, and X4.0 to X4.7 of models with more inputs.
+/// Parses the address of a machine input: X0.0 to X3.7, and X4.0 to X4.7 of models with more
+/// inputs.
 fn input(text: &str) -> Result<BitAddress, ParseError> {
     let address = bit(text)?;
     if address.area == Area::X && address.byte <= 4 {
@@ -297,7 +298,7 @@ fn input(text: &str) -> Result<BitAddress, ParseError> {
     Err(ParseError::NoInput(text.to_owned()))
 }
 
-/// `wait Y1.6 1 5s`, or with a window: `wait Y1.6 1 40ms..60ms`.
+/// Parses `wait Y1.6 1 5s`, or with a window of time `wait Y1.6 1 40ms..60ms`.
 fn wait_for_bit(
     address: &str,
     state: &str,
@@ -348,11 +349,11 @@ fn wait(words: &[Word<'_>]) -> Result<ScriptAction, ParseError> {
 }
 
 impl Expectation {
-    /// Parses the words after `expect`.
+    /// Parses the words after `expect` in a script line.
     ///
     /// # Errors
     ///
-    /// Returns the error with a correct form.
+    /// Returns why the words are invalid, with a correct form.
     pub fn parse(text: &str) -> Result<Self, ParseError> {
         let code = without_comment(text)?;
         let words = words(code);
@@ -432,7 +433,7 @@ fn voltage(text: &str) -> Result<f64, ParseError> {
     coordinate(number).map_err(|_| ParseError::NoVoltage(text.to_owned()))
 }
 
-/// A number of pulses, or a range.
+/// Parses a number of pulses, or a range `LOW..HIGH`.
 fn pulses(text: &str) -> Result<RangeInclusive<i64>, ParseError> {
     let (low, high) = text.split_once("..").unwrap_or((text, text));
     let number = |text: &str| {

@@ -7,121 +7,121 @@ use gsk_messages::{Message, say};
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum ParseError {
-    /// `@` without a tick.
+    /// The word after `@` is not a number of ticks.
     NoTick(String),
-    /// A text without its closing quotation mark.
+    /// A text has no closing quotation mark.
     NotClosed,
-    /// An action with wrong words.
+    /// The words after a known action do not have its form.
     Form {
-        /// The action.
+        /// Name of the action.
         verb: String,
-        /// Its form.
+        /// The form that the action requires.
         form: &'static str,
     },
-    /// An unknown action that resembles an existing one.
+    /// The action is unknown, but resembles an existing one.
     NearAction {
         /// The word in the script.
         verb: String,
         /// The form of the similar action.
         form: &'static str,
     },
-    /// An unknown action.
+    /// The action is unknown and resembles no other.
     UnknownAction {
         /// The word in the script.
         verb: String,
-        /// All actions.
+        /// The names of all actions.
         all: String,
     },
-    /// An unknown key.
+    /// This key is unknown and resembles no other.
     UnknownKey(String),
-    /// An unknown key that resembles an existing one.
+    /// The key is unknown, but resembles existing ones.
     NearKey {
         /// The word in the script.
         name: String,
-        /// The similar keys.
+        /// The names of the similar keys.
         near: String,
     },
-    /// A character without a key.
+    /// The panel has no key for this character of the text.
     NotTypable(char),
-    /// An invalid number of graduations.
+    /// This is not a number of handwheel graduations.
     NoGraduations {
         /// The word in the script.
         text: String,
-        /// The form of `turn`.
+        /// The form that `turn` requires.
         form: &'static str,
     },
-    /// An invalid time.
+    /// This word is not a time with a unit.
     NoTime(String),
-    /// Neither `on` nor `off`.
+    /// This word is neither `on` nor `off`.
     NotOnOff(String),
-    /// Neither 0 nor 1.
+    /// This word is neither 0 nor 1.
     NotZeroOne(String),
-    /// An unknown fault.
+    /// The lathe has no fault with this name.
     UnknownFault {
         /// The word in the script.
         name: String,
-        /// All faults.
+        /// The names of all faults.
         all: String,
     },
-    /// An invalid PLC address.
+    /// A PLC address is invalid, with the reason.
     Address(#[from] AddressError),
-    /// Not an integer.
+    /// This word is not an integer.
     NotWhole(String),
-    /// An address that is not a machine input.
+    /// This address is not a machine input.
     NoInput(String),
-    /// A time window that ends before it begins.
+    /// The time window of a `wait` ends before it begins.
     Backward {
-        /// Its begin, ms.
+        /// Begin of the window, ms.
         earliest: u64,
-        /// Its end, ms.
+        /// End of the window, ms.
         latest: u64,
     },
-    /// An invalid row of the LCD.
+    /// This word is not a row of the LCD.
     NoRow(String),
-    /// An invalid alarm number.
+    /// This word is not an alarm number.
     NoAlarm(String),
-    /// An unknown mode.
+    /// The control has no operating mode with this name.
     UnknownMode {
         /// The word in the script.
         text: String,
-        /// All modes.
+        /// The names of all modes.
         all: String,
     },
-    /// An invalid coordinate.
+    /// This word is not a coordinate.
     NoCoordinate(String),
-    /// An invalid voltage.
+    /// This word is not a voltage.
     NoVoltage(String),
-    /// An invalid number of pulses.
+    /// This word is not a number of pulses.
     NoPulses(String),
-    /// An invalid range.
+    /// This word is not a value or a range `FROM..TO`.
     NoRange(String),
-    /// An unknown page.
+    /// The LCD has no page with this name.
     UnknownPage {
         /// The word in the script.
         name: String,
-        /// All pages.
+        /// The names of all pages.
         all: String,
     },
-    /// A key without a lamp.
+    /// This key has no lamp.
     DarkKey(String),
-    /// An unknown lamp.
+    /// No lamp has this name or a similar one.
     UnknownLamp {
         /// The word in the script.
         name: String,
-        /// Lamps of the strip.
+        /// The names of the status strip's lamps.
         strip: String,
     },
-    /// An unknown lamp that resembles an existing one.
+    /// No lamp has this name, but existing ones resemble it.
     NearLamp {
         /// The word in the script.
         name: String,
-        /// The similar lamps.
+        /// The names of the similar lamps.
         near: String,
     },
 }
 
 impl ParseError {
-    /// Returns the message about the error with a correct form.
+    /// Returns the message that a script line is invalid: the wrong word and a correct form.
     pub fn message(&self) -> Message {
         match self {
             Self::NoTick(text) => say::script_no_tick(text),

@@ -11,31 +11,31 @@ use crate::keys::Key;
 use crate::pages::POWER_ON_TICKS;
 use crate::panel::KeyEvent;
 
-/// Ticks between two returns of the runner in [`run`].
+/// Number of ticks after which the runner returns to the loop of [`run`].
 const SLICE: u64 = 100_000;
 
-/// A handwheel turned at two turns a second.
+/// Ticks (ms) a graduation, if `turn` has no time: two turns of 100 graduations a second.
 const TICKS_PER_GRADUATION: u64 = 5;
 
 /// An action that the caller of the runner has to execute.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Effect {
-    /// Print these rows of the LCD.
+    /// Print this text: the rows of the LCD.
     Show(String),
-    /// Save a picture of the current state.
+    /// Save a picture of the LCD or the panel as it is now.
     Shot {
-        /// Path of the picture.
+        /// Path of the picture file.
         path: String,
-        /// Whether it shows the whole panel.
+        /// Whether the picture shows the whole panel instead of the LCD.
         panel: bool,
     },
-    /// Read this file and pass its text to [`Emulator::load_program`].
+    /// Read the file with this path and pass its text to [`Emulator::load_program`].
     Load(String),
-    /// Read this file and pass it to [`Emulator::receive`]. A refusal is for the partner, and
-    /// does not fail the script.
+    /// Read the file with this path and pass it to [`Emulator::receive`]. A refusal is for the
+    /// partner, and does not fail the script.
     Receive(String),
-    /// Act as the partner that sends this file from its beginning whenever
-    /// [`Cnc::dnc_request_count`](gsk_core::cnc::Cnc::dnc_request_count) increases. `None` disconnects the
+    /// Act as the partner that sends the file with this path from its beginning whenever
+    /// [`Cnc::dnc_calls`](gsk_core::cnc::Cnc::dnc_calls) increases. `None` disconnects the
     /// partner.
     Dnc(Option<String>),
     /// The partner can send ([`Cnc::dnc_free_characters`](gsk_core::cnc::Cnc::dnc_free_characters)): send data, the
@@ -43,32 +43,32 @@ pub enum Effect {
     DncRoom,
 }
 
-/// The progress of a script.
+/// How a script has progressed when the runner returns.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ScriptProgress {
-    /// The permitted ticks have elapsed.
+    /// The permitted ticks have elapsed and the script continues.
     Running,
     /// The caller has to execute an effect before the script continues.
     Effect(Effect),
-    /// A line failed and the script has ended.
+    /// A line failed, and the script has ended.
     Failed(Failure),
-    /// The last line is complete.
+    /// All lines are complete, and the script has ended.
     Finished,
 }
 
-/// A failed line.
+/// A line of a script that failed, and what was found instead.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
-    /// Line of the file, from 1.
+    /// Number of the line in the script file, from 1.
     pub line: u32,
-    /// The line.
+    /// Text of the failed line.
     pub text: String,
-    /// The actual state.
+    /// The message about the actual state.
     pub seen: Message,
 }
 
 impl Failure {
-    /// Returns the message with the line.
+    /// Returns the message that a script line failed: its number, its text, the actual state.
     pub fn message(&self) -> Message {
         say::script_failed(self.line, &self.text, self.seen.clone())
     }
@@ -82,53 +82,54 @@ impl fmt::Display for Failure {
 
 impl core::error::Error for Failure {}
 
-/// A running script.
+/// Runs the lines of a script on an emulator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Runner {
     script: Script,
     next: usize,
-    /// The emulator's clock at the start of the script.
+    /// The emulator's tick count at the start of the script, from which `@tick` counts.
     origin: u64,
     stage: Stage,
     /// Whether a partner sends programs in DNC mode.
     dnc: bool,
-    /// The tick of its last request.
+    /// Emulator tick of the partner's last [`Effect::DncRoom`]; `None` before the first.
     last_request: Option<u64>,
 }
 
-/// The action in progress.
+/// What the current line waits for.
 #[derive(Clone, Debug, PartialEq)]
 enum Stage {
-    /// The self-test picture, at most until this tick.
+    /// Waits for the end of the self-test picture, at most until this tick.
     SelfTest(Option<u64>),
-    /// No action: the next line is due.
+    /// No action is in progress; the next line is due.
     Ready,
-    /// A key is down until this tick, then follows a pause of a number of ticks.
+    /// Holds a key until this tick; after its release pauses for a number of ticks.
     Holding(Key, u64, u64),
-    /// A pause until this tick.
+    /// Pauses until this tick.
     Resting(u64),
-    /// The next character is typed at this tick.
+    /// Types the next character at this tick: the remaining ones, last first, then a pause in
+    /// ticks.
     Typing(u64, Vec<char>, u64),
-    /// The handwheel turns evenly from a tick on for a number of ticks. `done` counts the
-    /// graduations so far.
+    /// Turns the handwheel evenly from a tick on for a number of ticks. `done` counts the
+    /// graduations turned.
     Turning {
         graduations: i32,
         from: u64,
         ticks: u64,
         done: i32,
     },
-    /// A wait for a condition, from the earliest to the latest tick.
+    /// Waits for a condition that must become true from the earliest to the latest tick.
     Waiting {
         watch: Box<ConditionWatch>,
         since: u64,
         earliest: u64,
         latest: u64,
     },
-    /// Failed or finished.
+    /// The script has failed or finished.
     Over,
 }
 
-/// What the runner does next.
+/// What the runner does next: a tick of the emulator, another check, or return.
 enum Next {
     Tick,
     Recheck,
@@ -136,7 +137,7 @@ enum Next {
 }
 
 impl Runner {
-    /// Creates a runner before the first line.
+    /// Creates a runner that starts with the first line of the script after the self-test.
     pub const fn new(script: Script) -> Self {
         Self {
             script,
@@ -148,12 +149,13 @@ impl Runner {
         }
     }
 
-    /// Returns the current or last line, for messages about its effects.
+    /// Returns the current or last line, for messages about its effects; `None` in an empty
+    /// script.
     pub fn line(&self) -> Option<&ScriptLine> {
         self.script.lines.get(self.next.saturating_sub(1))
     }
 
-    /// Creates a failure of the current line.
+    /// Creates a failure of the current line with what was found.
     pub fn failure(&self, seen: impl Into<Message>) -> Failure {
         let (line, text) = self
             .line()
@@ -166,7 +168,8 @@ impl Runner {
         }
     }
 
-    /// Continues for at most a number of ticks.
+    /// Runs the script for at most `ticks` ticks of the emulator. Returns earlier with an
+    /// effect or at the end.
     pub fn advance(&mut self, emulator: &mut Emulator, ticks: u64) -> ScriptProgress {
         let mut left = ticks;
         loop {
@@ -273,7 +276,7 @@ impl Runner {
         Next::Recheck
     }
 
-    /// Starts the next line when it is due.
+    /// Starts the next line, if its tick has come.
     fn start_line(&mut self, emulator: &mut Emulator, now: u64) -> Next {
         let Some(line) = self.script.lines.get(self.next) else {
             return Next::Return(ScriptProgress::Finished);
@@ -366,11 +369,11 @@ impl Runner {
     }
 }
 
-/// Runs a script to its end. `carry_out` executes the effects.
+/// Runs a script to its end. `carry_out` executes the effects on files.
 ///
 /// # Errors
 ///
-/// Returns the line that failed, or whose effect could not be executed.
+/// Returns the line that failed, or whose effect `carry_out` could not execute.
 pub fn run<E: fmt::Display>(
     script: Script,
     emulator: &mut Emulator,

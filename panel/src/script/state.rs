@@ -13,15 +13,15 @@ use crate::keys::{self, Key};
 use crate::pages::{PAGES, PageId};
 use crate::screen::ROWS;
 
-/// Values are equal if the display shows them alike.
+/// Greatest difference of two values that the display shows alike.
 const TOLERANCE: f64 = 0.000_500_1;
 
-/// The forms, for help and messages.
+/// The forms of expected states, for help and messages.
 pub(super) const FORM: &str = "expect screen \"TEXT\" | page oft | key ESTOP down | at abs X 20..30 | offset 1 X -2.5 | \
      param 22 3800 | param 1.4 1 | program 1 \"G01 X20\" | selected 1 | tool 2 | tool 0202 | \
      spindle 500..600 | run run|hold|stop|reset | parts 1..9999 | power on | referenced X";
 
-/// A range of values that includes both ends.
+/// A range of expected values that includes both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ValueRange {
     from: f64,
@@ -48,54 +48,56 @@ impl ValueRange {
     }
 }
 
-/// A column of the offset page.
+/// A column of the offset page that a script expects a value in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OffsetField {
-    /// X as typed.
+    /// X offset as typed, mm.
     X,
-    /// Z.
+    /// Z offset, mm.
     Z,
-    /// Nose radius.
+    /// Nose radius, mm.
     Radius,
-    /// Number of the imaginary tip.
+    /// Number of the imaginary tool tip.
     Tip,
 }
 
-/// An expected state.
+/// A state of control, panel or lathe that a lesson or script expects.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ExpectedState {
     /// A row of the LCD contains this text. Runs of blanks count as one.
     Screen(String),
-    /// This page is shown.
+    /// The LCD shows this page.
     Page(PageId),
-    /// A key is down, or the emergency stop is latched.
+    /// This key is down, or the emergency stop latched (`true`); or it is not (`false`).
     Key(Key, bool),
-    /// One coordinate, mm. X as displayed.
+    /// The displayed coordinate of an axis is in this range, mm (X as displayed).
     At(CoordinateSystem, Axis, ValueRange),
-    /// A value of an offset, mm.
+    /// A column of the offset with this number is in this range, mm.
     Offset(u8, OffsetField, ValueRange),
-    /// A parameter, or one bit of it.
+    /// A parameter (number), or one bit of it (0 to 7), has this value.
     Parameter(u16, Option<u8>, i32),
-    /// The memory has a program, which contains this text without regard to blanks.
+    /// The memory has the program with this number. If a text is given, the program contains
+    /// it without regard to blanks.
     Program(u16, Option<String>),
-    /// The selected program.
+    /// The program with this number is selected.
     Selected(u16),
-    /// The current tool, and the offset in force.
+    /// The current tool is this one, and the offset in force is this one if given.
     Tool(u8, Option<u8>),
-    /// Speed of the spindle, r/min, negative in reverse.
+    /// The spindle speed is in this range, r/min, negative in reverse.
     Spindle(ValueRange),
-    /// The state of the run.
+    /// The program run is in this state.
     Run(RunState),
-    /// The part counter.
+    /// The part counter is in this range.
     Parts(ValueRange),
-    /// The power.
+    /// The power is on (`true`) or off (`false`).
     Power(bool),
-    /// An axis has returned to its reference since power-on.
+    /// This axis has returned to its reference since power-on.
     Referenced(Axis),
 }
 
 impl ExpectedState {
-    /// Parses the words after `expect`. `None` if they do not name a state.
+    /// Parses the words after `expect`. `None` if they do not begin an expected state; an
+    /// error if the rest is invalid.
     pub(super) fn read(words: &[&str]) -> Option<Result<Self, ParseError>> {
         Some(match words {
             ["screen", text] => Ok(Self::Screen(fold_blanks(text))),
@@ -154,11 +156,11 @@ impl ExpectedState {
         })
     }
 
-    /// Compares the state with the emulator.
+    /// Checks whether control, panel and lathe are in the expected state.
     ///
     /// # Errors
     ///
-    /// Returns the actual state.
+    /// Returns the message about the actual state if it differs.
     pub(super) fn check(&self, emulator: &Emulator) -> Result<(), Message> {
         let (cnc, lathe) = (&emulator.simulation.cnc, &emulator.simulation.lathe);
         match self {
@@ -289,7 +291,7 @@ fn verdict(fits: bool, seen: impl FnOnce() -> Message) -> Result<(), Message> {
     if fits { Ok(()) } else { Err(seen()) }
 }
 
-/// Removes blanks and converts to upper case.
+/// Returns the text without blanks, in upper case.
 fn tight(text: &str) -> String {
     let solid = text.chars().filter(|c| !c.is_whitespace());
     solid.collect::<String>().to_ascii_uppercase()
@@ -304,7 +306,7 @@ fn whole<T: core::str::FromStr>(text: &str) -> Result<T, ParseError> {
         .map_err(|_| ParseError::NotWhole(text.to_owned()))
 }
 
-/// The number of a program: `1`, `0001`, `O0001`.
+/// Parses the number of a program: `1`, `0001`, `O0001`.
 fn number(text: &str) -> Result<u16, ParseError> {
     whole(text.strip_prefix('O').unwrap_or(text))
 }
@@ -342,7 +344,7 @@ fn parameter(name: &str, value: &str) -> Result<ExpectedState, ParseError> {
     Ok(ExpectedState::Parameter(whole(number)?, bit, whole(value)?))
 }
 
-/// `2` is the tool, `0202` tool and offset.
+/// Parses a tool word: `2` is the tool, `0202` tool and offset.
 fn tool(word: &str) -> Result<ExpectedState, ParseError> {
     match word.len() {
         4 if word.is_ascii() => Ok(ExpectedState::Tool(

@@ -23,16 +23,16 @@ use std::time::{Duration, Instant};
 use gsk_tests::fuzz::mutate::{Mutator, SplitMix};
 use gsk_tests::fuzz::{FuzzTarget, TARGETS, find_target, minimize, watch};
 
-/// An input that runs longer than this hangs.
+/// Time after which a running input counts as hanging.
 const HANG_TIME: Duration = Duration::from_secs(60);
-/// Number of retries of a slow input.
+/// Number of times that a slow input is run again.
 const RETRIES: u32 = 10;
-/// Limit of the pool of mutated inputs.
+/// Greatest number of inputs in the pool from which new ones are mutated.
 const MAX_POOL: usize = 5000;
 
 /// Position and message of the last panic.
 static LAST_PANIC: Mutex<String> = Mutex::new(String::new());
-/// The current input, and its start time.
+/// The input that is running and its start time; `None` between inputs.
 static CURRENT: Mutex<Option<(Instant, Vec<u8>)>> = Mutex::new(None);
 
 struct Options {
@@ -47,9 +47,9 @@ struct Options {
     files: Vec<PathBuf>,
 }
 
-/// A fault that an input shows.
+/// A fault of the program that an input shows.
 struct FuzzFinding {
-    /// The fault in one line, with its position in the source: it identifies the finding.
+    /// The fault in one line with its position in the source, by which findings are compared.
     description: String,
     is_slow: bool,
 }
@@ -121,7 +121,7 @@ fn parse_options() -> Result<Options, String> {
     Ok(options)
 }
 
-/// Runs files once and prints the fault of each.
+/// Runs files once and prints the fault of each. Returns whether no file shows a fault.
 fn replay(options: &Options) -> Result<bool, String> {
     let mut clean = true;
     for file in &options.files {
@@ -187,7 +187,7 @@ fn fuzz(options: &Options) -> Result<bool, String> {
     Ok(true)
 }
 
-/// Runs one input through the target.
+/// Runs one input through the target, again if it is slow. Returns its record and its fault.
 fn run_input(options: &Options, input: &[u8]) -> (watch::UnitRecord, Option<FuzzFinding>) {
     if options.trace {
         // Without the file the trace is incomplete, but the run is not.
@@ -237,7 +237,7 @@ fn set_current(input: Option<(Instant, Vec<u8>)>) {
     }
 }
 
-/// Minimizes the input and writes it to a file.
+/// Minimizes an input that shows a fault, writes it to a file and prints the fault.
 fn write_finding(options: &Options, input: &[u8], finding: &FuzzFinding) -> Result<(), String> {
     let place = |what: &str| {
         what.split(" at ")
@@ -291,7 +291,7 @@ fn watch_for_hangs(crashes: PathBuf, target: &'static str) {
     });
 }
 
-/// The inputs of a folder in the order of their names.
+/// Returns the inputs in a folder, sorted by the names of their files.
 fn read_corpus(folder: &Path) -> Result<Vec<Vec<u8>>, String> {
     let error = |error| format!("{}: {error}", folder.display());
     let mut paths = Vec::new();
@@ -305,7 +305,7 @@ fn read_corpus(folder: &Path) -> Result<Vec<Vec<u8>>, String> {
         .collect()
 }
 
-/// A name for an input (FNV-1a).
+/// Returns the hash of an input (FNV-1a), which is the name of its file.
 fn input_hash(input: &[u8]) -> u64 {
     input.iter().fold(0xCBF2_9CE4_8422_2325, |hash, &byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3)

@@ -3,7 +3,7 @@
 
 use super::{dry_run, settings};
 
-/// Step limit of the interpreter: cycles with fine cuts make many steps.
+/// Number of steps after which the interpreter is stopped: cycles with fine cuts make many.
 const MAX_STEPS: u32 = 100_000;
 
 pub(super) fn fuzz_cycles(input: &[u8]) {

@@ -13,8 +13,8 @@ use gsk_core::units::{PerAxis, Point};
 
 use super::watch;
 
-/// Interprets the selected program for at most `limit` steps. Returns whether it ended within
-/// them.
+/// Interprets the selected program for at most `limit` steps. Returns whether the program
+/// ended within them.
 pub(super) fn step_through(setup: &Setup, limit: u32) -> bool {
     let Some(program) = setup.memory.programs.selected() else {
         return true;
@@ -102,7 +102,8 @@ fn assert_finite(point: Point) {
 /// Number of blocks without motion after which a preview is cancelled.
 const MOTIONLESS_BLOCKS: u64 = 1_500_000;
 
-/// Previews the selected program and continues after its alarms.
+/// Previews the selected program to its end, with the alarms after the first one, and checks
+/// the moves.
 pub(super) fn preview_all(setup: &Setup) {
     let mut moves = 0_u64;
     let mut on_move = |executed: &ExecutedMove| {

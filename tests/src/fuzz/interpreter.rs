@@ -4,10 +4,10 @@ use gsk_core::setup::Setup;
 
 use super::{dry_run, settings};
 
-/// Step limit of the interpreter. Programs that need more steps may never end, so they are not
-/// previewed.
+/// Number of steps after which the interpreter is stopped. Programs that need more steps may
+/// never end, so they are not previewed.
 const MAX_STEPS: u32 = 20_000;
-/// The same for programs of macro B, which loop more.
+/// Number of steps after which a macro B program is stopped. Such programs loop more.
 const MAX_STEPS_MACRO_B: u32 = 5_000;
 
 pub(super) fn fuzz_interpreter(input: &[u8]) {
@@ -15,7 +15,7 @@ pub(super) fn fuzz_interpreter(input: &[u8]) {
     step_and_preview(&settings::setup_from_input(&text), MAX_STEPS);
 }
 
-/// The same with the option of macro B.
+/// Fuzzes the interpreter with the macro B option and any text.
 pub(super) fn fuzz_macro_b(input: &[u8]) {
     let text = String::from_utf8_lossy(input);
     let mut setup = settings::setup_from_input(&text);

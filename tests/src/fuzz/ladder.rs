@@ -7,7 +7,7 @@ use gsk_core::plc::{Ladder, Plc};
 
 use super::watch;
 
-/// Number of slots that a ladder runs.
+/// Number of PLC slots for which a ladder is run.
 const RUN_SLOTS: u32 = 64;
 
 pub(super) fn fuzz_ladder(input: &[u8]) {
@@ -85,7 +85,7 @@ pub(super) fn fuzz_ladder(input: &[u8]) {
     plc.run_slot();
 }
 
-/// Runs one slot, rung by rung. Returns `false` for a loop with too many steps.
+/// Runs one slot of the PLC, rung by rung. Returns `false` if a loop takes too many steps.
 fn step_through(plc: &mut Plc) -> bool {
     const STEPS: u32 = 2000;
     for _ in 0..STEPS {

@@ -17,7 +17,7 @@ use gsk_twins::grbl::{GrblSettings, GrblTwin, Variant};
 
 use super::watch;
 
-/// The longest line that a board reads, bytes.
+/// Length of the longest line that a board reads, bytes.
 const MAX_LINE_BYTES: usize = 70;
 
 #[derive(Clone)]
@@ -100,7 +100,7 @@ fn execute_action(fixture: &mut LineLinkFixture, byte: u8) {
     fixture.link.tick(fixture.now);
 }
 
-/// A link that has identified its board and may move it.
+/// Returns a link that has identified its board and may move it.
 fn ready_fixture(variant: Variant) -> LineLinkFixture {
     let mut settings = GrblSettings::default();
     let mut link = LineLink::open(

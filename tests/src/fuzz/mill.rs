@@ -8,11 +8,11 @@ use gsk_milling::{MillMove, MillSetup, preview_while};
 
 use super::{settings, watch};
 
-/// Number of moves after which a program is cancelled; it may never end.
+/// Number of moves after which a program is cancelled, because it may never end.
 const MAX_MOVES: u64 = 20_000;
-/// Number of blocks without motion after which it is cancelled.
+/// Number of blocks without motion after which a program is cancelled.
 const MAX_MOTIONLESS_BLOCKS: u64 = 20_000;
-/// Greatest number of blocks that share one measured time.
+/// Greatest number of blocks whose duration is measured as one unit.
 const MAX_SHARED_BLOCKS: u64 = 20;
 /// Greatest distance of a move's start from the end of the move before, mm.
 const MAX_GAP_MM: f64 = 1e-9;

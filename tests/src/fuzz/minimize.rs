@@ -1,16 +1,17 @@
 //! Minimizes an input that shows a fault.
 
-/// Limit of the attempts of a minimization.
+/// Number of shortened inputs that one minimization tries.
 const MAX_ATTEMPTS: u32 = 3000;
 
-/// Removes lines, then parts of lines, as long as `shows` returns true.
+/// Returns a shorter input: removes lines, then parts of lines, while `shows` returns true for
+/// the rest.
 pub fn minimize(input: &[u8], shows: &mut dyn FnMut(&[u8]) -> bool) -> Vec<u8> {
     let mut left = MAX_ATTEMPTS;
     let by_lines = remove_pieces(input, b'\n', &mut left, shows);
     remove_pieces(&by_lines, b' ', &mut left, shows)
 }
 
-/// Removes as many pieces between separators as possible.
+/// Removes pieces between separators for which `shows` still returns true for the rest.
 fn remove_pieces(
     input: &[u8],
     separator: u8,

@@ -26,20 +26,20 @@ pub mod watch;
 
 pub use minimize::minimize;
 
-/// A function that takes any bytes.
+/// A fuzz target: a function that takes any bytes and panics on a fault.
 pub struct FuzzTarget {
-    /// Its name, also that of its corpus folder.
+    /// Name of the target, also that of its corpus folder.
     pub name: &'static str,
-    /// Runs one input.
+    /// Runs one input. A panic is a finding.
     pub run: fn(&[u8]),
-    /// Words with a meaning for it, one per line.
+    /// Words that have a meaning in the target's inputs, one a line.
     pub words: &'static str,
 }
 
-/// Words of programs.
+/// Words of part programs, one a line.
 const PROGRAM_WORDS: &str = include_str!("words-program.txt");
 
-/// All targets.
+/// All fuzz targets.
 pub const TARGETS: [FuzzTarget; 10] = [
     FuzzTarget {
         name: "program",
@@ -93,7 +93,7 @@ pub const TARGETS: [FuzzTarget; 10] = [
     },
 ];
 
-/// The target with a name.
+/// Returns the target with this name; `None` if there is none.
 pub fn find_target(name: &str) -> Option<&'static FuzzTarget> {
     TARGETS.iter().find(|target| target.name == name)
 }

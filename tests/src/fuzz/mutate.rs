@@ -5,12 +5,12 @@
 pub struct SplitMix(u64);
 
 impl SplitMix {
-    /// The generator for a seed.
+    /// Creates the generator for a seed. The same seed gives the same numbers.
     pub const fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    /// The next 64 bits.
+    /// Returns the next 64 random bits.
     pub const fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut mixed = self.0;
@@ -19,7 +19,7 @@ impl SplitMix {
         mixed ^ (mixed >> 31)
     }
 
-    /// A random number below a limit; 0 if the limit is 0.
+    /// Returns a random number below `limit`; 0 if `limit` is 0.
     pub const fn below(&mut self, limit: usize) -> usize {
         if limit == 0 {
             return 0;
@@ -27,17 +27,17 @@ impl SplitMix {
         (self.next() % limit as u64) as usize
     }
 
-    /// A random element.
+    /// Returns a random element; `None` if there are no elements.
     pub fn pick<'a, T>(&mut self, elements: &'a [T]) -> Option<&'a T> {
         let index = self.below(elements.len());
         elements.get(index)
     }
 }
 
-/// Longer inputs are cut to this length, bytes.
+/// Greatest length of a mutated input, bytes. Longer ones are cut.
 const MAX_LENGTH: usize = 4096;
 
-/// Numbers at the limits of the control's ranges.
+/// Numbers at the limits of the control's ranges, which mutations insert.
 const EDGE_NUMBERS: [&str; 30] = [
     "0",
     "1",
@@ -71,20 +71,20 @@ const EDGE_NUMBERS: [&str; 30] = [
     "99999999999999999999",
 ];
 
-/// Makes inputs from a pool of them.
+/// Makes new inputs by mutating those of a pool.
 pub struct Mutator {
     words: Vec<&'static str>,
 }
 
 impl Mutator {
-    /// A mutator that knows some words, one a line; a word may contain spaces.
+    /// Creates a mutator that inserts these words, one a line. A word may contain spaces.
     pub fn new(words: &'static str) -> Self {
         Self {
             words: words.lines().filter(|word| !word.is_empty()).collect(),
         }
     }
 
-    /// A new input, made from one of the pool.
+    /// Returns a new input: a mutated copy of one in the pool.
     pub fn next(&self, pool: &[Vec<u8>], random: &mut SplitMix) -> Vec<u8> {
         let mut input = random.pick(pool).cloned().unwrap_or_default();
         let changes = 1 + random.below(4) * random.below(3);
@@ -126,8 +126,8 @@ impl Mutator {
     }
 }
 
-/// Splits into words: a run of letters with the number after it. Every other character is a
-/// separate word.
+/// Splits an input into words: a run of letters with the number after it. Every other
+/// character is a separate word.
 fn split_words(input: &[u8]) -> Vec<Vec<u8>> {
     let mut words: Vec<Vec<u8>> = Vec::new();
     let mut in_number = false;

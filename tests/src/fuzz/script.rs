@@ -9,9 +9,9 @@ use gsk_panel::script::{Effect, Runner, Script, ScriptError, ScriptProgress};
 
 use super::watch;
 
-/// Limit of the machine time of a script, ticks.
+/// Machine time after which a script is stopped, ticks (ms).
 const MAX_TICKS: u32 = 4000;
-/// The file that `load` finds under any name.
+/// The program that `load` reads for any file name.
 const PROGRAM_FILE: &str = "O0077\nG00 X50 Z20\nG01 X40 Z-5 F300\nM30\n";
 
 pub(super) fn fuzz_script(input: &[u8]) {
@@ -48,7 +48,7 @@ pub(super) fn fuzz_script(input: &[u8]) {
     }
 }
 
-/// The text without its invalid lines.
+/// Returns the text of a script with its invalid lines emptied.
 fn without_errors(text: &str, errors: &[ScriptError]) -> String {
     let mut lines: Vec<&str> = text.lines().collect();
     for error in errors {

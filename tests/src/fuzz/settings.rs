@@ -6,8 +6,8 @@ use gsk_core::model::{ControlModel, ModelId};
 use gsk_core::program::split_programs;
 use gsk_core::setup::Setup;
 
-/// A set-up with these settings, in which the program of an input is selected. Its further O
-/// numbers are stored as subprograms.
+/// Returns a set-up with the settings in the text, in which the program of the text is
+/// selected. Its further O numbers are stored as subprograms.
 pub(super) fn setup_from_input(text: &str) -> Setup {
     let mut setup = Setup {
         spindle_rpm: Some(500.0),
@@ -38,7 +38,7 @@ fn setting_words(text: &str) -> impl Iterator<Item = &str> {
         .split_whitespace()
 }
 
-/// Settings that are numbers alone.
+/// Returns those settings of the text that consist of a number and a value: `13=1`.
 pub(super) fn numeric_settings(text: &str) -> impl Iterator<Item = (u16, i32)> {
     setting_words(text).filter_map(|setting| {
         let (number, value) = setting.split_once('=')?;

@@ -9,7 +9,7 @@ use gsk_core::simulation::Simulation;
 
 use super::{settings, watch};
 
-/// Machine time, ticks.
+/// Machine time for which the program runs, ticks (ms).
 const RUN_TICKS: u32 = 4000;
 
 pub(super) fn fuzz_simulation(input: &[u8]) {

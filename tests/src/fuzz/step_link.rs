@@ -21,7 +21,7 @@ use super::watch;
 const WIRED: &str = r#"(protocol: StepQueue,
     x: (step: "PA0", dir: "PA1", limit: "^PC0"), z: (step: "PA2", dir: "PA3", limit: "PC1", dec: "PC6"),
     io: (enable: "PL0", estop: "PC2", coolant: "PB7", index: "PC3"))"#;
-/// Time within which the board may still execute accepted motion.
+/// Time after accepted motion within which the board may still move the axes.
 const EXECUTION_DELAY: Duration = Duration::from_millis(1500);
 
 #[derive(Clone)]
@@ -31,9 +31,9 @@ struct StepLinkFixture {
     run: RunTime,
     z: i64,
     collected: Vec<u8>,
-    /// Sequence number of the last block sent.
+    /// Sequence number of the last block sent to the link.
     sequence: u8,
-    /// When motion was last accepted.
+    /// Time at which the link last accepted motion.
     last_accepted: Duration,
 }
 
@@ -151,7 +151,7 @@ fn execute_action(fixture: &mut StepLinkFixture, byte: u8) {
     fixture.link.tick(fixture.now());
 }
 
-/// A link that has identified its board and may move it.
+/// Returns a link that has identified its board and may move it.
 fn ready_fixture() -> StepLinkFixture {
     let config: LinkConfig = ron::from_str(WIRED).unwrap_or_default();
     let mut desk = StepLinkFixture {

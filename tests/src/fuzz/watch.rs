@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::time::{Duration, Instant};
 
-/// Time limit of a block, a tick or a slot.
+/// Greatest duration of a unit of work: a block, a tick or a slot.
 pub const UNIT_TIME_LIMIT: Duration = Duration::from_millis(50);
 
 thread_local! {
@@ -13,16 +13,16 @@ thread_local! {
     static SEEN: RefCell<BTreeSet<u64>> = const { RefCell::new(BTreeSet::new()) };
 }
 
-/// The record of one run.
+/// What an input has reached in one run.
 #[derive(Debug, Default)]
 pub struct UnitRecord {
-    /// The longest unit of work.
+    /// Duration of the longest unit of work.
     pub longest_unit: Duration,
-    /// Hashes of everything that happened.
+    /// Hashes of the events that were recorded, by which new results are recognized.
     pub events: BTreeSet<u64>,
 }
 
-/// Runs one unit of work and records its duration.
+/// Runs one unit of work, records its duration and returns its result.
 pub fn run_unit<T>(work: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     let result = work();
@@ -30,19 +30,20 @@ pub fn run_unit<T>(work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// Records the duration of a unit of work.
+/// Records the duration of a unit of work that has ended.
 pub fn record_duration(time: Duration) {
     LONGEST.with(|longest| longest.set(longest.get().max(time)));
 }
 
-/// Records an event by its kind and identity.
+/// Records an event by its kind and a value that identifies the event within the kind.
 pub fn record_event(kind: &str, which: impl Hash) {
     let mut hasher = DefaultHasher::new();
     (kind, which).hash(&mut hasher);
     SEEN.with(|seen| seen.borrow_mut().insert(hasher.finish()));
 }
 
-/// A message without quoted text and numbers, which identifies its rule.
+/// Returns the first 20 lower-case letters of a message outside quoted text, which identify
+/// its rule.
 pub fn message_rule(message: &str) -> String {
     let before = message.split('"').next().unwrap_or("");
     let after = message.rsplit('"').next().unwrap_or("");
@@ -55,12 +56,12 @@ pub fn message_rule(message: &str) -> String {
         .collect()
 }
 
-/// The order of magnitude of a count, as its power of two.
+/// Returns the number of binary digits of a count, as its order of magnitude.
 pub const fn order_of_magnitude(count: u64) -> u32 {
     u64::BITS - count.leading_zeros()
 }
 
-/// Returns the record since the last call, and starts a new one.
+/// Returns what was recorded since the last call, and starts a new record.
 pub fn take_record() -> UnitRecord {
     UnitRecord {
         longest_unit: LONGEST.with(|longest| longest.replace(Duration::ZERO)),

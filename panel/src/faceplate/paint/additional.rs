@@ -6,11 +6,12 @@ use super::{Painter, circle, faint, lighter, radial};
 use crate::faceplate::text::opaque;
 use crate::faceplate::{PanelColour, PanelPart};
 
-/// Graduations of the handwheel.
+/// Number of graduations in one turn of the handwheel.
 pub(super) const GRADUATIONS: i32 = 100;
 
 impl Painter {
-    /// The emergency stop: a red mushroom on a yellow plate.
+    /// Paints the emergency stop: a red mushroom on a yellow plate, lower and smaller while
+    /// latched.
     pub(super) fn mushroom(&mut self, part: &PanelPart, latched: bool) {
         let (x, y) = part.rect.center();
         let radius = part.rect.w / 2.0;
@@ -45,7 +46,8 @@ impl Painter {
         }
     }
 
-    /// One of the arrows that show in which direction the mushroom button unlatches.
+    /// Paints one of the arrows that show in which direction the mushroom button unlatches.
+    /// `start` is its first angle, rad.
     fn turn_arrow(&mut self, (x, y): (f32, f32), radius: f32, start: f32) {
         let at = |angle: f32, radius: f32| (x + radius * angle.cos(), y + radius * angle.sin());
         let mut arc = PathBuilder::new();

@@ -11,12 +11,12 @@ use gsk_messages::{Message, say};
 use super::{FileId, SerialFile, Wanted};
 use crate::pages;
 
-/// Names of the data files. Programs have their number as a name.
+/// Names of the data files. The name of a program file is its number.
 pub(super) const OFFSETS: &str = "Tofs.ofs";
 pub(super) const PITCH: &str = "Wcomp.wmp";
 pub(super) const PARAMETERS: &str = "ParaW.par";
 
-/// Returns the files to send.
+/// Returns the files that 输出 sends.
 pub(super) fn files_to_send(wanted: Wanted, cnc: &Cnc) -> Vec<SerialFile> {
     let file = |name: &str, text: String| SerialFile {
         name: name.to_owned(),
@@ -42,7 +42,7 @@ pub(super) fn files_to_send(wanted: Wanted, cnc: &Cnc) -> Vec<SerialFile> {
     }
 }
 
-/// Returns the file of a program or of data. `None` for a missing program.
+/// Returns the file of a program or of data, with name and text; `None` for a missing program.
 pub(super) fn file_of(id: FileId, cnc: &Cnc) -> Option<SerialFile> {
     let wanted = match id {
         FileId::Program(number) => Wanted::Program(number),
@@ -62,7 +62,7 @@ fn program_file(number: u16, program: &Program) -> SerialFile {
     }
 }
 
-/// Number, X, Z, R, T.
+/// Returns the text of the offset file, one offset a line: number, X, Z, R, T.
 fn offsets(cnc: &Cnc) -> String {
     let lines = cnc.offsets().iter().map(|(number, offset)| {
         let (x, z, r, t) = (offset.x, offset.z, offset.r, offset.t);
@@ -71,7 +71,7 @@ fn offsets(cnc: &Cnc) -> String {
     lines.collect()
 }
 
-/// Number, X, Z.
+/// Returns the text of the pitch error file, one point a line: number, X, Z.
 fn pitch(cnc: &Cnc) -> String {
     let value = |axis, point| cnc.pitch().value(axis, point);
     let lines = (0..=u8::MAX).map(|point| {
@@ -84,7 +84,8 @@ fn pitch(cnc: &Cnc) -> String {
     lines.collect()
 }
 
-/// A state parameter as eight digits.
+/// Returns the text of the parameter file, one a line. A state parameter has eight binary
+/// digits.
 fn parameters(cnc: &Cnc) -> String {
     let states = pages::state_numbers()
         .map(|number| format!("{number:03}={:08b}\n", cnc.parameters().byte(number)));
@@ -93,29 +94,30 @@ fn parameters(cnc: &Cnc) -> String {
     states.chain(data).collect()
 }
 
-/// The reason why a line of a file is invalid, with its number from 1.
+/// The reason why a line of a data file is invalid, with the line's number (from 1).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum DataLineError {
-    /// The line does not have the form `NUMBER=VALUE`.
+    /// The line, given by its number, does not have the form `NUMBER=VALUE`.
     Form(usize),
-    /// The line has no valid number.
+    /// The text before `=` is not a number: line, text.
     NoNumber(usize, String),
-    /// The line has an invalid value.
+    /// The value is not valid for its number: line, value.
     NoValue(usize, String),
-    /// The control refuses the offset.
+    /// The control refuses the offset in the line.
     Offset {
-        /// Line, from 1.
+        /// Number of the line, from 1.
         line: usize,
-        /// The alarm of the control.
+        /// The alarm with which the control refuses the offset.
         alarm: Box<Alarm>,
     },
-    /// The control refuses the pitch error.
+    /// The control refuses the pitch error: line, reason.
     Pitch(usize, PitchError),
 }
 
 impl DataLineError {
-    /// Returns the message with the line.
+    /// Returns the message that a line of a received file is invalid, with its number and the
+    /// reason.
     pub fn message(&self) -> Message {
         match self {
             Self::Form(line) => say::in_line(line, say::data_line_form()),
@@ -127,11 +129,11 @@ impl DataLineError {
     }
 }
 
-/// Parses a file by the extension of its name.
+/// Parses a received file by the extension of its name; without a known one it is a program.
 ///
 /// # Errors
 ///
-/// Returns the first invalid line.
+/// Returns the first invalid line of a data file.
 pub(super) fn read(file: &SerialFile) -> Result<ReceivedData, DataLineError> {
     let extension = file.name.rsplit('.').next().unwrap_or_default();
     match extension.to_ascii_lowercase().as_str() {
@@ -142,12 +144,13 @@ pub(super) fn read(file: &SerialFile) -> Result<ReceivedData, DataLineError> {
     }
 }
 
-/// Returns the number of a program. One without a number has the rights of O0000.
+/// Returns the number of a program text. A text without a number has the access rights of
+/// O0000.
 pub(super) fn number_of(text: &str) -> u16 {
     Program::new(text).number().unwrap_or(0)
 }
 
-/// The lines `NUMBER=VALUE` with their line number.
+/// Returns the lines `NUMBER=VALUE` as line (from 1), number and value.
 fn lines(text: &str) -> impl Iterator<Item = Result<(usize, u16, &str), DataLineError>> {
     let lines = text
         .lines()

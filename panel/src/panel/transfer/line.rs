@@ -9,25 +9,25 @@ use gsk_messages::{Message, say};
 use super::{DataLineError, Panel, Partner, SerialFile, files, reason};
 use crate::pages::Communication;
 
-/// A file of the control.
+/// Names a file of the control that a client can read or write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileId {
-    /// A program of the memory.
+    /// A program of the memory, by its number.
     Program(u16),
-    /// All tool offsets.
+    /// The file of all tool offsets.
     Offsets,
-    /// The pitch error table.
+    /// The file of the pitch error table.
     Pitch,
-    /// All parameters.
+    /// The file of all parameters.
     Parameters,
 }
 
 impl FileId {
-    /// The data files, without the programs.
+    /// All files of data, without the programs.
     pub const DATA: [Self; 3] = [Self::Offsets, Self::Pitch, Self::Parameters];
 
-    /// Returns the file with a name, ignoring case. `None` for a name that the control does not
-    /// use.
+    /// Returns the file with a name, ignoring case; `None` for a name that the control does
+    /// not use.
     pub fn of(name: &str) -> Option<Self> {
         let data = [
             (files::OFFSETS, Self::Offsets),
@@ -48,26 +48,26 @@ impl FileId {
     }
 }
 
-/// The reason why the control refuses a request about a file.
+/// The reason why the control refuses a client's request about a file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", self.message())]
 pub enum FileRefusal {
-    /// A right, a switch or a mode forbids it.
+    /// A right, a switch or a mode of the control forbids it.
     Refused(WriteRefusal),
-    /// The file does not exist.
+    /// The requested file does not exist.
     Missing,
-    /// The file exists already.
+    /// The file exists already and must not be replaced.
     Exists,
-    /// Data files cannot be renamed or deleted.
+    /// The request renames or deletes a data file, which only programs permit.
     OnlyPrograms,
-    /// The content is invalid.
+    /// The content of the received file is invalid in a line.
     Unreadable(DataLineError),
-    /// The control raises an alarm.
+    /// The control refuses the request with this alarm.
     Alarm(Box<Alarm>),
 }
 
 impl FileRefusal {
-    /// Returns the message to the client.
+    /// Returns the message to a client: why its request was refused.
     pub fn message(&self) -> Message {
         match self {
             Self::Refused(refusal) => reason(*refusal),
@@ -79,7 +79,7 @@ impl FileRefusal {
         }
     }
 
-    /// Returns whether the memory is full.
+    /// Returns whether the reason is that the program memory is full.
     pub fn is_memory_full(&self) -> bool {
         match self {
             Self::Alarm(alarm) => {
@@ -90,21 +90,22 @@ impl FileRefusal {
     }
 }
 
-/// Parses a data file.
+/// Parses a received data file by the extension of its name.
 ///
 /// # Errors
 ///
-/// Returns the first invalid line.
+/// Returns the first invalid line of the file.
 pub fn read_data(file: &SerialFile) -> Result<ReceivedData, DataLineError> {
     files::read(file)
 }
 
-/// Returns a file of the memory. `None` for a missing program.
+/// Returns a file of the memory with name and text; `None` for a missing program.
 pub fn file_of(id: FileId, cnc: &Cnc) -> Option<SerialFile> {
     files::file_of(id, cnc)
 }
 
-/// Returns the program number in the name of a file (`O0001`, `o12.nc`).
+/// Returns the program number in the name of a file (`O0001`, `o12.nc`); `None` if it has
+/// none.
 pub fn number_of_name(name: &str) -> Option<u16> {
     let stem = name.rsplit(['/', '\\']).next()?;
     let stem = stem.split_once('.').map_or(stem, |(stem, _)| stem);
@@ -120,30 +121,32 @@ impl From<WriteRefusal> for FileRefusal {
 }
 
 impl Panel {
-    /// Connects a port of the computer as the partner. [`Self::take_port_files`] takes the files
-    /// to send.
+    /// Connects a port of the computer as the partner of the serial port.
+    /// [`Self::take_port_files`] then takes the files to send.
     pub const fn connect_port(&mut self) {
         self.transfer.partner = Partner::Line;
     }
 
-    /// Takes the files that 输出 sends through a port of the computer.
+    /// Takes the files that 输出 sends, for the port of the computer.
     pub fn take_port_files(&mut self) -> Vec<SerialFile> {
         core::mem::take(&mut self.transfer.for_line)
     }
 
-    /// Returns whether 复位 has aborted the port's transfer since the last call.
+    /// Returns whether 复位 has aborted a transfer through the computer's port since the last
+    /// call.
     pub const fn take_aborted(&mut self) -> bool {
         core::mem::replace(&mut self.transfer.broken_off, false)
     }
 
-    /// Returns the control's baud rate, bit/s. `None` while the control or its port (002.5) is
+    /// Returns the control's baud rate, bit/s; `None` while the control or its port (002.5) is
     /// off.
     pub fn baud_rate(&self, cnc: &Cnc) -> Option<u32> {
         let on = self.is_awake() && cnc.parameters().has_serial_port();
         on.then(|| cnc.parameters().baud())
     }
 
-    /// Sets the state of the serial port: the word on the LCD, and F213.
+    /// Sets the state of the serial port: shows it in the LCD's status row and puts it into
+    /// the PLC signals F213.
     pub fn show_port_state(&mut self, shown: Communication, requests: &mut Vec<ControlRequest>) {
         let port = match shown {
             Communication::Sending => SerialPort::Sending,
@@ -153,7 +156,7 @@ impl Panel {
         self.show_transfer(shown, port, requests);
     }
 
-    /// Returns whether a port of the computer is sending or receiving.
+    /// Returns whether a port of the computer is sending or receiving a file.
     pub(super) fn client_port_is_busy(&self) -> bool {
         self.transfer.partner == Partner::Line
             && self.transfer.incoming.is_none()
