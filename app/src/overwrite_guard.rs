@@ -215,9 +215,9 @@ mod tests {
         };
         // The file does not exist yet: the next run would find it.
         let new = folder.join("out/../9001.CNC");
-        assert!(refusal_text(&new).contains("the subprogram O9001"));
-        assert!(refusal_text(&by_word).contains("the subprogram O0003"));
-        assert!(refusal_text(&link).contains("the subprogram O0003"));
+        assert!(refusal_text(&new).contains("subprogram O9001"));
+        assert!(refusal_text(&by_word).contains("subprogram O0003"));
+        assert!(refusal_text(&link).contains("subprogram O0003"));
         for free in [&result, &elsewhere, &folder.join("new.ndjson")] {
             assert_eq!(refusal_text(free), "");
         }

@@ -6,7 +6,7 @@ use crate::common::WindowBench;
 use crate::window::request_close;
 use egui::Modifiers;
 use egui::accesskit::Role;
-use egui_kittest::kittest::{By, NodeT, Queryable};
+use egui_kittest::kittest::{By, Queryable};
 use gsk_app::kernel::{Command, OpenedProgram, StorePolicy};
 use gsk_app::window::layout::{Layouts, WindowLayout};
 use gsk_core::operation::RunState;
@@ -190,7 +190,7 @@ fn new_stock_clears_the_collision_message() {
 /// The label with the time left of the running program.
 fn time_left(bench: &WindowBench) -> String {
     let mut all = bench.harness.query_all_by_label_contains(" left:");
-    let label = all.next().and_then(|node| node.accesskit_node().label());
+    let label = all.next().and_then(|node| node.value());
     label.expect("the time left")
 }
 

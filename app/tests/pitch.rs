@@ -28,7 +28,7 @@ fn a_measurement_is_imported_with_a_backup_and_exported() {
     assert_eq!(dry.0, 2, "there is no memory yet: {dry:?}");
     let (code, out, error) = folder.run_pitch("import laser.csv --axis z --into data");
     assert_eq!((code, error.as_str()), (0, ""), "{out}");
-    assert!(out.contains("play 12.0 µm"), "{out}");
+    assert!(out.contains("backlash 12.0 µm"), "{out}");
     assert!(folder.0.join("data/backups/before-import-0001").is_dir());
     let (_, table, _) = folder.run_pitch("show --axis z --data data");
     assert!(table.starts_with("Z: interval"), "{table}");

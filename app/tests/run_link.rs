@@ -124,7 +124,7 @@ pub fn enter_at_the_terminal_continues_after_m00() {
         code == Some(0)
     });
     assert!(is_done, "{last_output}");
-    let question = "M00 in line 4: press Enter to go on, Ctrl-C to stop";
+    let question = "M00 in line 4: press Enter to continue, Ctrl-C to stop";
     assert_eq!(last_output.matches(question).count(), 2, "{last_output}");
     let line = folder.last_count();
     assert!(line.ends_with(AT_END), "{line}");
@@ -140,7 +140,7 @@ pub fn the_operator_confirms_each_further_part() {
     });
     assert!(is_done, "{last_output}");
     assert_eq!(
-        last_output.matches("part 1 of 2 is made").count(),
+        last_output.matches("part 1 of 2 is finished").count(),
         1,
         "{last_output}"
     );
@@ -231,7 +231,7 @@ pub fn without_a_reference_no_axis_moves() {
     assert_eq!(output.status.code(), Some(1), "{output_text}");
     assert_eq!(report(&output)["alarm"]["number"], 610, "{output_text}");
     assert!(
-        output_text.contains("--home makes the machine zero"),
+        output_text.contains("--home to make the machine zero return"),
         "{output_text}"
     );
     let lines = twin.printed_lines();

@@ -145,7 +145,7 @@ fn a_renishaw_file_is_added_to_the_table_and_exported() {
     let off_grid = TempFile::new("z.ren", b"spacing: 10\n-10 6\n15 4\n");
     let with_axis = [&arguments[..], &["--axis", "x"]].concat();
     let (code, _, err) = run_gsk(&with_axis);
-    assert!(code == 2 && err.contains("it is of Y"), "{err}");
+    assert!(code == 2 && err.contains("for axis Y"), "{err}");
     let no_axis = TempFile::new("w.ren", b"axis: W\n10 1\n");
     *second_arguments.last_mut().unwrap() = no_axis.path();
     let (code, _, err) = run_gsk(&second_arguments);
@@ -197,7 +197,10 @@ fn parameters_and_keys_of_a_mill_are_listed() {
     let words = ["mill", "homing", "--lang", "en", "--params", file.path()];
     let (code, out, _) = run_gsk(&[&words[..], &["--param", "13.3=1"]].concat());
     assert!(code == 0 && out.lines().count() == 5, "{out}");
-    assert!(out.contains("A: method D (188.6 = 1): - at 3000"), "{out}");
+    assert!(
+        out.contains("A: method D (188.6 = 1): moves - at 3000"),
+        "{out}"
+    );
     let file = TempFile::new("wrong.par", b"31=3000\n32=1\n");
     let (code, _, err) = run_gsk(&["mill", "homing", "--params", file.path(), "--lang", "en"]);
     assert!(code == 2 && err.contains("line 2"), "{err}");

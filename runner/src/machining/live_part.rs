@@ -100,11 +100,13 @@ impl LivePart {
             source: moving_block(simulation),
         };
         self.change_stock(simulation);
-        if !conditions.rapid && conditions.source.is_some() && cnc.is_moving() {
+        let slide = cnc.position_machine();
+        // Under machine lock the commands move and the slides do not.
+        let has_moved = self.last_tick.is_some_and(|last| last.slide != slide);
+        if !conditions.rapid && conditions.source.is_some() && has_moved {
             self.machining.track.mounting_mut().fix_tool(tool, &frame);
         }
         let tip = |slide| self.machining.mounting().tip_in_part(tool, slide, &frame);
-        let slide = cnc.position_machine();
         let now = TickState {
             slide,
             tip: tip(slide),
