@@ -86,7 +86,7 @@ pub enum GuardError {
         /// The port.
         port: String,
     },
-    /// The holder did not answer within [`START_TIMEOUT`].
+    /// The holder did not answer within `START_TIMEOUT`.
     Silent {
         /// The port.
         port: String,
@@ -106,7 +106,8 @@ impl GuardError {
     }
 }
 
-/// A port that another process holds. Dropping it without [`PortGuard::close`] stops the board.
+/// A port that a holder process keeps open. Dropping it without [`PortGuard::close`] stops the
+/// board.
 pub struct PortGuard {
     child: Child,
     holder: HolderConnection,

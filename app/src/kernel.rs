@@ -128,7 +128,7 @@ pub struct Kernel {
     /// Holds the proof that held keys are still held.
     input_watch: InputWatch,
     /// After the display has hung, handwheel turns are dropped until this time on the clock
-    /// with sleep; each further turn moves it by [`WHEEL_REST_TIME`].
+    /// with sleep; each further turn moves it by `WHEEL_REST_TIME`.
     wheel_rests_until: Duration,
     quit_requested: bool,
 }

@@ -191,8 +191,8 @@ macro_rules! complain {
     };
 }
 
-/// Prints a report, as one JSON object or in words. `to_stderr` selects standard error, because
-/// the moves are on standard output.
+/// Prints a report, as one JSON object or in words. `to_stderr` selects standard error, for
+/// use when the moves are on standard output.
 ///
 /// # Errors
 /// The report cannot be converted to JSON.

@@ -279,7 +279,7 @@ fn find_problems(path: &Path, name: &str, text: &str) -> Vec<ProjectProblem> {
     }
 }
 
-/// Numbers of files that a call of [`write`] has changed.
+/// Numbers of files that a call of [`write()`] has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProjectWriteCounts {
     /// Number of files that are new or have other contents.

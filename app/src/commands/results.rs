@@ -58,8 +58,8 @@ pub(super) fn check_files(
         .collect()
 }
 
-/// Prints results and returns the highest exit code. `to_stderr` selects standard error, because
-/// the moves are on standard output.
+/// Prints results and returns the highest exit code. `to_stderr` selects standard error, for
+/// use when the moves are on standard output.
 pub(super) fn print_results(
     results: &[Result<ProgramReport, CommandError>],
     format: CheckFormat,

@@ -228,8 +228,8 @@ impl WindowStarter {
     }
 }
 
-/// Whether to show the questions of the first start: if an option requests it, or if they
-/// are unanswered (`is_unanswered`) and no option already names a program, lathe, model or port.
+/// Whether to show the questions of the first start: if an option requests it, or if they are
+/// unanswered (`is_unanswered`) and no option already names a program, lathe, model or port.
 const fn needs_first_start(args: &WindowArgs, is_unanswered: bool) -> bool {
     let is_named = args.program.is_some()
         || args.link.is_some()

@@ -47,7 +47,7 @@ enum ReleaseTiming {
     NextTick,
     /// When the operator releases the key, in the order of the queue.
     WithEdge,
-    /// When the operator releases the key, but at the earliest after [`MIN_PRESS_TICKS`]; the
+    /// When the operator releases the key, but at the earliest after `MIN_PRESS_TICKS`; the
     /// release does not wait for other keys.
     Contact,
 }

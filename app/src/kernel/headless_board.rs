@@ -50,8 +50,8 @@ impl NotReady {
     }
 }
 
-/// The board of a control without a window. Dropping it without [`HeadlessBoard::close`] stops the
-/// board at once.
+/// The board of a control without a window. Dropping it without [`HeadlessBoard::close`] stops
+/// the board at once.
 #[derive(Debug)]
 pub struct HeadlessBoard {
     /// The connection to the board; `None` after a termination signal, because the board has

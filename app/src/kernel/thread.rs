@@ -249,7 +249,7 @@ impl KernelLoop {
         }
     }
 
-    /// Saves changes of the memory, at most once per [`KEEPER_INTERVAL`].
+    /// Saves changes of the memory, at most once per `KEEPER_INTERVAL`.
     fn save_changes(&mut self, now: Instant) {
         if let Some(keeper) = &mut self.outside.keeper
             && now.duration_since(self.last_keeper_check) > KEEPER_INTERVAL
@@ -312,7 +312,7 @@ impl KernelLoop {
 }
 
 /// Runs the `due` ticks until the time `until`, or until the speed in force is no longer
-/// `speed`; returns the number of ticks. Keys are checked every [`TICKS_PER_CHECK`] ticks.
+/// `speed`; returns the number of ticks. Keys are checked every `TICKS_PER_CHECK` ticks.
 fn run_ticks(kernel: &mut Kernel, due: u64, speed: RunSpeed, until: Instant) -> u64 {
     let mut ran = 0;
     loop {
@@ -325,7 +325,7 @@ fn run_ticks(kernel: &mut Kernel, due: u64, speed: RunSpeed, until: Instant) -> 
     }
 }
 
-/// Waits at most [`WINDOW_CLOSE_TIMEOUT`] until the window closes, after the board has stopped
+/// Waits at most `WINDOW_CLOSE_TIMEOUT` until the window closes, after the board has stopped
 /// and all is saved. If the window stays open, ends the process.
 fn wait_for_window(kernel: &Kernel) {
     let last = Instant::now() + WINDOW_CLOSE_TIMEOUT;

@@ -260,7 +260,7 @@ impl TransferSession {
         }
     }
 
-    /// Moves bytes until the last replies have left, at most [`DRAIN_TIMEOUT`].
+    /// Moves bytes until the last replies have left, at most `DRAIN_TIMEOUT`.
     fn drain(&mut self) -> Result<(), PcError> {
         let begun = Instant::now();
         while !self.side.is_drained() && begun.elapsed() < DRAIN_TIMEOUT {

@@ -67,7 +67,7 @@ impl RetainedSnapshot {
     }
 }
 
-/// A part of the memory that is stored in a file of its own.
+/// A part of the memory that is stored in a separate file.
 pub(super) trait MemoryPart {
     /// Reads the part from the file `NAME.ron`; adds damage to `complaints`.
     fn load(&mut self, data: &DataDir, name: &str, complaints: &mut Vec<FileDamage>);

@@ -27,7 +27,7 @@ fn median_and_max(times: &mut [Duration]) -> Option<(f64, f64)> {
     Some((ms(&times[times.len() / 2]), ms(worst)))
 }
 
-/// Measures an idle board for [`IDLE_DURATION`] and prints its round-trip times. Returns the
+/// Measures an idle board for `IDLE_DURATION` and prints its round-trip times. Returns the
 /// events of that time.
 pub fn measure_idle(board: &mut BoardSession) -> Vec<LinkEvent> {
     let mut events = Vec::new();
@@ -60,7 +60,7 @@ const SWITCHES: [(Input, fn() -> Message); 4] = [
     (Input::DriveAlarm, say::link_page_drive_alarm),
 ];
 
-/// The names of those [`SWITCHES`] that are operated.
+/// The names of those `SWITCHES` that are operated.
 pub fn operated_switches(board: &BoardSession) -> Vec<Message> {
     let name_if_operated = |(input, name): (Input, fn() -> Message)| {
         (board.link.input(input) == Some(true)).then(name)
@@ -84,7 +84,7 @@ struct TestMove<'a> {
 
 impl TestMove<'_> {
     /// Moves Z for one tick of 1 ms; its speed approaches `target` with the acceleration that
-    /// reaches `top_speed` in [`RAMP_MS`] (both in pulses per tick). Returns false if the
+    /// reaches `top_speed` in `RAMP_MS` (both in pulses per tick). Returns false if the
     /// connection is lost or the board refuses the motion.
     fn move_tick(&mut self, target: f64, top_speed: f64) -> bool {
         let step = top_speed / RAMP_MS;

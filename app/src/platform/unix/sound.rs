@@ -52,7 +52,7 @@ pub struct Player {
     child: Child,
     input: ChildStdin,
     rate: u32,
-    /// Index in [`PLAYERS`] of the first one that was not tried yet.
+    /// Index in `PLAYERS` of the first one that was not tried yet.
     next_player: usize,
 }
 

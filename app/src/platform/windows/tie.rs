@@ -126,7 +126,7 @@ struct ProgramBytes {
     gone: bool,
 }
 
-/// [`ProgramBytes`] shared by two threads, with a signal for the waiting one.
+/// `ProgramBytes` shared by two threads, with a signal for the waiting one.
 #[derive(Default)]
 struct SharedProgramBytes {
     bytes: Mutex<ProgramBytes>,

@@ -12,20 +12,20 @@ use super::path::{BlockRef, DrawnPath, SegmentKind};
 use crate::window::theme;
 
 const COLUMN_COUNT: usize = 600;
-/// Height of the bar, points.
+/// Height of the time bar, points.
 const BAR_HEIGHT: f32 = 12.0;
 
-/// The time bar, and the path it was made for.
+/// The bar with the machine time of the program, and the path it was made for.
 #[derive(Default)]
 pub struct TimeBar {
     drawn_path: Option<Arc<DrawnPath>>,
     columns: Vec<SegmentKind>,
-    /// Machine time of the running block, s. A repeated block has a later time.
+    /// Machine time at the start of the running block, s. A repeated block has a later time.
     running_block_s: f32,
 }
 
 impl TimeBar {
-    /// Draws bar and sums. `running`: the block that is being executed.
+    /// Draws the time bar and the sums of the times. `running`: the block under execution.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -117,7 +117,7 @@ const fn spending_color(what: TimeUse) -> Color32 {
     }
 }
 
-/// The kind of move in each column of the bar.
+/// Returns the kind of move that each column of the bar shows.
 fn fill_columns(path: &DrawnPath, total_s: f32) -> Vec<SegmentKind> {
     let mut columns = vec![SegmentKind::Jump; COLUMN_COUNT];
     let column = |seconds: f32| (seconds / total_s * COLUMN_COUNT as f32) as usize;
@@ -132,7 +132,8 @@ fn fill_columns(path: &DrawnPath, total_s: f32) -> Vec<SegmentKind> {
     columns
 }
 
-/// Machine time at which a block begins, s: the first start that is not before `earliest_s`.
+/// Machine time at which a block begins, s: its first start that is not before `earliest_s`,
+/// or `earliest_s` if there is none.
 fn block_start_s(path: &DrawnPath, block: BlockRef, earliest_s: f32) -> f32 {
     let of_block = path
         .segments()
