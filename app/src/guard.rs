@@ -69,26 +69,26 @@ pub enum Orphan {
 pub enum GuardError {
     /// The holder process cannot be started.
     NotStarted {
-        /// The port.
+        /// Name of the port.
         port: String,
-        /// Error of the system.
+        /// Error of the operating system.
         error: io::Error,
     },
     /// The holder process ended before it had opened the port.
     Ended {
-        /// The port.
+        /// Name of the port.
         port: String,
     },
     /// The holder cannot open the port; the payload is its reason.
     Refused(Message),
     /// The started process sends no frames: it is not a holder.
     Strange {
-        /// The port.
+        /// Name of the port.
         port: String,
     },
     /// The holder did not answer within `START_TIMEOUT`.
     Silent {
-        /// The port.
+        /// Name of the port.
         port: String,
     },
 }

@@ -107,7 +107,7 @@ pub struct Kernel {
     lesson: Option<PracticeSession>,
     /// The alarms raised since the control was opened.
     alarm_history: AlarmHistory,
-    /// The program opened last.
+    /// The program that was opened last from a file; `None` before the first one.
     last_opened: Option<LastOpened>,
     notices: Sender<Notice>,
     /// Key events that wait for their tick, and the keys that are down.

@@ -68,45 +68,45 @@ pub enum LoadError {
     },
     /// A ladder has errors.
     Ladder {
-        /// Path of the ladder.
+        /// Path of the ladder file.
         path: PathBuf,
         /// The errors of the ladder.
         errors: CompileErrors,
     },
     /// A machine file is malformed.
     Machine {
-        /// Path of the file.
+        /// Path of the machine file.
         path: PathBuf,
-        /// Line, from 1.
+        /// Line of the error in the file, from 1.
         line: usize,
         /// The error in this line.
         error: Box<ron::Error>,
     },
     /// A number in a machine file is not finite.
     MachineNumber {
-        /// Path of the file.
+        /// Path of the machine file.
         path: PathBuf,
-        /// Line, from 1.
+        /// Line of the number in the file, from 1.
         line: usize,
-        /// The number as written.
+        /// The number as written in the file.
         token: String,
     },
     /// A machine file breaks the rules for lathes.
     InvalidLathe {
-        /// Path of the file.
+        /// Path of the machine file.
         path: PathBuf,
         /// One message for each broken rule.
         rules: Vec<Message>,
     },
-    /// No program is named.
+    /// The command line names no program to run.
     NoProgram,
     /// A subprogram file has no program number, so that no program could call it.
     NoNumber(PathBuf),
     /// The memory refuses a program file.
     NotStored {
-        /// Path of its file.
+        /// Path of the program file.
         path: PathBuf,
-        /// The alarm.
+        /// The alarm with which the memory refuses it.
         alarm: Box<Alarm>,
     },
 }

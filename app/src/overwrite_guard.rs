@@ -35,7 +35,7 @@ pub enum OverwriteError {
     InputFile(PathBuf),
     /// The next run would read the file as a subprogram.
     Subprogram {
-        /// Path of the result.
+        /// Path of the refused result.
         path: PathBuf,
         /// Program number in the name or the text of the file.
         number: u16,
@@ -44,7 +44,7 @@ pub enum OverwriteError {
     },
     /// The file belongs to the memory in a data directory.
     ControlMemory {
-        /// Path of the result.
+        /// Path of the refused result.
         path: PathBuf,
         data: PathBuf,
     },

@@ -14,7 +14,7 @@ pub const FOLDER: &str = "lessons";
 /// Extension of a lesson file.
 const ENDING: &str = "ron";
 
-/// The available lessons.
+/// The lessons that the window lists, and the errors of unusable ones.
 #[derive(Debug, Default)]
 pub struct AvailableLessons {
     /// The built-in lessons, then those of the data directory, sorted by name.

@@ -110,7 +110,7 @@ impl Lease {
 pub struct GuardFrameReader(Vec<u8>);
 
 impl GuardFrameReader {
-    /// Appends received bytes.
+    /// Appends bytes that were received from the other process.
     pub fn push_bytes(&mut self, bytes: &[u8]) {
         self.0.extend_from_slice(bytes);
     }

@@ -44,7 +44,6 @@ use crate::platform;
 pub enum Command {
     /// Press or release a key of the panel.
     Key {
-        /// The key.
         key: Key,
         /// True if the key goes down, false if it comes up.
         down: bool,
@@ -159,7 +158,6 @@ pub struct OpenedProgram {
     pub path: Option<PathBuf>,
     /// What to do if another program has its number.
     pub store_policy: StorePolicy,
-    /// The program.
     pub program: Program,
     /// Subprograms from the folder of the file.
     pub subprograms: Vec<Program>,
@@ -192,9 +190,9 @@ pub enum NotStored {
 /// What the kernel reports to the window besides snapshots; no notice is lost.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Notice {
-    /// A program was opened.
+    /// A program was opened: its name, file and storage.
     Opened {
-        /// Its name.
+        /// Name of the program.
         name: String,
         /// Its file, if it has one.
         path: Option<PathBuf>,
@@ -207,7 +205,7 @@ pub enum Notice {
     Sent(String),
     /// A message to the operator.
     Message(Message),
-    /// The tool has collided.
+    /// The tool has collided, as the message describes.
     Collided(Message),
     /// New stock is clamped: earlier collisions do not count any more.
     FreshStock,
@@ -222,7 +220,7 @@ pub enum Notice {
 /// The state of the panel at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanelSnapshot {
-    /// The LCD.
+    /// Contents of the LCD.
     pub screen: Screen,
     /// The LCD in the other language; `None` unless the window has requested it.
     pub translated: Option<Box<Screen>>,
@@ -230,7 +228,6 @@ pub struct PanelSnapshot {
     pub page: PageId,
     /// Which axis keys act in the reverse direction.
     pub keys_reversed: KeysReversed,
-    /// The control model.
     pub model: ModelId,
     /// Brightness of the LCD, 0 (darkest) to 15.
     pub brightness: u8,
@@ -262,7 +259,7 @@ pub struct PanelSnapshot {
     pub program_wait: Option<ProgramWait>,
     /// Whether a slide or the spindle moves.
     pub is_moving: bool,
-    /// The selected program.
+    /// The selected program; `None` if none is selected.
     pub program: Option<ProgramId>,
     /// The lesson under way, whose practice machine the snapshot shows; `None` outside
     /// lessons.
@@ -312,7 +309,7 @@ pub struct ForcedState {
 /// The window's ends of the channels to the kernel.
 #[derive(Clone, Debug)]
 pub struct Console {
-    /// Commands to the kernel.
+    /// Sends commands to the kernel.
     pub commands: Sender<Command>,
     /// Queue with the newest snapshot.
     pub snapshots: Arc<ArrayQueue<PanelSnapshot>>,
@@ -322,7 +319,7 @@ pub struct Console {
     pub link: Arc<ArrayQueue<LinkView>>,
     /// Queue with the newest state of the part, while there is a job.
     pub part: Arc<ArrayQueue<PartView>>,
-    /// Notices from the kernel.
+    /// Receives the notices of the kernel.
     pub notices: Receiver<Notice>,
     /// Sender for helper threads, whose notices come out of `notices`, too.
     pub notice_sender: Sender<Notice>,

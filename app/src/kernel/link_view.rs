@@ -28,11 +28,11 @@ pub struct LinkView {
     /// True if the board is connected and has reported its settings, so that its reports are
     /// current.
     pub is_connected: bool,
-    /// Protocol of the board.
+    /// Protocol that the board speaks.
     pub protocol: Protocol,
     /// Name of the board's port.
     pub port: String,
-    /// Identification of the board.
+    /// What the board reports about itself: firmware, sizes of queue and buffer, capabilities.
     pub board: BoardInfo,
     /// Whether the position of the slides is known.
     pub position_known: bool,

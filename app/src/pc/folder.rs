@@ -13,9 +13,9 @@ use crate::output::WriteError;
 /// A file of the PC and its name at the control.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PcFile {
-    /// Path on the PC.
+    /// Path of the file on the PC.
     pub path: PathBuf,
-    /// Name at the control.
+    /// Name of the file at the control.
     pub name: FileName,
 }
 

@@ -21,7 +21,7 @@ use crate::{platform, ports};
 /// A file of the PC to send to the control.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ToSend {
-    /// Path on the PC.
+    /// Path of the file on the PC.
     pub path: PathBuf,
     /// Partition and name at the control.
     pub location: RemotePath,
@@ -36,11 +36,11 @@ pub enum PcWorkerCommand {
     FindPorts,
     /// Read the lengths of files on the PC.
     Measure(Vec<PathBuf>),
-    /// Open a port (打开串口).
+    /// Open a serial port (打开串口); closes the port that is open.
     Open {
         /// Name of the port.
         port: String,
-        /// Rate, bits a second.
+        /// Rate of the port, bits per second.
         baud: u32,
     },
     /// Close the port (关闭串口), connected or not.
@@ -51,7 +51,7 @@ pub enum PcWorkerCommand {
     Disconnect,
     /// List the files of the control (获取CNC目录).
     List,
-    /// Send files (开始传送).
+    /// Send these files to the control (开始传送).
     Send(Vec<ToSend>),
     /// Send the files of a folder, parameters last; each replaces a file of the same name.
     Restore(PathBuf),
@@ -75,7 +75,7 @@ pub enum PcWorkerCommand {
     },
     /// Write a file that the control has sent unrequested to the PC.
     StorePushed {
-        /// Path on the PC.
+        /// Path to write to on the PC.
         path: PathBuf,
         /// Name and content of the file.
         file: TransferFile,
@@ -92,7 +92,7 @@ pub enum ConnectionStage {
     Closed,
     /// The port is open, the control has not answered yet.
     Open,
-    /// The control has answered.
+    /// The port is open and the control has answered.
     Connected,
 }
 

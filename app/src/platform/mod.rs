@@ -90,9 +90,9 @@ pub enum FileDialog {
     Folder,
     /// Choose a name for a file to write.
     Save {
-        /// Suggested name.
+        /// Suggested name of the file.
         name: String,
-        /// Extension, without the dot.
+        /// Extension of the file, without the dot.
         ending: &'static str,
     },
 }

@@ -27,44 +27,44 @@ const RETRY_INTERVAL: Duration = Duration::from_millis(20);
 pub enum PortError {
     /// The user has no permission for the port.
     Forbidden {
-        /// The port.
+        /// Name of the port.
         path: String,
-        /// Error of the system.
+        /// Error of the operating system.
         error: serialport::Error,
     },
     /// No port has this name.
     NotFound {
-        /// The port.
+        /// Name of the port.
         path: String,
-        /// Error of the system.
+        /// Error of the operating system.
         error: serialport::Error,
     },
     /// The port has no device, or another program uses it.
     NoDevice {
-        /// The port.
+        /// Name of the port.
         path: String,
-        /// Error of the system.
+        /// Error of the operating system.
         error: serialport::Error,
     },
     /// The system refuses the port for another reason.
     Refused {
-        /// The port.
+        /// Name of the port.
         path: String,
-        /// Error of the system.
+        /// Error of the operating system.
         error: serialport::Error,
     },
     /// No program listens at this network address.
     Unreachable {
-        /// The port.
+        /// Name of the port.
         path: String,
-        /// Error of the system.
+        /// Error of the operating system.
         error: io::Error,
     },
     /// The program cannot listen at a network address.
     NotOffered {
-        /// The address.
+        /// Network address, `HOST:PORT`.
         address: String,
-        /// Error of the system.
+        /// Error of the operating system.
         error: io::Error,
     },
     /// The system gives no second handle of an open port.

@@ -36,7 +36,7 @@ use crate::message_format;
 pub struct SavedPosition {
     /// Machine coordinates (X as a radius), mm.
     pub machine: Point,
-    /// Absolute coordinates, mm.
+    /// Absolute coordinates on the display, mm.
     pub absolute: Point,
     /// Position of the simulated lathe's slides from its reference point, mm (X as a radius);
     /// `None` in files that lack it.

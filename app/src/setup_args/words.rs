@@ -91,12 +91,12 @@ impl OptionValueError {
     }
 }
 
-/// Value of `--param`.
+/// The value of `--param`: a parameter or a bit, and what it is set to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterOption {
-    /// A whole parameter, `N=V`.
+    /// A whole parameter and its value, `N=V`.
     Value { number: u16, value: i32 },
-    /// One bit of a parameter, `N.B=0|1`.
+    /// A bit of a parameter and its state, `N.B=0|1`.
     Bit {
         number: u16,
         /// Number of the bit, 0 to 7.
@@ -105,17 +105,17 @@ pub enum ParameterOption {
     },
 }
 
-/// Value of `--offset`.
+/// The value of `--offset`: a row of the tool offset table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OffsetOption {
     pub number: u8,
-    /// X in mm, a diameter or a radius as on the offset page.
+    /// X offset, mm, a diameter or a radius as on the offset page.
     pub x: f64,
-    /// Z, mm.
+    /// Z offset, mm.
     pub z: f64,
     /// Nose radius, mm.
     pub nose_radius_mm: f64,
-    /// Nose type 0–9.
+    /// Nose type, 0 to 9.
     pub nose_type: u8,
 }
 

@@ -3,7 +3,7 @@
 
 use gsk_panel::keys::Key;
 
-/// Sample rate, Hz.
+/// Sample rate of the sound, Hz.
 pub const RATE: u32 = 22_050;
 /// Number of bytes of the Y memory that switch the lathe: Y0 to Y3; the bytes above are lamps.
 pub const OUTPUTS: usize = 4;
@@ -22,7 +22,7 @@ const BEEP_S: f32 = 0.3;
 /// The state of the machine from which its sound is made.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SoundState {
-    /// Keys that are down.
+    /// Keys of the panel that are down.
     pub keys: Vec<Key>,
     /// Y0 to Y3, the relays and valves.
     pub outputs: [u8; OUTPUTS],
@@ -47,7 +47,7 @@ struct Tone {
 /// A sound that fades out.
 #[derive(Clone, Debug, PartialEq)]
 struct Strike {
-    /// Pitch, Hz.
+    /// Pitch of the sound, Hz.
     pitch: f32,
     /// Share of noise in the sound, 0 to 1.
     noise: f32,

@@ -17,7 +17,7 @@ pub enum PcAction {
     Type(char),
     /// Turn the handwheel by this number of graduations, clockwise positive.
     Turn(i32),
-    /// Open the help.
+    /// Open the help window.
     Help,
 }
 

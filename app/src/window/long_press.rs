@@ -15,7 +15,7 @@ struct Finger {
     since_s: f64,
 }
 
-/// Detects a long press.
+/// Detects that a single finger stays on the screen without moving.
 #[derive(Clone, Debug, Default)]
 pub struct LongPress {
     finger: Option<Finger>,

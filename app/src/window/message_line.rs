@@ -9,7 +9,8 @@ use super::{Window, alarm_text, focus, key_label, top_bar};
 use crate::kernel::Command;
 
 impl Window {
-    /// Draws the message line.
+    /// Draws the line at the bottom of the window with what is most important now: a latched
+    /// key, a crash, an alarm, a message or a hint.
     pub(super) fn show_message_line(&self, ui: &mut Ui) {
         let language = self.settings.language;
         if let Some(key) = self.held_keys.latched_key() {

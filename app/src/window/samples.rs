@@ -24,7 +24,7 @@ pub struct ProgramSample {
 /// A sample that the operator has chosen.
 #[derive(Clone, Copy, Debug)]
 pub struct SampleRequest {
-    /// The sample.
+    /// The chosen sample.
     pub sample: &'static ProgramSample,
     /// Whether the lathe cuts it at once.
     pub starts: bool,

@@ -40,7 +40,7 @@ pub enum TopBarRequest {
     Sample(&'static ProgramSample),
     /// Carry out a command of the project view.
     Project(ProjectViewCommand),
-    /// Use a layout.
+    /// Choose this layout.
     Layout(WindowLayout),
     /// Switch between the light and the dark theme.
     ToggleLight,
@@ -68,7 +68,7 @@ pub enum TopBarRequest {
     FirstStart,
     /// Show or hide the key map.
     ToggleKeyMap,
-    /// Open the help.
+    /// Open the help window.
     Help,
     /// Switch to the other language.
     SwitchLanguage,

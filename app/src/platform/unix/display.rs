@@ -19,7 +19,7 @@ use crate::input_watch::{DisplayReply, InputWatch, QUERY_INTERVAL};
 /// Length of the key map of X11, bytes: one bit per key.
 const KEY_MAP: usize = 32;
 
-/// Kind of display server.
+/// The kind of display server that shows the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DisplayServer {
     /// An X server.

@@ -107,7 +107,7 @@ const KEYS: [VK; 92] = [
 ];
 const BUTTONS: [VK; 3] = [VK::LBUTTON, VK::RBUTTON, VK::MBUTTON];
 
-/// The display of Windows.
+/// The display of Windows, whose keys and buttons can be queried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DisplayServer;
 

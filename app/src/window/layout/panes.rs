@@ -19,11 +19,11 @@ const LEFT_SPLIT: u8 = 1;
 const RIGHT_SPLIT: u8 = 10;
 const SINGLE_SPLIT: u8 = 20;
 
-/// What a pane shows.
+/// What a pane shows: the panel or a view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WindowPane {
     Panel,
-    /// A docked view.
+    /// This docked view.
     View(ViewId),
 }
 

@@ -161,7 +161,6 @@ impl Views {
         &mut self.program
     }
 
-    /// The machine view.
     pub const fn lathe(&mut self) -> &mut LatheView {
         &mut self.lathe
     }

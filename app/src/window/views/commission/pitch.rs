@@ -24,7 +24,7 @@ const DRAWN_INTERVALS: i32 = 600;
 /// Height of the list of points, points.
 const LIST_HEIGHT: f32 = 150.0;
 
-/// Extensions of measurement files.
+/// Extensions of measurement files, in lower case without the dot.
 const EXTENSIONS: [&str; 4] = ["csv", "ren", "rtl", "txt"];
 
 /// A measurement file that was read: its name and content.

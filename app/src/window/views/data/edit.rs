@@ -87,7 +87,6 @@ pub enum DataEdit {
     },
     /// A new value of a macro variable.
     Variable {
-        /// Number of the variable.
         number: u16,
         /// New value; `None` sets the variable to null.
         value: Option<f64>,

@@ -36,7 +36,7 @@ pub enum DataPage {
 /// The kinds of parameters that a page lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterKind {
-    /// Parameters of both kinds.
+    /// State and data parameters.
     All,
     /// State parameters, which consist of eight bits.
     State,

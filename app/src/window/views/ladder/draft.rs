@@ -88,7 +88,7 @@ impl LadderDraft {
         self.compile(text);
     }
 
-    /// Undoes a step.
+    /// Returns to the text before the last undo step.
     pub fn undo(&mut self) {
         if let Some(text) = self.undo.pop() {
             self.redo.push(self.text.clone());
@@ -97,7 +97,7 @@ impl LadderDraft {
         }
     }
 
-    /// Redoes a step.
+    /// Repeats the step that was undone last.
     pub fn redo(&mut self) {
         if let Some(text) = self.redo.pop() {
             self.undo.push(self.text.clone());

@@ -33,7 +33,7 @@ pub struct Camera {
     pub points_per_mm: f32,
     /// The rectangle of the window that the picture fills.
     pub rect: Rect,
-    /// The direction of view.
+    /// The direction from which the part is seen.
     turn: ViewDirection,
     /// Directions of Z and X in the window, points per mm at scale 1, y downwards.
     axes: [Vec2; 2],

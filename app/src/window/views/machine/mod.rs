@@ -99,12 +99,12 @@ pub enum ProgramViewRequest {
         program: ProgramId,
         /// The text of the program in the control.
         control_text: String,
-        /// The new text.
+        /// The text that replaces it.
         new_text: String,
     },
 }
 
-/// The machine view.
+/// The view that shows the lathe: path, part and tool, with instruments to examine them.
 pub struct LatheView {
     console: Console,
     /// The preview worker, from the first frame on, because the part is cut without the view,

@@ -100,7 +100,7 @@ pub struct PreviewWorker {
 }
 
 impl PreviewWorker {
-    /// Starts the worker thread.
+    /// Starts the worker thread. `changed` holds the jobs that the user has changed.
     pub fn start(console: &Console, context: &Context, changed: &ChangedJobs) -> Self {
         let (requests, from_view) = unbounded();
         let results = Arc::new(ArrayQueue::new(1));

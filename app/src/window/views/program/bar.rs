@@ -31,7 +31,7 @@ pub enum EditorCommand {
 /// The texts that the user has entered in the tool bar.
 #[derive(Default)]
 pub struct ProgramBar {
-    /// The search text.
+    /// The search text as typed.
     pub search_text: String,
     /// The jump target as typed: a block, program or line.
     pub target_text: String,

@@ -15,7 +15,7 @@ use crate::window::files::{FileChoice, choose_file, run_in_thread};
 
 /// A result of a background thread.
 pub enum DocumentEvent {
-    /// A text was loaded.
+    /// A text was loaded into this document.
     Loaded(Box<ProgramDocument>),
     /// A text was written to a file or stored.
     Saved {

@@ -31,7 +31,7 @@ use targets::JumpTarget;
 /// Which text to load into the editor.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum TextToLoad {
-    /// An empty text.
+    /// An empty new text.
     New,
     /// The file that the user chooses in a dialog.
     Choose,

@@ -60,7 +60,7 @@ enum NodePage {
     Differences,
 }
 
-/// The project view.
+/// The view that edits a project and compares it with the control or another project.
 pub struct ProjectView {
     console: Console,
     settings: ProjectSettings,

@@ -26,11 +26,11 @@ pub enum ProjectNode {
     /// 螺距补偿: the pitch error tables.
     Pitch,
     Variables,
-    /// Control model and options.
+    /// Format and control model of the project, and the settings of the control.
     Settings,
     /// Counters, and panel settings that are retained.
     Counters,
-    /// Electronic disks.
+    /// Electronic disks, the stored sets of parameters.
     Disks,
     /// 零件加工程序: the part programs.
     Programs,
