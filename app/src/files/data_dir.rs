@@ -176,7 +176,7 @@ impl DataDir {
         &self.path
     }
 
-    /// Reads `NAME.ron`. A number that is not finite makes the file damaged; only the macro
+    /// Reads the file `NAME.ron`. A number that is not finite makes the file damaged; only the macro
     /// variables are loaded without it.
     pub fn load<T: DeserializeOwned>(&self, name: &str) -> LoadedFile<T> {
         let file = ron_file_name(name);
@@ -205,7 +205,7 @@ impl DataDir {
         }
     }
 
-    /// Writes `NAME.ron`.
+    /// Writes a value as the file `NAME.ron`, where NAME is `name`.
     ///
     /// # Errors
     /// The files that cannot be written.

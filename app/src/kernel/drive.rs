@@ -254,7 +254,7 @@ impl Drive {
         self.linked.can_tick()
     }
 
-    /// Passes the state of the board to the simulation before a tick.
+    /// Passes the inputs that the board reads to the simulation before a tick.
     pub fn before_tick(&mut self, simulation: &mut Simulation) {
         self.linked.before_tick(simulation);
     }
@@ -264,8 +264,8 @@ impl Drive {
         self.linked.after_tick(simulation);
     }
 
-    /// Writes the bytes that wait for the board, and the log of position checks; `program` is
-    /// the name in the log.
+    /// Writes the bytes that wait for the board, and the log of position checks. `program` is
+    /// the name of the opened program for the log; `None` without one.
     pub fn write_board(&mut self, program: Option<&str>) {
         let written = match &mut self.port_io {
             Some(carrier) => {

@@ -38,7 +38,7 @@ pub enum LessonAction {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LessonState {
     pub name: String,
-    /// Progress of the lesson and the text to show.
+    /// Current step of the lesson, and what to show besides the step.
     pub view: PracticeView,
 }
 

@@ -72,7 +72,7 @@ pub(super) struct KernelPart {
     crash_stops: bool,
     /// Whether a view shows the part.
     visible: bool,
-    /// Whether the power chuck has held the stock since it was clamped.
+    /// Whether the power chuck has held the stock at least once.
     has_gripped: bool,
     section: Arc<Region>,
     /// Version of the part from which `section` was made; `None` before the first one.

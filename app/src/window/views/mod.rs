@@ -169,7 +169,7 @@ impl Views {
         &mut self.lessons
     }
 
-    /// The view for file transfers with another control.
+    /// The view for file transfers between the PC and a control.
     pub const fn transfer(&self) -> &TransferView {
         &self.transfer
     }

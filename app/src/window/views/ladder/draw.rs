@@ -400,8 +400,8 @@ impl RungPainter<'_> {
         }
     }
 
-    /// Makes a rectangle selectable by pointer and keyboard, for the statement with index
-    /// `at`; `name` is for screen readers.
+    /// Makes a rectangle selectable by pointer and keyboard, for the rung's statement with
+    /// index `at`, from 0; `name` is for screen readers.
     pub(super) fn add_selectable(&mut self, at: usize, rect: Rect, name: &str) {
         let index = self.first_statement + at;
         let id = self.ui.scope_id().with(("statement", index));

@@ -30,7 +30,7 @@ pub enum TriggerMode {
     Off,
     /// At each event, until the next event.
     Each,
-    /// At the first event; then the trigger is off.
+    /// At the first event; then the scope stops.
     Once,
 }
 
