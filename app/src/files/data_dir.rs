@@ -176,8 +176,8 @@ impl DataDir {
         &self.path
     }
 
-    /// Reads the file `NAME.ron`. A number that is not finite makes the file damaged; only the macro
-    /// variables are loaded without it.
+    /// Reads the file `NAME.ron`. A number that is not finite makes the file damaged; only the
+    /// macro variables are loaded without it.
     pub fn load<T: DeserializeOwned>(&self, name: &str) -> LoadedFile<T> {
         let file = ron_file_name(name);
         let mut non_finite = None;

@@ -20,8 +20,7 @@ pub enum ElementChange {
 }
 
 /// The instructions of a rung, one line each, after a change to its statement with index `at`
-/// (0: the first of the rung);
-/// `None` if the change is not possible there.
+/// (0: the first of the rung); `None` if the change is not possible there.
 pub fn change_rung(network: &Network, at: usize, change: ElementChange) -> Option<Vec<String>> {
     let RungBody::Rung { contacts, outputs } = &network.body else {
         return None;
